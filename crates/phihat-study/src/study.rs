@@ -1,0 +1,261 @@
+//! The study's nouns as plain data: SI units, one entry per joint in the robot's order.
+
+use phihat_model::Robot;
+
+/// A complete study, read, checked and resolved against its robot.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// Name: the file's stem, `[a-z0-9_-]{1,64}`.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// The file as it was read.
+    pub text: String,
+    /// SHA-256 of `text`, hexadecimal.
+    pub sha256: String,
+    /// Seed of everything random in the run.
+    pub seed: u64,
+    /// Simulated time \[s\].
+    pub duration: f64,
+    /// The arm, with the study's locked joints applied; gravity and payload are not.
+    pub robot: Robot,
+    /// The error the user can live with.
+    pub spec: Spec,
+    /// The gains asked for.
+    pub gains: GainsRequest,
+    /// The control loop.
+    pub control: Control,
+    /// Sensors.
+    pub sensor: Sensor,
+    /// The world the arm meets.
+    pub world: World,
+    /// What the arm shall do.
+    pub reference: Reference,
+}
+
+/// Bounds that hold after `settle`; `None` where the study states none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spec {
+    /// When the steady part begins \[s\].
+    pub settle: f64,
+    /// Largest |e| \[rad\] per joint.
+    pub error_max: Option<Vec<f64>>,
+    /// Largest |∫e| \[rad·s\] per joint.
+    pub error_integral_max: Option<Vec<f64>>,
+    /// Largest |ė| \[rad/s\] per joint.
+    pub velocity_error_max: Option<Vec<f64>>,
+}
+
+/// `[gains]`: what the study says about them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GainsRequest {
+    /// Nominal inertia `M̄` \[kg·m²\] per joint.
+    pub inertia: Vec<f64>,
+    /// Outer loop and estimator.
+    pub law: LawRequest,
+}
+
+/// Two ways of stating a law.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum LawRequest {
+    /// By bandwidth and damping: `K_p = ω²`, `K_d = 2ζω`, estimator poles at `estimator_bandwidth`.
+    Bandwidths {
+        /// Estimator order `m` per joint, 1 … 4.
+        order: Vec<usize>,
+        /// `ω` \[rad/s\] per joint.
+        bandwidth: Vec<f64>,
+        /// `ζ` per joint.
+        damping: Vec<f64>,
+        /// `ω_o` \[rad/s\] per joint.
+        estimator_bandwidth: Vec<f64>,
+        /// `ζ_o` per joint (used for m ≥ 2).
+        estimator_damping: Vec<f64>,
+    },
+    /// By the coefficients themselves, as the paper prints them.
+    Coefficients {
+        /// `K_p` \[1/s²\] per joint.
+        kp: Vec<f64>,
+        /// `K_d` \[1/s\] per joint.
+        kd: Vec<f64>,
+        /// `a_0 … a_{m−1}`, the same for every joint.
+        a: Vec<f64>,
+    },
+}
+
+/// Which form of the law runs (theory.md, section 2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LawForm {
+    /// Disturbance observer fed with the applied torque: the default.
+    Observer,
+    /// The paper's (9), (10), (16): integrals of the error.
+    Literal,
+}
+
+/// `[loop]`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Control {
+    /// Sample period \[ns\].
+    pub period_ns: u64,
+    /// Transport delay from sample to acting torque \[samples\], 0 … 8.
+    pub delay_samples: u32,
+    /// Which form of the law runs.
+    pub form: LawForm,
+    /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.
+    pub torque_max: Option<Vec<f64>>,
+    /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.
+    pub torque_rate_max: Option<Vec<f64>>,
+}
+
+/// Where the controller's velocity comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum VelocitySource {
+    /// The true velocity.
+    Measured,
+    /// Backward difference of the (quantised) position.
+    Differenced,
+}
+
+/// `[sensor]`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Encoder resolution \[bit\] per revolution, per joint; `None`: exact position.
+    pub encoder_bits: Option<Vec<u32>>,
+    /// Velocity source.
+    pub velocity: VelocitySource,
+    /// First-order low-pass on the velocity \[Hz\]; `None`: none.
+    pub velocity_filter_hz: Option<f64>,
+}
+
+/// `[world]`
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// Gravity \[m/s²\] in the base frame.
+    pub gravity: [f64; 3],
+    /// Whether the robot's identified friction acts.
+    pub robot_friction: bool,
+    /// Coulomb friction on top \[N·m\] per joint.
+    pub extra_coulomb: Vec<f64>,
+    /// Viscous friction on top \[N·m·s/rad\] per joint.
+    pub extra_viscous: Vec<f64>,
+    /// Bandwidth of the drive's torque loop \[Hz\] per joint; `None`: torque acts at once.
+    pub drive_bandwidth_hz: Option<Vec<f64>>,
+    /// Body welded to a frame, unknown to the controller.
+    pub payload: Option<Payload>,
+    /// External torques.
+    pub pushes: Vec<Push>,
+    /// RK4 steps per control sample, ≥ 1.
+    pub substeps: u32,
+    /// Start position and velocity; `None`: on the reference.
+    pub start: Option<Start>,
+}
+
+/// A rigid body welded to a frame of the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Payload {
+    /// Frame (link) name.
+    pub frame: String,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Centre of mass \[m\] in that frame.
+    pub com: [f64; 3],
+    /// Inertia about the centre of mass `xx, xy, xz, yy, yz, zz` \[kg·m²\].
+    pub inertia: [f64; 6],
+}
+
+/// A constant external torque on one joint for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Push {
+    /// Joint index.
+    pub joint: usize,
+    /// Torque \[N·m\].
+    pub torque: f64,
+    /// Start \[s\].
+    pub start: f64,
+    /// Duration \[s\].
+    pub duration: f64,
+}
+
+/// Initial state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// Position \[rad\] per joint.
+    pub q: Vec<f64>,
+    /// Velocity \[rad/s\] per joint.
+    pub dq: Vec<f64>,
+}
+
+/// `[reference]`: what the arm shall do; every kind is C².
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Reference {
+    /// `q_d = center + w(t) Σ amplitude sin(2π frequency t + phase)`, faded in over `fade_in`.
+    Sines {
+        /// Middle \[rad\] per joint.
+        center: Vec<f64>,
+        /// The terms of the sum.
+        terms: Vec<Sine>,
+        /// Duration of the quintic fade-in \[s\]; 0: none.
+        fade_in: f64,
+    },
+    /// Rest-to-rest quintics between waypoints; holds the last one.
+    Waypoints {
+        /// Times \[s\], strictly increasing, first one 0.
+        t: Vec<f64>,
+        /// One position \[rad\] per joint for each time.
+        q: Vec<Vec<f64>>,
+    },
+    /// A closed curve of a frame's origin in space, by inverse kinematics.
+    Cartesian {
+        /// Frame (link) name.
+        frame: String,
+        /// The curve in the base frame.
+        curve: Curve,
+        /// Time of one turn \[s\].
+        period: f64,
+        /// Duration of the quintic start-up of the speed along the curve \[s\]; 0: full speed at once.
+        fade_in: f64,
+        /// Whether the frame's orientation is held as at the start (needs ≥ 6 joints).
+        hold_orientation: bool,
+        /// Where inverse kinematics starts looking \[rad\].
+        seed: Vec<f64>,
+    },
+    /// Samples from a file, joined by a natural cubic spline per joint.
+    Samples {
+        /// Times \[s\], strictly increasing, first one 0.
+        t: Vec<f64>,
+        /// `q[i][j]`: joint `j` at time `t[i]` \[rad\].
+        q: Vec<Vec<f64>>,
+    },
+}
+
+/// One term of a sum of sines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sine {
+    /// Amplitude \[rad\] per joint.
+    pub amplitude: Vec<f64>,
+    /// Frequency \[Hz\] per joint.
+    pub frequency: Vec<f64>,
+    /// Phase \[rad\] per joint.
+    pub phase: Vec<f64>,
+}
+
+/// A closed curve in space.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Curve {
+    /// A circle.
+    Circle {
+        /// Middle \[m\].
+        center: [f64; 3],
+        /// Radius \[m\].
+        radius: f64,
+        /// Normal (unit length).
+        normal: [f64; 3],
+    },
+    /// A periodic cubic spline through points, equally spaced in the curve's parameter.
+    Spline {
+        /// The points \[m\], at least 4, not repeating the first at the end.
+        points: Vec<[f64; 3]>,
+    },
+}
