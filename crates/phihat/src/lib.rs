@@ -1,3 +1,44 @@
-//! Stub.
+//! The real-time core of phihat: a robust-adaptive joint torque law that needs no model of the arm.
+//!
+//! Everything the law does not know (inertia, Coriolis and gravity torque, friction, payload) is one
+//! signal per joint, `φ = τ_applied − M̄ q̈`. An order-m estimator finds it from the torque that acted and
+//! the velocity that followed; a PD loop shapes the rest:
+//!
+//! ```text
+//! τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂,      e = q − q_d
+//! ```
+//!
+//! - [`JointGains`]: one joint's gains, checked once, immutable. [`JointState`]: what it remembers,
+//!   owned by the caller. [`JointGains::update`]: the only verb of the hot path.
+//! - [`Controller`]: an array of joints for a robot; [`update_joints`] for a number known at run time.
+//! - [`Limits`], [`Delay`]: torque and torque-rate limits that report what they did; transport delay.
+//!
+//! # Real time
+//!
+//! `no_std`, no dependency, no heap, no panic, no clock, no `unsafe`; `f32` or `f64`. This crate cannot
+//! see a robot model: "model-free" is a fact of the dependency graph.
+//!
+//! # Not claimed
+//!
+//! This is research software, not a safety function. It does not replace an emergency stop, and valid
+//! gains are not yet stable gains on a given arm.
 #![no_std]
 #![forbid(unsafe_code)]
+
+mod controller;
+mod delay;
+mod gains;
+mod joint;
+mod limits;
+mod real;
+mod sampled;
+
+pub use controller::{Controller, update_joints};
+pub use delay::{DELAY_MAX, Delay, DelayTooLong};
+pub use gains::{Form, Gain, GainError, JointDesign, JointGains};
+pub use joint::{Command, JointState, Measurement, Reference, Status};
+pub use limits::Limits;
+pub use real::Real;
+
+/// Highest order of the estimator.
+pub const ORDER_MAX: usize = 4;

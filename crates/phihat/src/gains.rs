@@ -1,0 +1,247 @@
+//! The gains of one joint: checked once, then immutable.
+
+use core::fmt;
+
+use crate::sampled::sampled_coefficients;
+use crate::{Limits, ORDER_MAX, Real};
+
+/// Which of the two equivalent forms of the law runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Form {
+    /// A disturbance observer fed with the torque that acted (T4): the default.
+    #[default]
+    Observer,
+    /// The paper's (9), (10), (16): integrals of the error. For reproduction; it winds up under
+    /// saturation, and starts with `φ̂(0) ≠ 0` when the error does not start at zero.
+    Literal,
+}
+
+/// What a designer chooses for one joint. Always `f64`; the running law may be `f32`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointDesign<'a> {
+    /// Nominal inertia `M̄` \[kg·m²\].
+    pub inertia: f64,
+    /// `K_p` \[1/s²\].
+    pub kp: f64,
+    /// `K_d` \[1/s\].
+    pub kd: f64,
+    /// `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\]; the length is the order `m`, 1 … 4.
+    pub a: &'a [f64],
+    /// Sample period `T` \[s\].
+    pub period: f64,
+    /// Which form of the law runs.
+    pub form: Form,
+}
+
+/// Gains of one joint, checked and prepared for the running scalar.
+///
+/// # Law
+///
+/// ```text
+/// τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂                                        (T1)
+/// Φ̂(s) = Q(s) Φ(s),   Q = (Σ_{i<m} a_i s^i)/(s^m + Σ_{i<m} a_i s^i)          (T2)
+/// φ = τ_applied − M̄ q̈
+/// ```
+///
+/// | symbol | code | unit | meaning |
+/// |---|---|---|---|
+/// | `e = q − q_d` | | rad | position error: measured minus desired |
+/// | `M̄` | `inertia` | kg·m² | nominal inertia |
+/// | `K_p, K_d` | `kp`, `kd` | 1/s², 1/s | outer loop |
+/// | `a_i` | `a` | 1/s^(m−i) | estimator polynomial |
+/// | `φ, φ̂` | `phi`, `phi_hat` | N·m | lumped unknown dynamics, its estimate; `φ̂` is *added* to the torque |
+///
+/// # Not claimed
+///
+/// Valid gains are not yet stable gains: the loop is stable only while the joint's inertia lies in a
+/// window around `M̄` that is closed at both ends. See `docs/theory.md`.
+///
+/// # References
+///
+/// Hayat, Leibold, Buss (2018), equations (5) to (10), (16).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointGains<R> {
+    pub(crate) form: Form,
+    pub(crate) order: usize,
+    pub(crate) period: R,
+    pub(crate) inertia: R,
+    pub(crate) inertia_inverse: R,
+    pub(crate) kp: R,
+    pub(crate) kd: R,
+    /// Observer: `α_{m−1}, α_{m−2}, …, α_0`, so that entry `j` feeds memory `j`.
+    pub(crate) alpha: [R; ORDER_MAX],
+    /// Literal: the factors of `∫e, ∬e, …` in `−φ̂/M̄`.
+    pub(crate) on_integrals: [R; ORDER_MAX],
+    /// Literal: the factors of `e` and `ė` in `−φ̂/M̄`.
+    pub(crate) on_error: [R; 2],
+    pub(crate) limits: Limits<R>,
+}
+
+impl<R: Real> JointGains<R> {
+    /// Checks a design and prepares it.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`], naming the gain: not finite, not positive, an order outside 1 … 4, or an
+    /// estimator polynomial with a root in the right half-plane.
+    pub fn new(design: &JointDesign<'_>) -> Result<Self, GainError> {
+        design.check()?;
+        let a = design.a;
+        let m = a.len();
+        let at = |i: usize| a.get(i).copied().unwrap_or(0.0);
+        // Lemma 1 (16): x = (∫…∫e, …, ∫e, e, ė) meets a_{i−1} K_p + a_{i−2} K_d + a_{i−3}, i = 1 … m+2.
+        let factor = |i: usize| {
+            let kd_part = if i >= 2 { at(i - 2) * design.kd } else { 0.0 };
+            let last = if i >= 3 { at(i - 3) } else { 0.0 };
+            at(i - 1) * design.kp + kd_part + last
+        };
+        let mut on_integrals = [R::ZERO; ORDER_MAX];
+        for (j, entry) in on_integrals.iter_mut().enumerate().take(m) {
+            *entry = R::from_f64(factor(m - j)); // j = 0 is ∫e, which is x[m]
+        }
+        let mut alpha = [R::ZERO; ORDER_MAX];
+        let sampled = sampled_coefficients(a, design.period);
+        for (entry, value) in alpha.iter_mut().zip(sampled.iter().take(m).rev()) {
+            *entry = R::from_f64(*value);
+        }
+        Ok(Self {
+            form: design.form,
+            order: m,
+            period: R::from_f64(design.period),
+            inertia: R::from_f64(design.inertia),
+            inertia_inverse: R::from_f64(1.0 / design.inertia),
+            kp: R::from_f64(design.kp),
+            kd: R::from_f64(design.kd),
+            alpha,
+            on_integrals,
+            on_error: [R::from_f64(factor(m + 1)), R::from_f64(factor(m + 2))],
+            limits: Limits::none(),
+        })
+    }
+
+    /// The same gains behind torque limits.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits<R>) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// Order `m` of the estimator.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Nominal inertia `M̄` \[kg·m²\].
+    pub fn inertia(&self) -> R {
+        self.inertia
+    }
+
+    /// The limits in force.
+    pub fn limits(&self) -> &Limits<R> {
+        &self.limits
+    }
+}
+
+impl JointDesign<'_> {
+    fn check(&self) -> Result<(), GainError> {
+        let positive = |gain: Gain, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                Err(GainError::NotPositive { gain, value })
+            }
+        };
+        positive(Gain::Inertia, self.inertia)?;
+        positive(Gain::Kp, self.kp)?;
+        positive(Gain::Kd, self.kd)?;
+        positive(Gain::Period, self.period)?;
+        if self.a.is_empty() || self.a.len() > ORDER_MAX {
+            return Err(GainError::Order { order: self.a.len() });
+        }
+        for (index, value) in self.a.iter().enumerate() {
+            positive(Gain::A(index), *value)?;
+        }
+        // Routh: with positive coefficients, orders 1 and 2 are stable.
+        let stable = match *self.a {
+            [a0, a1, a2] => a2 * a1 > a0,
+            [a0, a1, a2, a3] => a1 * (a3 * a2 - a1) > a3 * a3 * a0,
+            _ => true,
+        };
+        if stable { Ok(()) } else { Err(GainError::UnstableEstimator { order: self.a.len() }) }
+    }
+}
+
+/// Names a gain in an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Gain {
+    /// `M̄`.
+    Inertia,
+    /// `K_p`.
+    Kp,
+    /// `K_d`.
+    Kd,
+    /// `a_i`, with its index.
+    A(usize),
+    /// The sample period `T`.
+    Period,
+    /// A torque limit.
+    TorqueMax,
+    /// A torque-rate limit.
+    TorqueRateMax,
+}
+
+impl fmt::Display for Gain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Inertia => f.write_str("inertia [kg m^2]"),
+            Self::Kp => f.write_str("kp [1/s^2]"),
+            Self::Kd => f.write_str("kd [1/s]"),
+            Self::A(i) => write!(f, "a[{i}]"),
+            Self::Period => f.write_str("period [s]"),
+            Self::TorqueMax => f.write_str("torque limit [N m]"),
+            Self::TorqueRateMax => f.write_str("torque-rate limit [N m/s]"),
+        }
+    }
+}
+
+/// Why a design is refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum GainError {
+    /// A gain is zero, negative, infinite or NaN.
+    NotPositive {
+        /// Which one.
+        gain: Gain,
+        /// Its value.
+        value: f64,
+    },
+    /// The number of coefficients is not 1 … 4.
+    Order {
+        /// How many were given.
+        order: usize,
+    },
+    /// `s^m + a_{m−1} s^{m−1} + … + a_0` has a root with a non-negative real part.
+    UnstableEstimator {
+        /// Its order.
+        order: usize,
+    },
+}
+
+impl fmt::Display for GainError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive { gain, value } => {
+                write!(f, "{gain} is {value}; it must be positive and finite")
+            }
+            Self::Order { order } => {
+                write!(f, "the estimator has {order} coefficients; 1 to {ORDER_MAX} are possible")
+            }
+            Self::UnstableEstimator { order } => write!(
+                f,
+                "the estimator polynomial of order {order} is not stable (Routh); lower its low coefficients"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for GainError {}

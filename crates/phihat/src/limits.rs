@@ -1,0 +1,78 @@
+//! Torque and torque-rate limits that report what they did.
+
+use crate::{Gain, GainError, Real};
+
+/// Limits of one joint's torque; infinite means none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits<R> {
+    torque: R,
+    step: R,
+}
+
+/// A torque after the limits, and which of them acted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Limited<R> {
+    pub(crate) tau: R,
+    pub(crate) over_torque: bool,
+    pub(crate) over_rate: bool,
+}
+
+impl<R: Real> Limits<R> {
+    /// No limit.
+    pub fn none() -> Self {
+        Self { torque: R::from_f64(f64::INFINITY), step: R::from_f64(f64::INFINITY) }
+    }
+
+    /// Limits from the largest |τ| \[N·m\] and the largest |τ̇| \[N·m/s\] at a sample period \[s\].
+    ///
+    /// # Errors
+    ///
+    /// [`GainError::NotPositive`] when a stated limit or the period is not positive and finite.
+    pub fn new(
+        torque_max: Option<f64>,
+        torque_rate_max: Option<f64>,
+        period: f64,
+    ) -> Result<Self, GainError> {
+        let check = |gain: Gain, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(R::from_f64(value))
+            } else {
+                Err(GainError::NotPositive { gain, value })
+            }
+        };
+        check(Gain::Period, period)?;
+        let mut limits = Self::none();
+        if let Some(value) = torque_max {
+            limits.torque = check(Gain::TorqueMax, value)?;
+        }
+        if let Some(value) = torque_rate_max {
+            check(Gain::TorqueRateMax, value)?;
+            limits.step = check(Gain::TorqueRateMax, value * period)?;
+        }
+        Ok(limits)
+    }
+
+    /// Largest |τ| \[N·m\]; infinite when there is no limit.
+    pub fn torque(&self) -> R {
+        self.torque
+    }
+
+    /// Largest |τ_k − τ_{k−1}| \[N·m\]; infinite when there is no limit.
+    pub fn step(&self) -> R {
+        self.step
+    }
+
+    /// Limits the change from `previous` first, the size last, so that the size always holds.
+    pub(crate) fn apply(&self, tau: R, previous: R) -> Limited<R> {
+        let stepped = previous + (tau - previous).saturate(self.step);
+        // Where the rate limit does not act, keep tau to the last bit.
+        let over_rate = {
+            let change = tau - previous;
+            change > self.step || change < -self.step
+        };
+        let candidate = if over_rate { stepped } else { tau };
+        let limited = candidate.saturate(self.torque);
+        let over_torque = tau > self.torque || tau < -self.torque;
+        Limited { tau: limited, over_torque, over_rate }
+    }
+}

@@ -1,0 +1,80 @@
+//! The scalar of the core: `f32` or `f64`.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A real number the controller can run on: `f32` for microcontrollers, `f64` elsewhere.
+///
+/// Design-time arithmetic is always `f64`; only the running law uses this scalar.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Zero.
+    const ZERO: Self;
+    /// The nearest value to `x`.
+    fn from_f64(x: f64) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+
+    /// Whether every value is finite, without a branch: 0·x is 0 for finite x and NaN otherwise.
+    fn all_finite<const N: usize>(values: [Self; N]) -> bool {
+        let mut sum = Self::ZERO;
+        for value in values {
+            sum += value * Self::ZERO;
+        }
+        sum == Self::ZERO
+    }
+
+    /// `self` limited to `[−limit, limit]`; NaN stays NaN, so that it cannot turn into a torque
+    /// silently (`max().min()` would answer `−limit`).
+    #[must_use]
+    fn saturate(self, limit: Self) -> Self {
+        if self > limit {
+            limit
+        } else if self < -limit {
+            -limit
+        } else {
+            self
+        }
+    }
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to the running scalar is the point"
+    )]
+    fn from_f64(x: f64) -> Self {
+        x as f32
+    }
+    fn is_finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    fn is_finite(self) -> bool {
+        self.is_finite()
+    }
+}
