@@ -252,7 +252,7 @@ impl<R: Real> JointGains<R> {
         reference: &Reference<R>,
         wanted: R,
     ) {
-        let [.., highest] = next.memory.split_at_mut(self.order).0 else { return };
+        let Some(highest) = next.memory.iter_mut().take(self.order).last() else { return };
         if *highest == R::ZERO {
             // The order rises: what the lower integrals held belongs into the new highest one, or
             // they would drive it away from a constant load.
