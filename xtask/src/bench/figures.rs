@@ -1,0 +1,224 @@
+//! The figures of both sides: read from JSON lines, set against each other.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde_json::{Map, Value, json};
+
+use super::ARMS;
+
+/// One algorithm's figure in every round.
+#[derive(Clone)]
+struct Series {
+    unit: Unit,
+    rounds: Vec<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Unit {
+    /// Nanoseconds per call.
+    Ns,
+    /// Simulated seconds per second.
+    TimesRealTime,
+}
+
+impl Unit {
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Ns => "ns",
+            Self::TimesRealTime => "times_real_time",
+        }
+    }
+}
+
+impl Series {
+    /// The round that was disturbed least.
+    fn best(&self) -> f64 {
+        match self.unit {
+            Unit::Ns => self.rounds.iter().copied().fold(f64::INFINITY, f64::min),
+            Unit::TimesRealTime => self.rounds.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// How far the rounds lie apart, over the best.
+    fn spread(&self) -> f64 {
+        let high = self.rounds.iter().copied().fold(0.0, f64::max);
+        let low = self.rounds.iter().copied().fold(f64::INFINITY, f64::min);
+        (high - low) / self.best()
+    }
+
+    fn json(&self) -> Value {
+        json!({ "best": self.best(), "spread": self.spread(), "rounds": self.rounds })
+    }
+}
+
+/// What names a figure: the robot (or nothing), then algorithm and its variant.
+type Name = (String, String);
+
+/// One side's figures.
+#[derive(Default)]
+pub(super) struct Figures {
+    series: BTreeMap<Name, Series>,
+}
+
+impl Figures {
+    /// Takes one round's output: a JSON object per line, such as
+    /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Further fields name a variant; lines that
+    /// are no JSON object are other people's talk.
+    pub(super) fn add(&mut self, lines: &str) -> Result<(), String> {
+        for line in lines.lines().filter(|line| line.starts_with('{')) {
+            let read: Map<String, Value> =
+                serde_json::from_str(line).map_err(|e| format!("{line}: {e}"))?;
+            let (name, unit, value) = figure(read).ok_or(format!("no figure in {line}"))?;
+            let series = self.series.entry(name).or_insert(Series { unit, rounds: Vec::new() });
+            series.rounds.push(value);
+        }
+        Ok(())
+    }
+}
+
+fn figure(mut read: Map<String, Value>) -> Option<(Name, Unit, f64)> {
+    let word = |value: Option<Value>| value.map(|v| v.as_str().map(str::to_owned));
+    let robot = word(read.remove("robot")).unwrap_or_default().unwrap_or_default();
+    let mut algorithm = word(read.remove("algorithm"))??;
+    let (unit, value) = [Unit::Ns, Unit::TimesRealTime]
+        .into_iter()
+        .find_map(|unit| Some((unit, read.remove(unit.key())?.as_f64()?)))?;
+    if let Some((loop_name, arm)) = ARMS.iter().find_map(|arm| without_arm(&algorithm, arm)) {
+        return Some(((arm, loop_name), unit, value));
+    }
+    for (key, value) in read {
+        let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let _ = write!(algorithm, ", {key} {value}");
+    }
+    Some(((robot, algorithm), unit, value))
+}
+
+/// `closed_loop_panda_rk4` is the panda's `closed_loop_rk4`.
+fn without_arm(algorithm: &str, arm: &str) -> Option<(String, String)> {
+    let (before, after) = algorithm.split_once(&format!("_{arm}"))?;
+    Some((format!("{before}{after}"), arm.to_owned()))
+}
+
+/// Ours and the peer's.
+#[derive(Default)]
+pub(super) struct Sides {
+    pub(super) ours: Figures,
+    pub(super) peer: Figures,
+}
+
+impl Sides {
+    /// Time of ours over time of the peer.
+    fn ratio(&self, name: &Name) -> Option<f64> {
+        let (ours, peer) = (self.ours.series.get(name)?, self.peer.series.get(name)?);
+        match (ours.unit, peer.unit) {
+            (Unit::Ns, Unit::Ns) => Some(ours.best() / peer.best()),
+            (Unit::TimesRealTime, Unit::TimesRealTime) => Some(peer.best() / ours.best()),
+            _ => None,
+        }
+    }
+
+    /// Every name of either side: arms in their order, then what belongs to none.
+    fn names(&self) -> Vec<&Name> {
+        let rank = |name: &Name| ARMS.iter().position(|arm| *arm == name.0).unwrap_or(ARMS.len());
+        let mut names: Vec<&Name> =
+            self.ours.series.keys().chain(self.peer.series.keys()).collect();
+        names.sort_by_key(|name| (rank(name), *name));
+        names.dedup();
+        names
+    }
+
+    pub(super) fn table(&self, rounds: usize) -> String {
+        let mut text = format!(
+            "best of {rounds} rounds' medians, ns per call unless marked x (simulated s per s);\n\
+             spread: worst to best round; ratio: our time over Pinocchio's, below 1 we are faster\n"
+        );
+        let mut robot = None;
+        for name in self.names() {
+            if robot != Some(&name.0) {
+                robot = Some(&name.0);
+                let title = if name.0.is_empty() { "controller" } else { &name.0 };
+                let _ = writeln!(
+                    text,
+                    "\n{title:40} {:>10} {:>7} {:>10} {:>7} {:>6}",
+                    "ours", "spread", "Pinocchio", "spread", "ratio"
+                );
+            }
+            let ours = cells(self.ours.series.get(name));
+            let peer = cells(self.peer.series.get(name));
+            let ratio = self.ratio(name).map_or("–".into(), |ratio| format!("{ratio:.2}"));
+            let _ = writeln!(text, "  {:38} {ours} {peer} {ratio:>6}", name.1);
+        }
+        if self.names().iter().any(|name| name.1.starts_with("closed_loop")) {
+            text.push_str(
+                "\nclosed loop: 1 kHz, four forward dynamics (RK4) per step on both sides; Pinocchio's law \
+                 is computed\ntorque (one RNEA), ours is this project's controller and whatever its world adds\n",
+            );
+        }
+        text
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let row = |name: &Name| {
+            let (ours, peer) = (self.ours.series.get(name), self.peer.series.get(name));
+            json!({
+                "robot": (!name.0.is_empty()).then_some(&name.0),
+                "algorithm": name.1,
+                "unit": ours.or(peer).map(|series| series.unit.key()),
+                "ours": ours.map(Series::json),
+                "pinocchio": peer.map(Series::json),
+                "ratio": self.ratio(name),
+            })
+        };
+        Value::Array(self.names().into_iter().map(row).collect())
+    }
+}
+
+/// Figure and spread, or two dashes.
+fn cells(series: Option<&Series>) -> String {
+    let Some(series) = series else { return format!("{:>10} {:>7}", "–", "–") };
+    let mark = if series.unit == Unit::TimesRealTime { "x" } else { "" };
+    let figure = format!("{:.1}{mark}", series.best());
+    format!("{figure:>10} {:>6.0}%", 100.0 * series.spread())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Figures, Sides};
+
+    fn side(lines: &[&str]) -> Figures {
+        let mut figures = Figures::default();
+        for line in lines {
+            figures.add(line).unwrap();
+        }
+        figures
+    }
+
+    #[test]
+    fn ratio_below_one_means_ours_is_faster_in_either_unit() {
+        let sides = Sides {
+            ours: side(&[
+                r#"{"robot":"panda","algorithm":"aba","ns":200.0}"#,
+                r#"{"robot":"panda","algorithm":"aba","ns":100.0}"#,
+                r#"{"algorithm":"closed_loop_panda_rk4","times_real_time":800.0}"#,
+            ]),
+            peer: side(&[
+                r#"{"robot":"panda","algorithm":"aba","ns":400.0}"#,
+                r#"{"robot":"panda","algorithm":"closed_loop_rk4","times_real_time":200.0}"#,
+            ]),
+        };
+        for algorithm in ["aba", "closed_loop_rk4"] {
+            let ratio = sides.ratio(&("panda".into(), algorithm.into())).unwrap();
+            assert!((ratio - 0.25).abs() < 1e-12, "{algorithm}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn further_fields_name_a_variant_and_talk_is_passed_over() {
+        let figures = side(&[
+            "\nrunning\n{\"algorithm\":\"update\",\"order\":2,\"scalar\":\"f32\",\"ns\":9}",
+        ]);
+        let names: Vec<_> = figures.series.keys().collect();
+        assert_eq!(names, [&(String::new(), "update, order 2, scalar f32".to_owned())]);
+    }
+}

@@ -1,0 +1,142 @@
+//! `cargo xtask bench`: our dynamics and Pinocchio's, side by side on this machine.
+//!
+//! Both sides are built here with the machine's full instruction set, pinned to one core, and run in
+//! alternation, so that a slow minute of the machine meets both. Each run prints one median per
+//! algorithm; the table shows the best of the rounds' medians and how far the rounds spread.
+#![allow(clippy::print_stdout, reason = "a chore of the terminal: its table is the product")]
+
+mod figures;
+mod machine;
+mod peer;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use figures::Sides;
+use machine::Machine;
+use peer::Peer;
+
+const USAGE: &str = "usage: cargo xtask bench [--quick] [--cxx COMPILER]";
+const ARMS: [&str; 4] = ["panda", "iiwa14", "ur5", "planar3r"];
+const ROUNDS: usize = 5;
+
+/// Our bench binaries that print figures: package and bench.
+const OWN: [(&str, &str); 3] =
+    [("phihat-model", "dynamics"), ("phihat", "update"), ("phihat-sim", "closed_loop")];
+
+/// Measures both sides, prints the table, and writes `target/bench/bench.json`.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    let options = Options::parse(args)?;
+    let places = Places::find()?;
+    let benches = present(&places.root);
+    for (package, bench) in &benches {
+        output(cargo_bench(&places.root, package, bench).arg("--no-run"))?;
+    }
+    let peer = Peer::build(&places, options.cxx.as_deref())?;
+    let machine = Machine::inspect(&places.root);
+
+    let mut sides = Sides::default();
+    for round in 1..=options.rounds {
+        println!("round {round} of {}", options.rounds);
+        sides.peer.add(&output(&mut machine.pin(peer.command(options.quick)))?)?;
+        for (package, bench) in &benches {
+            let mut command = cargo_bench(&places.root, package, bench);
+            if options.quick {
+                command.args(["--", "--quick"]);
+            }
+            sides.ours.add(&output(&mut machine.pin(command))?)?;
+        }
+    }
+
+    print!("\n{}{}\n{}", machine.text(), peer.text(), sides.table(options.rounds));
+    let file = places.output.join("bench.json");
+    let document = serde_json::json!({
+        "machine": machine.json(),
+        "pinocchio": peer.json(),
+        "rounds": options.rounds,
+        "figures": sides.json(),
+    });
+    write(&file, &format!("{document:#}\n"))?;
+    println!("\nwritten: {}", file.display());
+    Ok(())
+}
+
+struct Options {
+    quick: bool,
+    rounds: usize,
+    cxx: Option<String>,
+}
+
+impl Options {
+    fn parse(args: &[String]) -> Result<Self, String> {
+        let mut options = Self { quick: false, rounds: ROUNDS, cxx: None };
+        let mut rest = args.iter();
+        while let Some(word) = rest.next() {
+            match word.as_str() {
+                "--quick" => (options.quick, options.rounds) = (true, 1),
+                "--cxx" => options.cxx = Some(rest.next().ok_or(USAGE)?.clone()),
+                other => return Err(format!("unknown argument `{other}`\n{USAGE}")),
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// The workspace and the folder for what this chore builds and writes.
+struct Places {
+    root: PathBuf,
+    output: PathBuf,
+}
+
+impl Places {
+    fn find() -> Result<Self, String> {
+        let manifest =
+            std::env::var("CARGO_MANIFEST_DIR").map_err(|_| "run it as `cargo xtask`")?;
+        let root =
+            Path::new(&manifest).parent().ok_or("xtask lies outside a workspace")?.to_owned();
+        let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".into());
+        let output = root.join(target).join("bench");
+        fs::create_dir_all(&output).map_err(|e| format!("{}: {e}", output.display()))?;
+        Ok(Self { root, output })
+    }
+
+    fn sources(&self) -> PathBuf {
+        self.root.join("xtask/bench")
+    }
+}
+
+/// The benches of [`OWN`] that exist; says which do not.
+fn present(root: &Path) -> Vec<(&'static str, &'static str)> {
+    let (there, missing): (Vec<_>, Vec<_>) = OWN.iter().partition(|(package, bench)| {
+        root.join("crates").join(package).join("benches").join(bench).with_extension("rs").exists()
+    });
+    for (package, bench) in missing {
+        println!("skipped: crate {package} has no bench `{bench}`");
+    }
+    there
+}
+
+fn cargo_bench(root: &Path, package: &str, bench: &str) -> Command {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.current_dir(root).args(["bench", "--quiet", "-p", package, "--bench", bench]);
+    command
+}
+
+/// Runs a command to its end; its standard output, or what went wrong.
+fn output(command: &mut Command) -> Result<String, String> {
+    let result = command
+        .stderr(std::process::Stdio::inherit())
+        .output()
+        .map_err(|e| format!("{command:?}: {e}"))?;
+    if result.status.success() {
+        String::from_utf8(result.stdout).map_err(|e| format!("{command:?}: {e}"))
+    } else {
+        Err(format!("{command:?}: {}", result.status))
+    }
+}
+
+fn write(file: &Path, text: &str) -> Result<(), String> {
+    fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))
+}
