@@ -40,11 +40,14 @@ impl Series {
         }
     }
 
-    /// How far the rounds lie apart, over the best.
-    fn spread(&self) -> f64 {
+    /// How far the rounds lie apart, over the best; one round says nothing about it.
+    fn spread(&self) -> Option<f64> {
+        if self.rounds.len() < 2 {
+            return None;
+        }
         let high = self.rounds.iter().copied().fold(0.0, f64::max);
         let low = self.rounds.iter().copied().fold(f64::INFINITY, f64::min);
-        (high - low) / self.best()
+        Some((high - low) / self.best())
     }
 
     fn json(&self) -> Value {
@@ -130,7 +133,7 @@ impl Sides {
 
     pub(super) fn table(&self, rounds: usize) -> String {
         let mut text = format!(
-            "best of {rounds} rounds' medians, ns per call unless marked x (simulated s per s);\n\
+            "rounds: {rounds}, of which the best median; ns per call, or simulated s per s where marked x;\n\
              spread: worst to best round; ratio: our time over Pinocchio's, below 1 we are faster\n"
         );
         let mut robot = None;
@@ -179,7 +182,8 @@ fn cells(series: Option<&Series>) -> String {
     let Some(series) = series else { return format!("{:>10} {:>7}", "–", "–") };
     let mark = if series.unit == Unit::TimesRealTime { "x" } else { "" };
     let figure = format!("{:.1}{mark}", series.best());
-    format!("{figure:>10} {:>6.0}%", 100.0 * series.spread())
+    let spread = series.spread().map_or("–".into(), |spread| format!("{:.0}%", 100.0 * spread));
+    format!("{figure:>10} {spread:>7}")
 }
 
 #[cfg(test)]
