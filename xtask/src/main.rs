@@ -1,16 +1,24 @@
-//! The project's chores: `cargo xtask bench`.
+//! The project's chores: `cargo xtask test | bench`.
 #![forbid(unsafe_code)]
-#![allow(clippy::print_stderr, reason = "a chore of the terminal says what went wrong")]
+#![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
+#![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
 
 mod bench;
+mod rules;
+mod test;
 
 use std::process::ExitCode;
+
+const USAGE: &str = "usage:
+  cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
+  cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
+        Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
-        _ => Err("usage: cargo xtask bench".to_owned()),
+        _ => Err(USAGE.to_owned()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,14 @@
 //! The gains document: what a controller needs, as one versioned JSON file.
 
+use phihat::{Form, GainError, JointDesign, JointGains};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What `format` says in every gains document.
+pub const FORMAT: &str = "phihat-gains";
+
+/// The version of the document's shape that this crate writes and reads.
+pub const VERSION: u32 = 1;
 
 /// Gains of one joint, in SI units; see NOTATION.md.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,4 +44,110 @@ pub struct Gains {
     pub method: String,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
+}
+
+/// Why a gains document cannot be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum GainsError {
+    /// Not JSON, or not of this shape.
+    #[error("{0}")]
+    Json(#[from] serde_json::Error),
+    /// Another kind of document.
+    #[error("format is {found:?}; {FORMAT:?} is expected")]
+    Format {
+        /// What it says.
+        found: String,
+    },
+    /// Written by another version.
+    #[error("version is {found}; this program reads version {VERSION}")]
+    Version {
+        /// What it says.
+        found: u32,
+    },
+    /// The joints are not those of the robot, in its order.
+    #[error("the gains are for joints {found}; the robot has {expected}")]
+    Joints {
+        /// Names in the document.
+        found: String,
+        /// Names of the robot.
+        expected: String,
+    },
+    /// Made for another loop rate.
+    #[error("the gains are for a loop at {found} Hz; the study runs at {expected} Hz")]
+    Rate {
+        /// Rate in the document.
+        found: f64,
+        /// Rate of the study.
+        expected: f64,
+    },
+    /// The core refuses a joint's gains.
+    #[error("joint {joint}: {error}")]
+    Joint {
+        /// Its name.
+        joint: String,
+        /// Why.
+        error: GainError,
+    },
+}
+
+impl Gains {
+    /// Reads a document.
+    ///
+    /// # Errors
+    ///
+    /// [`GainsError`]: not JSON, unknown or missing keys (with line and column), another format or
+    /// version.
+    pub fn from_json(text: &str) -> Result<Self, GainsError> {
+        let gains: Self = serde_json::from_str(text)?;
+        if gains.format != FORMAT {
+            return Err(GainsError::Format { found: gains.format });
+        }
+        if gains.version != VERSION {
+            return Err(GainsError::Version { found: gains.version });
+        }
+        Ok(gains)
+    }
+
+    /// The document as text, for people and machines.
+    ///
+    /// # Errors
+    ///
+    /// [`GainsError::Json`], when a number is not finite.
+    pub fn to_json(&self) -> Result<String, GainsError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The controller's gains for a robot, bound by joint name and order.
+    ///
+    /// # Errors
+    ///
+    /// [`GainsError`]: joints or rate differ, or the core refuses a joint's gains.
+    pub fn joint_gains(
+        &self,
+        names: &[String],
+        period_ns: u64,
+        form: Form,
+    ) -> Result<Vec<JointGains<f64>>, GainsError> {
+        let own: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+        if own.iter().ne(names) {
+            return Err(GainsError::Joints { found: own.join(", "), expected: names.join(", ") });
+        }
+        let expected = 1e9 / period_ns as f64;
+        if (self.rate_hz - expected).abs() > 1e-9 * expected {
+            return Err(GainsError::Rate { found: self.rate_hz, expected });
+        }
+        let joint = |record: &JointRecord| {
+            JointGains::new(&JointDesign {
+                inertia: record.inertia_kg_m2,
+                kp: record.kp_per_s2,
+                kd: record.kd_per_s,
+                a: &record.a,
+                period: period_ns as f64 * 1e-9,
+                form,
+            })
+            .map_err(|error| GainsError::Joint { joint: record.name.clone(), error })
+        };
+        self.joints.iter().map(joint).collect()
+    }
 }

@@ -1,6 +1,9 @@
 //! What a person reads first: one row of figures per joint.
 
+use phihat_study::Study;
 use serde::{Deserialize, Serialize};
+
+use crate::trace::{JointTrace, Trace};
 
 /// Figures of one joint over a run. "Steady" means: after `Spec::settle`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,4 +57,69 @@ pub struct Metrics {
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointMetrics>,
+}
+
+impl Metrics {
+    /// Figures of a trace against a study's bounds and limits.
+    pub fn of(trace: &Trace, study: &Study) -> Self {
+        let settle_s = study.spec.settle;
+        let first = trace.index_at(settle_s);
+        let joint = |(i, joint): (usize, &JointTrace)| joint_metrics(joint, study, i, first);
+        let joints: Vec<_> = trace.joints.iter().enumerate().map(joint).collect();
+        let complete = first < trace.len();
+        Self {
+            duration_s: trace.len() as f64 * trace.period_ns as f64 * 1e-9,
+            settle_s,
+            samples: trace.len() as u64,
+            within_spec: complete && joints.iter().all(JointMetrics::within_spec),
+            joints,
+        }
+    }
+}
+
+impl JointMetrics {
+    /// Whether every bound that the study states holds on this joint.
+    pub fn within_spec(&self) -> bool {
+        // Written so that NaN does not pass.
+        let holds = |value: f64, bound: Option<f64>| bound.is_none_or(|bound| value <= bound);
+        holds(self.error_steady_max_rad, self.error_spec_rad)
+            && holds(self.error_integral_steady_max_rad_s, self.error_integral_spec_rad_s)
+            && holds(self.velocity_error_steady_max_rad_s, self.velocity_error_spec_rad_s)
+    }
+}
+
+fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> JointMetrics {
+    let per = |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(i)).copied();
+    let steady = |values: &[f64]| largest(values.get(first..).unwrap_or(&[]).iter().copied());
+    let errors = joint.e.get(first..).unwrap_or(&[]);
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
+    let steps = joint.tau_command.windows(2).map(|w| w[1] - w[0]);
+    let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;
+    let period = study.control.period_ns as f64 * 1e-9;
+    JointMetrics {
+        name: joint.name.clone(),
+        error_rms_rad: (squares / errors.len().max(1) as f64).sqrt(),
+        error_max_rad: largest(joint.e.iter().copied()),
+        error_steady_max_rad: steady(&joint.e),
+        error_spec_rad: per(&study.spec.error_max),
+        error_integral_steady_max_rad_s: steady(&joint.e_integral),
+        error_integral_spec_rad_s: per(&study.spec.error_integral_max),
+        velocity_error_steady_max_rad_s: steady(&joint.de),
+        velocity_error_spec_rad_s: per(&study.spec.velocity_error_max),
+        tau_max_nm: largest(joint.tau_applied.iter().copied()),
+        tau_limit_nm: per(&study.control.torque_max),
+        tau_step_max_nm: largest(steps),
+        tau_step_limit_nm: per(&study.control.torque_rate_max).map(|rate| rate * period),
+        saturated_samples: count(&joint.saturated),
+        rate_limited_samples: count(&joint.rate_limited),
+        phi_max_nm: largest(joint.phi.iter().copied()),
+        phi_error_steady_max_nm: largest(misfit),
+    }
+}
+
+/// Largest absolute value; NaN if there is one, 0 for none.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    let larger = |most: f64, value: f64| if value.abs() <= most { most } else { value.abs() };
+    values.fold(0.0, |most, value| if most.is_nan() { most } else { larger(most, value) })
 }

@@ -1,5 +1,7 @@
 //! The record of a run: every signal of every joint at every control sample.
 
+use phihat::{Command, Measurement, Reference};
+
 /// Signals of one joint, one entry per sample; all vectors have the same length.
 ///
 /// At sample `k` (time `t_k = k·T`): what was measured, what was wanted, what was commanded, and the
@@ -54,3 +56,111 @@ pub struct Trace {
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointTrace>,
 }
+
+impl Trace {
+    /// An empty record with room for a run.
+    pub fn new(names: &[String], period_ns: u64, samples: u64) -> Self {
+        let room = usize::try_from(samples).unwrap_or(0).min(1 << 24);
+        let joint = |name: &String| {
+            let mut joint = JointTrace { name: name.clone(), ..JointTrace::default() };
+            for column in COLUMNS {
+                (column.get_mut)(&mut joint).reserve_exact(room);
+            }
+            joint.saturated.reserve_exact(room);
+            joint.rate_limited.reserve_exact(room);
+            joint
+        };
+        let joints = names.iter().map(joint).collect();
+        Self { period_ns, t_ns: Vec::with_capacity(room), joints }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.t_ns.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.t_ns.is_empty()
+    }
+
+    /// First sample at or after a time \[s\].
+    pub fn index_at(&self, t: f64) -> usize {
+        self.t_ns.partition_point(|at| (*at as f64) < t * 1e9)
+    }
+
+    /// Opens a sample with the true state.
+    pub(crate) fn state(&mut self, t_ns: u64, q: &[f64], dq: &[f64]) {
+        self.t_ns.push(t_ns);
+        for (i, joint) in self.joints.iter_mut().enumerate() {
+            joint.q.push(q[i]);
+            joint.dq.push(dq[i]);
+        }
+    }
+
+    /// Closes one joint's sample. `acted`: acceleration at its start, mean torque, and `φ`.
+    pub(crate) fn answer(
+        &mut self,
+        joint: usize,
+        measurement: &Measurement<f64>,
+        reference: &Reference<f64>,
+        command: &Command<f64>,
+        acted: (f64, f64, f64),
+    ) {
+        let period = self.period_ns as f64 * 1e-9;
+        let joint = &mut self.joints[joint];
+        let last = joint.q.len() - 1;
+        let e = joint.q[last] - reference.q;
+        // Trapezoid rule.
+        let before = joint.e.last().map_or(0.0, |before| 0.5 * period * (before + e));
+        let integral = joint.e_integral.last().copied().unwrap_or(0.0) + before;
+        joint.de.push(joint.dq[last] - reference.dq);
+        joint.e.push(e);
+        joint.e_integral.push(integral);
+        joint.q_desired.push(reference.q);
+        joint.dq_desired.push(reference.dq);
+        joint.ddq_desired.push(reference.ddq);
+        joint.q_measured.push(measurement.q);
+        joint.dq_measured.push(measurement.dq);
+        joint.tau_command.push(command.tau);
+        joint.phi_hat.push(command.phi_hat);
+        joint.saturated.push(command.status.saturated);
+        joint.rate_limited.push(command.status.rate_limited);
+        let (ddq, tau_applied, phi) = acted;
+        joint.ddq.push(ddq);
+        joint.tau_applied.push(tau_applied);
+        joint.phi.push(phi);
+    }
+}
+
+/// One numeric signal: its name in files, with the unit, and where it lives.
+pub(crate) struct Column {
+    pub(crate) name: &'static str,
+    pub(crate) get: fn(&JointTrace) -> &Vec<f64>,
+    pub(crate) get_mut: fn(&mut JointTrace) -> &mut Vec<f64>,
+}
+
+macro_rules! columns {
+    ($($name:literal => $field:ident),* $(,)?) => {
+        [$(Column { name: $name, get: |j| &j.$field, get_mut: |j| &mut j.$field }),*]
+    };
+}
+
+/// The numeric signals, in the order of the files.
+pub(crate) const COLUMNS: [Column; 15] = columns![
+    "q_rad" => q,
+    "dq_rad_s" => dq,
+    "ddq_rad_s2" => ddq,
+    "q_desired_rad" => q_desired,
+    "dq_desired_rad_s" => dq_desired,
+    "ddq_desired_rad_s2" => ddq_desired,
+    "e_rad" => e,
+    "e_integral_rad_s" => e_integral,
+    "de_rad_s" => de,
+    "q_measured_rad" => q_measured,
+    "dq_measured_rad_s" => dq_measured,
+    "tau_command_nm" => tau_command,
+    "tau_applied_nm" => tau_applied,
+    "phi_nm" => phi,
+    "phi_hat_nm" => phi_hat,
+];

@@ -1,0 +1,171 @@
+//! One study being run, and what the run leaves in its folder.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat::Form;
+use phihat_design::{Gains, requested_gains};
+use phihat_report::{Record, RunInfo};
+use phihat_sim::{Divergence, Metrics, Simulation, Trace};
+use phihat_study::{LawForm, Study};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::{files, table};
+
+/// A study and its gains, ready to run.
+pub(crate) struct Session {
+    study: Study,
+    gains: Gains,
+    simulation: Simulation,
+    folder: PathBuf,
+    command: String,
+}
+
+/// A finished run.
+pub(crate) struct Done {
+    pub(crate) folder: PathBuf,
+    study: Study,
+    gains: Gains,
+    run: RunInfo,
+    trace: Trace,
+    metrics: Metrics,
+    divergence: Option<Divergence>,
+}
+
+impl Session {
+    /// Reads and checks everything; nothing is written before all of it fits.
+    pub(crate) fn open(
+        path: &Path,
+        gains: Option<&Path>,
+        folder: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let study = Study::read(path).map_err(|e| Failure::study(&e))?;
+        let mut command = format!("phihat run {}", path.display());
+        let chosen = if let Some(file) = gains {
+            command = format!("{command} --gains {}", file.display());
+            Gains::from_json(&files::read(file)?).map_err(|e| Failure::at(file, e))?
+        } else {
+            requested_gains(&study)
+        };
+        let form = match study.control.form {
+            LawForm::Observer => Form::Observer,
+            LawForm::Literal => Form::Literal,
+        };
+        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let source = gains.unwrap_or(path);
+        let law = chosen
+            .joint_gains(&names, study.control.period_ns, form)
+            .map_err(|e| Failure::at(source, e))?;
+        let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
+        let folder = folder.map_or_else(|| Path::new("out").join(&study.name), Path::to_owned);
+        Ok(Self { study, gains: chosen, simulation, folder, command })
+    }
+
+    /// Runs the loop and writes its record.
+    pub(crate) fn simulate(self) -> Result<Done, Failure> {
+        let bar = ProgressBar::new(self.simulation.samples());
+        if let Ok(style) = ProgressStyle::with_template(
+            "simulating {wide_bar} {percent:>3} % · {elapsed} of about {duration}",
+        ) {
+            bar.set_style(style);
+        }
+        let outcome = self.simulation.run(|done| bar.set_position(done));
+        bar.finish_and_clear();
+        let metrics = Metrics::of(&outcome.trace, &self.study);
+        let run = run_info(&self.study, self.command, outcome.divergence.as_ref());
+        let done = Done {
+            folder: self.folder,
+            study: self.study,
+            gains: self.gains,
+            run,
+            trace: outcome.trace,
+            metrics,
+            divergence: outcome.divergence,
+        };
+        done.write()?;
+        Ok(done)
+    }
+}
+
+impl Done {
+    /// The record that a report is made from.
+    pub(crate) fn record(&self) -> Record<'_> {
+        Record {
+            run: &self.run,
+            study_text: &self.study.text,
+            gains: &self.gains,
+            trace: &self.trace,
+            metrics: &self.metrics,
+        }
+    }
+
+    fn write(&self) -> Result<(), Failure> {
+        files::make_folder(&self.folder)?;
+        let at = |name: &str| self.folder.join(name);
+        let pretty = |value: &serde_json::Value| format!("{value:#}\n");
+        files::write(&at("study.toml"), &self.study.text)?;
+        files::write(&at("gains.json"), &self.gains.to_json().map_err(Failure::plain)?)?;
+        files::write(&at("run.json"), &pretty(&json!(self.run)))?;
+        files::write(&at("metrics.json"), &pretty(&json!(self.metrics)))?;
+        let trace = at("trace.csv");
+        files::write_with(&trace, |file| {
+            self.trace.write_csv(file).map_err(|e| Failure::at(&trace, e))
+        })
+    }
+
+    /// Tells what came out; the exit code says whether it is within spec.
+    pub(crate) fn print(&self, as_json: bool, report: Option<&Path>) -> Result<ExitCode, Failure> {
+        let diverged = self.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
+        if as_json {
+            let document = json!({
+                "study": self.study.name,
+                "folder": self.folder,
+                "report": report,
+                "diverged": diverged,
+                "metrics": self.metrics,
+            });
+            println!("{document:#}");
+        } else {
+            println!("{} · {}", self.study.name, self.study.title);
+            println!("{}", table::metrics(&self.metrics));
+            println!("{}", table::verdict(&self.metrics, self.divergence.as_ref()));
+            match report {
+                Some(page) => println!("report: {}", page.display()),
+                None => println!("trace: {}", self.folder.join("trace.csv").display()),
+            }
+        }
+        let good = self.divergence.is_none() && self.metrics.within_spec;
+        Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+}
+
+fn run_info(study: &Study, command: String, divergence: Option<&Divergence>) -> RunInfo {
+    let form = match study.control.form {
+        LawForm::Observer => "observer",
+        LawForm::Literal => "literal",
+    };
+    let mut warnings = study.robot.warnings.clone();
+    if let Some(d) = divergence {
+        let place = format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);
+        warnings.push(place);
+    }
+    RunInfo {
+        study: study.name.clone(),
+        title: study.title.clone(),
+        study_sha256: study.sha256.clone(),
+        seed: study.seed,
+        robot: study.robot.name.clone(),
+        robot_description: study.robot.description.clone(),
+        robot_provenance: study.robot.provenance.clone(),
+        phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+        toolchain: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        form: form.to_owned(),
+        rate_hz: 1e9 / study.control.period_ns as f64,
+        delay_samples: study.control.delay_samples,
+        world: table::world(study),
+        command,
+        warnings,
+    }
+}

@@ -1,0 +1,39 @@
+//! `phihat run`: the whole way, from a study to evidence.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use crate::failure::Failure;
+use crate::record::Session;
+use crate::report::write_report;
+
+/// Take a study through gains, the closed loop and a report.
+///
+/// Writes report.html, static figures, trace.csv, metrics.json, gains.json, run.json and a copy of the
+/// study to out/STUDY/.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  phihat run studies/panda.toml")]
+pub(crate) struct Run {
+    /// The study file (TOML).
+    study: PathBuf,
+    /// Use these gains (a gains.json) in place of those the study states.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
+    /// Folder for the results [default: out/STUDY].
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Run {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let session = Session::open(&self.study, self.gains.as_deref(), self.out.as_deref())?;
+        let done = session.simulate()?;
+        let page = write_report(&done.record(), &done.folder.join("report.html"))?;
+        done.print(self.json, Some(&page))
+    }
+}

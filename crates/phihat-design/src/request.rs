@@ -1,0 +1,87 @@
+//! Gains as a study states them: bandwidths or coefficients, turned into the gains document.
+
+use phihat_study::{LawRequest, Study};
+
+use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
+
+/// The gains that a study asks for in so many words.
+///
+/// # Law
+///
+/// ```text
+/// K_p = ω²,  K_d = 2ζω
+/// A_o(s):  m = 1: s + ω_o                     m = 2: B(s) = s² + 2ζ_o ω_o s + ω_o²            (G1)
+///          m = 3: (s + ω_o) B(s)              m = 4: B(s)²
+/// ```
+///
+/// All estimator poles lie at the distance `ω_o`. Nothing is claimed about stability here.
+pub fn requested_gains(study: &Study) -> Gains {
+    let inertia = &study.gains.inertia;
+    let joint = |(i, joint): (usize, &phihat_model::Joint)| {
+        let (kp, kd, a) = law(&study.gains.law, i);
+        JointRecord {
+            name: joint.name.clone(),
+            inertia_kg_m2: inertia[i],
+            kp_per_s2: kp,
+            kd_per_s: kd,
+            a,
+        }
+    };
+    let method = match study.gains.law {
+        LawRequest::Bandwidths { .. } => "bandwidths stated in the study",
+        _ => "coefficients stated in the study",
+    };
+    Gains {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        study: study.name.clone(),
+        study_sha256: study.sha256.clone(),
+        rate_hz: 1e9 / study.control.period_ns as f64,
+        method: method.to_owned(),
+        joints: study.robot.joints.iter().enumerate().map(joint).collect(),
+    }
+}
+
+fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
+    match request {
+        LawRequest::Bandwidths {
+            order,
+            bandwidth,
+            damping,
+            estimator_bandwidth,
+            estimator_damping,
+        } => {
+            let (w, z) = (bandwidth[joint], damping[joint]);
+            let a = estimator(order[joint], estimator_bandwidth[joint], estimator_damping[joint]);
+            (w * w, 2.0 * z * w, a)
+        }
+        LawRequest::Coefficients { kp, kd, a } => (kp[joint], kd[joint], a.clone()),
+        // `LawRequest` may grow; a kind this version does not know yields no estimator, which the
+        // controller refuses by name.
+        _ => (f64::NAN, f64::NAN, Vec::new()),
+    }
+}
+
+/// `a_0 … a_{m−1}` of (G1).
+fn estimator(order: usize, w: f64, z: f64) -> Vec<f64> {
+    let real = [w, 1.0];
+    let pair = [w * w, 2.0 * z * w, 1.0];
+    let mut polynomial = match order {
+        1 => real.to_vec(),
+        2 => pair.to_vec(),
+        3 => product(&real, &pair),
+        _ => product(&pair, &pair),
+    };
+    polynomial.pop();
+    polynomial
+}
+
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        for (j, y) in b.iter().enumerate() {
+            out[i + j] += x * y;
+        }
+    }
+    out
+}

@@ -1,0 +1,45 @@
+//! The drive: from a torque demand to the torque that acts.
+
+/// One joint's drive: a first-order torque loop, or none.
+///
+/// # Law
+///
+/// ```text
+/// τ̇ = ω (τ_demand − τ),   solved exactly while the demand is held; ω = ∞: τ = τ_demand       (D1)
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Drive {
+    /// `ω` \[rad/s\]; `None`: infinite.
+    rate: Option<f64>,
+    demand: f64,
+    /// Torque at the start of the interval minus the demand.
+    gap: f64,
+}
+
+impl Drive {
+    pub(crate) fn new(bandwidth_hz: Option<f64>) -> Self {
+        Self { rate: bandwidth_hz.map(|f| f * core::f64::consts::TAU), demand: 0.0, gap: 0.0 }
+    }
+
+    /// Takes a new demand at the start of an interval.
+    pub(crate) fn demand(&mut self, demand: f64) {
+        self.gap = if self.rate.is_some() { self.gap + self.demand - demand } else { 0.0 };
+        self.demand = demand;
+    }
+
+    /// Torque `elapsed` seconds into the interval.
+    pub(crate) fn torque(&self, elapsed: f64) -> f64 {
+        match self.rate {
+            Some(rate) => self.demand + self.gap * (-rate * elapsed).exp(),
+            None => self.demand,
+        }
+    }
+
+    /// Mean torque over an interval of `length` seconds; the next interval starts at its end.
+    pub(crate) fn finish(&mut self, length: f64) -> f64 {
+        let Some(rate) = self.rate else { return self.demand };
+        let mean = self.demand - self.gap * (-rate * length).exp_m1() / (rate * length);
+        self.gap *= (-rate * length).exp();
+        mean
+    }
+}

@@ -1,0 +1,51 @@
+//! Why a study cannot be run.
+
+use thiserror::Error;
+
+/// A study that reads well, yet cannot be simulated.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// Gains and robot disagree.
+    #[error("the gains are for {gains} joints, the robot has {robot}")]
+    JointCount {
+        /// Joints the gains speak of.
+        gains: usize,
+        /// Joints of the robot.
+        robot: usize,
+    },
+    /// The Cartesian reference leaves the arm's reach.
+    #[error(
+        "reference: at t = {t:.3} s the point ({:.4}, {:.4}, {:.4}) m cannot be reached: {reason}",
+        point[0], point[1], point[2]
+    )]
+    Unreachable {
+        /// When \[s\].
+        t: f64,
+        /// Where \[m\].
+        point: [f64; 3],
+        /// What inverse kinematics said.
+        reason: String,
+    },
+    /// Friction is too stiff for the integration step.
+    #[error(
+        "world.substeps = {substeps} is too coarse for the friction of {joint}; {needed} or more are needed"
+    )]
+    TooStiff {
+        /// The joint whose friction it is.
+        joint: String,
+        /// What the study asks for.
+        substeps: u32,
+        /// What is needed.
+        needed: u32,
+    },
+    /// A limit or the delay is out of range.
+    #[error("{0}")]
+    Limit(String),
+    /// The payload cannot be attached.
+    #[error("world.payload: {0}")]
+    Payload(String),
+    /// A kind of reference that this version does not know.
+    #[error("this kind of reference is not known to the simulator")]
+    UnknownReference,
+}

@@ -1,0 +1,96 @@
+//! The reference as a function of time: position, velocity, acceleration, all continuous.
+
+use core::f64::consts::TAU;
+
+use phihat_study::{Reference, Sine};
+
+use crate::curve;
+use crate::error::SimError;
+use crate::spline::{Jet, Spline, quintic_step};
+
+/// A C² motion of all joints.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    path: Path,
+}
+
+#[derive(Debug, Clone)]
+enum Path {
+    Sines { center: Vec<f64>, terms: Vec<Sine>, fade_in: f64 },
+    Waypoints { t: Vec<f64>, q: Vec<Vec<f64>> },
+    Splines(Vec<Spline>),
+}
+
+impl Motion {
+    /// Prepares a study's reference for a robot and a duration \[s\]; solves the inverse kinematics of
+    /// a Cartesian curve.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Unreachable`] when the arm cannot follow a Cartesian curve.
+    pub fn new(
+        reference: &Reference,
+        robot: &phihat_model::Robot,
+        duration: f64,
+    ) -> Result<Self, SimError> {
+        let path = match reference {
+            Reference::Sines { center, terms, fade_in } => {
+                Path::Sines { center: center.clone(), terms: terms.clone(), fade_in: *fade_in }
+            }
+            Reference::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
+            Reference::Samples { t, q } => Path::Splines(per_joint(t, q)),
+            Reference::Cartesian { .. } => {
+                let (t, q) = curve::joint_samples(reference, robot, duration)?;
+                Path::Splines(per_joint(&t, &q))
+            }
+            _ => return Err(SimError::UnknownReference),
+        };
+        Ok(Self { path })
+    }
+
+    /// `q_d`, `q̇_d`, `q̈_d` of one joint at a time \[s\].
+    pub fn at(&self, joint: usize, t: f64) -> Jet {
+        match &self.path {
+            Path::Sines { center, terms, fade_in } => sines(center[joint], terms, *fade_in, joint, t),
+            Path::Waypoints { t: times, q } => waypoints(times, q, joint, t),
+            Path::Splines(splines) => splines[joint].at(t),
+        }
+    }
+}
+
+fn per_joint(t: &[f64], q: &[Vec<f64>]) -> Vec<Spline> {
+    let joints = q.first().map_or(0, Vec::len);
+    (0..joints)
+        .map(|j| Spline::new(t, &q.iter().map(|row| row[j]).collect::<Vec<_>>()))
+        .collect()
+}
+
+/// `c + w(t) Σ A sin(ωt + p)` with the quintic fade-in `w`.
+fn sines(center: f64, terms: &[Sine], fade_in: f64, joint: usize, t: f64) -> Jet {
+    let mut sum = [0.0; 3];
+    for term in terms {
+        let rate = TAU * term.frequency[joint];
+        let (sin, cos) = (rate * t + term.phase[joint]).sin_cos();
+        let amplitude = term.amplitude[joint];
+        sum[0] += amplitude * sin;
+        sum[1] += amplitude * rate * cos;
+        sum[2] -= amplitude * rate * rate * sin;
+    }
+    let w = quintic_step(t, fade_in);
+    [
+        center + w[0] * sum[0],
+        w[0] * sum[1] + w[1] * sum[0],
+        w[0] * sum[2] + 2.0 * w[1] * sum[1] + w[2] * sum[0],
+    ]
+}
+
+/// Rest to rest between waypoints; holds the last one.
+fn waypoints(times: &[f64], q: &[Vec<f64>], joint: usize, t: f64) -> Jet {
+    let passed = times.partition_point(|at| *at <= t).max(1);
+    let from = q[passed - 1][joint];
+    let Some(next) = times.get(passed) else { return [from, 0.0, 0.0] };
+    let start = times[passed - 1];
+    let change = q[passed][joint] - from;
+    let [value, slope, bend] = quintic_step(t - start, next - start);
+    [from + change * value, change * slope, change * bend]
+}

@@ -1,0 +1,218 @@
+//! The trace as CSV: one row per sample and joint, units in the header.
+
+use std::io::{Read, Write};
+
+use thiserror::Error;
+
+use crate::trace::{COLUMNS, JointTrace, Trace};
+
+/// Why a trace file cannot be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// The file is not CSV, or reading failed.
+    #[error("{0}")]
+    Csv(#[from] csv::Error),
+    /// The header is not that of a trace.
+    #[error("line 1: column {column} is {found:?}; a trace has {expected:?} there")]
+    Header {
+        /// Which column, from 1.
+        column: usize,
+        /// What is there.
+        found: String,
+        /// What belongs there.
+        expected: &'static str,
+    },
+    /// A field does not read.
+    #[error("line {line}: {column} is {value:?}; {expected}")]
+    Field {
+        /// Line, from 1.
+        line: u64,
+        /// Column name.
+        column: &'static str,
+        /// What is there.
+        value: String,
+        /// What would be valid.
+        expected: &'static str,
+    },
+    /// The rows do not form whole samples.
+    #[error("line {line}: {reason}")]
+    Rows {
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl Trace {
+    /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint.
+    /// Numbers are written so that they read back to the same bits.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn write_csv(&self, writer: impl Write) -> Result<(), TraceError> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(header())?;
+        let mut number = String::new();
+        for k in 0..self.len() {
+            let time = seconds(self.t_ns[k]);
+            for joint in &self.joints {
+                csv.write_field(&time)?;
+                csv.write_field(&joint.name)?;
+                for column in &COLUMNS {
+                    use std::fmt::Write as _;
+                    number.clear();
+                    let value = (column.get)(joint)[k];
+                    // Infallible: a String takes everything.
+                    let _ = write!(number, "{value:?}");
+                    csv.write_field(&number)?;
+                }
+                csv.write_field(flag(joint.saturated[k]))?;
+                csv.write_field(flag(joint.rate_limited[k]))?;
+                csv.write_record(None::<&[u8]>)?;
+            }
+        }
+        csv.flush().map_err(|e| TraceError::Csv(e.into()))
+    }
+
+    /// Reads what [`Self::write_csv`] wrote.
+    ///
+    /// # Errors
+    ///
+    /// [`TraceError`], naming the line and the column.
+    pub fn read_csv(reader: impl Read) -> Result<Self, TraceError> {
+        let mut csv = csv::Reader::from_reader(reader);
+        check_header(csv.headers()?)?;
+        let mut trace = Self::default();
+        let mut record = csv::StringRecord::new();
+        let mut slot = 0;
+        while csv.read_record(&mut record)? {
+            let line = record.position().map_or(0, csv::Position::line);
+            let row = Row { line, record: &record };
+            slot = trace.place(&row, slot)?;
+            row.append(&mut trace.joints[slot])?;
+        }
+        if let Some(short) = trace.joints.iter().find(|j| j.q.len() != trace.len()) {
+            let reason = format!("the last sample has no row for joint {}", short.name);
+            return Err(TraceError::Rows { line: csv.position().line(), reason });
+        }
+        trace.period_ns = match trace.t_ns[..] {
+            [first, second, ..] => second - first,
+            _ => 0,
+        };
+        Ok(trace)
+    }
+
+    /// Which joint a row belongs to; opens a sample or, in the first one, a joint.
+    fn place(&mut self, row: &Row<'_>, last: usize) -> Result<usize, TraceError> {
+        let t_ns = row.time()?;
+        let name = row.text(1);
+        if self.t_ns.last() != Some(&t_ns) {
+            let complete = self.joints.iter().all(|j| j.q.len() == self.t_ns.len());
+            if !complete || self.t_ns.last().is_some_and(|before| *before >= t_ns) {
+                let reason = format!("time {} s does not follow a complete sample", row.text(0));
+                return Err(TraceError::Rows { line: row.line, reason });
+            }
+            self.t_ns.push(t_ns);
+        }
+        if self.t_ns.len() == 1 && self.joints.iter().all(|j| j.name != name) {
+            self.joints.push(JointTrace { name: name.to_owned(), ..JointTrace::default() });
+        }
+        // Rows come in turn: the next joint is the likeliest.
+        let n = self.joints.len();
+        let found = (1..=n).map(|ahead| (last + ahead) % n).find(|i| self.joints[*i].name == name);
+        match found {
+            Some(slot) if self.joints[slot].q.len() + 1 == self.t_ns.len() => Ok(slot),
+            Some(_) => Err(TraceError::Rows {
+                line: row.line,
+                reason: format!("a second row for joint {name} in one sample"),
+            }),
+            None => Err(TraceError::Rows {
+                line: row.line,
+                reason: format!("joint {name} is not in the first sample"),
+            }),
+        }
+    }
+}
+
+fn header() -> impl Iterator<Item = &'static str> {
+    ["t_s", "joint"]
+        .into_iter()
+        .chain(COLUMNS.iter().map(|c| c.name))
+        .chain(["saturated", "rate_limited"])
+}
+
+fn check_header(found: &csv::StringRecord) -> Result<(), TraceError> {
+    for (column, expected) in header().enumerate() {
+        let name = found.get(column).unwrap_or("");
+        if name != expected {
+            return Err(TraceError::Header { column: column + 1, found: name.to_owned(), expected });
+        }
+    }
+    Ok(())
+}
+
+/// Nanoseconds as decimal seconds, exactly.
+fn seconds(t_ns: u64) -> String {
+    let text = format!("{}.{:09}", t_ns / 1_000_000_000, t_ns % 1_000_000_000);
+    let trimmed = text.trim_end_matches('0');
+    if trimmed.ends_with('.') { format!("{trimmed}0") } else { trimmed.to_owned() }
+}
+
+fn flag(value: bool) -> &'static str {
+    if value { "1" } else { "0" }
+}
+
+struct Row<'a> {
+    line: u64,
+    record: &'a csv::StringRecord,
+}
+
+impl Row<'_> {
+    fn text(&self, column: usize) -> &str {
+        self.record.get(column).unwrap_or("")
+    }
+
+    fn wrong(&self, column: &'static str, value: &str, expected: &'static str) -> TraceError {
+        TraceError::Field { line: self.line, column, value: value.to_owned(), expected }
+    }
+
+    /// Decimal seconds to nanoseconds, without a detour through floating point.
+    fn time(&self) -> Result<u64, TraceError> {
+        let text = self.text(0);
+        let wrong = || self.wrong("t_s", text, "seconds with at most 9 decimals are expected");
+        let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+        let digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit());
+        if fraction.len() > 9 || !digits(fraction) || !digits(whole) {
+            return Err(wrong());
+        }
+        let nanoseconds: u64 = format!("{fraction:0<9}").parse().map_err(|_| wrong())?;
+        let seconds: u64 = whole.parse().map_err(|_| wrong())?;
+        seconds
+            .checked_mul(1_000_000_000)
+            .and_then(|s| s.checked_add(nanoseconds))
+            .ok_or_else(wrong)
+    }
+
+    fn append(&self, joint: &mut JointTrace) -> Result<(), TraceError> {
+        for (i, column) in COLUMNS.iter().enumerate() {
+            let text = self.text(i + 2);
+            let value =
+                text.parse().map_err(|_| self.wrong(column.name, text, "a number is expected"))?;
+            (column.get_mut)(joint).push(value);
+        }
+        joint.saturated.push(self.flag(COLUMNS.len() + 2, "saturated")?);
+        joint.rate_limited.push(self.flag(COLUMNS.len() + 3, "rate_limited")?);
+        Ok(())
+    }
+
+    fn flag(&self, column: usize, name: &'static str) -> Result<bool, TraceError> {
+        match self.text(column) {
+            "0" => Ok(false),
+            "1" => Ok(true),
+            other => Err(self.wrong(name, other, "0 or 1 is expected")),
+        }
+    }
+}

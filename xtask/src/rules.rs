@@ -1,0 +1,151 @@
+//! House rules that a machine can check: arrows between crates, forbidden words, the bare core.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
+const ARROWS: [(&str, &[&str]); 8] = [
+    ("phihat", &[]),
+    ("phihat-model", &[]),
+    ("phihat-study", &["phihat-model"]),
+    ("phihat-design", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-report", &["phihat-design", "phihat-sim"]),
+    (
+        "phihat-cli",
+        &["phihat", "phihat-design", "phihat-model", "phihat-report", "phihat-sim", "phihat-study"],
+    ),
+    ("xtask", &[]),
+];
+
+/// Words that do not belong into the project, and what does.
+const WORDS: [(&str, &str); 4] = [
+    ("TODO", "an issue, named in a sentence"),
+    ("FIXME", "an issue, named in a sentence"),
+    ("#[ignore", "a test that asserts today's behaviour and says so"),
+    ("unimplemented!", "an error value"),
+];
+
+/// Checks arrows, words, and that every crate but the C binding forbids `unsafe`.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    let mut wrong = arrows(root)?;
+    for file in sources(root)? {
+        let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+        let name = file.strip_prefix(root).unwrap_or(&file).display().to_string();
+        if name == "xtask/src/rules.rs" {
+            continue;
+        }
+        for (number, line) in text.lines().enumerate() {
+            for (word, instead) in WORDS {
+                if line.contains(word) {
+                    wrong.push(format!("{name}:{}: {word}; write {instead}", number + 1));
+                }
+            }
+        }
+        let is_root = name.ends_with("src/lib.rs") || name.ends_with("src/main.rs");
+        if is_root && !text.contains("#![forbid(unsafe_code)]") {
+            wrong.push(format!("{name}: a crate says #![forbid(unsafe_code)]"));
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// Every arrow that the table does not allow, and a core that depends on anything.
+fn arrows(root: &Path) -> Result<Vec<String>, String> {
+    let output = Command::new("cargo")
+        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .current_dir(root)
+        .output()
+        .map_err(|e| e.to_string())?;
+    let metadata: serde_json::Value =
+        serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
+    let allowed: BTreeMap<_, _> = ARROWS.into_iter().collect();
+    let mut wrong = Vec::new();
+    for package in metadata["packages"].as_array().into_iter().flatten() {
+        let name = package["name"].as_str().unwrap_or_default();
+        let Some(may) = allowed.get(name) else {
+            wrong.push(format!("crate {name} is not in ARCHITECTURE.md's table of arrows"));
+            continue;
+        };
+        for dependency in package["dependencies"].as_array().into_iter().flatten() {
+            let on = dependency["name"].as_str().unwrap_or_default();
+            let normal = dependency["kind"].is_null();
+            if normal && name == "phihat" {
+                wrong.push(format!("phihat depends on {on}; the core depends on nothing"));
+            } else if normal && allowed.contains_key(on) && !may.contains(&on) {
+                wrong.push(format!("{name} uses {on}; ARCHITECTURE.md's table has no such arrow"));
+            }
+        }
+    }
+    Ok(wrong)
+}
+
+fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut found = Vec::new();
+    let mut folders = vec![root.join("crates"), root.join("xtask")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            let skip = ["target", "node_modules"].iter().any(|n| path.ends_with(n));
+            if path.is_dir() && !skip {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Compiles every entry point of the core without link-time optimisation and reads the object files:
+/// no undefined symbol may lead to a panic or an allocator.
+pub(crate) fn core_is_bare(root: &Path) -> Result<(), String> {
+    let target = root.join("target/bare");
+    let compile = |what: &[&str]| {
+        let status = Command::new("cargo")
+            .args(["rustc", "--quiet", "--release", "-p", "phihat"])
+            .args(what)
+            .args(["--", "--emit=obj"])
+            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .env("CARGO_TARGET_DIR", &target)
+            .current_dir(root)
+            .status()
+            .map_err(|e| e.to_string())?;
+        if status.success() { Ok(()) } else { Err("the core does not compile".to_owned()) }
+    };
+    if target.exists() {
+        fs::remove_dir_all(&target).map_err(|e| e.to_string())?;
+    }
+    compile(&["--lib"])?;
+    compile(&["--example", "freestanding"])?;
+    let mut seen = 0;
+    for folder in ["release/deps", "release/examples"] {
+        for entry in fs::read_dir(target.join(folder)).map_err(|e| e.to_string())? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            if path.extension().is_some_and(|e| e == "o") {
+                seen += inspect(&path)?;
+            }
+        }
+    }
+    // The check must be able to fail: both object files, with the entry points in them.
+    if seen < 12 { Err(format!("only {seen} entry points found in the object files")) } else { Ok(()) }
+}
+
+/// Number of the core's entry points in an object file.
+fn inspect(object: &Path) -> Result<usize, String> {
+    let output = Command::new("nm")
+        .arg("-C")
+        .arg(object)
+        .output()
+        .map_err(|e| format!("nm cannot be started: {e}"))?;
+    let symbols = String::from_utf8_lossy(&output.stdout);
+    let bad = ["panic", "alloc", "unwrap_failed", "expect_failed"];
+    let undefined = symbols.lines().filter(|line| line.trim_start().starts_with("U "));
+    if let Some(symbol) = undefined.clone().find(|s| bad.iter().any(|b| s.contains(b))) {
+        return Err(format!("the core refers to {}", symbol.trim()));
+    }
+    Ok(symbols.lines().filter(|line| line.contains(" T freestanding::")).count())
+}

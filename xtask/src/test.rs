@@ -1,0 +1,111 @@
+//! `cargo xtask test`: everything that must hold, in the order of what fails fastest.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use crate::rules;
+
+/// One check: what a person reads, and what runs.
+type Step = (&'static str, fn(&Path) -> Result<(), String>);
+
+const STEPS: [Step; 11] = [
+    ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
+    ("house rules", rules::check),
+    ("lints", |root| {
+        cargo(root, &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-Dwarnings"])
+    }),
+    ("Rust, command-line and report tests", |root| {
+        cargo(root, &["test", "--workspace", "--all-targets", "--no-fail-fast"])
+    }),
+    ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
+    ("documentation", documentation),
+    ("the core cannot panic or allocate", rules::core_is_bare),
+    ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
+    ("the README's main job", main_job),
+    ("benches run", benches),
+    ("the report in a browser", browser),
+];
+
+/// Runs every step, or those whose name contains an argument; stops at the first failure.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    let root = root();
+    let start = Instant::now();
+    let chosen = |name: &str| args.is_empty() || args.iter().any(|a| name.contains(a.as_str()));
+    let steps: Vec<_> = STEPS.iter().filter(|(name, _)| chosen(name)).collect();
+    if steps.is_empty() {
+        let names: Vec<_> = STEPS.iter().map(|(name, _)| *name).collect();
+        return Err(format!("no step is named so; steps: {}", names.join(" · ")));
+    }
+    for (name, step) in &steps {
+        println!("\n── {name}");
+        let began = Instant::now();
+        step(&root).map_err(|why| format!("\nFAILED: {name}: {why}"))?;
+        println!("── {name}: ok, {:.0} s", began.elapsed().as_secs_f64());
+    }
+    println!("\n{} steps ok in {:.0} s", steps.len(), start.elapsed().as_secs_f64());
+    println!("{} passed, 0 failed", steps.len());
+    Ok(())
+}
+
+/// The workspace's root folder.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+/// Runs a program in a folder; its output goes to the terminal.
+pub(crate) fn command(folder: &Path, program: &str, args: &[&str]) -> Result<(), String> {
+    let status = Command::new(program)
+        .args(args)
+        .current_dir(folder)
+        .status()
+        .map_err(|e| format!("{program} cannot be started: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{program} {}: {status}", args.join(" "))) }
+}
+
+fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
+    command(root, "cargo", args)
+}
+
+fn documentation(root: &Path) -> Result<(), String> {
+    let status = Command::new("cargo")
+        .args(["doc", "--workspace", "--no-deps", "--quiet"])
+        .env("RUSTDOCFLAGS", "-Dwarnings")
+        .current_dir(root)
+        .status()
+        .map_err(|e| e.to_string())?;
+    if status.success() { Ok(()) } else { Err("cargo doc has warnings".to_owned()) }
+}
+
+/// What the README promises a newcomer, run as printed.
+fn main_job(root: &Path) -> Result<(), String> {
+    cargo(root, &["phihat", "run", "studies/panda.toml"])?;
+    cargo(root, &["phihat", "run", "studies/first.toml"])
+}
+
+/// Benches are run once, briefly, so that they do not rot.
+fn benches(root: &Path) -> Result<(), String> {
+    let benches =
+        [("phihat", "update"), ("phihat-model", "dynamics"), ("phihat-sim", "closed_loop")];
+    for (package, bench) in benches {
+        cargo(root, &["bench", "--quiet", "-p", package, "--bench", bench, "--", "--quick"])?;
+    }
+    Ok(())
+}
+
+/// The two reports of [`main_job`], and one with hostile names, in headless Chromium.
+fn browser(root: &Path) -> Result<(), String> {
+    if Command::new("chromium").arg("--version").output().is_err() {
+        println!("installing chromium");
+        command(root, "apt-get", &["update", "-qq"])?;
+        let packages = ["install", "-y", "-qq", "chromium", "fonts-dejavu-core"];
+        command(root, "apt-get", &packages)?;
+    }
+    let folder = root.join("crates/phihat-report/tests/browser");
+    let lines = ["ci", "--no-audit", "--no-fund", "--loglevel=error"];
+    command(&folder, "npm", &lines)?;
+    let page = |study: &str| root.join("out").join(study).join("report.html");
+    let pages: Vec<String> =
+        ["panda", "first"].iter().map(|s| page(s).display().to_string()).collect();
+    command(&folder, "node", &["check.mjs", &pages[0], &pages[1]])
+}
