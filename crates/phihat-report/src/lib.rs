@@ -1,2 +1,31 @@
-//! Stub.
+//! A run's record as one self-contained page and as static figures.
+//!
+//! A pure function of recorded data: nothing is run, read or written here, no clock is looked at,
+//! and the same [`Record`] gives the same bytes.
+//!
+//! [`page`] answers, in this order: did it hold, by how much, what did every joint do, with which
+//! gains, in which world, and how is it made again. It needs no network, prints on paper (static
+//! figures stand in for the interactive plots) and fits a phone. [`figures`] gives the same
+//! figures alone, as SVG.
+//!
+//! # Not claimed
+//!
+//! A page shows one recorded run. It proves nothing about other runs, and it is no certificate.
 #![forbid(unsafe_code)]
+
+mod chart;
+mod decimate;
+mod figure;
+mod number;
+mod page;
+mod payload;
+mod policy;
+mod record;
+mod sections;
+mod table;
+mod text;
+mod verdict;
+
+pub use figure::{Figure, figures};
+pub use page::page;
+pub use record::{Record, RunInfo};

@@ -1,0 +1,148 @@
+//! One joint's panel of a static figure.
+
+use super::axis::{extent, strokes};
+use super::{Area, BOUND_INK, Drawn, INKS};
+use crate::chart::{Chart, Plane};
+use crate::number::{number, tick};
+use plotters::chart::ChartContext;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use std::ops::Range;
+
+/// A bound farther out than this many times the data is told in words, not drawn: the curve would
+/// be a line.
+const BOUND_REACH: f64 = 10.0;
+
+/// What one panel shows.
+pub(super) struct Ink<'a> {
+    pub chart: &'a Chart,
+    pub name: String,
+    pub t: Vec<f64>,
+    pub curves: Vec<Vec<f64>>,
+    pub bound: Option<f64>,
+    pub settle_s: f64,
+    pub x_titled: bool,
+    pub y_titled: bool,
+}
+
+type Plane2<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
+    let (x, y) = ranges(ink);
+    let mut plane = ChartBuilder::on(area)
+        .caption(caption(ink), ("sans-serif", 27))
+        .margin(6)
+        .margin_right(24)
+        .x_label_area_size(if ink.x_titled { 62 } else { 34 })
+        .y_label_area_size(if ink.y_titled { 118 } else { 90 })
+        .build_cartesian_2d(x.clone(), y.clone())?;
+    plane
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(RGBColor(222, 222, 222))
+        .x_labels(6)
+        .y_labels(5)
+        .x_label_formatter(&|v| tick(*v))
+        .y_label_formatter(&|v| tick(*v))
+        .label_style(("sans-serif", 25))
+        .axis_desc_style(("sans-serif", 27))
+        .x_desc(if ink.x_titled { ink.chart.x_label } else { "" })
+        .y_desc(if ink.y_titled { ink.chart.y_label } else { "" })
+        .draw()?;
+    draw_bounds(ink, &mut plane, &x, &y)?;
+    match ink.chart.plane {
+        Plane::Time => draw_curves(ink, &mut plane),
+        Plane::Phase => draw_orbit(ink, &mut plane),
+    }
+}
+
+/// The joint's name, and the bound where it does not fit on the axis.
+fn caption(ink: &Ink<'_>) -> String {
+    let label = ink.chart.bound.label;
+    match (ink.bound, seen_bound(ink)) {
+        (Some(bound), None) => format!("{} ({label} ±{}, off the axis)", ink.name, number(bound)),
+        _ => ink.name.clone(),
+    }
+}
+
+/// The bound, if the data come near enough to it.
+fn seen_bound(ink: &Ink<'_>) -> Option<f64> {
+    let against = ink.curves.first().filter(|_| ink.chart.plane == Plane::Phase);
+    let curves = against.map_or(&ink.curves[..], std::slice::from_ref);
+    let peak =
+        curves.iter().flatten().filter(|v| v.is_finite()).fold(0.0, |p: f64, v| p.max(v.abs()));
+    ink.bound
+        .filter(|b| b.is_finite() && (*b <= BOUND_REACH * peak || ink.chart.bound.after_settle))
+}
+
+fn ranges(ink: &Ink<'_>) -> (Range<f64>, Range<f64>) {
+    let bounds = || seen_bound(ink).into_iter().flat_map(|b| [b, -b]);
+    match (ink.chart.plane, &ink.curves[..]) {
+        (Plane::Phase, [e, de, ..]) => {
+            let zero = [0.0];
+            let x = e.iter().copied().chain(bounds()).chain(zero);
+            (extent(x, 0.08), extent(de.iter().copied().chain(zero), 0.08))
+        }
+        _ => {
+            let y = ink.curves.iter().flatten().copied().chain(bounds());
+            (extent(ink.t.iter().copied(), 0.0), extent(y, 0.08))
+        }
+    }
+}
+
+fn draw_bounds<'b>(
+    ink: &Ink<'_>,
+    plane: &mut Plane2<'_, 'b>,
+    x: &Range<f64>,
+    y: &Range<f64>,
+) -> Drawn<'b> {
+    let Some(bound) = seen_bound(ink) else { return Ok(()) };
+    let style = BOUND_INK.stroke_width(2);
+    let from = if ink.chart.bound.after_settle { ink.settle_s.max(x.start) } else { x.start };
+    for level in [bound, -bound] {
+        let ends = match ink.chart.plane {
+            Plane::Time => [(from.min(x.end), level), (x.end, level)],
+            Plane::Phase => [(level, y.start), (level, y.end)],
+        };
+        plane.draw_series(LineSeries::new(ends, style))?;
+    }
+    Ok(())
+}
+
+fn draw_curves<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
+    for (curve, color) in ink.curves.iter().zip(INKS) {
+        for stroke in strokes(&ink.t, curve) {
+            draw_stroke(plane, stroke, color)?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_orbit<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
+    let [e, de, ..] = &ink.curves[..] else { return Ok(()) };
+    let strokes = strokes(e, de);
+    let start = strokes.first().and_then(|s| s.first()).copied();
+    for stroke in strokes {
+        draw_stroke(plane, stroke, INKS[0])?;
+    }
+    let Some(start) = start else { return Ok(()) };
+    plane.draw_series([Circle::new(start, 8, BLACK.filled())])?;
+    let label =
+        EmptyElement::at(start) + Text::new("start", (14, -26), ("sans-serif", 25).into_font());
+    plane.draw_series([label])?;
+    Ok(())
+}
+
+/// A line, or a dot where there is a single sample.
+fn draw_stroke<'b>(
+    plane: &mut Plane2<'_, 'b>,
+    stroke: Vec<(f64, f64)>,
+    color: RGBColor,
+) -> Drawn<'b> {
+    if let [point] = stroke[..] {
+        plane.draw_series([Circle::new(point, 3, color.filled())])?;
+    } else {
+        plane.draw_series(LineSeries::new(stroke, color.stroke_width(3)))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! The page: verdict, figures per joint, plots, and everything needed to doubt them.
+
+use crate::chart::DRAWABLE_MAX;
+use crate::figure::figures;
+use crate::number::number;
+use crate::payload::{buckets, payload};
+use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
+use crate::record::Record;
+use crate::text::line;
+use crate::verdict::{Verdict, verdict};
+use crate::{sections, table};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use phihat_sim::{JointTrace, Trace};
+
+/// The self-contained page of a record.
+///
+/// # Example
+///
+/// ```
+/// # fn show(record: &phihat_report::Record<'_>) {
+/// let html = phihat_report::page(record);
+/// assert!(html.starts_with("<!DOCTYPE html>"));
+/// # }
+/// ```
+pub fn page(record: &Record<'_>) -> String {
+    let title = format!("{} – phihat", line(&record.run.study));
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(content_policy());
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { (title) }
+                style { (PreEscaped(style())) }
+            }
+            body {
+                main {
+                    (heading(record))
+                    (warnings(record))
+                    h2 id="figures" { "Figures per joint" }
+                    (table::tracking(record.metrics))
+                    (table::torque(record.metrics))
+                    (plots(record))
+                    (sections::gains(record.gains))
+                    (sections::world(record))
+                    (sections::study(record))
+                    (sections::origin(record))
+                    (sections::not_claimed())
+                }
+                script type="application/json" id="record" { (PreEscaped(payload(record))) }
+                script { (PreEscaped(PLOT_SCRIPT)) }
+                script { (PreEscaped(PAGE_SCRIPT)) }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+fn heading(record: &Record<'_>) -> Markup {
+    let run = record.run;
+    let joints = record.metrics.joints.len();
+    html! {
+        header {
+            h1 { (line(&run.title)) }
+            p.byline {
+                "study " strong { (line(&run.study)) } " · " (line(&run.robot)) ", " (joints)
+                @if joints == 1 { " joint" } @else { " joints" }
+                " · " (line(&run.form)) " form at " (number(run.rate_hz)) " Hz · seed " (run.seed)
+                " · simulated"
+            }
+            (verdict_box(&verdict(record.metrics)))
+        }
+    }
+}
+
+fn verdict_box(verdict: &Verdict) -> Markup {
+    html! { @match verdict {
+        Verdict::NoSamples => p.verdict.unknown { strong { "No verdict." } " Nothing was recorded." },
+        Verdict::NothingStated => p.verdict.unknown {
+            strong { "No verdict." } " The study states no bound, so there is nothing to hold."
+        },
+        Verdict::Contradiction => p.verdict.outside {
+            strong { "Outside spec," } " says the record, though every figure below is within its bound."
+        },
+        Verdict::Within { joints: 1, closest } => p.verdict.within {
+            strong { "Within spec." } " Nearest to a bound: " (closest) "."
+        },
+        Verdict::Within { joints, closest } => p.verdict.within {
+            strong { "Within spec on all " (joints) " joints." } " Nearest to a bound: " (closest) "."
+        },
+        Verdict::Outside { joints, broken } => div.verdict.outside {
+            p { strong { "Outside spec on " (broken.len()) " of " (joints)
+                @if *joints == 1 { " joint:" } @else { " joints:" } } }
+            ul { @for phrase in broken { li { (phrase) } } }
+        },
+    } }
+}
+
+/// The run's own warnings, and what the record itself gives reason to doubt.
+fn warnings(record: &Record<'_>) -> Markup {
+    let mut warnings: Vec<String> = record.run.warnings.iter().map(|w| line(w)).collect();
+    if record.gains.study_sha256 != record.run.study_sha256 {
+        warnings.push("The gains were made from another study text: their hashes differ.".into());
+    }
+    let gaps = undrawable(record.trace);
+    if gaps > 0 {
+        warnings.push(format!(
+            "{gaps} recorded values are not finite or beyond {DRAWABLE_MAX:e}: drawn as gaps."
+        ));
+    }
+    html! { @if !warnings.is_empty() {
+        section.warnings aria-labelledby="warnings" {
+            h2 id="warnings" { "Warnings" }
+            ul { @for warning in &warnings { li { (warning) } } }
+        }
+    } }
+}
+
+fn undrawable(trace: &Trace) -> usize {
+    let columns = |j: &JointTrace| {
+        [&j.q, &j.q_desired, &j.e, &j.de, &j.tau_command, &j.tau_applied, &j.phi, &j.phi_hat]
+            .map(|column| column.iter().filter(|v| !(v.abs() <= DRAWABLE_MAX)).count())
+            .iter()
+            .sum::<usize>()
+    };
+    trace.joints.iter().map(columns).sum()
+}
+
+fn plots(record: &Record<'_>) -> Markup {
+    let (samples, stretches) = (record.trace.t_ns.len(), buckets(record.trace.joints.len()));
+    html! {
+        h2 id="plots" { "Plots" }
+        section.interactive hidden aria-labelledby="plots" {
+            form.controls {
+                label { "joint " select id="joint" {} }
+                fieldset {
+                    legend { "time" }
+                    button type="button" data-range="start" { "start-up" }
+                    button type="button" data-range="steady" { "steady" }
+                    button type="button" data-range="all" aria-pressed="true" { "all" }
+                }
+                label { input type="checkbox" id="bounds" checked; " keep bounds in view" }
+            }
+            p.hint {
+                "Drag to zoom, double-click to see everything again. The cursor is shared: the dot in the phase "
+                "plane is where the cursor's time is."
+            }
+            div id="cards" {}
+        }
+        section.static aria-labelledby="plots" {
+            @for figure in figures(record) { figure { (PreEscaped(&figure.svg)) } }
+        }
+        p.hint {
+            "Drawn from " (samples) " samples per signal. Start-up and steady part are each cut into " (stretches)
+            " stretches; of each the first, last, lowest and highest sample are kept (all of them where they are few), "
+            "rounded to six digits: no peak is lost. Figures and verdict come from all samples."
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The page's data: every chart, decimated, as JSON that cannot leave its script element.
+
+use crate::chart::{Chart, Plane, charts, settle_index, times};
+use crate::decimate::kept;
+use crate::number::rounded;
+use crate::record::Record;
+use crate::verdict::worst_joint;
+use serde::Serialize;
+
+/// What `assets/page.js` reads.
+#[derive(Serialize)]
+struct Payload<'a> {
+    settle_s: f64,
+    end_s: f64,
+    worst: usize,
+    joints: Vec<&'a str>,
+    charts: Vec<ChartData>,
+}
+
+#[derive(Serialize)]
+struct ChartData {
+    stem: &'static str,
+    title: &'static str,
+    x_label: &'static str,
+    y_label: &'static str,
+    phase: bool,
+    bound_label: &'static str,
+    bound_after_settle: bool,
+    curves: Vec<CurveData>,
+    panels: Vec<PanelData>,
+}
+
+#[derive(Serialize)]
+struct CurveData {
+    label: &'static str,
+    unit: &'static str,
+    dashed: bool,
+}
+
+#[derive(Serialize)]
+struct PanelData {
+    bound: Option<f64>,
+    t: Vec<f64>,
+    y: Vec<Vec<f64>>,
+}
+
+/// Stretches kept of each of the two parts, start-up and steady, of a run of this many joints.
+pub(crate) fn buckets(joints: usize) -> usize {
+    (2100 / joints.max(1)).clamp(100, 500)
+}
+
+/// The JSON text, fit to stand inside `<script type="application/json">`.
+pub(crate) fn payload(record: &Record<'_>) -> String {
+    let (t, settle) = (times(record), settle_index(record));
+    let charts = charts(record);
+    let data = Payload {
+        settle_s: record.metrics.settle_s,
+        end_s: t.last().copied().unwrap_or(0.0),
+        worst: worst_joint(record.metrics),
+        joints: charts.first().map_or(vec![], |c| c.panels.iter().map(|p| &*p.joint).collect()),
+        charts: charts.iter().map(|chart| chart_data(chart, &t, settle)).collect(),
+    };
+    // Numbers, strings and lists always have a JSON form.
+    escaped(&serde_json::to_string(&data).unwrap_or_else(|_| "null".to_owned()))
+}
+
+fn chart_data(chart: &Chart, t: &[f64], settle: usize) -> ChartData {
+    let buckets = buckets(chart.panels.len());
+    let panel = |panel: &crate::chart::Panel| {
+        let mut indices = kept(&panel.curves, 0..settle, buckets);
+        if chart.plane == Plane::Time {
+            indices.extend(kept(&panel.curves, settle..t.len(), buckets));
+        }
+        let take = |values: &[f64]| indices.iter().map(|&k| rounded(values[k])).collect();
+        PanelData {
+            bound: panel.bound.map(rounded),
+            t: indices.iter().map(|&k| (t[k] * 1e9).round() / 1e9).collect(),
+            y: panel.curves.iter().map(|c| take(c)).collect(),
+        }
+    };
+    ChartData {
+        stem: chart.stem,
+        title: chart.title,
+        x_label: chart.x_label,
+        y_label: chart.y_label,
+        phase: chart.plane == Plane::Phase,
+        bound_label: chart.bound.label,
+        bound_after_settle: chart.bound.after_settle,
+        curves: chart
+            .curves
+            .iter()
+            .map(|c| CurveData { label: c.label, unit: c.unit, dashed: c.dashed })
+            .collect(),
+        panels: chart.panels.iter().map(panel).collect(),
+    }
+}
+
+/// The same JSON without any character that HTML or old JavaScript reads on its own.
+fn escaped(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                text.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            _ => text.push(c),
+        }
+    }
+    text
+}

@@ -1,0 +1,32 @@
+//! The page's own script and styles, and the content policy that admits them and nothing else.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+/// uPlot 1.6.32, see `assets/README.md`.
+pub(crate) const PLOT_SCRIPT: &str = include_str!("../assets/uPlot.iife.min.js");
+const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
+/// Our script.
+pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
+const PAGE_STYLE: &str = include_str!("../assets/page.css");
+/// uPlot's licence, which travels with every copy.
+pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
+
+/// The one style sheet.
+pub(crate) fn style() -> String {
+    format!("{PLOT_STYLE}\n{PAGE_STYLE}")
+}
+
+/// Nothing is loaded from anywhere; scripts and styles run by hash only.
+pub(crate) fn content_policy() -> String {
+    let (plot, page, style) = (hash(PLOT_SCRIPT), hash(PAGE_SCRIPT), hash(&style()));
+    format!(
+        "default-src 'none'; script-src '{plot}' '{page}'; style-src '{style}'; \
+         base-uri 'none'; form-action 'none'"
+    )
+}
+
+fn hash(text: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
+}

@@ -1,0 +1,55 @@
+//! What a page is made from.
+
+use phihat_design::Gains;
+use phihat_sim::{Metrics, Trace};
+use serde::{Deserialize, Serialize};
+
+/// Everything a page is made from: recorded data only.
+#[derive(Debug, Clone, Copy)]
+pub struct Record<'a> {
+    /// Where the run came from and how to make it again.
+    pub run: &'a RunInfo,
+    /// The study file as it was read.
+    pub study_text: &'a str,
+    /// The gains that ran.
+    pub gains: &'a Gains,
+    /// Every signal of every joint.
+    pub trace: &'a Trace,
+    /// The figures of the run.
+    pub metrics: &'a Metrics,
+}
+
+/// Origin of a run: what ran, where, under which seed.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+pub struct RunInfo {
+    /// Name of the study.
+    pub study: String,
+    /// Its one line for people.
+    pub title: String,
+    /// SHA-256 of the study's text, hexadecimal.
+    pub study_sha256: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Name of the robot.
+    pub robot: String,
+    /// The robot in words.
+    pub robot_description: String,
+    /// Where the robot's numbers come from.
+    pub robot_provenance: String,
+    /// Version of phihat.
+    pub phihat_version: String,
+    /// Compiler or target that built it.
+    pub toolchain: String,
+    /// Form of the law: `observer` or `literal`.
+    pub form: String,
+    /// Loop rate \[Hz\].
+    pub rate_hz: f64,
+    /// Delay from sample to acting torque \[samples\].
+    pub delay_samples: u32,
+    /// What was in the world: label, and value with its unit.
+    pub world: Vec<(String, String)>,
+    /// The command that makes this page again.
+    pub command: String,
+    /// What a reader must know before believing the figures.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,104 @@
+//! What stands below the plots: gains, loop and world, study, origin, limits of the claim.
+
+use crate::number::number;
+use crate::policy::PLOT_LICENCE;
+use crate::record::Record;
+use crate::text::{line, visible};
+use maud::{Markup, html};
+use phihat_design::Gains;
+
+/// The gains that ran.
+pub(crate) fn gains(gains: &Gains) -> Markup {
+    let order = gains.joints.iter().map(|j| j.a.len()).max().unwrap_or(0);
+    html! {
+        h2 id="gains" { "Gains" }
+        p { "How they were found: " (line(&gains.method)) }
+        div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
+            table {
+                caption { "Law: τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂, estimator of order m" }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "M̄ " span.unit { "[kg·m²]" } }
+                    th scope="col" { "K_p " span.unit { "[1/s²]" } }
+                    th scope="col" { "K_d " span.unit { "[1/s]" } }
+                    th scope="col" { "m" }
+                    @for i in 0..order { th scope="col" { "a_" (i) " " span.unit { "[1/s^(m−" (i) ")]" } } }
+                } }
+                tbody { @for joint in &gains.joints { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    td { (number(joint.inertia_kg_m2)) }
+                    td { (number(joint.kp_per_s2)) }
+                    td { (number(joint.kd_per_s)) }
+                    td { (joint.a.len()) }
+                    @for i in 0..order { td { (joint.a.get(i).map_or("–".to_owned(), |a| number(*a))) } }
+                } } }
+            }
+        }
+    }
+}
+
+/// The loop and what it met.
+pub(crate) fn world(record: &Record<'_>) -> Markup {
+    let (run, metrics) = (record.run, record.metrics);
+    html! {
+        h2 id="world" { "Loop and world" }
+        dl {
+            dt { "form of the law" } dd { (line(&run.form)) }
+            dt { "loop rate" } dd { (number(run.rate_hz)) " Hz" }
+            dt { "delay, sample to acting torque" } dd { (run.delay_samples) " samples" }
+            dt { "simulated time" } dd { (number(metrics.duration_s)) " s, " (metrics.samples) " samples" }
+            dt { "steady part" } dd { "from " (number(metrics.settle_s)) " s on" }
+            dt { "robot" } dd { (line(&run.robot)) " – " (line(&run.robot_description)) }
+            dt { "its numbers" } dd { (visible(&run.robot_provenance)) }
+            @for (label, value) in &run.world { dt { (line(label)) } dd { (visible(value)) } }
+        }
+    }
+}
+
+/// The study, verbatim.
+pub(crate) fn study(record: &Record<'_>) -> Markup {
+    html! {
+        h2 id="study" { "Study" }
+        details {
+            summary { "the study's text, " (record.study_text.lines().count()) " lines" }
+            pre tabindex="0" aria-label="the study's text" { code { (visible(record.study_text)) } }
+        }
+    }
+}
+
+/// How to make it again.
+pub(crate) fn origin(record: &Record<'_>) -> Markup {
+    let run = record.run;
+    html! {
+        h2 id="origin" { "Make it again" }
+        pre tabindex="0" aria-label="command" { code { (visible(&run.command)) } }
+        dl {
+            dt { "study" } dd { (line(&run.study)) }
+            dt { "SHA-256 of its text" } dd { code.hash { (line(&run.study_sha256)) } }
+            dt { "seed" } dd { (run.seed) }
+            dt { "phihat" } dd { (line(&run.phihat_version)) }
+            dt { "built with" } dd { (line(&run.toolchain)) }
+            dt { "gains made for" } dd { (line(&record.gains.study)) ", " (number(record.gains.rate_hz)) " Hz" }
+        }
+    }
+}
+
+/// What a reader may not conclude.
+pub(crate) fn not_claimed() -> Markup {
+    html! {
+        h2 id="limits" { "What this page does not claim" }
+        p {
+            "This is one simulated run of a model of a robot. A real arm has dynamics, delays and faults that no model "
+            "here holds, and another start, load or seed gives another run. No certificate backs these figures yet: "
+            "they are measurements, not bounds. phihat is research software, not a safety function; whoever runs these "
+            "gains on a machine needs the machine's own protective stop, limits and risk assessment."
+        }
+        p {
+            "Columns name revolute joints. For a prismatic joint read m for rad, N for N·m and kg for kg·m²."
+        }
+        details.licence {
+            summary { "The plots are drawn by uPlot 1.6.32 (MIT)" }
+            pre tabindex="0" aria-label="licence of uPlot" { code { (PLOT_LICENCE) } }
+        }
+    }
+}

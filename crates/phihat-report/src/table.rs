@@ -1,0 +1,101 @@
+//! The figures per joint, each beside its bound.
+
+use crate::number::{number, percent};
+use crate::text::line;
+use crate::verdict::{CLAUSES, Clause, MILLI, excess, share};
+use maud::{Markup, html};
+use phihat_sim::{JointMetrics, Metrics};
+
+/// Whether the spec holds, joint by joint.
+pub(crate) fn tracking(metrics: &Metrics) -> Markup {
+    let steady = format!("steady: from {} s on", number(metrics.settle_s));
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: tracking per joint" {
+            table {
+                caption { "Tracking per joint, against the study's spec (" (steady) ")" }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    @for clause in &CLAUSES {
+                        th scope="col" { "largest " (clause.symbol) ", steady" (unit(clause.unit)) }
+                    }
+                    th scope="col" { "RMS of e, steady" (unit("mrad")) }
+                    th scope="col" { "largest |e|, whole run" (unit("mrad")) }
+                } }
+                tbody { @for joint in &metrics.joints { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    @for clause in &CLAUSES { (against_spec(clause, joint)) }
+                    td { (number(MILLI * joint.error_rms_rad)) }
+                    td { (number(MILLI * joint.error_max_rad)) }
+                } } }
+            }
+        }
+    }
+}
+
+/// What the torque and the estimate did, joint by joint.
+pub(crate) fn torque(metrics: &Metrics) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: torque per joint" {
+            table {
+                caption { "Torque and estimate per joint, against the limits in force" }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "largest |τ| applied" (unit("N·m")) }
+                    th scope="col" { "largest |Δτ| commanded" (unit("N·m per sample")) }
+                    th scope="col" { "torque limit met" (unit("samples")) }
+                    th scope="col" { "rate limit met" (unit("samples")) }
+                    th scope="col" { "largest |φ|" (unit("N·m")) }
+                    th scope="col" { "largest |φ − φ̂|, steady" (unit("N·m")) }
+                } }
+                tbody { @for joint in &metrics.joints { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    (against_limit(joint.tau_max_nm, joint.tau_limit_nm))
+                    (against_limit(joint.tau_step_max_nm, joint.tau_step_limit_nm))
+                    (count(joint.saturated_samples, metrics.samples))
+                    (count(joint.rate_limited_samples, metrics.samples))
+                    td { (number(joint.phi_max_nm)) }
+                    td { (number(joint.phi_error_steady_max_nm)) }
+                } } }
+            }
+        }
+    }
+}
+
+fn unit(text: &str) -> Markup {
+    html! { " " span.unit { "[" (text) "]" } }
+}
+
+fn against_spec(clause: &Clause, joint: &JointMetrics) -> Markup {
+    let measured = (clause.measured)(joint);
+    let Some(bound) = (clause.bound)(joint) else {
+        return html! { td { (number(MILLI * measured)) span.note { "no bound stated" } } };
+    };
+    let shown = number(MILLI * bound);
+    if share(measured, bound) > 1.0 {
+        return html! { td.outside {
+            (number(MILLI * measured))
+            span.note { "bound " (shown) ": " strong { "OUTSIDE, " (excess(measured, bound)) } }
+        } };
+    }
+    html! { td.within {
+        (number(MILLI * measured))
+        span.note { "bound " (shown) ": within, " (percent(measured, bound)) }
+    } }
+}
+
+fn against_limit(measured: f64, limit: Option<f64>) -> Markup {
+    let Some(limit) = limit else {
+        return html! { td { (number(measured)) span.note { "no limit" } } };
+    };
+    let beyond = !measured.is_finite() || measured > limit * (1.0 + 1e-9);
+    let word = if beyond { "BEYOND" } else { "used" };
+    html! { td.outside[beyond] {
+        (number(measured))
+        span.note { "limit " (number(limit)) ": " (percent(measured, limit)) " " (word) }
+    } }
+}
+
+fn count(samples: u64, of: u64) -> Markup {
+    let share = percent(samples as f64, of as f64);
+    html! { td { (samples) @if samples > 0 { span.note { (share) " of the run" } } } }
+}

@@ -1,0 +1,39 @@
+//! Text that came from a user, made visible.
+
+/// Writes characters that steer a terminal, a parser or the direction of writing as their code
+/// points, so that a page shows what a file holds and XML can carry it.
+///
+/// Markup is not touched here: escaping is the template's, the serialiser's and the chart's work.
+pub(crate) fn visible(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_hidden(c) {
+            shown.push_str(&format!("⟨U+{:04X}⟩", u32::from(c)));
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// Controls but not white space, direction marks, and code points that XML forbids.
+fn is_hidden(c: char) -> bool {
+    let direction =
+        matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let nothing = matches!(c, '\u{200b}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}');
+    direction || nothing || (c.is_control() && !matches!(c, '\n' | '\r' | '\t'))
+}
+
+/// As [`visible`], on one line.
+pub(crate) fn line(text: &str) -> String {
+    visible(text).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// At most `limit` characters, for the narrow title of a panel.
+pub(crate) fn short(text: &str, limit: usize) -> String {
+    let line = line(text);
+    if line.chars().count() <= limit {
+        return line;
+    }
+    line.chars().take(limit.saturating_sub(1)).chain(['…']).collect()
+}

@@ -1,0 +1,128 @@
+//! Did it hold, and by how much: every stated bound against what was measured.
+
+use crate::number::{number, percent};
+use crate::text::line;
+use phihat_sim::{JointMetrics, Metrics};
+
+/// One bound of the study.
+pub(crate) struct Clause {
+    pub symbol: &'static str,
+    pub unit: &'static str,
+    pub measured: fn(&JointMetrics) -> f64,
+    pub bound: fn(&JointMetrics) -> Option<f64>,
+}
+
+/// The bounds a study can state; the factor from SI to the units here is [`MILLI`].
+pub(crate) const CLAUSES: [Clause; 3] = [
+    Clause {
+        symbol: "|e|",
+        unit: "mrad",
+        measured: |j| j.error_steady_max_rad,
+        bound: |j| j.error_spec_rad,
+    },
+    Clause {
+        symbol: "|∫e|",
+        unit: "mrad·s",
+        measured: |j| j.error_integral_steady_max_rad_s,
+        bound: |j| j.error_integral_spec_rad_s,
+    },
+    Clause {
+        symbol: "|ė|",
+        unit: "mrad/s",
+        measured: |j| j.velocity_error_steady_max_rad_s,
+        bound: |j| j.velocity_error_spec_rad_s,
+    },
+];
+
+/// From rad to mrad.
+pub(crate) const MILLI: f64 = 1e3;
+
+/// What the spec says of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Verdict {
+    /// Nothing was recorded.
+    NoSamples,
+    /// The study states no bound.
+    NothingStated,
+    /// Every stated bound holds.
+    Within { joints: usize, closest: String },
+    /// Some do not; one phrase per joint.
+    Outside { joints: usize, broken: Vec<String> },
+    /// The record says "outside", its figures do not.
+    Contradiction,
+}
+
+/// Measured over bound; above one is outside, and so is what is not a number.
+pub(crate) fn share(measured: f64, bound: f64) -> f64 {
+    if measured <= bound && measured >= 0.0 {
+        return if bound > 0.0 { measured / bound } else { 1.0 };
+    }
+    let ratio = measured / bound;
+    if ratio > 1.0 { ratio } else { f64::INFINITY }
+}
+
+/// "12 % over", "3.4 times the bound".
+pub(crate) fn excess(measured: f64, bound: f64) -> String {
+    let share = share(measured, bound);
+    if !share.is_finite() {
+        "over".to_owned()
+    } else if share < 2.0 {
+        format!("{} over", percent(share - 1.0, 1.0))
+    } else {
+        format!("{share:.1} times the bound")
+    }
+}
+
+/// The verdict on a run.
+pub(crate) fn verdict(metrics: &Metrics) -> Verdict {
+    if metrics.samples == 0 || metrics.joints.is_empty() {
+        return Verdict::NoSamples;
+    }
+    let mut worst: Option<(f64, String)> = None;
+    let mut broken = vec![];
+    for joint in &metrics.joints {
+        let mut phrases = vec![];
+        for (clause, measured, bound) in stated(joint) {
+            let share = share(measured, bound);
+            if share > 1.0 {
+                phrases.push(phrase(clause, measured, bound));
+            } else if worst.as_ref().is_none_or(|(w, _)| share > *w) {
+                let text = format!("{} of {}", clause.symbol, line(&joint.name));
+                worst = Some((share, format!("{text} uses {} of its bound", percent(share, 1.0))));
+            }
+        }
+        if !phrases.is_empty() {
+            broken.push(format!("{}: {}", line(&joint.name), phrases.join(", ")));
+        }
+    }
+    let joints = metrics.joints.len();
+    match worst {
+        _ if !broken.is_empty() => Verdict::Outside { joints, broken },
+        None => Verdict::NothingStated,
+        Some(_) if !metrics.within_spec => Verdict::Contradiction,
+        Some((_, closest)) => Verdict::Within { joints, closest },
+    }
+}
+
+/// The joint nearest to its bounds, or farthest beyond them; the largest steady error if none.
+pub(crate) fn worst_joint(metrics: &Metrics) -> usize {
+    let rank = |joint: &JointMetrics| {
+        let share = stated(joint).map(|(_, measured, bound)| share(measured, bound));
+        (share.fold(0.0, f64::max), joint.error_steady_max_rad)
+    };
+    let ranks: Vec<_> = metrics.joints.iter().map(rank).collect();
+    let order = |&i: &usize, &k: &usize| {
+        let (a, b) = (ranks[i], ranks[k]);
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(k.cmp(&i))
+    };
+    (0..ranks.len()).max_by(order).unwrap_or(0)
+}
+
+fn stated(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, f64)> {
+    CLAUSES.iter().filter_map(|c| (c.bound)(joint).map(|bound| (c, (c.measured)(joint), bound)))
+}
+
+fn phrase(clause: &Clause, measured: f64, bound: f64) -> String {
+    let (m, b) = (number(MILLI * measured), number(MILLI * bound));
+    format!("{} {m} {}, bound {b} ({})", clause.symbol, clause.unit, excess(measured, bound))
+}
