@@ -1,0 +1,98 @@
+//! Rigid bodies as a description states them.
+
+use crate::placement::{Matrix3, Placement, add, apply, dot, mul, transpose};
+
+/// A rigid body in some frame: mass, centre of mass, inertia about the centre of mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Centre of mass \[m\].
+    pub com: [f64; 3],
+    /// Inertia about the centre of mass, axes of the frame, `xx, xy, xz, yy, yz, zz` \[kg·m²\].
+    pub inertia: [f64; 6],
+}
+
+/// How far a physical inertia may miss a condition through rounding, relative to its trace.
+const ROUNDING: f64 = 1e-9;
+
+impl Body {
+    /// Says what no rigid body could have: the error is one clause without the body's name.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let Self { mass, com, inertia } = self;
+        if !(mass.is_finite() && *mass >= 0.0) {
+            return Err(format!("mass is {mass} kg; it must be finite and at least 0"));
+        }
+        if com.iter().chain(inertia).any(|x| !x.is_finite()) {
+            return Err("centre of mass and inertia must be finite numbers".to_owned());
+        }
+        let [xx, xy, xz, yy, yz, zz] = *inertia;
+        let tiny = ROUNDING * (xx.abs() + yy.abs() + zz.abs());
+        let minors = [xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz];
+        let determinant = xx * minors[2] - xy * (xy * zz - xz * yz) + xz * (xy * yz - xz * yy);
+        let definite = [xx, yy, zz].iter().all(|d| *d >= -tiny)
+            && minors.iter().all(|m| *m >= -tiny * tiny)
+            && determinant >= -tiny * tiny * tiny;
+        if definite {
+            Ok(())
+        } else {
+            Err(format!(
+                "inertia [{xx}, {xy}, {xz}, {yy}, {yz}, {zz}] (xx, xy, xz, yy, yz, zz) has a \
+                 negative principal moment; all three must be at least 0"
+            ))
+        }
+    }
+
+    /// Whether some mass distribution has this inertia: no principal moment above the sum of the
+    /// other two, that is, `½ tr(I) 1 − I` positive semidefinite.
+    pub(crate) fn obeys_triangle_inequality(&self) -> bool {
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        let half = 0.5 * (xx + yy + zz);
+        let second = [half - xx, -xy, -xz, half - yy, -yz, half - zz];
+        Self { inertia: second, ..*self }.check().is_ok()
+    }
+
+    pub(crate) fn lumped(&self) -> Lumped {
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        let about_com =
+            Lumped { m: self.mass, h: [0.0; 3], i: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] };
+        about_com.seen_from(&Placement { p: self.com, ..Placement::IDENTITY })
+    }
+}
+
+/// Mass, first and second moments about a frame's origin, in its axes: these add up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Lumped {
+    pub(crate) m: f64,
+    /// Mass times centre of mass \[kg·m\].
+    pub(crate) h: [f64; 3],
+    /// Inertia about the origin \[kg·m²\].
+    pub(crate) i: Matrix3,
+}
+
+impl Lumped {
+    /// The same matter, in a frame in which this one is placed at `at`.
+    pub(crate) fn seen_from(&self, at: &Placement) -> Self {
+        let h = apply(&at.r, self.h);
+        let i = mul(&mul(&at.r, &self.i), &transpose(&at.r));
+        let (p, m) = (at.p, self.m);
+        let diagonal = 2.0 * dot(p, h) + m * dot(p, p);
+        let shifted = |a: usize, b: usize| {
+            let off = p[a] * h[b] + h[a] * p[b] + m * p[a] * p[b];
+            i[a][b] - off + if a == b { diagonal } else { 0.0 }
+        };
+        let i = core::array::from_fn(|a| core::array::from_fn(|b| shifted(a.min(b), a.max(b))));
+        Self { m, h: add(h, p.map(|x| m * x)), i }
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        let i = core::array::from_fn(|a| core::array::from_fn(|b| self.i[a][b] + other.i[a][b]));
+        Self { m: self.m + other.m, h: add(self.h, other.h), i }
+    }
+
+    /// The ten dynamic parameters, in the regressor's order.
+    pub(crate) fn parameters(&self) -> [f64; 10] {
+        let ([hx, hy, hz], i) = (self.h, &self.i);
+        [self.m, hx, hy, hz, i[0][0], i[0][1], i[1][1], i[0][2], i[1][2], i[2][2]]
+    }
+}

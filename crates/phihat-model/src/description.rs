@@ -1,0 +1,73 @@
+//! A kinematic tree as its author drew it: links, joints, and bodies in link axes.
+
+use crate::body::Lumped;
+use crate::placement::{Placement, about};
+
+/// What a joint lets its child do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Motion {
+    Fixed,
+    Revolute,
+    Prismatic,
+}
+
+/// A joint with its child link: a tree's links other than the root have exactly one.
+#[derive(Debug, Clone)]
+pub(crate) struct JointOf {
+    pub(crate) name: String,
+    pub(crate) motion: Motion,
+    /// Index of the parent link.
+    pub(crate) parent: usize,
+    /// Pose of the child link in the parent link at position 0.
+    pub(crate) placement: Placement,
+    /// Unit vector in the child link's axes.
+    pub(crate) axis: [f64; 3],
+}
+
+/// A link and how it hangs on its parent.
+#[derive(Debug, Clone)]
+pub(crate) struct Link {
+    pub(crate) name: String,
+    pub(crate) matter: Lumped,
+    /// `None` for the root, which is link 0.
+    pub(crate) joint: Option<JointOf>,
+}
+
+/// A whole tree in depth-first order: every link comes after its parent, and what hangs on a link
+/// follows it without a gap.
+#[derive(Debug, Clone)]
+pub(crate) struct Description {
+    pub(crate) links: Vec<Link>,
+}
+
+impl Description {
+    /// Links with a joint that moves, in coordinate order.
+    pub(crate) fn moving(&self) -> impl Iterator<Item = (usize, &JointOf)> {
+        self.links.iter().enumerate().filter_map(|(at, link)| {
+            link.joint.as_ref().filter(|joint| joint.motion != Motion::Fixed).map(|j| (at, j))
+        })
+    }
+
+    /// Fixes the joint called `name` at `position`; `false` if no moving joint has that name.
+    pub(crate) fn fix(&mut self, name: &str, position: f64) -> bool {
+        let joints = self.links.iter_mut().filter_map(|link| link.joint.as_mut());
+        let mut moving = joints.filter(|joint| joint.motion != Motion::Fixed);
+        let Some(joint) = moving.find(|joint| joint.name == name) else { return false };
+        joint.placement = joint.placement.then(&joint.displacement(position));
+        joint.motion = Motion::Fixed;
+        true
+    }
+}
+
+impl JointOf {
+    /// What the joint adds to its placement at `position`.
+    fn displacement(&self, position: f64) -> Placement {
+        match self.motion {
+            Motion::Fixed => Placement::IDENTITY,
+            Motion::Revolute => Placement { r: about(self.axis, position), ..Placement::IDENTITY },
+            Motion::Prismatic => {
+                Placement { p: self.axis.map(|x| position * x), ..Placement::IDENTITY }
+            }
+        }
+    }
+}

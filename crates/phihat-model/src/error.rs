@@ -1,0 +1,131 @@
+//! What can be wrong with a robot, and where.
+
+use thiserror::Error;
+
+/// Why a model could not be changed as asked.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// Rotor inertia that no rotors have.
+    #[error("armature {given:?} must be {joints} finite values of at least 0 kg·m², one per joint")]
+    Armature {
+        /// The values given.
+        given: Vec<f64>,
+        /// Number of joints.
+        joints: usize,
+    },
+    /// A payload that no body has.
+    #[error("payload on frame \"{frame}\": {why}")]
+    Payload {
+        /// Frame the body was to be welded to.
+        frame: String,
+        /// What is wrong with it.
+        why: String,
+    },
+}
+
+/// Why a robot could not be read. `origin` is the file, or what stands for it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The file could not be read.
+    #[error("{origin}: cannot be read: {source}")]
+    Read {
+        /// File.
+        origin: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is larger than any description of an arm.
+    #[error("{origin}: {found} {what}, more than the {limit} that are read")]
+    TooMuch {
+        /// File.
+        origin: String,
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is, at least.
+        found: usize,
+        /// Largest amount that is read.
+        limit: usize,
+    },
+    /// The text is not XML, or not XML of the plain kind a URDF is.
+    #[error("{origin}:{line}: {why}")]
+    Xml {
+        /// File.
+        origin: String,
+        /// Line, from 1.
+        line: u32,
+        /// What is wrong.
+        why: String,
+    },
+    /// A link that is not one.
+    #[error("{origin}:{line}: link \"{link}\": {why}")]
+    Link {
+        /// File.
+        origin: String,
+        /// Line, from 1.
+        line: u32,
+        /// Link's name.
+        link: String,
+        /// What is wrong, and what would be valid.
+        why: String,
+    },
+    /// A joint that is not one.
+    #[error("{origin}:{line}: joint \"{joint}\": {why}")]
+    Joint {
+        /// File.
+        origin: String,
+        /// Line, from 1.
+        line: u32,
+        /// Joint's name.
+        joint: String,
+        /// What is wrong, and what would be valid.
+        why: String,
+    },
+    /// The links and joints do not form one tree.
+    #[error("{origin}: {why}")]
+    Tree {
+        /// File.
+        origin: String,
+        /// What is wrong, and with which links.
+        why: String,
+    },
+    /// The robot's TOML file is not one.
+    #[error("{origin}: {why}")]
+    Toml {
+        /// File.
+        origin: String,
+        /// What is wrong, with line and column where known.
+        why: String,
+    },
+    /// A key of the robot's TOML file has a value that cannot be.
+    #[error("{origin}: {key}: {why}")]
+    Value {
+        /// File.
+        origin: String,
+        /// Key, with its table.
+        key: String,
+        /// What is wrong, and what would be valid.
+        why: String,
+    },
+    /// No arm of that name is built in.
+    #[error("no built-in arm is called \"{name}\"{hint}; there are {}", known.join(", "))]
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// `, did you mean …?` or nothing.
+        hint: String,
+        /// Names of the arms that are.
+        known: &'static [&'static str],
+    },
+    /// A joint was to be locked that is not there, or where it cannot be.
+    #[error("cannot lock joint \"{joint}\" of {robot}: {why}")]
+    Lock {
+        /// Robot's name.
+        robot: String,
+        /// Joint's name.
+        joint: String,
+        /// What is wrong, and what would be valid.
+        why: String,
+    },
+}

@@ -1,0 +1,301 @@
+//! The robot's TOML file: what a URDF leaves out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::error::RobotError;
+use crate::robot::{Friction, Robot, Sigmoid};
+
+/// Largest file that is read \[bytes\].
+const BYTES_MAX: usize = 1 << 20;
+
+type Result<T> = core::result::Result<T, RobotError>;
+
+/// The file as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    description: String,
+    urdf: String,
+    tip: String,
+    licence: String,
+    provenance: String,
+    joints: Vec<String>,
+    rotor: Option<Rotor>,
+    friction: Option<FrictionKeys>,
+    limits: Option<Limits>,
+    drive: Option<Drive>,
+    encoder: Option<Encoder>,
+    #[serde(default)]
+    poses: BTreeMap<String, Vec<f64>>,
+}
+
+/// One number for all joints, or one each.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+enum Each {
+    All(f64),
+    One(Vec<f64>),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Rotor {
+    armature_kg_m2: Each,
+    source: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrictionKeys {
+    viscous_nm_s_rad: Option<Each>,
+    coulomb_nm: Option<Each>,
+    sigmoid_amplitude_nm: Option<Each>,
+    sigmoid_steepness_s_rad: Option<Each>,
+    sigmoid_offset_rad_s: Option<Each>,
+    source: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Limits {
+    torque_max_nm: Option<Each>,
+    torque_rate_max_nm_s: Option<Each>,
+    source: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Drive {
+    bandwidth_hz: Each,
+    source: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Encoder {
+    bits: Each,
+    source: Option<String>,
+}
+
+/// Path of the URDF that the TOML file at `path` names: beside or below it.
+pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathBuf> {
+    let file = parse(text, origin)?;
+    let named = Path::new(&file.urdf);
+    let inside = named.components().all(|c| matches!(c, std::path::Component::Normal(_)));
+    if !inside || file.urdf.is_empty() {
+        let why = format!("\"{}\" must be a file beside the TOML file or below it", file.urdf);
+        return Err(RobotError::Value { origin: origin.to_owned(), key: "urdf".to_owned(), why });
+    }
+    Ok(path.parent().unwrap_or(Path::new("")).join(named))
+}
+
+/// Adds to `robot` what the TOML file `text` says.
+pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot> {
+    let file = parse(text, origin)?;
+    let order = order_of(&file.joints, &robot, origin)?;
+    let lists = Lists { order, names: &file.joints, origin };
+    if robot.model.frame(&file.tip).is_none() {
+        let why = format!("\"{}\" is not a link of the URDF", file.tip);
+        return Err(lists.error("tip", why));
+    }
+    for (name, pose) in &file.poses {
+        let key = format!("poses.{name}");
+        let pose = lists.each(&key, &Each::One(pose.clone()), |x| x.is_finite(), "finite")?;
+        robot.poses.insert(name.clone(), pose);
+    }
+    let sources = [
+        ("rotor", file.rotor.as_ref().and_then(|s| s.source.clone())),
+        ("friction", file.friction.as_ref().and_then(|s| s.source.clone())),
+        ("limits", file.limits.as_ref().and_then(|s| s.source.clone())),
+        ("drive", file.drive.as_ref().and_then(|s| s.source.clone())),
+        ("encoder", file.encoder.as_ref().and_then(|s| s.source.clone())),
+    ];
+    let stated = |(section, source): (&str, Option<String>)| Some((section.to_owned(), source?));
+    robot.sources = sources.into_iter().filter_map(stated).collect();
+    lists.set_joints(&mut robot, &file)?;
+    Ok(Robot {
+        name: file.name,
+        description: file.description,
+        licence: file.licence,
+        provenance: file.provenance,
+        tip: file.tip,
+        ..robot
+    })
+}
+
+fn parse(text: &str, origin: &str) -> Result<File> {
+    if text.len() > BYTES_MAX {
+        let (origin, found) = (origin.to_owned(), text.len());
+        return Err(RobotError::TooMuch { origin, what: "bytes", found, limit: BYTES_MAX });
+    }
+    toml::from_str(text).map_err(|error| RobotError::Toml {
+        origin: origin.to_owned(),
+        why: error.to_string().trim_end().to_owned(),
+    })
+}
+
+/// For each joint of the robot, its place in the file's list.
+fn order_of(names: &[String], robot: &Robot, origin: &str) -> Result<Vec<usize>> {
+    let mismatch = |why| {
+        let (origin, key) = (origin.to_owned(), "joints".to_owned());
+        RobotError::Value { origin, key, why }
+    };
+    let known: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+    if let Some(stranger) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let why = format!("\"{stranger}\" does not move in the URDF; {} do", known.join(", "));
+        return Err(mismatch(why));
+    }
+    if names.len() > known.len() {
+        return Err(mismatch("a joint is listed twice".to_owned()));
+    }
+    let place = |name: &&str| {
+        let missing = || mismatch(format!("\"{name}\" moves in the URDF but is not listed"));
+        names.iter().position(|n| n == name).ok_or_else(missing)
+    };
+    known.iter().map(place).collect()
+}
+
+/// The file's lists, brought into the robot's order.
+struct Lists<'a> {
+    order: Vec<usize>,
+    names: &'a [String],
+    origin: &'a str,
+}
+
+impl Lists<'_> {
+    fn error(&self, key: &str, why: String) -> RobotError {
+        RobotError::Value { origin: self.origin.to_owned(), key: key.to_owned(), why }
+    }
+
+    /// One valid value per joint, in the robot's order.
+    fn each(
+        &self,
+        key: &str,
+        stated: &Each,
+        valid: impl Fn(f64) -> bool,
+        wanted: &str,
+    ) -> Result<Vec<f64>> {
+        let n = self.order.len();
+        let listed = match stated {
+            Each::All(value) => vec![*value; n],
+            Each::One(values) if values.len() == n => values.clone(),
+            Each::One(values) => {
+                let why = format!("{} values for {n} joints", values.len());
+                return Err(self.error(key, why));
+            }
+        };
+        if let Some(at) = listed.iter().position(|value| !valid(*value)) {
+            let (value, joint) = (listed[at], &self.names[at]);
+            return Err(self.error(key, format!("{value} of joint \"{joint}\" must be {wanted}")));
+        }
+        Ok(self.order.iter().map(|at| listed[*at]).collect())
+    }
+
+    /// As [`each`](Self::each), if the key is there at all: calls `set` for each joint.
+    fn set(
+        &self,
+        robot: &mut Robot,
+        key: &str,
+        stated: Option<&Each>,
+        range: Range,
+        set: impl Fn(&mut crate::Joint, f64),
+    ) -> Result<()> {
+        let Some(stated) = stated else { return Ok(()) };
+        let (valid, wanted): (fn(f64) -> bool, _) = match range {
+            Range::Any => (f64::is_finite, "finite"),
+            Range::NotNegative => (|x| x.is_finite() && x >= 0.0, "finite and at least 0"),
+            Range::Positive => (|x| x.is_finite() && x > 0.0, "finite and above 0"),
+            Range::Bits => (
+                |x| (1.0..=32.0).contains(&x) && (x - x.round()).abs() < f64::EPSILON,
+                "a whole number from 1 to 32",
+            ),
+        };
+        let values = self.each(key, stated, valid, wanted)?;
+        robot.joints.iter_mut().zip(values).for_each(|(joint, value)| set(joint, value));
+        Ok(())
+    }
+
+    fn set_joints(&self, robot: &mut Robot, file: &File) -> Result<()> {
+        if let Some(rotor) = &file.rotor {
+            let stated = Some(&rotor.armature_kg_m2);
+            let key = "rotor.armature_kg_m2";
+            self.set(robot, key, stated, Range::NotNegative, |joint, x| joint.armature = x)?;
+        }
+        if let Some(friction) = &file.friction {
+            self.set_friction(robot, friction)?;
+        }
+        if let Some(limits) = &file.limits {
+            let (torque, rate) = (limits.torque_max_nm.as_ref(), &limits.torque_rate_max_nm_s);
+            self.set(robot, "limits.torque_max_nm", torque, Range::Positive, |joint, x| {
+                joint.torque_max = Some(x);
+            })?;
+            let key = "limits.torque_rate_max_nm_s";
+            self.set(robot, key, rate.as_ref(), Range::Positive, |joint, x| {
+                joint.torque_rate_max = Some(x);
+            })?;
+        }
+        if let Some(drive) = &file.drive {
+            let stated = Some(&drive.bandwidth_hz);
+            self.set(robot, "drive.bandwidth_hz", stated, Range::Positive, |joint, x| {
+                joint.drive_bandwidth_hz = Some(x);
+            })?;
+        }
+        if let Some(encoder) = &file.encoder {
+            self.set(robot, "encoder.bits", Some(&encoder.bits), Range::Bits, |joint, x| {
+                joint.encoder_bits = (1..=32).find(|bits| f64::from(*bits) > x - 0.5);
+            })?;
+        }
+        Ok(())
+    }
+
+    fn set_friction(&self, robot: &mut Robot, keys: &FrictionKeys) -> Result<()> {
+        let viscous = keys.viscous_nm_s_rad.as_ref();
+        self.set(robot, "friction.viscous_nm_s_rad", viscous, Range::NotNegative, |joint, x| {
+            joint.friction.viscous = x;
+        })?;
+        let coulomb = keys.coulomb_nm.as_ref();
+        self.set(robot, "friction.coulomb_nm", coulomb, Range::NotNegative, |joint, x| {
+            joint.friction.coulomb = x;
+        })?;
+        let sigmoid = [
+            ("friction.sigmoid_amplitude_nm", &keys.sigmoid_amplitude_nm, Range::NotNegative),
+            ("friction.sigmoid_steepness_s_rad", &keys.sigmoid_steepness_s_rad, Range::Positive),
+            ("friction.sigmoid_offset_rad_s", &keys.sigmoid_offset_rad_s, Range::Any),
+        ];
+        if sigmoid.iter().all(|(_, stated, _)| stated.is_none()) {
+            return Ok(());
+        }
+        for (at, (key, stated, range)) in sigmoid.into_iter().enumerate() {
+            let Some(stated) = stated else {
+                return Err(self.error(key, "the three sigmoid keys come together".to_owned()));
+            };
+            self.set(robot, key, Some(stated), range, |joint, x| {
+                set_sigmoid(&mut joint.friction, at, x);
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// What a value may be.
+#[derive(Debug, Clone, Copy)]
+enum Range {
+    Any,
+    NotNegative,
+    Positive,
+    Bits,
+}
+
+fn set_sigmoid(friction: &mut Friction, at: usize, value: f64) {
+    let none = Sigmoid { amplitude_nm: 0.0, steepness_s_rad: 0.0, offset_rad_s: 0.0 };
+    let sigmoid = friction.sigmoid.get_or_insert(none);
+    match at {
+        0 => sigmoid.amplitude_nm = value,
+        1 => sigmoid.steepness_s_rad = value,
+        _ => sigmoid.offset_rad_s = value,
+    }
+}

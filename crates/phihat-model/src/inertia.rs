@@ -1,0 +1,90 @@
+//! Composite inertia: mass and moments of a rigid collection of bodies, moved between frames.
+
+use crate::Scalar;
+use crate::compile::Segment;
+use crate::vector::{Turn, Vec3};
+
+/// Mass, first moment and inertia about a frame's origin, in its axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Inertia<S> {
+    pub(crate) m: S,
+    pub(crate) h: Vec3<S>,
+    pub(crate) xx: S,
+    pub(crate) yy: S,
+    pub(crate) zz: S,
+    pub(crate) xy: S,
+    pub(crate) xz: S,
+    pub(crate) yz: S,
+}
+
+impl<S: Scalar> Inertia<S> {
+    #[inline(always)]
+    pub(crate) fn of(segment: &Segment) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = segment.i.map(S::splat);
+        Self { m: S::splat(segment.m), h: Vec3::splat(segment.h), xx, yy, zz, xy, xz, yz }
+    }
+
+    #[inline(always)]
+    pub(crate) fn plus(&self, b: &Self) -> Self {
+        Self {
+            m: self.m + b.m,
+            h: self.h + b.h,
+            xx: self.xx + b.xx,
+            yy: self.yy + b.yy,
+            zz: self.zz + b.zz,
+            xy: self.xy + b.xy,
+            xz: self.xz + b.xz,
+            yz: self.yz + b.yz,
+        }
+    }
+
+    /// Seen from the frame before `Rz Tz(d)`.
+    #[inline(always)]
+    pub(crate) fn out_z(&self, turn: Turn<S>, d: S) -> Self {
+        let h = turn.out_z(self.h);
+        let (xx, xy, yy) = turn_block(turn, self.xx, self.xy, self.yy);
+        let (c, s) = (turn.c, turn.s);
+        let dm = d * self.m;
+        let k = d * (h.z + h.z + dm);
+        Self {
+            m: self.m,
+            h: Vec3::new(h.x, h.y, h.z + dm),
+            xx: xx + k,
+            yy: yy + k,
+            zz: self.zz,
+            xy,
+            xz: c * self.xz - s * self.yz - d * h.x,
+            yz: s * self.xz + c * self.yz - d * h.y,
+        }
+    }
+
+    /// Seen from the frame before `Rx Tx(a)`.
+    #[inline(always)]
+    pub(crate) fn out_x(&self, turn: Turn<S>, a: S) -> Self {
+        let h = turn.out_x(self.h);
+        let (yy, yz, zz) = turn_block(turn, self.yy, self.yz, self.zz);
+        let (c, s) = (turn.c, turn.s);
+        let am = a * self.m;
+        let k = a * (h.x + h.x + am);
+        Self {
+            m: self.m,
+            h: Vec3::new(h.x + am, h.y, h.z),
+            xx: self.xx,
+            yy: yy + k,
+            zz: zz + k,
+            xy: c * self.xy - s * self.xz - a * h.y,
+            xz: s * self.xy + c * self.xz - a * h.z,
+            yz,
+        }
+    }
+}
+
+/// `R B Rᵀ` for the symmetric 2 × 2 block `[[p, o], [o, q]]` in the plane of the turn.
+#[inline(always)]
+fn turn_block<S: Scalar>(turn: Turn<S>, p: S, o: S, q: S) -> (S, S, S) {
+    let (ss, cs) = (turn.s * turn.s, turn.c * turn.s);
+    let e = q - p;
+    let oo = o + o;
+    let w = ss * e - cs * oo;
+    (p + w, o - (ss * oo + cs * e), q - w)
+}

@@ -1,0 +1,250 @@
+//! A robot: its model, and what a model leaves out.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::error::RobotError;
+use crate::{Model, extras, urdf};
+
+/// A robot as its files describe it.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Robot {
+    /// Name: short, as used in file names.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// Licence of the description.
+    pub licence: String,
+    /// Where the figures come from, in words.
+    pub provenance: String,
+    /// Source of each section of the TOML file, by the section's name.
+    pub sources: BTreeMap<String, String>,
+    /// Links and joints only: no rotor inertia. With it: [`plant_model`](Self::plant_model).
+    pub model: Model,
+    /// One entry per coordinate of `model`.
+    pub joints: Vec<Joint>,
+    /// Name of the frame that does the work.
+    pub tip: String,
+    /// Named postures \[rad, m for prismatic joints\].
+    pub poses: BTreeMap<String, Vec<f64>>,
+    /// What is odd about the description but does not prevent its use.
+    pub warnings: Vec<String>,
+}
+
+/// A joint that moves.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// What it lets its child do.
+    pub kind: JointKind,
+    /// Lower and upper end of travel \[rad, m\]; `None`: endless.
+    pub position: Option<(f64, f64)>,
+    /// Largest speed \[rad/s, m/s\].
+    pub velocity_max: Option<f64>,
+    /// Largest torque \[N·m, N\].
+    pub torque_max: Option<f64>,
+    /// Largest rate of torque \[N·m/s\].
+    pub torque_rate_max: Option<f64>,
+    /// Reflected rotor inertia \[kg·m²\].
+    pub armature: f64,
+    /// Friction between rotor and child.
+    pub friction: Friction,
+    /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
+    pub drive_bandwidth_hz: Option<f64>,
+    /// Encoder resolution \[bit\] over one turn; `None`: exact.
+    pub encoder_bits: Option<u32>,
+}
+
+/// What a joint lets its child do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns between two ends.
+    Revolute,
+    /// Turns without end.
+    Continuous,
+    /// Slides between two ends.
+    Prismatic,
+}
+
+/// Friction of one joint: `τ_f = viscous q̇ + coulomb sign(q̇) + sigmoid(q̇)`, against the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    /// Viscous part \[N·m·s/rad\].
+    pub viscous: f64,
+    /// Coulomb part \[N·m\].
+    pub coulomb: f64,
+    /// Identified smooth part.
+    pub sigmoid: Option<Sigmoid>,
+}
+
+/// Smooth friction `A/(1 + e^{−s(q̇ + o)}) − A/(1 + e^{−s o})`.
+///
+/// # References
+///
+/// C. Gaz, M. Cognetti, A. Oliva, P. Robuffo Giordano, A. De Luca, IEEE RA-L 4(4), 2019.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sigmoid {
+    /// `A` \[N·m\].
+    pub amplitude_nm: f64,
+    /// `s` \[s/rad\].
+    pub steepness_s_rad: f64,
+    /// `o` \[rad/s\].
+    pub offset_rad_s: f64,
+}
+
+/// Files of the arms that come with the crate: name, URDF, TOML.
+macro_rules! arms {
+    ($($name:literal),*) => {
+        const NAMES: &[&str] = &[$($name),*];
+        const ARMS: &[(&str, &str, &str)] = &[$((
+            $name,
+            include_str!(concat!("../../../robots/", $name, ".urdf")),
+            include_str!(concat!("../../../robots/", $name, ".toml")),
+        )),*];
+    };
+}
+
+arms!("planar3r", "panda", "iiwa14", "ur5");
+
+impl Robot {
+    /// Reads a robot from its TOML file, which names its URDF, or from a bare URDF.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`], with file, line where there is one, link or joint, value and what would be
+    /// valid.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        let text = read_text(path)?;
+        let origin = path.display().to_string();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            return Self::from_text(&text, None, &origin);
+        }
+        let urdf = extras::urdf_beside(path, &text, &origin)?;
+        Self::assemble(&read_text(&urdf)?, &urdf.display().to_string(), Some((&text, &origin)))
+    }
+
+    /// Makes a robot from the text of its URDF and, if there is one, of its TOML file; `origin`
+    /// stands for the file in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`], as for [`read`](Self::read).
+    pub fn from_text(urdf: &str, toml: Option<&str>, origin: &str) -> Result<Self, RobotError> {
+        Self::assemble(urdf, origin, toml.map(|text| (text, origin)))
+    }
+
+    /// Gives one of the arms that come with the crate: those of [`names`](Self::names).
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Unknown`] with the nearest name there is.
+    pub fn named(name: &str) -> Result<Self, RobotError> {
+        let Some((_, urdf, toml)) = ARMS.iter().find(|(known, ..)| *known == name) else {
+            return Err(RobotError::Unknown {
+                name: name.to_owned(),
+                hint: nearest(name, NAMES)
+                    .map_or_else(String::new, |n| format!(", did you mean \"{n}\"?")),
+                known: NAMES,
+            });
+        };
+        Self::assemble(urdf, &format!("{name}.urdf"), Some((toml, &format!("{name}.toml"))))
+    }
+
+    /// Names of the arms that come with the crate.
+    pub fn names() -> &'static [&'static str] {
+        NAMES
+    }
+
+    /// The same robot with some joints fixed at a position \[rad, m\]; their rotors, limits and
+    /// friction are gone with them.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Lock`] for a joint the robot does not have, a position outside its limits, or
+    /// if no joint is left.
+    pub fn lock(mut self, joints: &[(String, f64)]) -> Result<Self, RobotError> {
+        let mut description = self.model.description().clone();
+        for (name, position) in joints {
+            let refuse =
+                |why| RobotError::Lock { robot: self.name.clone(), joint: name.clone(), why };
+            let Some(at) = self.joints.iter().position(|joint| joint.name == *name) else {
+                let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+                return Err(refuse(format!("there is none; there are {}", names.join(", "))));
+            };
+            let (low, high) = self.joints[at].position.unwrap_or((f64::MIN, f64::MAX));
+            if !(low..=high).contains(position) {
+                return Err(refuse(format!("position {position} is outside [{low}, {high}]")));
+            }
+            if self.joints.len() == 1 {
+                return Err(refuse("it is the last that moves".to_owned()));
+            }
+            description.fix(name, *position);
+            self.joints.remove(at);
+            self.poses.values_mut().for_each(|pose| {
+                pose.remove(at);
+            });
+        }
+        self.model = Model::new(description).with_gravity(self.model.gravity());
+        Ok(self)
+    }
+
+    /// The model with the joints' rotor inertia: what a simulated plant is made of.
+    pub fn plant_model(&self) -> Model {
+        let armature: Vec<f64> = self.joints.iter().map(|joint| joint.armature).collect();
+        // A robot's armature was checked when it was read; a changed one is checked here.
+        self.model.clone().with_armature(&armature).unwrap_or_else(|_| self.model.clone())
+    }
+
+    fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
+        let read = urdf::read(urdf, origin)?;
+        let model = Model::new(read.description);
+        let tip = model.frame_names().last().cloned().unwrap_or_default();
+        let robot = Self {
+            name: read.name,
+            description: String::new(),
+            licence: String::new(),
+            provenance: origin.to_owned(),
+            sources: BTreeMap::new(),
+            model,
+            joints: read.joints,
+            tip,
+            poses: BTreeMap::new(),
+            warnings: read.warnings,
+        };
+        match toml {
+            None => Ok(robot),
+            Some((text, origin)) => extras::apply(robot, text, origin),
+        }
+    }
+}
+
+impl Sigmoid {
+    /// Friction torque \[N·m\] at speed `dq` \[rad/s\].
+    pub fn torque(&self, dq: f64) -> f64 {
+        let Self { amplitude_nm, steepness_s_rad, offset_rad_s } = *self;
+        let logistic = |v: f64| amplitude_nm / (1.0 + libm::exp(-steepness_s_rad * v));
+        logistic(dq + offset_rad_s) - logistic(offset_rad_s)
+    }
+}
+
+/// The known name closest to `name`, if it is close.
+fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let score = |candidate: &&str| strsim::jaro_winkler(name, candidate);
+    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    (score(&best) > 0.6).then_some(best)
+}
+
+fn read_text(path: &Path) -> Result<String, RobotError> {
+    let origin = path.display().to_string();
+    let failed = |source| RobotError::Read { origin: origin.clone(), source };
+    let size = std::fs::metadata(path).map_err(failed)?.len();
+    let limit = urdf::BYTES_MAX;
+    let found = usize::try_from(size).unwrap_or(usize::MAX);
+    if found > limit {
+        return Err(RobotError::TooMuch { origin, what: "bytes", found, limit });
+    }
+    std::fs::read_to_string(path).map_err(failed)
+}

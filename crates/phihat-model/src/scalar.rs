@@ -1,0 +1,66 @@
+//! The number type of the dynamics.
+
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+use crate::trig;
+
+/// A real number, or several side by side: what the dynamics compute with.
+///
+/// The algorithms never compare or branch on a `Scalar`, so a type that holds one value per SIMD
+/// lane, one robot state per lane, is as good a `Scalar` as `f64`.
+pub trait Scalar:
+    Copy
+    + Default
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// The constant `value`, in every lane.
+    fn splat(value: f64) -> Self;
+
+    /// Sine and cosine of an angle \[rad\].
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Sines and cosines of many angles at once; slices of one length.
+    fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
+        for ((angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
+            (*sine, *cosine) = angle.sin_cos();
+        }
+    }
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        trig::sin_cos(self)
+    }
+
+    #[inline]
+    fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
+        trig::sin_cos_each(angles, sines, cosines);
+    }
+}
+
+impl Scalar for f32 {
+    #[inline(always)]
+    #[allow(clippy::cast_possible_truncation, reason = "rounding to single precision is the point")]
+    fn splat(value: f64) -> Self {
+        value as f32
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = trig::sin_cos(f64::from(self));
+        (Self::splat(sine), Self::splat(cosine))
+    }
+}

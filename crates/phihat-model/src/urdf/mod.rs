@@ -1,0 +1,25 @@
+//! URDF: pre-scan, parse, check.
+
+use crate::description::Description;
+use crate::error::RobotError;
+use crate::robot::Joint;
+
+mod element;
+mod read;
+mod scan;
+mod tree;
+
+pub(crate) use read::read;
+
+/// Largest description that is read \[bytes\].
+pub(crate) const BYTES_MAX: usize = 4 << 20;
+
+/// What a URDF says.
+pub(crate) struct Urdf {
+    pub(crate) name: String,
+    pub(crate) description: Description,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) warnings: Vec<String>,
+}
+
+pub(crate) type Result<T> = core::result::Result<T, RobotError>;
