@@ -132,7 +132,7 @@ impl<S: Scalar> Gamma<S> {
     }
 
     #[inline(always)]
-    fn apply(&self, v: Vec3<S>) -> Vec3<S> {
+    pub(crate) fn apply(&self, v: Vec3<S>) -> Vec3<S> {
         Vec3::new(
             self.xx * v.x + self.xy * v.y + self.xz * v.z,
             self.yx * v.x + self.yy * v.y + self.yz * v.z,

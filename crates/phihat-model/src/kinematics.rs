@@ -47,14 +47,7 @@ impl Model {
         let seat = &self.compiled().seats[frame.0];
         let at = Pose3::of(&seat.at);
         let Some(segment) = seat.segment else { return at.pose() };
-        let carrier = &ws.segments[segment].pose;
-        Pose3 {
-            x: carrier.turn(at.x),
-            y: carrier.turn(at.y),
-            z: carrier.turn(at.z),
-            p: carrier.turn(at.p) + carrier.p,
-        }
-        .pose()
+        at.within(&ws.segments[segment].pose).pose()
     }
 
     /// Jacobian of `frame` at `q`, 6 × n row by row: three rows of linear velocity of the frame's
@@ -108,6 +101,23 @@ impl<S: Scalar> Pose3<S> {
     #[inline(always)]
     pub(crate) fn turn(&self, v: Vec3<S>) -> Vec3<S> {
         self.x.scale(v.x) + self.y.scale(v.y) + self.z.scale(v.z)
+    }
+
+    /// A direction of base axes, in this frame's axes.
+    #[inline(always)]
+    pub(crate) fn turn_back(&self, v: Vec3<S>) -> Vec3<S> {
+        Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+
+    /// This frame, given in `carrier`, in base axes.
+    #[inline(always)]
+    pub(crate) fn within(&self, carrier: &Self) -> Self {
+        Self {
+            x: carrier.turn(self.x),
+            y: carrier.turn(self.y),
+            z: carrier.turn(self.z),
+            p: carrier.point(self.p),
+        }
     }
 
     /// A point given in this frame.
