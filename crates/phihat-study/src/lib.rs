@@ -1,6 +1,42 @@
 //! The study file: read, checked with line-accurate errors, and resolved against its robot.
+//!
+//! A study says which arm, what error its user can live with, which gains, what the world does to
+//! it, and what it shall do. [`Study::read`] gives all of it as checked plain data in SI units, or
+//! the one [`StudyError`] that says where the file is wrong and what would be right.
+//!
+//! Nothing in a [`Study`] needs a second check: numbers are finite and in range, every per-joint
+//! value has one entry per joint in the robot's order, names are known, references keep the joints'
+//! position limits (a Cartesian curve excepted: its reach is known to inverse kinematics only).
+//!
+//! The format is described once, in tables; [`manual`] and [`schema`] are made from them.
 #![forbid(unsafe_code)]
 
+mod arm;
+mod cartesian;
+mod check;
+mod control;
+mod error;
+mod format;
+mod gains;
+mod keys;
+mod manual;
+mod node;
+mod payload;
+mod per_joint;
+mod read;
+mod reference;
+mod reference_keys;
+mod samples;
+mod schema;
+mod sines;
+mod source;
+mod spec;
 mod study;
+mod suggest;
+mod value;
+mod world;
 
+pub use error::{StudyError, StudyErrorKind};
+pub use manual::manual;
+pub use schema::schema;
 pub use study::*;

@@ -1,0 +1,166 @@
+//! `[robot]`: the arm, its names, its poses, and whether a position is one it can have.
+
+use std::path::Path;
+
+use phihat_model::Robot;
+use toml::de::DeValue;
+
+use crate::check::{clip, in_file_order};
+use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::node::Node;
+use crate::per_joint::Joints;
+use crate::suggest::did_you_mean;
+use crate::value::number;
+
+/// Slack on a limit, for figures that were rounded when they were written down \[rad, rad/s, m\].
+const ROUNDING: f64 = 1e-6;
+
+/// The arm of a study and the names by which the study speaks of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Arm {
+    pub(crate) robot: Robot,
+    pub(crate) joints: Joints,
+}
+
+impl Arm {
+    /// Reads `[robot]`; files are relative to `base`.
+    pub(crate) fn read(node: &Node<'_>, base: &Path) -> Result<Self, StudyError> {
+        let robot = match node.either("name", "file")? {
+            "name" => built_in(node)?,
+            _ => {
+                let file = node.text("file").unwrap_or_default();
+                let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
+                Robot::read(&base.join(file)).map_err(refuse)?
+            }
+        };
+        let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let all = Joints { names: names(&robot), locked: Vec::new() };
+        let mut arm = Self { robot, joints: all };
+        let locks = arm.locks(node)?;
+        if !locks.is_empty() {
+            let refuse = |error| node.error(Kind::Robot, "locked", format!("{error}"));
+            arm.robot = arm.robot.lock(&locks).map_err(refuse)?;
+            arm.joints.names = names(&arm.robot);
+            arm.joints.locked = locks.into_iter().map(|(name, _)| name).collect();
+        }
+        Ok(arm)
+    }
+
+    fn locks(&self, node: &Node<'_>) -> Result<Vec<(String, f64)>, StudyError> {
+        let mut locks = Vec::new();
+        let Some(DeValue::Table(table)) = node.value("locked").map(toml::Spanned::get_ref) else {
+            return Ok(locks);
+        };
+        for (name, value) in in_file_order(table) {
+            let j = self.joints.known(node, "locked", name.get_ref())?;
+            let q = number(value.get_ref()).unwrap_or_default();
+            self.check_position(node, "locked", j, q)?;
+            locks.push((name.get_ref().to_string(), q));
+        }
+        if !locks.is_empty() && locks.len() == self.joints.count() {
+            return Err(node.error(Kind::Conflict, "locked", "every joint is locked"));
+        }
+        Ok(locks)
+    }
+
+    /// Joint values under `direct`, or the pose named under `named`: exactly one of them.
+    pub(crate) fn position(
+        &self,
+        node: &Node<'_>,
+        direct: &str,
+        named: &str,
+    ) -> Result<Vec<f64>, StudyError> {
+        let key = node.either(direct, named)?;
+        let q = if key == direct {
+            self.joints.numbers(node, direct)?
+        } else {
+            self.pose(node, named)?
+        };
+        q.iter().enumerate().try_for_each(|(j, &x)| self.check_position(node, key, j, x))?;
+        Ok(q)
+    }
+
+    fn pose(&self, node: &Node<'_>, key: &str) -> Result<Vec<f64>, StudyError> {
+        let name = node.word(key)?;
+        let found = self.robot.poses.get(name).filter(|q| q.len() == self.joints.count());
+        found.cloned().ok_or_else(|| {
+            let names: Vec<&str> = self.robot.poses.keys().map(String::as_str).collect();
+            let message = format!("the robot has no pose `{}`", clip(name));
+            let help = if names.is_empty() {
+                "it has no poses".into()
+            } else {
+                did_you_mean(name, &names)
+            };
+            node.error(Kind::UnknownName, key, message).with_help(help)
+        })
+    }
+
+    /// The frame under `key`, or the robot's tip.
+    pub(crate) fn frame(&self, node: &Node<'_>, key: &str) -> Result<String, StudyError> {
+        let Some(name) = node.text(key) else { return Ok(self.robot.tip.clone()) };
+        if self.robot.model.frame(name).is_some() {
+            return Ok(name.to_owned());
+        }
+        let names: Vec<&str> = self.robot.model.frame_names().iter().map(String::as_str).collect();
+        let message = format!("the robot has no frame `{}`", clip(name));
+        Err(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))
+    }
+
+    /// Refuses a position of joint `j` that is outside its limits.
+    pub(crate) fn check_position(
+        &self,
+        node: &Node<'_>,
+        key: &str,
+        j: usize,
+        q: f64,
+    ) -> Result<(), StudyError> {
+        let Some(limits) = self.outside(j, q) else { return Ok(()) };
+        let name = &self.joints.names[j];
+        let message = format!("joint `{name}`: {q} is outside its limits {limits}");
+        let in_degrees = self.outside(j, q.to_radians()).is_none() && q.abs() > 3.2;
+        let help = if in_degrees {
+            format!("if these are degrees: {q} deg = {:.4} rad", q.to_radians())
+        } else {
+            String::new()
+        };
+        Err(node.error_at(Kind::BeyondLimits, key, (j, name), message).with_help(help))
+    }
+
+    /// Refuses a velocity of joint `j` that is beyond its limit.
+    pub(crate) fn check_velocity(
+        &self,
+        node: &Node<'_>,
+        key: &str,
+        j: usize,
+        dq: f64,
+    ) -> Result<(), StudyError> {
+        let Some(limit) = self.too_fast(j, dq) else { return Ok(()) };
+        let name = &self.joints.names[j];
+        let message = format!("joint `{name}`: {:.4} rad/s is beyond its limit {limit}", dq.abs());
+        Err(node.error_at(Kind::BeyondLimits, key, (j, name), message))
+    }
+
+    /// The limits of joint `j`, if `q` is outside them.
+    pub(crate) fn outside(&self, j: usize, q: f64) -> Option<String> {
+        let (low, high) = self.robot.joints.get(j)?.position?;
+        let inside = q >= low - ROUNDING && q <= high + ROUNDING;
+        (!inside).then(|| format!("{low} to {high}"))
+    }
+
+    /// The velocity limit of joint `j`, if `dq` is beyond it.
+    pub(crate) fn too_fast(&self, j: usize, dq: f64) -> Option<f64> {
+        let limit = self.robot.joints.get(j)?.velocity_max?;
+        (dq.abs() > limit + ROUNDING).then_some(limit)
+    }
+}
+
+fn built_in(node: &Node<'_>) -> Result<Robot, StudyError> {
+    let name = node.text("name").unwrap_or_default();
+    let names = Robot::names();
+    if !names.contains(&name) {
+        let message = format!("no built-in robot `{}`", clip(name));
+        let help = did_you_mean(name, names);
+        return Err(node.error(Kind::UnknownName, "name", message).with_help(help));
+    }
+    Robot::named(name).map_err(|error| node.error(Kind::Robot, "name", format!("{error}")))
+}

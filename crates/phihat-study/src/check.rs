@@ -1,0 +1,283 @@
+//! First pass: every key is known and every value has its key's shape and range, in file order.
+
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::source::Source;
+use crate::suggest::{did_you_mean, elsewhere, with_right_unit};
+use crate::value::{found, integer, number};
+
+type Value<'a> = Spanned<DeValue<'a>>;
+type Entry<'t, 'a> = (&'t Spanned<DeString<'a>>, &'t Value<'a>);
+
+/// Longest string value, in characters.
+const TEXT_MAX: usize = 200;
+
+/// The entries of a table in the order in which the file has them.
+pub(crate) fn in_file_order<'t, 'a>(table: &'t DeTable<'a>) -> Vec<Entry<'t, 'a>> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
+/// Path of `key` inside `path`.
+pub(crate) fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// Checks a table; `span` is where it begins.
+pub(crate) fn check_table(
+    source: &Source<'_>,
+    section: &'static Section,
+    path: &str,
+    span: &std::ops::Range<usize>,
+    table: &DeTable<'_>,
+) -> Result<(), StudyError> {
+    for (key, value) in in_file_order(table) {
+        let known =
+            section.key(key.get_ref()).ok_or_else(|| unknown(source, section, path, key))?;
+        check_value(source, &known.shape, &join(path, known.name), value)?;
+    }
+    let missing =
+        section.keys.iter().find(|key| key.need == Need::Required && !table.contains_key(key.name));
+    missing.map_or(Ok(()), |key| Err(missing_key(source, path, span, key)))
+}
+
+/// The error for a required key that is not there.
+pub(crate) fn missing_key(
+    source: &Source<'_>,
+    path: &str,
+    span: &std::ops::Range<usize>,
+    key: &Key,
+) -> StudyError {
+    let message = match key.shape {
+        Shape::Table(_) | Shape::Kinds(_) => format!("missing section [{}]", join(path, key.name)),
+        Shape::Tables(..) => format!("missing section [[{}]]", join(path, key.name)),
+        _ => "missing key".to_owned(),
+    };
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
+    source
+        .error(Kind::MissingKey, span, join(path, key.name), message)
+        .with_help(format!("{}{unit}", key.doc.trim_end_matches('.')))
+}
+
+fn unknown(
+    source: &Source<'_>,
+    section: &'static Section,
+    path: &str,
+    key: &Spanned<DeString<'_>>,
+) -> StudyError {
+    let name: &str = key.get_ref();
+    let shown: String = name.chars().take(64).collect();
+    let error =
+        |kind, message: String| source.error(kind, &key.span(), join(path, &shown), message);
+    if let Some(place) = elsewhere(name, section) {
+        return error(Kind::UnknownKey, "not a key of this section".into()).with_help(place);
+    }
+    if let Some((right, unit)) = with_right_unit(name, section) {
+        return error(Kind::WrongUnit, format!("unknown key: the unit here is {unit}"))
+            .with_help(format!("write `{right}`"));
+    }
+    let names: Vec<&str> = section.keys.iter().map(|key| key.name).collect();
+    error(Kind::UnknownKey, "unknown key".into()).with_help(did_you_mean(name, &names))
+}
+
+fn check_value(
+    source: &Source<'_>,
+    shape: &'static Shape,
+    path: &str,
+    value: &Value<'_>,
+) -> Result<(), StudyError> {
+    match (shape, value.get_ref()) {
+        (Shape::Text, DeValue::String(text)) => check_text(source, path, value, text),
+        (Shape::Word(words) | Shape::PerJoint(_, words), DeValue::String(word))
+            if !words.is_empty() =>
+        {
+            check_word(source, words, path, value, word)
+        }
+        (Shape::Flag, DeValue::Boolean(_)) => Ok(()),
+        (Shape::Number(bounds), _) => check_number(source, *bounds, path, value),
+        (Shape::PerJoint(bounds, _), DeValue::Integer(_) | DeValue::Float(_)) => {
+            check_number(source, *bounds, path, value)
+        }
+        (Shape::PerJoint(bounds, _), DeValue::Array(items)) => items
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, item)| check_number(source, *bounds, &format!("{path}[{i}]"), item)),
+        (Shape::PerJoint(bounds, _) | Shape::SomeJoints(bounds), DeValue::Table(table)) => {
+            in_file_order(table).into_iter().try_for_each(|(name, item)| {
+                check_number(source, *bounds, &join(path, name.get_ref()), item)
+            })
+        }
+        (&Shape::List { min, max, bounds }, DeValue::Array(_)) => {
+            let each = |path: &str, item: &Value<'_>| check_number(source, bounds, path, item);
+            check_items(source, (min, max, "numbers"), path, value, each)
+        }
+        (&Shape::Points { min, max, bounds }, DeValue::Array(_)) => {
+            let each = |path: &str, item: &Value<'_>| check_point(source, bounds, path, item);
+            check_items(source, (min, max, "points"), path, value, each)
+        }
+        (Shape::Table(section), DeValue::Table(table)) => {
+            check_table(source, section, path, &value.span(), table)
+        }
+        (&Shape::Tables(section, max), DeValue::Array(_)) => {
+            let each = |path: &str, item: &Value<'_>| match item.get_ref() {
+                DeValue::Table(table) => check_table(source, section, path, &item.span(), table),
+                other => Err(wrong_type(source, "a table", path, item, other)),
+            };
+            check_items(source, (1, max, "entries"), path, value, each)
+        }
+        (Shape::Kinds(kinds), DeValue::Table(table)) => {
+            let section = kind_section(source, kinds, path, value, table)?;
+            check_table(source, section, path, &value.span(), table)
+        }
+        (shape, other) => Err(wrong_type(source, &expected(shape), path, value, other)),
+    }
+}
+
+/// The section that a table's `kind` chooses.
+pub(crate) fn kind_section(
+    source: &Source<'_>,
+    kinds: &'static [crate::format::Kind],
+    path: &str,
+    value: &Value<'_>,
+    table: &DeTable<'_>,
+) -> Result<&'static Section, StudyError> {
+    let words: Vec<&str> = kinds.iter().map(|kind| kind.word).collect();
+    let key = join(path, "kind");
+    let Some(kind) = table.get("kind") else {
+        return Err(source
+            .error(Kind::MissingKey, &value.span(), key, "missing key")
+            .with_help(crate::suggest::one_of(&words)));
+    };
+    let DeValue::String(word) = kind.get_ref() else {
+        return Err(wrong_type(source, "a string", &key, kind, kind.get_ref()));
+    };
+    let known = kinds.iter().find(|kind| kind.word == word);
+    known.map(|kind| kind.section).ok_or_else(|| {
+        source
+            .error(Kind::UnknownName, &kind.span(), key, format!("unknown kind \"{}\"", clip(word)))
+            .with_help(did_you_mean(word, &words))
+    })
+}
+
+fn check_text(
+    source: &Source<'_>,
+    path: &str,
+    value: &Value<'_>,
+    text: &str,
+) -> Result<(), StudyError> {
+    let error = |message: String| Err(source.error(Kind::OutOfRange, &value.span(), path, message));
+    if text.trim().is_empty() {
+        error("must not be empty".into())
+    } else if text.chars().any(char::is_control) {
+        error("must be one line without control characters".into())
+    } else if text.chars().count() > TEXT_MAX {
+        error(format!("longer than {TEXT_MAX} characters"))
+    } else {
+        Ok(())
+    }
+}
+
+fn check_word(
+    source: &Source<'_>,
+    words: &[&str],
+    path: &str,
+    value: &Value<'_>,
+    word: &str,
+) -> Result<(), StudyError> {
+    if words.contains(&word) {
+        return Ok(());
+    }
+    let message = format!("\"{}\" is not known here", clip(word));
+    Err(source
+        .error(Kind::UnknownName, &value.span(), path, message)
+        .with_help(did_you_mean(word, words)))
+}
+
+fn check_number(
+    source: &Source<'_>,
+    bounds: Bounds,
+    path: &str,
+    value: &Value<'_>,
+) -> Result<(), StudyError> {
+    let read =
+        |value| if bounds.integer { integer(value).map(|i| i as f64) } else { number(value) };
+    let Some(x) = read(value.get_ref()) else {
+        let expected = if bounds.integer { "an integer" } else { "a number" };
+        return Err(wrong_type(source, expected, path, value, value.get_ref()));
+    };
+    let error = |message| Err(source.error(Kind::OutOfRange, &value.span(), path, message));
+    if !x.is_finite() {
+        return error(format!("{x} is not a finite number"));
+    }
+    if bounds.admit(x) { Ok(()) } else { error(format!("{x} is out of range: {bounds}")) }
+}
+
+fn check_point(
+    source: &Source<'_>,
+    bounds: Bounds,
+    path: &str,
+    value: &Value<'_>,
+) -> Result<(), StudyError> {
+    let each = |path: &str, item: &Value<'_>| check_number(source, bounds, path, item);
+    check_items(source, (3, 3, "numbers"), path, value, each)
+}
+
+fn check_items(
+    source: &Source<'_>,
+    (min, max, noun): (usize, usize, &str),
+    path: &str,
+    value: &Value<'_>,
+    each: impl Fn(&str, &Value<'_>) -> Result<(), StudyError>,
+) -> Result<(), StudyError> {
+    let DeValue::Array(items) = value.get_ref() else {
+        return Err(wrong_type(source, "an array", path, value, value.get_ref()));
+    };
+    if items.len() < min || items.len() > max {
+        let wanted = if min == max { format!("{min}") } else { format!("{min} to {max}") };
+        let message = format!("{} {noun}, expected {wanted}", items.len());
+        return Err(source.error(Kind::WrongLength, &value.span(), path, message));
+    }
+    items.iter().enumerate().try_for_each(|(i, item)| each(&format!("{path}[{i}]"), item))
+}
+
+fn wrong_type(
+    source: &Source<'_>,
+    expected: &str,
+    path: &str,
+    value: &Value<'_>,
+    other: &DeValue<'_>,
+) -> StudyError {
+    let message = format!("expected {expected}, found {}", found(other));
+    source.error(Kind::WrongType, &value.span(), path, message)
+}
+
+fn expected(shape: &Shape) -> String {
+    match shape {
+        Shape::Text | Shape::Word(_) => "a string".into(),
+        Shape::Flag => "true or false".into(),
+        Shape::Number(bounds) if bounds.integer => "an integer".into(),
+        Shape::Number(_) => "a number".into(),
+        Shape::List { .. } => "an array of numbers".into(),
+        Shape::Points { .. } => "an array of points [x, y, z]".into(),
+        Shape::PerJoint(_, words) => {
+            let or: String = words.iter().map(|word| format!(", or \"{word}\"")).collect();
+            format!("a number, an array with one per joint, a table by joint name{or}")
+        }
+        Shape::SomeJoints(_) => "a table by joint name".into(),
+        Shape::Table(_) | Shape::Kinds(_) => "a table".into(),
+        Shape::Tables(..) => "an array of tables".into(),
+    }
+}
+
+/// A string from the file, short enough for a message.
+pub(crate) fn clip(text: &str) -> String {
+    let mut shown: String = text.chars().take(64).collect();
+    if shown.len() < text.len() {
+        shown.push('…');
+    }
+    shown
+}

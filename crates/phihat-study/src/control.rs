@@ -1,0 +1,93 @@
+//! `[loop]` and `[sensor]`: what runs at which rate, within which limits, from which measurements.
+
+use crate::arm::Arm;
+use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::node::Node;
+use crate::per_joint::PerJoint;
+use crate::study::{Control, LawForm, Sensor, VelocitySource};
+
+/// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
+const SAMPLES_MAX: f64 = 4e6;
+
+/// The sample period \[ns\] of `[loop]` for a run of `duration` \[s\].
+pub(crate) fn period_ns(top: &Node<'_>, duration: f64) -> Result<u64, StudyError> {
+    let rate = top.child("loop").number("rate_hz")?;
+    let samples = duration * rate;
+    if !(1.0..=SAMPLES_MAX).contains(&samples) {
+        let message =
+            format!("{samples} control samples ({duration} s at {rate} Hz): 1 to {SAMPLES_MAX}");
+        return Err(top.error(Kind::OutOfRange, "duration_s", message));
+    }
+    // 50 µs to 1 s: the nearest whole nanosecond exists and fits.
+    let period = std::time::Duration::from_secs_f64(1.0 / rate);
+    Ok(u64::try_from(period.as_nanos()).unwrap_or(1_000_000_000))
+}
+
+pub(crate) fn read(node: &Node<'_>, arm: &Arm, period_ns: u64) -> Result<Control, StudyError> {
+    let robot = &arm.robot.joints;
+    let torque = robot.iter().map(|joint| joint.torque_max);
+    let rate = robot.iter().map(|joint| joint.torque_rate_max);
+    Ok(Control {
+        period_ns,
+        delay_samples: node.small_count("delay_samples")?,
+        form: match node.word("form")? {
+            "literal" => LawForm::Literal,
+            _ => LawForm::Observer,
+        },
+        torque_max: limits(node, arm, "torque_max_nm", torque)?,
+        torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
+    })
+}
+
+pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Sensor, StudyError> {
+    let bits = arm.robot.joints.iter().map(|joint| joint.encoder_bits);
+    let key = "encoder_bits";
+    let filter = node.number_if("velocity_filter_hz");
+    if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
+        let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
+        return Err(node.error(Kind::OutOfRange, "velocity_filter_hz", message));
+    }
+    Ok(Sensor {
+        encoder_bits: choose(node, arm, key, arm.joints.counts_or_word(node, key)?, bits)?,
+        velocity: match node.word("velocity")? {
+            "differenced" => VelocitySource::Differenced,
+            _ => VelocitySource::Measured,
+        },
+        velocity_filter_hz: filter,
+    })
+}
+
+/// Numbers of `key`, the robot's own, or none.
+pub(crate) fn limits(
+    node: &Node<'_>,
+    arm: &Arm,
+    key: &str,
+    robot: impl Iterator<Item = Option<f64>>,
+) -> Result<Option<Vec<f64>>, StudyError> {
+    choose(node, arm, key, arm.joints.numbers_or_word(node, key)?, robot)
+}
+
+fn choose<T: Copy>(
+    node: &Node<'_>,
+    arm: &Arm,
+    key: &str,
+    given: PerJoint<'_, T>,
+    robot: impl Iterator<Item = Option<T>>,
+) -> Result<Option<Vec<T>>, StudyError> {
+    let stated: Vec<Option<T>> = match given {
+        PerJoint::Values(values) => return Ok(Some(values)),
+        PerJoint::Word("robot") => robot.collect(),
+        PerJoint::Word(_) => return Ok(None),
+    };
+    match stated.iter().position(Option::is_none) {
+        None => Ok(Some(stated.into_iter().flatten().collect())),
+        // By default, a robot that states nothing has no limit; asking for its value is a mistake.
+        Some(_) if !node.has(key) && stated.iter().all(Option::is_none) => Ok(None),
+        Some(j) => {
+            let message = format!("the robot states no value for joint `{}`", arm.joints.names[j]);
+            Err(node
+                .error(Kind::Robot, key, message)
+                .with_help(format!("give `{key}` here, or \"none\"")))
+        }
+    }
+}

@@ -1,0 +1,434 @@
+//! The format of a study, all but `[reference]`: every key with unit, range, default and meaning.
+
+use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::reference_keys::KINDS;
+
+const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
+const POSITION: Bounds = Bounds::within(100.0);
+const VELOCITY: Bounds = Bounds::within(1e3);
+const TORQUE: Bounds = Bounds::positive(1e5);
+const TIME: Bounds = Bounds::closed(0.0, 86_400.0);
+
+/// The top of the file.
+pub(crate) static STUDY: Section = Section {
+    path: "",
+    doc: "Keys before the first `[section]`.",
+    keys: &[
+        Key {
+            name: "title",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the file's name"),
+            doc: "One line for people.",
+        },
+        Key {
+            name: "seed",
+            unit: "",
+            shape: Shape::Number(Bounds::integers(0.0, 9_007_199_254_740_991.0)),
+            need: Need::Count(0),
+            doc: "Seed of everything random in the run.",
+        },
+        Key {
+            name: "duration_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(86_400.0)),
+            need: Need::Required,
+            doc: "Simulated time. At most 4,000,000 control samples.",
+        },
+        table("robot", Need::Required, &ROBOT, "The arm."),
+        table("spec", Need::Optional("no bounds"), &SPEC, "The error you can live with."),
+        table("gains", Need::Required, &GAINS, "The law's gains."),
+        table("loop", Need::Optional("1 kHz, no delay"), &LOOP, "The control loop."),
+        table("sensor", Need::Optional("exact sensors"), &SENSOR, "What the controller sees."),
+        table("world", Need::Optional("gravity and friction"), &WORLD, "What the arm meets."),
+        table("start", Need::Optional("on the reference"), &START, "Where the run begins."),
+        Key {
+            name: "reference",
+            unit: "",
+            shape: Shape::Kinds(KINDS),
+            need: Need::Required,
+            doc: "What the arm shall do.",
+        },
+    ],
+};
+
+const fn table(
+    name: &'static str,
+    need: Need,
+    section: &'static Section,
+    doc: &'static str,
+) -> Key {
+    Key { name, unit: "", shape: Shape::Table(section), need, doc }
+}
+
+static ROBOT: Section = Section {
+    path: "robot",
+    doc: "The arm: exactly one of `name` and `file`.",
+    keys: &[
+        Key {
+            name: "name",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("`file` is given"),
+            doc: "A built-in robot.",
+        },
+        Key {
+            name: "file",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("`name` is given"),
+            doc: "A robot description (`.toml`) or a bare `.urdf`, relative to the study.",
+        },
+        Key {
+            name: "locked",
+            unit: "rad, m",
+            shape: Shape::SomeJoints(POSITION),
+            need: Need::Optional("no joint is locked"),
+            doc: "Joints held fixed, by name, each with its position. A locked joint is no joint of \
+                  the study any more: per-joint values have no entry for it.",
+        },
+    ],
+};
+
+static SPEC: Section = Section {
+    path: "spec",
+    doc: "Bounds that must hold on every joint after `settle_s`.",
+    keys: &[
+        Key {
+            name: "settle_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Number(1.0),
+            doc: "When the steady part begins; before the end of the run.",
+        },
+        Key {
+            name: "error_max_rad",
+            unit: "rad",
+            shape: Shape::PerJoint(Bounds::positive(100.0), &[]),
+            need: Need::Optional("no bound"),
+            doc: "Largest |e|, the position error measured minus desired.",
+        },
+        Key {
+            name: "error_integral_max_rad_s",
+            unit: "rad·s",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            need: Need::Optional("no bound"),
+            doc: "Largest |∫e|.",
+        },
+        Key {
+            name: "velocity_error_max_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(Bounds::positive(1e3), &[]),
+            need: Need::Optional("no bound"),
+            doc: "Largest |ė|.",
+        },
+    ],
+};
+
+const BY_COEFFICIENTS: Need = Need::Optional("stated by coefficients");
+const BY_BANDWIDTHS: Need = Need::Optional("stated by bandwidths");
+
+static GAINS: Section = Section {
+    path: "gains",
+    doc: "`inertia_kg_m2` and one way of stating the law, not both: *bandwidths* (`order`, \
+          `bandwidth_rad_s`, `damping`, `estimator_bandwidth_rad_s`, `estimator_damping`) or \
+          *coefficients* (`kp_per_s2`, `kd_per_s`, `a`).",
+    keys: &[
+        Key {
+            name: "inertia_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            need: Need::Required,
+            doc: "Nominal inertia M̄. A good choice is the geometric mean of the range that the \
+                  joint's inertia covers, rotor included.",
+        },
+        Key {
+            name: "order",
+            unit: "",
+            shape: Shape::PerJoint(Bounds::integers(1.0, 4.0), &[]),
+            need: Need::Count(2),
+            doc: "Estimator order m. By bandwidths.",
+        },
+        Key {
+            name: "bandwidth_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            need: BY_COEFFICIENTS,
+            doc: "ω of the outer loop, K_p = ω². Required by bandwidths; below π·`rate_hz`.",
+        },
+        Key {
+            name: "damping",
+            unit: "",
+            shape: Shape::PerJoint(Bounds::positive(10.0), &[]),
+            need: Need::Number(1.0),
+            doc: "ζ of the outer loop, K_d = 2ζω. By bandwidths.",
+        },
+        Key {
+            name: "estimator_bandwidth_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            need: BY_COEFFICIENTS,
+            doc: "ω_o of the estimator. Required by bandwidths; below π·`rate_hz`.",
+        },
+        Key {
+            name: "estimator_damping",
+            unit: "",
+            shape: Shape::PerJoint(Bounds::positive(10.0), &[]),
+            need: Need::Number(1.0),
+            doc: "ζ_o of the estimator, used for m ≥ 2. By bandwidths.",
+        },
+        Key {
+            name: "kp_per_s2",
+            unit: "1/s²",
+            shape: Shape::PerJoint(Bounds::positive(1e10), &[]),
+            need: BY_BANDWIDTHS,
+            doc: "K_p. Required by coefficients.",
+        },
+        Key {
+            name: "kd_per_s",
+            unit: "1/s",
+            shape: Shape::PerJoint(Bounds::positive(1e6), &[]),
+            need: BY_BANDWIDTHS,
+            doc: "K_d. Required by coefficients.",
+        },
+        Key {
+            name: "a",
+            unit: "1/s^(m-i)",
+            shape: Shape::List { min: 1, max: 4, bounds: Bounds::positive(1e20) },
+            need: BY_BANDWIDTHS,
+            doc: "Estimator coefficients `[a_0, …, a_{m-1}]`, the same for every joint. Required by \
+                  coefficients; their number is the order m.",
+        },
+    ],
+};
+
+static LOOP: Section = Section {
+    path: "loop",
+    doc: "The control loop.",
+    keys: &[
+        Key {
+            name: "rate_hz",
+            unit: "Hz",
+            shape: Shape::Number(Bounds::closed(1.0, 20_000.0)),
+            need: Need::Number(1000.0),
+            doc: "Control samples per second.",
+        },
+        Key {
+            name: "delay_samples",
+            unit: "samples",
+            shape: Shape::Number(Bounds::integers(0.0, 8.0)),
+            need: Need::Count(0),
+            doc: "Transport delay from the sample to the torque that acts.",
+        },
+        Key {
+            name: "form",
+            unit: "",
+            shape: Shape::Word(&["observer", "literal"]),
+            need: Need::Word("observer"),
+            doc: "`observer`: the estimator is fed the torque that acted. `literal`: the paper's \
+                  integrals of the error.",
+        },
+        Key {
+            name: "torque_max_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(TORQUE, ROBOT_OR_NONE),
+            need: Need::Word("robot"),
+            doc: "Torque limit of the command; `\"robot\"` takes the robot's, `\"none\"` sets none.",
+        },
+        Key {
+            name: "torque_rate_max_nm_s",
+            unit: "N·m/s",
+            shape: Shape::PerJoint(Bounds::positive(1e9), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "Torque-rate limit of the command; `\"robot\"` takes the robot's.",
+        },
+    ],
+};
+
+static SENSOR: Section = Section {
+    path: "sensor",
+    doc: "What the controller sees of the arm.",
+    keys: &[
+        Key {
+            name: "encoder_bits",
+            unit: "bit",
+            shape: Shape::PerJoint(Bounds::integers(1.0, 32.0), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "Encoder resolution per revolution; `\"none\"`: exact position, `\"robot\"` takes the \
+                  robot's.",
+        },
+        Key {
+            name: "velocity",
+            unit: "",
+            shape: Shape::Word(&["measured", "differenced"]),
+            need: Need::Word("measured"),
+            doc: "`measured`: the true velocity. `differenced`: backward difference of the encoder's \
+                  position.",
+        },
+        Key {
+            name: "velocity_filter_hz",
+            unit: "Hz",
+            shape: Shape::Number(Bounds::positive(1e5)),
+            need: Need::Optional("no filter"),
+            doc: "Cut-off of a first-order low-pass on the velocity; at most half of `rate_hz`.",
+        },
+    ],
+};
+
+static WORLD: Section = Section {
+    path: "world",
+    doc: "What the arm meets. The controller knows none of it.",
+    keys: &[
+        Key {
+            name: "gravity_m_s2",
+            unit: "m/s²",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(100.0) },
+            need: Need::Numbers(&[0.0, 0.0, -9.81]),
+            doc: "Gravity in the frame of the robot's base.",
+        },
+        Key {
+            name: "friction",
+            unit: "",
+            shape: Shape::Word(ROBOT_OR_NONE),
+            need: Need::Word("robot"),
+            doc: "Whether the friction in the robot's description acts.",
+        },
+        Key {
+            name: "coulomb_extra_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Number(0.0),
+            doc: "Coulomb friction on top.",
+        },
+        Key {
+            name: "viscous_extra_nm_s_rad",
+            unit: "N·m·s/rad",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Number(0.0),
+            doc: "Viscous friction on top.",
+        },
+        Key {
+            name: "drive_bandwidth_hz",
+            unit: "Hz",
+            shape: Shape::PerJoint(Bounds::positive(1e5), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "Bandwidth of the drive's torque loop; `\"none\"`: torque acts at once, `\"robot\"` \
+                  takes the robot's.",
+        },
+        Key {
+            name: "substeps",
+            unit: "",
+            shape: Shape::Number(Bounds::integers(1.0, 1000.0)),
+            need: Need::Count(1),
+            doc: "Integration steps per control sample.",
+        },
+        table("payload", Need::Optional("none"), &PAYLOAD, "A body welded to a frame."),
+        Key {
+            name: "push",
+            unit: "",
+            shape: Shape::Tables(&PUSH, 1000),
+            need: Need::Optional("no push"),
+            doc: "External torques, each a `[[world.push]]`.",
+        },
+    ],
+};
+
+static PAYLOAD: Section = Section {
+    path: "world.payload",
+    doc: "A rigid body welded to a frame of the robot.",
+    keys: &[
+        Key {
+            name: "frame",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the robot's tip"),
+            doc: "Frame (link) it is welded to.",
+        },
+        Key {
+            name: "mass_kg",
+            unit: "kg",
+            shape: Shape::Number(Bounds::positive(1000.0)),
+            need: Need::Required,
+            doc: "Mass.",
+        },
+        Key {
+            name: "com_m",
+            unit: "m",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(10.0) },
+            need: Need::Numbers(&[0.0, 0.0, 0.0]),
+            doc: "Centre of mass in that frame.",
+        },
+        Key {
+            name: "inertia_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::List { min: 6, max: 6, bounds: Bounds::within(1e4) },
+            need: Need::Numbers(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            doc: "Inertia about the centre of mass, `[xx, xy, xz, yy, yz, zz]`, axes as the frame's; \
+                  the default is a point mass. Must be that of a body: no principal moment above the \
+                  sum of the other two.",
+        },
+    ],
+};
+
+static PUSH: Section = Section {
+    path: "world.push",
+    doc: "A constant external torque on one joint for a while.",
+    keys: &[
+        Key {
+            name: "joint",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Required,
+            doc: "Joint name.",
+        },
+        Key {
+            name: "torque_nm",
+            unit: "N·m",
+            shape: Shape::Number(Bounds::within(1e5)),
+            need: Need::Required,
+            doc: "Torque, positive along the joint's axis.",
+        },
+        Key {
+            name: "start_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Required,
+            doc: "When it begins; before the end of the run.",
+        },
+        Key {
+            name: "duration_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(86_400.0)),
+            need: Need::Required,
+            doc: "How long it lasts.",
+        },
+    ],
+};
+
+static START: Section = Section {
+    path: "start",
+    doc: "Where the run begins; without this section, on the reference. Give `q_rad` or `pose`.",
+    keys: &[
+        Key {
+            name: "q_rad",
+            unit: "rad",
+            shape: Shape::PerJoint(POSITION, &[]),
+            need: Need::Optional("`pose` is given"),
+            doc: "Position.",
+        },
+        Key {
+            name: "pose",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("`q_rad` is given"),
+            doc: "A named pose of the robot.",
+        },
+        Key {
+            name: "dq_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(VELOCITY, &[]),
+            need: Need::Number(0.0),
+            doc: "Velocity.",
+        },
+    ],
+};

@@ -1,0 +1,138 @@
+//! Reading a study: caps before parsing, two passes after it.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+use toml::de::DeTable;
+
+use crate::arm::Arm;
+use crate::check::check_table;
+use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::keys::STUDY;
+use crate::node::Node;
+use crate::reference::Run;
+use crate::source::Source;
+use crate::study::Study;
+use crate::{control, gains, reference, spec, world};
+
+/// Largest study \[byte\].
+const BYTES_MAX: usize = 1 << 20;
+/// Keys and headers at most.
+const KEYS_MAX: usize = 10_000;
+/// Brackets, braces, commas, dots and equals signs at most: they bound the parser's memory.
+const MARKS_MAX: usize = 250_000;
+
+impl Study {
+    /// Reads a study; files it names are relative to its own directory.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong, with its place.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let origin = path.display().to_string();
+        let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
+        let unreadable = |error: std::io::Error| refuse(Kind::Unreadable, error.to_string());
+        if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+            return Err(refuse(Kind::Unreadable, "not a file".into()));
+        }
+        let mut bytes = Vec::new();
+        let cap = BYTES_MAX as u64 + 1;
+        File::open(path)
+            .and_then(|file| file.take(cap).read_to_end(&mut bytes))
+            .map_err(unreadable)?;
+        if bytes.len() > BYTES_MAX {
+            return Err(refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes")));
+        }
+        let text =
+            String::from_utf8(bytes).map_err(|_| refuse(Kind::Syntax, "not UTF-8 text".into()))?;
+        Self::from_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a study from text.
+    ///
+    /// `origin` stands for the file in messages, and its stem is the study's name; files that the
+    /// study names are relative to `base`.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong, with its place.
+    pub fn from_text(text: &str, origin: &str, base: &Path) -> Result<Self, StudyError> {
+        let source = Source { text, origin };
+        let name = study_name(origin)?;
+        check_size(&source)?;
+        let document = DeTable::parse(text).map_err(|error| syntax(&source, &error))?;
+        check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
+        resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
+    }
+}
+
+/// The second pass: everything that needs the robot, or more than one key.
+fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyError> {
+    let duration = top.number("duration_s")?;
+    let period_ns = control::period_ns(top, duration)?;
+    let rate = top.child("loop").number("rate_hz")?;
+    let arm = Arm::read(&top.child("robot"), base)?;
+    let run = Run { duration, rate, base };
+    Ok(Study {
+        title: top.text("title").unwrap_or(&name).to_owned(),
+        name,
+        text: top.source.text.to_owned(),
+        sha256: sha256(top.source.text),
+        seed: top.count("seed")?,
+        duration,
+        spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
+        gains: gains::read(&top.child("gains"), &arm.joints, rate)?,
+        control: control::read(&top.child("loop"), &arm, period_ns)?,
+        sensor: control::read_sensor(&top.child("sensor"), &arm, rate)?,
+        world: world::read(top, &arm, duration)?,
+        reference: reference::read(&top.child("reference"), &arm, run)?,
+        robot: arm.robot,
+    })
+}
+
+/// The study's name: the stem of its file.
+fn study_name(origin: &str) -> Result<String, StudyError> {
+    let stem = Path::new(origin).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
+    if (1..=64).contains(&stem.len()) && stem.chars().all(fits) {
+        return Ok(stem.to_owned());
+    }
+    let message = "the file's name is the study's name, and this one cannot be";
+    Err(StudyError::new(Kind::UnknownName, Place::whole_file(origin), "", message)
+        .with_help("1 to 64 of the characters a-z, 0-9, _ and - before `.toml`"))
+}
+
+fn check_size(source: &Source<'_>) -> Result<(), StudyError> {
+    let text = source.text;
+    let refuse = |at: usize, message| Err(source.error(Kind::TooLarge, &(at..at), "", message));
+    if text.len() > BYTES_MAX {
+        return refuse(0, format!("larger than {BYTES_MAX} bytes"));
+    }
+    let key = text.bytes().enumerate().filter(|&(_, b)| b == b'=').nth(KEYS_MAX);
+    let mark = text.bytes().enumerate().filter(|(_, b)| b"[]{}.,=".contains(b)).nth(MARKS_MAX);
+    let header = text.match_indices("\n[").nth(KEYS_MAX);
+    match (key, header, mark) {
+        (Some((at, _)), ..) => refuse(at, format!("more than {KEYS_MAX} keys")),
+        (_, Some((at, _)), _) => refuse(at + 1, format!("more than {KEYS_MAX} sections")),
+        (.., Some((at, _))) => {
+            refuse(at, format!("more than {MARKS_MAX} brackets, braces, commas, dots and `=`"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn syntax(source: &Source<'_>, error: &toml::de::Error) -> StudyError {
+    let span = error.span().unwrap_or(0..0);
+    let slice = source.text.get(span.clone()).unwrap_or_default();
+    let message = match error.message() {
+        "duplicate key" => format!("duplicate key `{}`", crate::check::clip(slice)),
+        message => format!("not TOML: {message}"),
+    };
+    source.error(Kind::Syntax, &span, "", message)
+}
+
+fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}

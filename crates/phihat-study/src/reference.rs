@@ -1,0 +1,82 @@
+//! `[reference]`: what the arm shall do, refused where the joints' limits do not allow it.
+
+use std::path::Path;
+
+use crate::arm::Arm;
+use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::node::Node;
+use crate::study::Reference;
+use crate::{cartesian, samples, sines};
+
+/// Largest slope of the quintic 10s³ − 15s⁴ + 6s⁵ from rest to rest, at its middle.
+pub(crate) const QUINTIC_SLOPE_MAX: f64 = 1.875;
+
+/// The run that a reference is for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Run<'p> {
+    /// \[s\]
+    pub(crate) duration: f64,
+    /// Control samples per second \[Hz\].
+    pub(crate) rate: f64,
+    /// Directory to which files are relative.
+    pub(crate) base: &'p Path,
+}
+
+pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
+    match node.word("kind")? {
+        "sines" => sines::read(node, arm, run),
+        "waypoints" => waypoints(node, arm),
+        "csv" => samples::read(node, arm, run),
+        "hold" => {
+            Ok(Reference::Waypoints { t: vec![0.0], q: vec![arm.position(node, "q_rad", "pose")?] })
+        }
+        _ => cartesian::read(node, arm),
+    }
+}
+
+fn waypoints(node: &Node<'_>, arm: &Arm) -> Result<Reference, StudyError> {
+    let (mut t, mut q): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    for node in node.children("waypoint") {
+        let time = node.number("t_s")?;
+        let position = arm.position(&node, "q_rad", "pose")?;
+        match (t.last(), q.last()) {
+            (Some(&before), Some(from)) => {
+                check_order(&node, before, time)?;
+                check_leg(&node, arm, from, &position, time - before)?;
+            }
+            _ if time > 0.0 => {
+                let message = format!("the first waypoint is at {time} s, expected 0");
+                return Err(node.error(Kind::OutOfRange, "t_s", message));
+            }
+            _ => {}
+        }
+        t.push(time);
+        q.push(position);
+    }
+    Ok(Reference::Waypoints { t, q })
+}
+
+fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError> {
+    if time > before {
+        return Ok(());
+    }
+    let message = format!("{time} s is not after the waypoint before it, at {before} s");
+    Err(node.error(Kind::OutOfRange, "t_s", message))
+}
+
+/// The leg's largest velocity is exact: the quintic's slope is largest in the middle.
+fn check_leg(
+    node: &Node<'_>,
+    arm: &Arm,
+    from: &[f64],
+    to: &[f64],
+    time: f64,
+) -> Result<(), StudyError> {
+    let key = if node.has("pose") { "pose" } else { "q_rad" };
+    from.iter().zip(to).enumerate().try_for_each(|(j, (a, b))| {
+        let peak = QUINTIC_SLOPE_MAX * (b - a).abs() / time;
+        arm.check_velocity(node, key, j, peak).map_err(|error| {
+            error.with_help(format!("the leg of {time} s needs more time, or a shorter way"))
+        })
+    })
+}

@@ -1,0 +1,265 @@
+//! Reference samples from a CSV file: columns by joint name, checked row by row.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+
+use crate::arm::Arm;
+use crate::check::clip;
+use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::node::Node;
+use crate::reference::Run;
+use crate::study::Reference;
+use crate::suggest::did_you_mean;
+
+const BYTES_MAX: u64 = 256 << 20;
+const LINE_MAX: u64 = 4096;
+const COLUMNS_MAX: usize = 512;
+const ROWS_MAX: usize = 1_000_000;
+
+pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
+    let name = node.word("file")?;
+    let path = run.base.join(name);
+    let refuse =
+        |why: String| node.error(Kind::Unreadable, "file", format!("`{}`: {why}", clip(name)));
+    let about = std::fs::metadata(&path).map_err(|error| refuse(error.to_string()))?;
+    if !about.is_file() {
+        return Err(refuse("not a file".into()));
+    }
+    if about.len() > BYTES_MAX {
+        let message = format!("{} bytes, at most {BYTES_MAX}", about.len());
+        return Err(node.error(Kind::TooLarge, "file", message));
+    }
+    let file = File::open(&path).map_err(|error| refuse(error.to_string()))?;
+    let shown = path.display().to_string();
+    let mut table = Table::new(&shown, BufReader::new(file.take(BYTES_MAX)));
+    let (t, q) = table.read(arm)?;
+    if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
+        let message = format!("the samples end at {end} s, the run at {} s", run.duration);
+        return Err(node.error(Kind::Conflict, "file", message));
+    }
+    Ok(Reference::Samples { t, q })
+}
+
+/// Times, and one row of positions for each.
+type Samples = (Vec<f64>, Vec<Vec<f64>>);
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Time,
+    Joint(usize),
+}
+
+/// A CSV file while it is read; knows the line it is at.
+struct Table<'f, R> {
+    file: &'f str,
+    reader: R,
+    line: String,
+    number: usize,
+    /// Byte at which the line begins.
+    start: usize,
+}
+
+impl<'f, R: BufRead> Table<'f, R> {
+    fn new(file: &'f str, reader: R) -> Self {
+        Self { file, reader, line: String::new(), number: 0, start: 0 }
+    }
+
+    fn read(&mut self, arm: &Arm) -> Result<Samples, StudyError> {
+        if !self.next_line()? {
+            let place = Place::whole_file(self.file);
+            return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
+        }
+        let columns = self.header(arm)?;
+        let (mut t, mut q): Samples = Default::default();
+        while self.next_line()? {
+            if self.line.trim().is_empty() {
+                continue;
+            }
+            let (time, row) = self.row(&columns, arm.joints.count())?;
+            self.check_time(t.last().copied(), time)?;
+            let before = t.last().copied().zip(q.last().map(Vec::as_slice));
+            self.check_row(arm, &columns, before, (time, &row))?;
+            if t.len() == ROWS_MAX {
+                let message = format!("more than {ROWS_MAX} rows");
+                return Err(self.error(Kind::TooLarge, 0, message));
+            }
+            t.push(time);
+            q.push(row);
+        }
+        if t.len() < 2 {
+            return Err(self.error(Kind::WrongLength, 0, "expected at least 2 rows of samples"));
+        }
+        Ok((t, q))
+    }
+
+    /// Reads the next line into `line`; `false` at the end.
+    fn next_line(&mut self) -> Result<bool, StudyError> {
+        self.start += if self.number == 0 { 0 } else { self.line.len() + 1 };
+        let mut bytes = Vec::new();
+        let read = self.reader.by_ref().take(LINE_MAX + 1).read_until(b'\n', &mut bytes);
+        let count = read.map_err(|error| {
+            let place = Place::whole_file(self.file);
+            StudyError::new(Kind::Unreadable, place, "", error.to_string())
+        })?;
+        if count == 0 {
+            return Ok(false);
+        }
+        self.number += 1;
+        let text = String::from_utf8(bytes);
+        let is_text = text.is_ok();
+        self.line = text.unwrap_or_default();
+        if !is_text {
+            return Err(self.error(Kind::Syntax, 0, "not UTF-8 text"));
+        }
+        if count as u64 > LINE_MAX {
+            return Err(self.error(Kind::TooLarge, 0, format!("longer than {LINE_MAX} bytes")));
+        }
+        if self.line.ends_with('\n') {
+            self.line.pop();
+        }
+        Ok(true)
+    }
+
+    fn header(&self, arm: &Arm) -> Result<Vec<Column>, StudyError> {
+        let cells = cells(&self.line);
+        if cells.len() > COLUMNS_MAX {
+            return Err(self.error(Kind::TooLarge, 0, format!("more than {COLUMNS_MAX} columns")));
+        }
+        if cells.len() == 1 && self.line.contains([';', '\t']) {
+            let message = "expected columns separated by commas";
+            return Err(self.error(Kind::Syntax, 0, message));
+        }
+        let mut columns: Vec<Column> = Vec::with_capacity(cells.len());
+        for (i, cell) in cells.iter().enumerate() {
+            let column = self.column(arm, i, cell)?;
+            if columns.contains(&column) {
+                let message = format!("column `{}` appears twice", clip(cell));
+                return Err(self.error(Kind::Conflict, i, message));
+            }
+            columns.push(column);
+        }
+        let missing = (0..arm.joints.count()).find(|&j| !columns.contains(&Column::Joint(j)));
+        let missing = missing.map(|j| arm.joints.names[j].as_str());
+        match missing.or((!columns.contains(&Column::Time)).then_some("t_s")) {
+            None => Ok(columns),
+            Some(name) => {
+                Err(self.error(Kind::WrongLength, 0, format!("no column `{name}`")).with_help(
+                    format!("the first line is `t_s,{}`, in any order", arm.joints.names.join(",")),
+                ))
+            }
+        }
+    }
+
+    fn column(&self, arm: &Arm, i: usize, cell: &str) -> Result<Column, StudyError> {
+        if cell == "t_s" {
+            return Ok(Column::Time);
+        }
+        if let Some(j) = arm.joints.names.iter().position(|name| name == cell) {
+            return Ok(Column::Joint(j));
+        }
+        let locked = arm.joints.locked.iter().any(|name| name == cell);
+        let shown = clip(cell);
+        let message = if locked {
+            format!("joint `{shown}` is locked")
+        } else {
+            format!("no joint `{shown}`")
+        };
+        let names = arm.joints.names.iter().map(String::as_str);
+        let known: Vec<&str> = std::iter::once("t_s").chain(names).collect();
+        let help = if cell.parse::<f64>().is_ok() {
+            "the first line names the columns".into()
+        } else {
+            did_you_mean(cell, &known)
+        };
+        Err(self.error(Kind::UnknownName, i, message).with_help(help))
+    }
+
+    fn row(&self, columns: &[Column], joints: usize) -> Result<(f64, Vec<f64>), StudyError> {
+        let cells = cells(&self.line);
+        if cells.len() != columns.len() {
+            let message = format!("{} columns, the first line has {}", cells.len(), columns.len());
+            return Err(self.error(Kind::WrongLength, 0, message));
+        }
+        let (mut t, mut q) = (0.0, vec![0.0; joints]);
+        for (i, (cell, column)) in cells.iter().zip(columns).enumerate() {
+            let x: f64 = cell.parse().map_err(|_| {
+                self.error(Kind::WrongType, i, format!("`{}` is not a number", clip(cell)))
+            })?;
+            if !x.is_finite() {
+                let message = format!("{x} is not a finite number");
+                return Err(self.error(Kind::OutOfRange, i, message));
+            }
+            match *column {
+                Column::Time => t = x,
+                Column::Joint(j) => q[j] = x,
+            }
+        }
+        Ok((t, q))
+    }
+
+    fn check_time(&self, before: Option<f64>, time: f64) -> Result<(), StudyError> {
+        let message = match before {
+            None if time.abs() > 0.0 => format!("the first sample is at {time} s, expected 0"),
+            Some(before) if time <= before => {
+                format!("{time} s is not after the row before it, at {before} s")
+            }
+            _ => return Ok(()),
+        };
+        Err(self.error(Kind::OutOfRange, 0, message))
+    }
+
+    fn check_row(
+        &self,
+        arm: &Arm,
+        columns: &[Column],
+        before: Option<(f64, &[f64])>,
+        (time, row): (f64, &[f64]),
+    ) -> Result<(), StudyError> {
+        for (j, &q) in row.iter().enumerate() {
+            let name = &arm.joints.names[j];
+            let fact = if let Some(limits) = arm.outside(j, q) {
+                format!("{q} is outside its limits {limits}")
+            } else {
+                let Some((t, from)) = before else { continue };
+                let speed = (q - from[j]).abs() / (time - t);
+                let Some(limit) = arm.too_fast(j, speed) else { continue };
+                format!("{speed:.4} rad/s since the row before, beyond its limit {limit}")
+            };
+            let column = columns.iter().position(|&column| column == Column::Joint(j));
+            let message = format!("joint `{name}`: {fact}");
+            return Err(self.error(Kind::BeyondLimits, column.unwrap_or_default(), message));
+        }
+        Ok(())
+    }
+
+    /// An error at column `i` of the line.
+    fn error(&self, kind: Kind, i: usize, message: impl Into<String>) -> StudyError {
+        let (mut from, mut length) = (0, self.line.trim_end().len());
+        if let Some(cell) = self.line.split(',').nth(i).filter(|_| i > 0 || self.number > 1) {
+            from = self.line.split(',').take(i).map(|cell| cell.len() + 1).sum();
+            length = cell.trim_end().len();
+        }
+        let column = self.line.get(..from).map_or(1, |text| text.chars().count() + 1);
+        let span = self.start + from..self.start + from + length.max(1);
+        let place = Place {
+            file: self.file.into(),
+            line: self.number,
+            column,
+            span,
+            line_text: self.line.trim_end().into(),
+        };
+        StudyError::new(kind, place, "", message)
+    }
+}
+
+/// Cells without the blanks and quotes around them; a byte-order mark is no part of the first.
+fn cells(line: &str) -> Vec<&str> {
+    let line = line.trim_start_matches('\u{feff}').trim_end();
+    line.split(',').map(unquote).collect()
+}
+
+fn unquote(cell: &str) -> &str {
+    let cell = cell.trim();
+    cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).unwrap_or(cell)
+}

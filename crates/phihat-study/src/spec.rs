@@ -1,0 +1,22 @@
+//! `[spec]`
+
+use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::node::Node;
+use crate::per_joint::Joints;
+use crate::study::Spec;
+
+pub(crate) fn read(node: &Node<'_>, joints: &Joints, duration: f64) -> Result<Spec, StudyError> {
+    let settle = node.number("settle_s")?;
+    if settle >= duration {
+        let message = format!("{settle} s is not before the end of the run at {duration} s");
+        return Err(node
+            .error(Kind::Conflict, "settle_s", message)
+            .with_help("the bounds hold from settle_s on: make it smaller than duration_s"));
+    }
+    Ok(Spec {
+        settle,
+        error_max: joints.numbers_if(node, "error_max_rad")?,
+        error_integral_max: joints.numbers_if(node, "error_integral_max_rad_s")?,
+        velocity_error_max: joints.numbers_if(node, "velocity_error_max_rad_s")?,
+    })
+}

@@ -1,0 +1,47 @@
+//! A value per joint means the same in each of its three forms, and names decide, never order.
+//!
+//! Wrong if a table by name puts a value on another joint than the one it names.
+
+mod support;
+
+use support::{Dice, read, with_line};
+
+fn inertia(text: &str) -> Vec<f64> {
+    read(&with_line(16, &format!("inertia_kg_m2 = {text}"))).unwrap().gains.inertia
+}
+
+#[test]
+fn the_three_forms_agree() {
+    assert_eq!(inertia("0.5"), inertia("[0.5, 0.5, 0.5]"));
+    assert_eq!(inertia("0.5"), inertia("{ joint1 = 0.5, joint2 = 0.5, joint3 = 0.5 }"));
+    assert_eq!(inertia("[1, 2, 3]"), inertia("{ joint1 = 1.0, joint2 = 2.0, joint3 = 3.0 }"));
+    assert_eq!(inertia("[1, 2, 3]"), [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn all_permutations_of_a_table_by_name_map_right() {
+    let entry = |j: usize| format!("joint{} = {}.5", j + 1, j + 1);
+    for (a, b, c) in [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)] {
+        let table = format!("{{ {}, {}, {} }}", entry(a), entry(b), entry(c));
+        assert_eq!(inertia(&table), [1.5, 2.5, 3.5], "{table}");
+    }
+}
+
+#[test]
+fn shuffled_tables_of_seven_joints_map_right() {
+    let mut dice = Dice(7);
+    for _ in 0..200 {
+        let mut order: Vec<usize> = (1..=7).collect();
+        (1..7).rev().for_each(|i| order.swap(i, dice.below(i + 1)));
+        let entries: Vec<String> =
+            order.iter().map(|j| format!("panda_joint{j} = {j}.25")).collect();
+        let text = format!(
+            "duration_s = 2.0\n[robot]\nname = 'panda'\n[gains]\nbandwidth_rad_s = 10\n\
+             estimator_bandwidth_rad_s = 30\ninertia_kg_m2 = {{ {} }}\n[reference]\nkind = 'hold'\n\
+             pose = 'ready'\n",
+            entries.join(", ")
+        );
+        let expected: Vec<f64> = (1..=7).map(|j| f64::from(j) + 0.25).collect();
+        assert_eq!(read(&text).unwrap().gains.inertia, expected, "{entries:?}");
+    }
+}

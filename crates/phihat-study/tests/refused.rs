@@ -1,0 +1,513 @@
+//! Every mistake is one error, on the right line, with what would be right.
+//!
+//! Wrong if a bad study is read, or if a message sends its reader to another line or key.
+
+mod support;
+
+use phihat_study::StudyErrorKind::{
+    BeyondLimits, Conflict, MissingKey, OutOfRange, Robot, Syntax, UnknownKey, UnknownName,
+    WrongLength, WrongType, WrongUnit,
+};
+use phihat_study::{StudyError, StudyErrorKind};
+use support::{REFERENCE_LINE, read, with_line, with_reference};
+
+fn check(text: &str, (line, key, kind, fragment): (usize, &str, StudyErrorKind, &str)) {
+    let error: StudyError = match read(text) {
+        Ok(_) => panic!("read although {kind:?} was expected at line {line}, {key}: {fragment}"),
+        Err(error) => error,
+    };
+    let shown = error.to_string();
+    assert_eq!(error.line(), line, "line of: {shown}");
+    assert_eq!(error.key(), key, "key of: {shown}");
+    assert_eq!(error.kind(), kind, "kind of: {shown}");
+    assert!(shown.contains(fragment), "`{fragment}` is not in: {shown}");
+    assert!(!shown.contains('\n'), "more than one line: {shown}");
+    assert_eq!(error.file(), "studies/base.toml");
+    assert!(text.is_char_boundary(error.span().start) && error.span().end <= text.len());
+    let on_line = text[..error.span().start].matches('\n').count() + 1;
+    assert_eq!(on_line, line, "span of: {shown}");
+    assert!(error.render().contains(error.message()));
+}
+
+/// Line of the good study, what stands there instead, and the error expected on that line.
+type Case = (usize, &'static str, &'static str, StudyErrorKind, &'static str);
+
+const TOP: &[Case] = &[
+    (1, "titel = 'x'", "titel", UnknownKey, "did you mean `title`?"),
+    (1, "title = 3", "title", WrongType, "expected a string, found an integer"),
+    (1, "title = ' '", "title", OutOfRange, "must not be empty"),
+    (1, "title = \"a\\nb\"", "title", OutOfRange, "one line"),
+    (1, "rate_hz = 100.0", "rate_hz", UnknownKey, "`rate_hz` belongs in [loop]"),
+    (2, "duration_s = 0", "duration_s", OutOfRange, "0 is out of range: above 0"),
+    (2, "duration_s = -5.0", "duration_s", OutOfRange, "-5 is out of range"),
+    (2, "duration_s = nan", "duration_s", OutOfRange, "NaN is not a finite number"),
+    (2, "duration_s = inf", "duration_s", OutOfRange, "not a finite number"),
+    (2, "duration_s = '5'", "duration_s", WrongType, "expected a number, found a string"),
+    (2, "duration_s = 80000.0", "duration_s", OutOfRange, "80000000 control samples"),
+    (2, "duration_s = 1e-4", "duration_s", OutOfRange, "control samples"),
+    (2, "duration_ms = 5000.0", "duration_ms", WrongUnit, "unit here is s; write `duration_s`"),
+    (2, "duration = 5.0", "duration", WrongUnit, "write `duration_s`"),
+    (2, "duration_s = 5.0 5.0", "", Syntax, "not TOML"),
+    (3, "seed = -1", "seed", OutOfRange, "-1 is out of range"),
+    (3, "seed = 1.5", "seed", WrongType, "expected an integer, found a number with a fraction"),
+    (3, "seed = 99999999999999999999", "seed", WrongType, "does not fit 64 bits"),
+    (3, "duration_s = 6.0", "", Syntax, "duplicate key `duration_s`"),
+    (3, "seed = 1979-05-27", "seed", WrongType, "found a date"),
+    (3, "\u{7f}", "", Syntax, "not TOML"),
+];
+
+const ROBOT: &[Case] = &[
+    (5, "name = 'planar3R'", "robot.name", UnknownName, "did you mean `planar3r`?"),
+    (5, "name = 'atlas'", "robot.name", UnknownName, "`panda`"),
+    (5, "nme = 'panda'", "robot.nme", UnknownKey, "did you mean `name`?"),
+    (5, "file = 'nowhere.toml'", "robot.file", Robot, "nowhere.toml"),
+    (6, "file = 'arm.urdf'", "robot.file", Conflict, "both `name` and `file`"),
+    (6, "locked = { joint4 = 0.0 }", "robot.locked.joint4", UnknownName, "did you mean `joint1`?"),
+    (6, "locked = { joint1 = 3.5 }", "robot.locked.joint1", BeyondLimits, "outside its limits"),
+    (6, "locked = 'joint1'", "robot.locked", WrongType, "expected a table by joint name"),
+    (6, "locked = {joint1=0,joint2=0,joint3=0}", "robot.locked", Conflict, "every joint"),
+];
+
+const SPEC_AND_GAINS: &[Case] = &[
+    (9, "settle_s = 5.0", "spec.settle_s", Conflict, "not before the end of the run at 5 s"),
+    (9, "settle_s = -1.0", "spec.settle_s", OutOfRange, "0 to 86400"),
+    (10, "error_max_deg = 0.1", "spec.error_max_deg", WrongUnit, "write `error_max_rad`"),
+    (10, "eror_max_rad = 0.1", "spec.eror_max_rad", UnknownKey, "did you mean `error_max_rad`?"),
+    (10, "error_max_rad = 0.0", "spec.error_max_rad", OutOfRange, "above 0"),
+    (
+        10,
+        "error_max_rad = [1e-3, 1e-3]",
+        "spec.error_max_rad",
+        WrongLength,
+        "2 entries for 3 joints",
+    ),
+    (10, "error_max_rad = [1e-3, -1e-3, 1e-3]", "spec.error_max_rad[1]", OutOfRange, "-0.001"),
+    (10, "error_max_rad = 'small'", "spec.error_max_rad", WrongType, "an array with one per joint"),
+    (
+        10,
+        "velocity_error_max_rad = 0.1",
+        "spec.velocity_error_max_rad",
+        WrongUnit,
+        "the unit here is rad/s",
+    ),
+    (13, "order = 5", "gains.order", OutOfRange, "5 is out of range: 1 to 4"),
+    (13, "order = [1, 2, 0]", "gains.order[2]", OutOfRange, "0 is out of range: 1 to 4"),
+    (13, "order = 2.0", "gains.order", WrongType, "expected an integer"),
+    (
+        13,
+        "kp_per_s2 = 400.0",
+        "gains.bandwidth_rad_s",
+        Conflict,
+        "cannot be mixed with `kp_per_s2`",
+    ),
+    (13, "a = []", "gains.a", WrongLength, "0 numbers, expected 1 to 4"),
+    (14, "bandwidth_hz = 3.0", "gains.bandwidth_hz", WrongUnit, "write `bandwidth_rad_s`"),
+    (14, "bandwidth_rad_s = 3200.0", "gains.bandwidth_rad_s", OutOfRange, "below π·rate = 3142"),
+    (
+        14,
+        "bandwidth_rad_s = {joint1=1,joint2=1e4,joint3=1}",
+        "gains.bandwidth_rad_s.joint2",
+        OutOfRange,
+        "10000",
+    ),
+    (14, "kd_per_s = 40.0", "gains.estimator_bandwidth_rad_s", Conflict, "mixed with `kd_per_s`"),
+    (16, "inertia_kg_m2 = -0.4", "gains.inertia_kg_m2", OutOfRange, "-0.4"),
+    (
+        16,
+        "inertia_kg_m2 = {joint1=1.0,joint2=1.0}",
+        "gains.inertia_kg_m2",
+        WrongLength,
+        "no value for joint `joint3`",
+    ),
+    (
+        16,
+        "inertia_kg_m2 = {joint1=1,joint2=1,joint3=1,jiont2=1}",
+        "gains.inertia_kg_m2.jiont2",
+        UnknownName,
+        "did you mean `joint2`?",
+    ),
+    (16, "inertia_kg_m2 = {joint1=1,joint2=1,joint2=1}", "", Syntax, "duplicate key `joint2`"),
+    (
+        16,
+        "inertia_kg_m2 = [0.4, '0.2', 0.1]",
+        "gains.inertia_kg_m2[1]",
+        WrongType,
+        "found a string",
+    ),
+    (16, "inertia_g_m2 = 1.0", "gains.inertia_g_m2", WrongUnit, "write `inertia_kg_m2`"),
+];
+
+const LOOP_AND_SENSOR: &[Case] = &[
+    (
+        19,
+        "rate_khz = 1.0",
+        "loop.rate_khz",
+        WrongUnit,
+        "unknown key: the unit here is Hz; write `rate_hz`",
+    ),
+    (19, "rate_hz = 0.5", "loop.rate_hz", OutOfRange, "1 to 20000"),
+    (19, "rate_hz = 1e5", "loop.rate_hz", OutOfRange, "1 to 20000"),
+    (19, "torque_max_mnm = 1.0", "loop.torque_max_mnm", WrongUnit, "write `torque_max_nm`"),
+    (19, "torque_max_nm = 'nnoe'", "loop.torque_max_nm", UnknownName, "did you mean `none`?"),
+    (19, "torque_max_nm = 0", "loop.torque_max_nm", OutOfRange, "above 0"),
+    (
+        19,
+        "torque_rate_max_nm_s = 'robot'",
+        "loop.torque_rate_max_nm_s",
+        Robot,
+        "states no value for joint `joint1`",
+    ),
+    (19, "form = 'literl'", "loop.form", UnknownName, "did you mean `literal`?"),
+    (20, "delay_samples = 9", "loop.delay_samples", OutOfRange, "9 is out of range: 0 to 8"),
+    (20, "delay_ms = 1", "loop.delay_ms", WrongUnit, "write `delay_samples`"),
+    (23, "encoder_bits = 0", "sensor.encoder_bits", OutOfRange, "1 to 32"),
+    (23, "encoder_bits = [18, 33, 18]", "sensor.encoder_bits[1]", OutOfRange, "1 to 32"),
+    (24, "velocity = 'difference'", "sensor.velocity", UnknownName, "did you mean `differenced`?"),
+    (
+        24,
+        "velocity_filter_hz = 600.0",
+        "sensor.velocity_filter_hz",
+        OutOfRange,
+        "half of the loop's rate",
+    ),
+];
+
+const WORLD: &[Case] = &[
+    (27, "gravity_m_s2 = [0.0, -9.81]", "world.gravity_m_s2", WrongLength, "2 numbers, expected 3"),
+    (27, "gravity_m_s2 = 9.81", "world.gravity_m_s2", WrongType, "an array of numbers"),
+    (27, "friction = true", "world.friction", WrongType, "expected a string, found a boolean"),
+    (
+        28,
+        "coulomb_extra_nm = [0.1, nan, 0.1]",
+        "world.coulomb_extra_nm[1]",
+        OutOfRange,
+        "not a finite",
+    ),
+    (28, "substeps = 0", "world.substeps", OutOfRange, "1 to 1000"),
+    (28, "drive_bandwidth_hz = 'robot'", "world.drive_bandwidth_hz", Robot, "states no value"),
+    (29, "payload = { mass_kg = -0.5 }", "world.payload.mass_kg", OutOfRange, "-0.5"),
+    (
+        29,
+        "payload = { mas_kg = 0.5 }",
+        "world.payload.mas_kg",
+        UnknownKey,
+        "did you mean `mass_kg`?",
+    ),
+    (29, "payload = { mass_g = 500 }", "world.payload.mass_g", WrongUnit, "write `mass_kg`"),
+    (29, "payload = {}", "world.payload.mass_kg", MissingKey, "missing key"),
+    (
+        29,
+        "payload = { mass_kg = 1, frame = 'tol' }",
+        "world.payload.frame",
+        UnknownName,
+        "did you mean `tool`?",
+    ),
+    (
+        29,
+        "payload = { mass_kg = 1, inertia_kg_m2 = [1, 0, 0, 1, 0, 3] }",
+        "world.payload.inertia_kg_m2",
+        OutOfRange,
+        "no rigid body",
+    ),
+    (31, "[world.push]", "world.push", WrongType, "expected an array of tables"),
+    (32, "joint = 'joint22'", "world.push[0].joint", UnknownName, "did you mean `joint2`?"),
+    (33, "torque_nm = 'big'", "world.push[0].torque_nm", WrongType, "expected a number"),
+    (34, "start_s = 5.0", "world.push[0].start_s", Conflict, "not before the end of the run"),
+    (35, "duration_s = 0.0", "world.push[0].duration_s", OutOfRange, "above 0"),
+];
+
+const REFERENCE: &[Case] = &[
+    (38, "kind = 'sinus'", "reference.kind", UnknownName, "did you mean `sines`?"),
+    (38, "kind = 3", "reference.kind", WrongType, "expected a string"),
+    (39, "center = 'redy'", "reference.center", UnknownName, "did you mean `ready`?"),
+    (39, "center_deg = [0, 45, 0]", "reference.center_deg", WrongUnit, "write `center_rad`"),
+    (
+        39,
+        "center_rad = [0.0, 45.0, 0.0]",
+        "reference.center_rad[1]",
+        BeyondLimits,
+        "45 deg = 0.7854 rad",
+    ),
+    (
+        39,
+        "center_rad = 3.2",
+        "reference.center_rad",
+        BeyondLimits,
+        "joint `joint1`: 3.2 is outside",
+    ),
+    (40, "center_rad = 0.0", "reference.center_rad", Conflict, "both"),
+    (40, "radius_m = 0.1", "reference.radius_m", UnknownKey, "belongs to kind = \"circle\""),
+    (40, "fade_in_ms = 100", "reference.fade_in_ms", WrongUnit, "write `fade_in_s`"),
+    (
+        43,
+        "amplitude_rad = [0.2, 2.5, 0.2]",
+        "reference.sine[0].amplitude_rad[1]",
+        BeyondLimits,
+        "joint `joint2` reaches 3.",
+    ),
+    (44, "frequency_hz = 500.0", "reference.sine[0].frequency_hz", OutOfRange, "not below half"),
+    (44, "frequency_hz = -1.0", "reference.sine[0].frequency_hz", OutOfRange, "-1"),
+    (44, "phase_rad = 0.0", "reference.sine[0].frequency_hz", MissingKey, "missing key; Frequency"),
+];
+
+fn check_all(cases: &[Case]) {
+    for &(line, text, key, kind, fragment) in cases {
+        // A conflict is reported at the later of two lines, a missing key at its section's head.
+        let expected = match (kind, key) {
+            (Conflict, "gains.bandwidth_rad_s") => 14,
+            (Conflict, "gains.estimator_bandwidth_rad_s") => 15,
+            (MissingKey, "reference.sine[0].frequency_hz") => 42,
+            _ => line,
+        };
+        check(&with_line(line, text), (expected, key, kind, fragment));
+    }
+}
+
+#[test]
+fn mistakes_at_the_top_and_in_the_robot() {
+    check_all(TOP);
+    check_all(ROBOT);
+}
+
+#[test]
+fn mistakes_in_spec_and_gains() {
+    check_all(SPEC_AND_GAINS);
+}
+
+#[test]
+fn mistakes_in_loop_and_sensor() {
+    check_all(LOOP_AND_SENSOR);
+}
+
+#[test]
+fn mistakes_in_the_world() {
+    check_all(WORLD);
+}
+
+#[test]
+fn mistakes_in_sines() {
+    check_all(REFERENCE);
+}
+
+#[test]
+fn missing_keys_are_reported_at_their_section() {
+    for (line, at, key, help) in [
+        (2, 1, "duration_s", "Simulated time"),
+        (5, 4, "robot.name", "give `name` or `file`"),
+        (14, 12, "gains.bandwidth_rad_s", "ω of the outer loop"),
+        (16, 12, "gains.inertia_kg_m2", "[kg·m²]"),
+        (32, 31, "world.push[0].joint", "Joint name"),
+        (38, 37, "reference.kind", "`waypoints`"),
+        (39, 37, "reference.center_rad", "give `center_rad` or `center`"),
+        (43, 42, "reference.sine[0].amplitude_rad", "Amplitude"),
+    ] {
+        check(&with_line(line, ""), (at, key, MissingKey, help));
+    }
+    let no_gains = with_line(12, "[spec.gains]");
+    check(&no_gains, (12, "spec.gains", UnknownKey, "`gains` belongs to the top of the file"));
+    check("duration_s = 1.0\n", (1, "robot", MissingKey, "missing section [robot]"));
+    check("", (1, "duration_s", MissingKey, "missing key"));
+}
+
+/// Text of `[reference]`, and the error expected so many lines below it.
+type ReferenceCase = (&'static str, usize, &'static str, StudyErrorKind, &'static str);
+
+const OTHER_KINDS: &[ReferenceCase] = &[
+    ("[reference]\nkind = 'hold'\n", 0, "reference.q_rad", MissingKey, "give `q_rad` or `pose`"),
+    (
+        "[reference]\nkind = 'hold'\nq_rad = [4.0, 0.0, 0.0]\n",
+        2,
+        "reference.q_rad[0]",
+        BeyondLimits,
+        "-3.14",
+    ),
+    ("[reference]\nkind = 'hold'\nq_deg = 4.0\n", 2, "reference.q_deg", WrongUnit, "write `q_rad`"),
+    (
+        "[reference]\nkind = 'waypoints'\n",
+        0,
+        "reference.waypoint",
+        MissingKey,
+        "[[reference.waypoint]]",
+    ),
+    (
+        "[reference]\nkind = 'waypoints'\n[[reference.waypoint]]\nt_s = 1.0\npose = 'ready'\n",
+        3,
+        "reference.waypoint[0].t_s",
+        OutOfRange,
+        "expected 0",
+    ),
+    (
+        "[reference]\nkind = 'waypoints'\nwaypoint = [\n{t_s=0,pose='ready'},\n{t_s=2,q_rad=0.1},\n{t_s=2.0,pose='ready'}]\n",
+        5,
+        "reference.waypoint[2].t_s",
+        OutOfRange,
+        "2 s is not after",
+    ),
+    (
+        "[reference]\nkind = 'waypoints'\nwaypoint = [\n{t_s=0,q_rad=0},\n{t_s=0.1,q_rad=[0.0,1.0,0.0]}]\n",
+        4,
+        "reference.waypoint[1].q_rad[1]",
+        BeyondLimits,
+        "joint `joint2`: 18.75",
+    ),
+    (
+        "[reference]\nkind = 'waypoints'\nwaypoint = [\n{t_s=0,q_rad=0},\n{t_s=2,q_rad=[0,1,4]}]\n",
+        4,
+        "reference.waypoint[1].q_rad[2]",
+        BeyondLimits,
+        "joint `joint3`: 4 is outside",
+    ),
+    (
+        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.0\nperiod_s = 5\nseed = 'ready'\n",
+        3,
+        "reference.radius_m",
+        OutOfRange,
+        "above 0",
+    ),
+    (
+        "[reference]\nkind = 'circle'\ncenter_mm = [400, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nseed = 'ready'\n",
+        2,
+        "reference.center_mm",
+        WrongUnit,
+        "write `center_m`",
+    ),
+    (
+        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nnormal = [0, 0, 0]\nperiod_s = 5\nseed = 'ready'\n",
+        4,
+        "reference.normal",
+        OutOfRange,
+        "no direction",
+    ),
+    (
+        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nhold_orientation = true\nseed = 'ready'\n",
+        5,
+        "reference.hold_orientation",
+        Conflict,
+        "needs 6 joints, the robot has 3",
+    ),
+    (
+        "[reference]\nkind = 'circle'\nframe = 'link4'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nseed = 'ready'\n",
+        2,
+        "reference.frame",
+        UnknownName,
+        "did you mean `link",
+    ),
+    (
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],[1,0,1]]\n",
+        4,
+        "reference.points_m",
+        WrongLength,
+        "3 points, expected 4 to",
+    ),
+    (
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],\n[1,0],[0,0,1]]\n",
+        5,
+        "reference.points_m[2]",
+        WrongLength,
+        "2 numbers, expected 3",
+    ),
+    (
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],[1,0,1],\n[0,0,1],[0,0,0]]\n",
+        5,
+        "reference.points_m[4]",
+        Conflict,
+        "closes by itself",
+    ),
+    (
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],\n[1,0,0],[0,0,1],[0,1,0]]\n",
+        5,
+        "reference.points_m[2]",
+        Conflict,
+        "repeats",
+    ),
+    (
+        "[reference]\nkind = 'csv'\nfile = 'nowhere.csv'\n",
+        2,
+        "reference.file",
+        StudyErrorKind::Unreadable,
+        "`nowhere.csv`",
+    ),
+    (
+        "[reference]\nkind = 'csv'\nfile = '.'\n",
+        2,
+        "reference.file",
+        StudyErrorKind::Unreadable,
+        "`.`",
+    ),
+    (
+        "[start]\nq_rad = 0.1\npose = 'ready'\n[reference]\nkind = 'hold'\npose = 'ready'\n",
+        2,
+        "start.pose",
+        Conflict,
+        "both",
+    ),
+    (
+        "[start]\npose = 'ready'\ndq_rad_s = [0, 11, 0]\n[reference]\nkind = 'hold'\npose = 'ready'\n",
+        2,
+        "start.dq_rad_s[1]",
+        BeyondLimits,
+        "11.0000 rad/s is beyond its limit 10",
+    ),
+    ("reference = 3\n", 0, "world.push[0].reference", UnknownKey, "top of the file"),
+    (
+        "[[reference]]\nkind = 'hold'\n",
+        0,
+        "reference",
+        WrongType,
+        "expected a table, found an array",
+    ),
+];
+
+#[test]
+fn mistakes_in_the_other_kinds_of_reference() {
+    for &(text, below, key, kind, fragment) in OTHER_KINDS {
+        check(&with_reference(text), (REFERENCE_LINE + below, key, kind, fragment));
+    }
+}
+
+#[test]
+fn a_locked_joint_is_no_joint_any_more() {
+    let locked = with_line(6, "locked = { joint2 = 0.5 }");
+    check(&locked, (16, "gains.inertia_kg_m2", WrongLength, "3 entries for 2 joints"));
+    let by_name = locked.replace("[0.42, 0.18, 0.14]", "{joint1=1,joint2=1,joint3=1}");
+    check(&by_name, (16, "gains.inertia_kg_m2.joint2", UnknownName, "joint `joint2` is locked"));
+    let scalar = locked.replace("[0.42, 0.18, 0.14]", "1.0");
+    check(&scalar, (32, "world.push[0].joint", UnknownName, "joint `joint2` is locked"));
+}
+
+#[test]
+fn the_first_mistake_of_several_is_the_one() {
+    let text =
+        with_line(19, "rate_khz = 1.0").replace("mass_kg", "mass_g").replace("18\n", "'x'\n");
+    check(&text, (19, "loop.rate_khz", WrongUnit, "Hz"));
+}
+
+#[test]
+fn a_name_that_no_study_can_have_is_refused() {
+    for origin in
+        ["", "Base.toml", "a b.toml", "../.toml", "ä.toml", &format!("{}.toml", "a".repeat(65))]
+    {
+        let error = phihat_study::Study::from_text(support::GOOD, origin, "".as_ref()).unwrap_err();
+        assert_eq!((error.kind(), error.line()), (UnknownName, 0), "{origin}");
+    }
+}
+
+#[test]
+fn the_rendering_marks_the_place() {
+    let error = read(&with_line(19, "rate_khz = 1.0")).unwrap_err();
+    let expected = "error: loop.rate_khz: unknown key: the unit here is Hz
+   --> studies/base.toml:19:1
+   |
+19 | rate_khz = 1.0
+   | ^^^^^^^^
+   = help: write `rate_hz`";
+    assert_eq!(error.render(), expected);
+}
+
+#[test]
+fn the_rendering_is_safe_for_terminals_and_short() {
+    let hostile = format!("title = \"\u{9b}31m{}\"", "x".repeat(5000));
+    let error = read(&with_line(1, &hostile)).unwrap_err();
+    assert!(error.render().chars().all(|c| !c.is_control() || c == '\n'));
+    assert!(error.render().lines().all(|line| line.chars().count() <= 120), "{}", error.render());
+}

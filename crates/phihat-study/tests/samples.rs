@@ -1,0 +1,106 @@
+//! A reference from a CSV file: columns are found by name, and every bad row is named.
+//!
+//! Wrong if a column moves the wrong joint, or if a bad file is read.
+
+mod support;
+
+use std::path::PathBuf;
+
+use phihat_study::{Reference, StudyError, StudyErrorKind};
+use support::{read_in, with_reference};
+
+/// A directory of its own with one file in it; removed when dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, bytes: &[u8]) -> Self {
+        let path = std::env::temp_dir().join(format!("phihat-study-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join("ref.csv"), bytes).unwrap();
+        Self(path)
+    }
+
+    fn read(&self) -> Result<Reference, StudyError> {
+        let text = with_reference("[reference]\nkind = 'csv'\nfile = 'ref.csv'\n");
+        read_in(&text, &self.0).map(|study| study.reference)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn samples(name: &str, text: &str) -> Reference {
+    Folder::new(name, text.as_bytes()).read().unwrap_or_else(|error| panic!("{}", error.render()))
+}
+
+#[test]
+fn columns_are_found_by_name() {
+    let expected = Reference::Samples {
+        t: vec![0.0, 2.5, 5.0],
+        q: vec![vec![0.1, 0.2, 0.3], vec![0.2, 0.3, 0.4], vec![0.3, 0.4, 0.5]],
+    };
+    let plain = "t_s,joint1,joint2,joint3\n0,0.1,0.2,0.3\n2.5,0.2,0.3,0.4\n5,0.3,0.4,0.5\n";
+    assert_eq!(samples("plain", plain), expected);
+    let moved = "joint3,t_s,joint1,joint2\n0.3,0,0.1,0.2\n0.4,2.5,0.2,0.3\n0.5,5,0.3,0.4";
+    assert_eq!(samples("moved", moved), expected);
+    // As a spreadsheet writes it: byte-order mark, quotes, blanks, carriage returns, an empty line.
+    let office = "\u{feff}\"t_s\", \"joint1\",joint2,joint3\r\n0,1e-1,0.2 ,0.3\r\n2.5,0.2,0.3,0.4\r\n\
+                  5,0.3,0.4,0.5\r\n\r\n";
+    assert_eq!(samples("office", office), expected);
+}
+
+#[test]
+fn bad_files_are_refused_at_their_line() {
+    let cases: &[(&str, usize, usize, &str)] = &[
+        ("", 0, 0, "the file is empty"),
+        ("t_s,joint1,joint2,joint3\n", 1, 1, "expected at least 2 rows"),
+        ("0,0.1,0.2,0.3\n", 1, 1, "the first line names the columns"),
+        ("t_s;joint1;joint2;joint3\n", 1, 1, "separated by commas"),
+        ("t_s,joint1,joint2\n0,0,0\n5,0,0\n", 1, 1, "no column `joint3`"),
+        ("joint1,joint2,joint3\n0,0,0\n5,0,0\n", 1, 1, "no column `t_s`"),
+        ("t_s,joint1,joint2,jiont3\n", 1, 19, "did you mean `joint3`?"),
+        ("t_s,joint1,joint2,joint2\n", 1, 19, "column `joint2` appears twice"),
+        ("t_s,joint1,joint2,joint3\n0,0,0\n", 2, 1, "3 columns, the first line has 4"),
+        ("t_s,joint1,joint2,joint3\n0,0,x,0\n", 2, 5, "`x` is not a number"),
+        ("t_s,joint1,joint2,joint3\n0,0,,0\n", 2, 5, "`` is not a number"),
+        ("t_s,joint1,joint2,joint3\n0,0,NaN,0\n", 2, 5, "NaN is not a finite number"),
+        ("t_s,joint1,joint2,joint3\n0,0,0,1e999\n", 2, 7, "inf is not a finite number"),
+        ("t_s,joint1,joint2,joint3\n1,0,0,0\n", 2, 1, "the first sample is at 1 s"),
+        ("t_s,joint1,joint2,joint3\n0,0,0,0\n1,0,0,0\n1,0,0,0\n", 4, 1, "1 s is not after"),
+        ("t_s,joint1,joint2,joint3\n0,0,4,0\n", 2, 5, "joint `joint2`: 4 is outside"),
+        ("t_s,joint1,joint2,joint3\n0,0,0,0\n0.1,0,0,1.5\n", 3, 9, "joint `joint3`: 15.0000 rad/s"),
+    ];
+    for (i, (text, line, column, fragment)) in cases.iter().enumerate() {
+        let error = Folder::new(&format!("bad{i}"), text.as_bytes()).read().unwrap_err();
+        let shown = error.to_string();
+        assert!(error.file().ends_with("ref.csv"), "{shown}");
+        assert_eq!((error.line(), error.column()), (*line, *column), "{shown}");
+        assert!(shown.contains(fragment), "`{fragment}` is not in: {shown}");
+    }
+}
+
+#[test]
+fn a_file_that_ends_before_the_run_is_refused() {
+    let text = "t_s,joint1,joint2,joint3\n0,0,0,0\n4.9,0,0,0\n";
+    let error = Folder::new("short", text.as_bytes()).read().unwrap_err();
+    assert_eq!((error.line(), error.key()), (39, "reference.file"));
+    assert!(error.message().contains("end at 4.9 s, the run at 5 s"), "{error}");
+}
+
+#[test]
+fn hostile_files_are_refused() {
+    let wide = format!("t_s,{}\n", vec!["j"; 600].join(","));
+    for (name, bytes, kind) in [
+        ("long", vec![b'1'; 1 << 20], StudyErrorKind::TooLarge),
+        ("wide", wide.into_bytes(), StudyErrorKind::TooLarge),
+        ("binary", vec![0xff, 0xfe, 0x00], StudyErrorKind::Syntax),
+        ("zero", vec![0; 100], StudyErrorKind::UnknownName),
+    ] {
+        let error = Folder::new(name, &bytes).read().unwrap_err();
+        assert_eq!(error.kind(), kind, "{error}");
+        assert!(error.render().len() < 1000);
+    }
+}
