@@ -25,13 +25,11 @@ pub(crate) struct Arm {
 impl Arm {
     /// Reads `[robot]`; files are relative to `base`.
     pub(crate) fn read(node: &Node<'_>, base: &Path) -> Result<Self, StudyError> {
-        let robot = match node.either("name", "file")? {
-            "name" => built_in(node)?,
-            _ => {
-                let file = node.text("file").unwrap_or_default();
-                let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
-                Robot::read(&base.join(file)).map_err(refuse)?
-            }
+        let robot = if node.either("name", "file")? == "name" {
+            built_in(node)?
+        } else {
+            let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
+            Robot::read(&base.join(node.word("file")?)).map_err(refuse)?
         };
         let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let all = Joints { names: names(&robot), locked: Vec::new() };

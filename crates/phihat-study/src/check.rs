@@ -264,8 +264,12 @@ fn expected(shape: &Shape) -> String {
         Shape::List { .. } => "an array of numbers".into(),
         Shape::Points { .. } => "an array of points [x, y, z]".into(),
         Shape::PerJoint(_, words) => {
-            let or: String = words.iter().map(|word| format!(", or \"{word}\"")).collect();
-            format!("a number, an array with one per joint, a table by joint name{or}")
+            let forms = "a number, an array with one per joint, a table by joint name";
+            if words.is_empty() {
+                forms.into()
+            } else {
+                format!("{forms}, or \"{}\"", words.join("\", or \""))
+            }
         }
         Shape::SomeJoints(_) => "a table by joint name".into(),
         Shape::Table(_) | Shape::Kinds(_) => "a table".into(),

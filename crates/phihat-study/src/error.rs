@@ -151,21 +151,20 @@ impl StudyError {
     /// ```
     pub fn render(&self) -> String {
         let place = &self.inner.place;
-        let mut out = format!("error: {}", self.fact());
         let number = place.line.to_string();
         let margin = " ".repeat(number.len());
+        let mut lines = vec![format!("error: {}", self.fact())];
         if place.line == 0 {
-            out += &format!("\n  --> {}", place.file);
+            lines.push(format!("{margin} --> {}", place.file));
         } else {
             let (text, start, length) = window(place);
-            out += &format!("\n{margin} --> {}:{}:{}", place.file, place.line, place.column);
-            out += &format!("\n{margin} |\n{number} | {text}");
-            out += &format!("\n{margin} | {}{}", " ".repeat(start), "^".repeat(length));
+            lines.push(format!("{margin} --> {}:{}:{}", place.file, place.line, place.column));
+            lines.push(format!("{margin} |"));
+            lines.push(format!("{number} | {text}"));
+            lines.push(format!("{margin} | {}{}", " ".repeat(start), "^".repeat(length)));
         }
-        if let Some(help) = self.help() {
-            out += &format!("\n{margin} = help: {help}");
-        }
-        out
+        lines.extend(self.help().map(|help| format!("{margin} = help: {help}")));
+        lines.join("\n")
     }
 
     fn fact(&self) -> String {

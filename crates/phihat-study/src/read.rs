@@ -134,5 +134,6 @@ fn syntax(source: &Source<'_>, error: &toml::de::Error) -> StudyError {
 }
 
 fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    let digits = |byte: u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));
+    Sha256::digest(text.as_bytes()).into_iter().flat_map(digits).flatten().collect()
 }

@@ -26,7 +26,7 @@ pub(crate) fn nearest<'n>(name: &str, names: impl IntoIterator<Item = &'n str>) 
 }
 
 /// "did you mean …?", or the list of what is known.
-pub(crate) fn did_you_mean<'n>(name: &str, names: &[&'n str]) -> String {
+pub(crate) fn did_you_mean(name: &str, names: &[&str]) -> String {
     match nearest(name, names.iter().copied()) {
         Some(known) => format!("did you mean `{known}`?"),
         None => one_of(names),

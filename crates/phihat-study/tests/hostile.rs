@@ -88,8 +88,8 @@ fn large_and_deep_texts_are_refused() {
         ("size", " ".repeat(mib + 1)),
         ("depth", format!("a = {}", "[".repeat(mib - 4))),
         ("dots", format!("{}a = 1", "a.".repeat(mib / 2 - 3))),
-        ("keys", (0..20_000).map(|i| format!("a{i} = 1\n")).collect()),
-        ("headers", (0..20_000).map(|i| format!("[a{i}]\n")).collect()),
+        ("keys", "a = 1\n".repeat(20_000)),
+        ("headers", "[a]\n".repeat(20_000)),
     ] {
         let error = read(&text).unwrap_err();
         assert_eq!(error.kind(), TooLarge, "{name}: {error}");

@@ -4,7 +4,7 @@
 
 mod support;
 
-use support::{Dice, read, with_line};
+use support::{read, with_line};
 
 fn inertia(text: &str) -> Vec<f64> {
     read(&with_line(16, &format!("inertia_kg_m2 = {text}"))).unwrap().gains.inertia
@@ -27,12 +27,24 @@ fn all_permutations_of_a_table_by_name_map_right() {
     }
 }
 
+/// All orders of `rest`, each behind `head`.
+fn orders(head: &mut Vec<usize>, rest: &[usize], visit: &mut impl FnMut(&[usize])) {
+    if rest.is_empty() {
+        visit(head);
+    }
+    for (i, &j) in rest.iter().enumerate() {
+        let others: Vec<usize> = [&rest[..i], &rest[i + 1..]].concat();
+        head.push(j);
+        orders(head, &others, visit);
+        head.pop();
+    }
+}
+
 #[test]
-fn shuffled_tables_of_seven_joints_map_right() {
-    let mut dice = Dice(7);
-    for _ in 0..200 {
-        let mut order: Vec<usize> = (1..=7).collect();
-        (1..7).rev().for_each(|i| order.swap(i, dice.below(i + 1)));
+fn all_5040_orders_of_seven_joints_map_right() {
+    let mut count = 0;
+    orders(&mut Vec::new(), &[1, 2, 3, 4, 5, 6, 7], &mut |order| {
+        count += 1;
         let entries: Vec<String> =
             order.iter().map(|j| format!("panda_joint{j} = {j}.25")).collect();
         let text = format!(
@@ -41,7 +53,8 @@ fn shuffled_tables_of_seven_joints_map_right() {
              pose = 'ready'\n",
             entries.join(", ")
         );
-        let expected: Vec<f64> = (1..=7).map(|j| f64::from(j) + 0.25).collect();
+        let expected = [1.25, 2.25, 3.25, 4.25, 5.25, 6.25, 7.25];
         assert_eq!(read(&text).unwrap().gains.inertia, expected, "{entries:?}");
-    }
+    });
+    assert_eq!(count, 5040);
 }

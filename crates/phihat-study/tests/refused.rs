@@ -12,10 +12,9 @@ use phihat_study::{StudyError, StudyErrorKind};
 use support::{REFERENCE_LINE, read, with_line, with_reference};
 
 fn check(text: &str, (line, key, kind, fragment): (usize, &str, StudyErrorKind, &str)) {
-    let error: StudyError = match read(text) {
-        Ok(_) => panic!("read although {kind:?} was expected at line {line}, {key}: {fragment}"),
-        Err(error) => error,
-    };
+    let answer: Result<(), StudyError> = read(text).map(drop);
+    assert!(answer.is_err(), "read, but {kind:?} is at line {line}, {key}: {fragment}");
+    let error = answer.unwrap_err();
     let shown = error.to_string();
     assert_eq!(error.line(), line, "line of: {shown}");
     assert_eq!(error.key(), key, "key of: {shown}");

@@ -1,12 +1,13 @@
 //! A good study, and good studies that differ from it in one line.
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 use std::path::{Path, PathBuf};
 
 use phihat_study::{Study, StudyError};
 
 /// A good study; the tests know its line numbers.
-pub const GOOD: &str = r#"title = "base"
+pub(crate) const GOOD: &str = r#"title = "base"
 duration_s = 5.0
 seed = 3
 [robot]
@@ -53,38 +54,38 @@ frequency_hz = [0.1, 0.2, 0.3]
 "#;
 
 /// Line of `[reference]` in [`GOOD`].
-pub const REFERENCE_LINE: usize = 37;
+pub(crate) const REFERENCE_LINE: usize = 37;
 
 /// [`GOOD`] with one line replaced (by none, one, or several).
-pub fn with_line(line: usize, text: &str) -> String {
+pub(crate) fn with_line(line: usize, text: &str) -> String {
     let mut lines: Vec<&str> = GOOD.lines().collect();
     lines[line - 1] = text;
     lines.join("\n") + "\n"
 }
 
 /// [`GOOD`] with another `[reference]`, which begins on [`REFERENCE_LINE`].
-pub fn with_reference(text: &str) -> String {
+pub(crate) fn with_reference(text: &str) -> String {
     let before: Vec<&str> = GOOD.lines().take(REFERENCE_LINE - 1).collect();
     before.join("\n") + "\n" + text
 }
 
 /// Reads a study from text; files are relative to `base`.
-pub fn read_in(text: &str, base: &Path) -> Result<Study, StudyError> {
+pub(crate) fn read_in(text: &str, base: &Path) -> Result<Study, StudyError> {
     Study::from_text(text, "studies/base.toml", base)
 }
 
 /// Reads a study from text.
-pub fn read(text: &str) -> Result<Study, StudyError> {
+pub(crate) fn read(text: &str) -> Result<Study, StudyError> {
     read_in(text, Path::new(""))
 }
 
 /// A directory at the root of the repository.
-pub fn root(name: &str) -> PathBuf {
+pub(crate) fn root(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
 /// The studies that come with the project.
-pub fn studies() -> Vec<PathBuf> {
+pub(crate) fn studies() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(root("studies")).unwrap();
     let mut paths: Vec<PathBuf> = entries
         .map(|entry| entry.unwrap().path())
@@ -96,10 +97,10 @@ pub fn studies() -> Vec<PathBuf> {
 }
 
 /// A stream of numbers that look random and are the same in every run (xorshift).
-pub struct Dice(pub u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    pub fn roll(&mut self) -> u64 {
+    pub(crate) fn roll(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -107,7 +108,7 @@ impl Dice {
     }
 
     /// A number below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         usize::try_from(self.roll() % n.max(1) as u64).unwrap()
     }
 }
