@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use phihat_model::Robot;
+
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::keys::STUDY;
 use crate::suggest::sections;
@@ -13,13 +15,21 @@ pub fn manual() -> String {
     let mut out = String::from(include_str!("manual.md"));
     for (kind, section) in sections(&STUDY) {
         out += &heading(kind, section);
-        for line in
-            [section.doc, "", "| key | unit | value | default | meaning |", "|---|---|---|---|---|"]
-        {
+        for line in [
+            section.doc,
+            "",
+            "| key | unit | value | if absent | meaning |",
+            "|---|---|---|---|---|",
+        ] {
             let _ = writeln!(out, "{line}");
         }
         for key in section.keys {
             out += &row(key);
+        }
+        if section.path == "robot" {
+            let names: Vec<String> =
+                Robot::names().iter().map(|name| format!("`{name}`")).collect();
+            let _ = writeln!(out, "\nBuilt-in robots: {}.", names.join(", "));
         }
     }
     out

@@ -148,7 +148,8 @@ const SEED: Key = pose("seed", "`seed_rad` is given", "A named pose of the robot
 
 static CIRCLE: Section = Section {
     path: "reference",
-    doc: "A circle in space, followed by inverse kinematics.",
+    doc: "A circle in space, followed by inverse kinematics. It begins at its point farthest along x \
+          (along y, if the normal is nearly x).",
     keys: &[
         kind(&["circle"], "A frame's origin on a circle."),
         FRAME,

@@ -2,6 +2,8 @@
 //!
 //! Wrong if a table by name puts a value on another joint than the one it names.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
 mod support;
 
 use support::{read, with_line};

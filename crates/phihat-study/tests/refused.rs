@@ -2,6 +2,8 @@
 //!
 //! Wrong if a bad study is read, or if a message sends its reader to another line or key.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
 mod support;
 
 use phihat_study::StudyErrorKind::{

@@ -2,6 +2,8 @@
 //!
 //! Wrong if a column moves the wrong joint, or if a bad file is read.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
 mod support;
 
 use std::path::PathBuf;

@@ -2,6 +2,8 @@
 //!
 //! Wrong if a published study is refused, or if a key's value does not arrive at its field.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
 mod support;
 
 use phihat_study::{
