@@ -111,7 +111,7 @@
     const panel = chart.panels[joint];
     const range = (u, low, high) => {
       let ends = low == null ? [] : [low, high];
-      const visible = !chart.bound_after_settle || u.scales.x.max > data.settle_s;
+      const visible = !chart.bound_after_settle || u.scales.x.max == null || u.scales.x.max > data.settle_s;
       if (boundsBox.checked && panel.bound != null && visible) ends = [...ends, panel.bound, -panel.bound];
       return widened(span(ends));
     };
@@ -221,10 +221,11 @@
   }
 
   function subtitle(chart, panel) {
-    if (panel.bound == null) return chart.phase ? "" : " ";
+    const span = chart.phase ? `from the start to ${show(data.settle_s)} s; ` : "";
+    if (panel.bound == null) return chart.bound_label ? `${span}no ${chart.bound_label} stated` : "";
     const when = chart.bound_after_settle && !chart.phase ? ` from ${show(data.settle_s)} s on` : "";
     const unit = chart.curves[0].unit;
-    return `dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
+    return `${span}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
   }
 
   function card(chart, joint, title, grid) {
@@ -252,7 +253,7 @@
       for (const chart of data.charts) if (chart.panels[view.joint]) card(chart, view.joint, chart.title, grid);
     } else {
       for (const chart of data.charts) {
-        const grid = element("div", "grid");
+        const grid = element("div", "grid small");
         cards.append(element("h3", "", chart.title), grid);
         data.joints.forEach((name, joint) => card(chart, joint, name, grid));
       }

@@ -26,7 +26,7 @@ pub(crate) struct Curve {
 /// What `± bound` means.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bound {
-    /// `bound` for the study's, `limit` for the robot's.
+    /// `bound` for the study's, `limit` for the robot's, empty where neither makes sense.
     pub label: &'static str,
     /// Whether it holds from the settling time on only.
     pub after_settle: bool,
@@ -60,6 +60,7 @@ type BoundOf = fn(&JointMetrics) -> Option<f64>;
 
 const TIME: &str = "time t [s]";
 const SPEC: Bound = Bound { label: "bound", after_settle: true };
+const NONE: Bound = Bound { label: "", after_settle: false };
 const LIMIT: Bound = Bound { label: "limit", after_settle: false };
 
 const fn curve(label: &'static str, unit: &'static str, dashed: bool) -> Curve {
@@ -89,7 +90,7 @@ fn tracking(record: &Record<'_>) -> Chart {
         y_label: "position [rad]",
         plane: Plane::Time,
         curves,
-        bound: SPEC,
+        bound: NONE,
         panels: panels(record, 1.0, |j| vec![j.q.clone(), j.q_desired.clone()], |_| None),
     }
 }
@@ -127,7 +128,7 @@ fn velocity_error(record: &Record<'_>) -> Chart {
         stem: "velocity-error",
         title: "Velocity error ė against its bound",
         x_label: TIME,
-        y_label: "velocity error ė [mrad/s]",
+        y_label: "ė [mrad/s]",
         plane: Plane::Time,
         curves: vec![curve("ė", "mrad/s", false)],
         bound: SPEC,
@@ -157,7 +158,7 @@ fn unknown_dynamics(record: &Record<'_>) -> Chart {
         y_label: "φ, φ̂ [N·m]",
         plane: Plane::Time,
         curves: vec![curve("φ", "N·m", false), curve("φ̂", "N·m", true)],
-        bound: LIMIT,
+        bound: NONE,
         panels: panels(record, 1.0, |j| vec![j.phi.clone(), j.phi_hat.clone()], |_| None),
     }
 }
@@ -166,9 +167,9 @@ fn phase(record: &Record<'_>) -> Chart {
     let columns: Columns = |j| vec![j.e.clone(), j.de.clone()];
     Chart {
         stem: "phase",
-        title: "Start-up in the phase plane: ė over e, from the start to the settling time",
+        title: "Start-up in the phase plane, ė over e",
         x_label: "error e [mrad]",
-        y_label: "velocity error ė [mrad/s]",
+        y_label: "ė [mrad/s]",
         plane: Plane::Phase,
         curves: vec![curve("e", "mrad", false), curve("ė", "mrad/s", false)],
         bound: SPEC,
@@ -179,11 +180,11 @@ fn phase(record: &Record<'_>) -> Chart {
 fn torque_step(record: &Record<'_>) -> Chart {
     Chart {
         stem: "torque-step",
-        title: "Change of the commanded torque per sample against the rate limit",
+        title: "Torque change per sample against the rate limit",
         x_label: TIME,
-        y_label: "Δτ [N·m per sample]",
+        y_label: "Δτ [N·m/sample]",
         plane: Plane::Time,
-        curves: vec![curve("Δτ", "N·m per sample", false)],
+        curves: vec![curve("Δτ", "N·m/sample", false)],
         bound: LIMIT,
         panels: panels(record, 1.0, |j| vec![steps(&j.tau_command)], |m| m.tau_step_limit_nm),
     }

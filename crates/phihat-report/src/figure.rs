@@ -6,6 +6,7 @@ use crate::record::Record;
 use crate::text::short;
 use panel::{Ink, draw_panel};
 use plotters::prelude::*;
+use std::ops::Range;
 
 mod axis;
 mod panel;
@@ -21,44 +22,59 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// 80 pixels per centimetre on paper.
-const WIDTH: u32 = 1280;
-const HEADER: u32 = 64;
+/// Pixels per centimetre on paper: the backend draws on whole pixels, so they are small.
+const PIXELS_PER_CM: u32 = 160;
+const WIDTH: u32 = 16 * PIXELS_PER_CM;
+const HEADER: u32 = 110;
+/// Height of text: 7.5 points on paper, after the backend's own scale.
+const TEXT: u32 = 52;
+const TITLE: u32 = 62;
 /// Stretches kept per panel: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
 
 /// Every figure of a record, in the order of the page.
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
     let (t, settle) = (times(record), settle_index(record));
-    let figure = |chart: &Chart| Figure {
-        name: chart.stem.to_owned(),
-        title: chart.title.to_owned(),
-        svg: draw(chart, &t, settle, record.metrics.settle_s),
-    };
-    charts(record).iter().map(figure).collect()
+    let settle_s = record.metrics.settle_s;
+    let mut figures = vec![];
+    for chart in charts(record) {
+        let span = if chart.plane == Plane::Phase { 0..settle } else { 0..t.len() };
+        figures.push(figure(&chart, &Run { t: &t, span, settle_s }));
+        // On paper nobody can zoom: the start-up would hide how the error sits in its bound.
+        if chart.stem == "error" {
+            let title = "Error e in the steady part against its bound";
+            let steady = Chart { stem: "error-steady", title, ..chart };
+            figures.push(figure(&steady, &Run { t: &t, span: settle..t.len(), settle_s }));
+        }
+    }
+    figures
+}
+
+fn figure(chart: &Chart, run: &Run<'_>) -> Figure {
+    Figure { name: chart.stem.to_owned(), title: chart.title.to_owned(), svg: draw(chart, run) }
 }
 
 /// Columns of panels and height of one.
 fn grid(joints: usize) -> (usize, u32) {
     match joints {
-        0 | 1 => (1, 480),
-        2..=8 => (2, 300),
-        9..=18 => (3, 230),
-        _ => (4, 200),
+        0 | 1 => (1, 960),
+        2..=4 => (2, 640),
+        5..=18 => (3, 540),
+        _ => (4, 460),
     }
 }
 
-fn draw(chart: &Chart, t: &[f64], settle: usize, settle_s: f64) -> String {
+fn draw(chart: &Chart, run: &Run<'_>) -> String {
     let (columns, height) = grid(chart.panels.len());
     let rows = chart.panels.len().div_ceil(columns).max(1);
     let size = (WIDTH, HEADER + height * u32::try_from(rows).unwrap_or(1));
     let mut svg = String::new();
     let drawn = {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        paint(chart, &root, (rows, columns), &Run { t, settle, settle_s })
+        paint(chart, &root, (rows, columns), run)
     };
     match drawn {
-        Ok(()) => accessible(&dashed(&svg), chart.title),
+        Ok(()) => accessible(&dashed(&svg), chart.title, size),
         Err(_) => format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} 60"><text x="10" y="40" font-size="24">{}: could not be drawn</text></svg>"#,
             chart.title
@@ -66,10 +82,10 @@ fn draw(chart: &Chart, t: &[f64], settle: usize, settle_s: f64) -> String {
     }
 }
 
-/// The time base that all panels share.
+/// The time base that all panels share, and what is drawn of it.
 struct Run<'a> {
     t: &'a [f64],
-    settle: usize,
+    span: Range<usize>,
     settle_s: f64,
 }
 
@@ -79,14 +95,12 @@ type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBacke
 fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), run: &Run<'_>) -> Drawn<'a> {
     root.fill(&WHITE)?;
     let (header, body) = root.split_vertically(HEADER);
-    header.draw(&Text::new(chart.title, (16, 14), ("sans-serif", 32).into_font()))?;
+    header.draw(&Text::new(chart.title, (32, 20), ("sans-serif", TITLE).into_font()))?;
     if chart.plane == Plane::Time && chart.curves.len() > 1 {
         draw_legend(chart, &header)?;
     }
-    let last_row = chart.panels.len().saturating_sub(shape.1);
-    let end = if chart.plane == Plane::Phase { run.settle } else { run.t.len() };
-    for (j, (panel, area)) in chart.panels.iter().zip(body.split_evenly(shape)).enumerate() {
-        let indices = kept(&panel.curves, 0..end, BUCKETS);
+    for (panel, area) in chart.panels.iter().zip(body.split_evenly(shape)) {
+        let indices = kept(&panel.curves, run.span.clone(), BUCKETS);
         let pick = |v: &[f64]| -> Vec<f64> { indices.iter().map(|&k| v[k]).collect() };
         let ink = Ink {
             chart,
@@ -95,8 +109,6 @@ fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), run: &Run<'_
             curves: panel.curves.iter().map(|c| pick(c)).collect(),
             bound: panel.bound,
             settle_s: run.settle_s,
-            y_titled: j % shape.1 == 0,
-            x_titled: j >= last_row,
         };
         draw_panel(&ink, &area)?;
     }
@@ -109,13 +121,13 @@ const INKS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
 const BOUND_INK: RGBColor = RGBColor(90, 90, 91);
 
 fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
-    let mut x = 1264;
+    let mut x = 2520;
     for (curve, ink) in chart.curves.iter().zip(INKS).rev() {
-        let width = i32::try_from(curve.label.chars().count()).unwrap_or(10) * 14;
+        let width = i32::try_from(curve.label.chars().count()).unwrap_or(10) * 28;
         x -= width;
-        header.draw(&Text::new(curve.label, (x, 18), ("sans-serif", 28).into_font()))?;
-        header.draw(&PathElement::new([(x - 70, 34), (x - 10, 34)], ink.stroke_width(3)))?;
-        x -= 100;
+        header.draw(&Text::new(curve.label, (x, 26), ("sans-serif", TEXT).into_font()))?;
+        header.draw(&PathElement::new([(x - 140, 52), (x - 20, 52)], ink.stroke_width(6)))?;
+        x -= 200;
     }
     Ok(())
 }
@@ -123,11 +135,15 @@ fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
 /// Gives the second curve and the bounds their dashes. Our backend draws each dash as an element
 /// of its own, which costs megabytes; no text of a user can hold the quotes looked for here.
 fn dashed(svg: &str) -> String {
-    svg.replace(r##"stroke="#D55E00""##, r##"stroke="#D55E00" stroke-dasharray="14 7""##)
-        .replace(r##"stroke="#5A5A5B""##, r##"stroke="#5A5A5B" stroke-dasharray="5 5""##)
+    svg.replace(r##"stroke="#D55E00""##, r##"stroke="#D55E00" stroke-dasharray="28 14""##)
+        .replace(r##"stroke="#5A5A5B""##, r##"stroke="#5A5A5B" stroke-dasharray="12 10""##)
 }
 
-/// Names the figure for those who do not see it, and lets it shrink with its page.
-fn accessible(svg: &str, title: &str) -> String {
-    svg.replacen("<svg ", &format!(r#"<svg role="img" aria-label="{title}" "#), 1)
+/// Names the figure for those who do not see it, and gives it its size on paper.
+fn accessible(svg: &str, title: &str, (width, height): (u32, u32)) -> String {
+    let centimetres = |pixels: u32| f64::from(pixels) / f64::from(PIXELS_PER_CM);
+    let drawn = format!(r#"<svg width="{width}" height="{height}""#);
+    let (w, h) = (centimetres(width), centimetres(height));
+    let shown = format!(r#"<svg role="img" aria-label="{title}" width="{w}cm" height="{h}cm""#);
+    svg.replacen(&drawn, &shown, 1)
 }

@@ -13,7 +13,15 @@ pub(crate) fn number(value: f64) -> String {
 
 /// A tick of an axis: as short as it can be.
 pub(crate) fn tick(value: f64) -> String {
-    let text = significant(value, 4);
+    trimmed(significant(value, 4))
+}
+
+/// A stated value, such as a gain or a bound: six significant digits, no idle zeros.
+pub(crate) fn stated(value: f64) -> String {
+    trimmed(significant(value, 6))
+}
+
+fn trimmed(text: String) -> String {
     if text.contains('e') || !text.contains('.') {
         return text;
     }
@@ -43,12 +51,12 @@ pub(crate) fn rounded(value: f64) -> f64 {
 /// `value` out of `whole` as a percentage.
 pub(crate) fn percent(value: f64, whole: f64) -> String {
     let share = 100.0 * value / whole;
-    if share.is_finite() { format!("{} %", significant(share, 2)) } else { "–".to_owned() }
+    if share.is_finite() { format!("{}\u{a0}%", significant(share, 2)) } else { "–".to_owned() }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{number, percent, rounded, tick};
+    use super::{number, percent, rounded, stated, tick};
 
     #[test]
     fn four_digits_are_kept() {
@@ -68,7 +76,8 @@ mod tests {
         }
         assert_eq!(tick(0.5), "0.5");
         assert_eq!(tick(100.0), "100");
-        assert_eq!(percent(1.0, 3.0), "33 %");
+        assert_eq!(stated(986.960_44), "986.96");
+        assert_eq!(percent(1.0, 3.0), "33\u{a0}%");
         assert_eq!(percent(1.0, 0.0), "–");
         assert!((rounded(1.234_567_89) - 1.234_57).abs() < 1e-12);
         assert!(rounded(f64::INFINITY).is_nan());

@@ -2,7 +2,7 @@
 
 use crate::chart::DRAWABLE_MAX;
 use crate::figure::figures;
-use crate::number::number;
+use crate::number::stated;
 use crate::payload::{buckets, payload};
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
@@ -68,7 +68,7 @@ fn heading(record: &Record<'_>) -> Markup {
             p.byline {
                 "study " strong { (line(&run.study)) } " · " (line(&run.robot)) ", " (joints)
                 @if joints == 1 { " joint" } @else { " joints" }
-                " · " (line(&run.form)) " form at " (number(run.rate_hz)) " Hz · seed " (run.seed)
+                " · " (line(&run.form)) " form at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 " · simulated"
             }
             (verdict_box(&verdict(record.metrics)))

@@ -1,6 +1,6 @@
 //! What stands below the plots: gains, loop and world, study, origin, limits of the claim.
 
-use crate::number::number;
+use crate::number::stated;
 use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
 use crate::text::{line, visible};
@@ -15,7 +15,7 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
         p { "How they were found: " (line(&gains.method)) }
         div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
             table {
-                caption { "Law: τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂, estimator of order m" }
+                caption { span { "Law: τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂, estimator of order m" } }
                 thead { tr {
                     th scope="col" { "joint" }
                     th scope="col" { "M̄ " span.unit { "[kg·m²]" } }
@@ -26,11 +26,11 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
                 } }
                 tbody { @for joint in &gains.joints { tr {
                     th scope="row" { (line(&joint.name)) }
-                    td { (number(joint.inertia_kg_m2)) }
-                    td { (number(joint.kp_per_s2)) }
-                    td { (number(joint.kd_per_s)) }
+                    td { (stated(joint.inertia_kg_m2)) }
+                    td { (stated(joint.kp_per_s2)) }
+                    td { (stated(joint.kd_per_s)) }
                     td { (joint.a.len()) }
-                    @for i in 0..order { td { (joint.a.get(i).map_or("–".to_owned(), |a| number(*a))) } }
+                    @for i in 0..order { td { (joint.a.get(i).map_or("–".to_owned(), |a| stated(*a))) } }
                 } } }
             }
         }
@@ -44,12 +44,12 @@ pub(crate) fn world(record: &Record<'_>) -> Markup {
         h2 id="world" { "Loop and world" }
         dl {
             dt { "form of the law" } dd { (line(&run.form)) }
-            dt { "loop rate" } dd { (number(run.rate_hz)) " Hz" }
-            dt { "delay, sample to acting torque" } dd { (run.delay_samples) " samples" }
-            dt { "simulated time" } dd { (number(metrics.duration_s)) " s, " (metrics.samples) " samples" }
-            dt { "steady part" } dd { "from " (number(metrics.settle_s)) " s on" }
+            dt { "loop rate" } dd { (stated(run.rate_hz)) " Hz" }
+            dt { "delay, sample to acting torque" } dd { (run.delay_samples) @if run.delay_samples == 1 { " sample" } @else { " samples" } }
+            dt { "simulated time" } dd { (stated(metrics.duration_s)) " s, " (metrics.samples) " samples" }
+            dt { "steady part" } dd { "from " (stated(metrics.settle_s)) " s on" }
             dt { "robot" } dd { (line(&run.robot)) " – " (line(&run.robot_description)) }
-            dt { "its numbers" } dd { (visible(&run.robot_provenance)) }
+            dt { "source of its numbers" } dd { (visible(&run.robot_provenance)) }
             @for (label, value) in &run.world { dt { (line(label)) } dd { (visible(value)) } }
         }
     }
@@ -78,7 +78,7 @@ pub(crate) fn origin(record: &Record<'_>) -> Markup {
             dt { "seed" } dd { (run.seed) }
             dt { "phihat" } dd { (line(&run.phihat_version)) }
             dt { "built with" } dd { (line(&run.toolchain)) }
-            dt { "gains made for" } dd { (line(&record.gains.study)) ", " (number(record.gains.rate_hz)) " Hz" }
+            dt { "gains made for" } dd { (line(&record.gains.study)) ", " (stated(record.gains.rate_hz)) " Hz" }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The figures per joint, each beside its bound.
 
-use crate::number::{number, percent};
+use crate::number::{number, percent, stated};
 use crate::text::line;
 use crate::verdict::{CLAUSES, Clause, MILLI, excess, share};
 use maud::{Markup, html};
@@ -8,11 +8,11 @@ use phihat_sim::{JointMetrics, Metrics};
 
 /// Whether the spec holds, joint by joint.
 pub(crate) fn tracking(metrics: &Metrics) -> Markup {
-    let steady = format!("steady: from {} s on", number(metrics.settle_s));
+    let steady = format!("steady: from {} s on", stated(metrics.settle_s));
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: tracking per joint" {
             table {
-                caption { "Tracking per joint, against the study's spec (" (steady) ")" }
+                caption { span { "Tracking per joint, against the study's spec (" (steady) ")" } }
                 thead { tr {
                     th scope="col" { "joint" }
                     @for clause in &CLAUSES {
@@ -37,7 +37,7 @@ pub(crate) fn torque(metrics: &Metrics) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: torque per joint" {
             table {
-                caption { "Torque and estimate per joint, against the limits in force" }
+                caption { span { "Torque and estimate per joint, against the limits in force" } }
                 thead { tr {
                     th scope="col" { "joint" }
                     th scope="col" { "largest |τ| applied" (unit("N·m")) }
@@ -70,7 +70,7 @@ fn against_spec(clause: &Clause, joint: &JointMetrics) -> Markup {
     let Some(bound) = (clause.bound)(joint) else {
         return html! { td { (number(MILLI * measured)) span.note { "no bound stated" } } };
     };
-    let shown = number(MILLI * bound);
+    let shown = stated(MILLI * bound);
     if share(measured, bound) > 1.0 {
         return html! { td.outside {
             (number(MILLI * measured))
@@ -91,7 +91,7 @@ fn against_limit(measured: f64, limit: Option<f64>) -> Markup {
     let word = if beyond { "BEYOND" } else { "used" };
     html! { td.outside[beyond] {
         (number(measured))
-        span.note { "limit " (number(limit)) ": " (percent(measured, limit)) " " (word) }
+        span.note { "limit " (stated(limit)) ": " (percent(measured, limit)) " " (word) }
     } }
 }
 

@@ -20,7 +20,8 @@ pub(crate) fn visible(text: &str) -> String {
 fn is_hidden(c: char) -> bool {
     let direction =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    let nothing = matches!(c, '\u{200b}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}');
+    let nothing =
+        matches!(c, '\u{200b}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}');
     direction || nothing || (c.is_control() && !matches!(c, '\n' | '\r' | '\t'))
 }
 

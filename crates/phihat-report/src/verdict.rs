@@ -1,6 +1,6 @@
 //! Did it hold, and by how much: every stated bound against what was measured.
 
-use crate::number::{number, percent};
+use crate::number::{number, percent, stated};
 use crate::text::line;
 use phihat_sim::{JointMetrics, Metrics};
 
@@ -82,7 +82,7 @@ pub(crate) fn verdict(metrics: &Metrics) -> Verdict {
     let mut broken = vec![];
     for joint in &metrics.joints {
         let mut phrases = vec![];
-        for (clause, measured, bound) in stated(joint) {
+        for (clause, measured, bound) in clauses(joint) {
             let share = share(measured, bound);
             if share > 1.0 {
                 phrases.push(phrase(clause, measured, bound));
@@ -107,7 +107,7 @@ pub(crate) fn verdict(metrics: &Metrics) -> Verdict {
 /// The joint nearest to its bounds, or farthest beyond them; the largest steady error if none.
 pub(crate) fn worst_joint(metrics: &Metrics) -> usize {
     let rank = |joint: &JointMetrics| {
-        let share = stated(joint).map(|(_, measured, bound)| share(measured, bound));
+        let share = clauses(joint).map(|(_, measured, bound)| share(measured, bound));
         (share.fold(0.0, f64::max), joint.error_steady_max_rad)
     };
     let ranks: Vec<_> = metrics.joints.iter().map(rank).collect();
@@ -118,11 +118,11 @@ pub(crate) fn worst_joint(metrics: &Metrics) -> usize {
     (0..ranks.len()).max_by(order).unwrap_or(0)
 }
 
-fn stated(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, f64)> {
+fn clauses(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, f64)> {
     CLAUSES.iter().filter_map(|c| (c.bound)(joint).map(|bound| (c, (c.measured)(joint), bound)))
 }
 
 fn phrase(clause: &Clause, measured: f64, bound: f64) -> String {
-    let (m, b) = (number(MILLI * measured), number(MILLI * bound));
+    let (m, b) = (number(MILLI * measured), stated(MILLI * bound));
     format!("{} {m} {}, bound {b} ({})", clause.symbol, clause.unit, excess(measured, bound))
 }

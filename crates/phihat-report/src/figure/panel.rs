@@ -1,7 +1,7 @@
 //! One joint's panel of a static figure.
 
 use super::axis::{extent, strokes};
-use super::{Area, BOUND_INK, Drawn, INKS};
+use super::{Area, BOUND_INK, Drawn, INKS, TEXT};
 use crate::chart::{Chart, Plane};
 use crate::number::{number, tick};
 use plotters::chart::ChartContext;
@@ -21,8 +21,6 @@ pub(super) struct Ink<'a> {
     pub curves: Vec<Vec<f64>>,
     pub bound: Option<f64>,
     pub settle_s: f64,
-    pub x_titled: bool,
-    pub y_titled: bool,
 }
 
 type Plane2<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -30,24 +28,26 @@ type Plane2<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf6
 pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
     let (x, y) = ranges(ink);
     let mut plane = ChartBuilder::on(area)
-        .caption(caption(ink), ("sans-serif", 27))
-        .margin(6)
-        .margin_right(24)
-        .x_label_area_size(if ink.x_titled { 62 } else { 34 })
-        .y_label_area_size(if ink.y_titled { 118 } else { 90 })
+        .caption(caption(ink), ("sans-serif", TEXT))
+        .margin(12)
+        .margin_right(48)
+        .x_label_area_size(124)
+        .y_label_area_size(216)
         .build_cartesian_2d(x.clone(), y.clone())?;
     plane
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .bold_line_style(RGBColor(222, 222, 222))
-        .x_labels(6)
+        .bold_line_style(RGBColor(222, 222, 222).stroke_width(2))
+        .axis_style(BLACK.stroke_width(2))
+        .set_all_tick_mark_size(8)
+        .x_labels(5)
         .y_labels(5)
         .x_label_formatter(&|v| tick(*v))
         .y_label_formatter(&|v| tick(*v))
-        .label_style(("sans-serif", 25))
-        .axis_desc_style(("sans-serif", 27))
-        .x_desc(if ink.x_titled { ink.chart.x_label } else { "" })
-        .y_desc(if ink.y_titled { ink.chart.y_label } else { "" })
+        .label_style(("sans-serif", TEXT))
+        .axis_desc_style(("sans-serif", TEXT))
+        .x_desc(ink.chart.x_label)
+        .y_desc(ink.chart.y_label)
         .draw()?;
     draw_bounds(ink, &mut plane, &x, &y)?;
     match ink.chart.plane {
@@ -97,7 +97,7 @@ fn draw_bounds<'b>(
     y: &Range<f64>,
 ) -> Drawn<'b> {
     let Some(bound) = seen_bound(ink) else { return Ok(()) };
-    let style = BOUND_INK.stroke_width(2);
+    let style = BOUND_INK.stroke_width(4);
     let from = if ink.chart.bound.after_settle { ink.settle_s.max(x.start) } else { x.start };
     for level in [bound, -bound] {
         let ends = match ink.chart.plane {
@@ -126,9 +126,14 @@ fn draw_orbit<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
         draw_stroke(plane, stroke, INKS[0])?;
     }
     let Some(start) = start else { return Ok(()) };
-    plane.draw_series([Circle::new(start, 8, BLACK.filled())])?;
-    let label =
-        EmptyElement::at(start) + Text::new("start", (14, -26), ("sans-serif", 25).into_font());
+    plane.draw_series([Circle::new(start, 12, BLACK.filled())])?;
+    // Beside the dot, towards the middle.
+    let (x, y) = (plane.x_range(), plane.y_range());
+    let right = start.0 > (x.start + x.end) / 2.0;
+    let low = start.1 < (y.start + y.end) / 2.0;
+    let offset = (if right { -125 } else { 25 }, if low { -60 } else { 20 });
+    let text = Text::new("start", offset, ("sans-serif", TEXT).into_font());
+    let label = EmptyElement::at(start) + text;
     plane.draw_series([label])?;
     Ok(())
 }
@@ -140,9 +145,9 @@ fn draw_stroke<'b>(
     color: RGBColor,
 ) -> Drawn<'b> {
     if let [point] = stroke[..] {
-        plane.draw_series([Circle::new(point, 3, color.filled())])?;
+        plane.draw_series([Circle::new(point, 6, color.filled())])?;
     } else {
-        plane.draw_series(LineSeries::new(stroke, color.stroke_width(3)))?;
+        plane.draw_series(LineSeries::new(stroke, color.stroke_width(5)))?;
     }
     Ok(())
 }

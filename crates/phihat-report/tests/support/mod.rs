@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub(crate) mod hostile;
+
 use phihat_design::{Gains, JointRecord};
 use phihat_report::{Record, RunInfo};
 use phihat_sim::{JointMetrics, JointTrace, Metrics, Trace};
@@ -81,7 +83,7 @@ pub(crate) fn fixture(joints: usize, samples: usize) -> Fixture {
 const STUDY: &str = "# Carry 2 kg around a figure of eight.\nformat = 1\ntitle = \"Figure of eight\"\n\
                      robot = \"panda\"\n\n[spec]\nsettle_s = 1.0\nerror_max_rad = 0.002\n";
 
-/// Start error decays as e'' + 2ζω e' + ω² e = 0; on top a ripple at 40 Hz, as cogging leaves.
+/// Start error decays as e'' + 2ζω e' + ω² e = 0; on top a ripple at 3 Hz, as cogging leaves.
 fn joint_trace(j: usize, samples: usize) -> JointTrace {
     let x = j as f64;
     let (omega, zeta, start) = (9.0 + x, 0.75, 0.05 + 0.01 * x);
@@ -90,7 +92,7 @@ fn joint_trace(j: usize, samples: usize) -> JointTrace {
     let mut integral = 0.0;
     for k in 0..samples {
         let t = k as f64 * PERIOD;
-        let (ripple, w) = (1.2e-4 * (1.0 + x), 2.0 * std::f64::consts::PI * 40.0);
+        let (ripple, w) = (1e-4 * (1.0 + x), 2.0 * std::f64::consts::PI * 3.0);
         let envelope = start * (-zeta * omega * t).exp();
         let (s, c) = (damped * t).sin_cos();
         let e = envelope * (c + zeta * omega / damped * s) + ripple * (w * t).sin();
