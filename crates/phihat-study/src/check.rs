@@ -58,9 +58,10 @@ pub(crate) fn missing_key(
         _ => "missing key".to_owned(),
     };
     let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
+    let first = key.doc.split_once(". ").map_or(key.doc, |(sentence, _)| sentence);
     source
         .error(Kind::MissingKey, span, join(path, key.name), message)
-        .with_help(format!("{}{unit}", key.doc.trim_end_matches('.')))
+        .with_help(format!("{}{unit}", first.trim_end_matches('.')))
 }
 
 fn unknown(
