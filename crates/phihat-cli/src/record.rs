@@ -148,7 +148,8 @@ fn run_info(study: &Study, command: String, divergence: Option<&Divergence>) -> 
     };
     let mut warnings = study.robot.warnings.clone();
     if let Some(d) = divergence {
-        let place = format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);
+        let place =
+            format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);
         warnings.push(place);
     }
     RunInfo {

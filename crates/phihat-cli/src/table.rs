@@ -1,66 +1,131 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{Cell, CellAlignment, Table};
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, Table};
+use phihat_model::{InertiaRange, Robot};
 use phihat_sim::{Divergence, JointMetrics, Metrics};
 use phihat_study::{Study, VelocitySource};
 
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.
 const MILLI: f64 = 1e3;
 
-/// One row per joint.
+/// One measured figure of every joint, and the bound it must keep, both in the unit of the heading.
+struct Column {
+    heading: &'static str,
+    unit: &'static str,
+    decimals: usize,
+    value: fn(&JointMetrics) -> f64,
+    bound: fn(&JointMetrics) -> Option<f64>,
+}
+
+const COLUMNS: [Column; 9] = [
+    Column::free("rms e", "mrad", 4, |j| j.error_rms_rad * MILLI),
+    Column {
+        heading: "max |e|",
+        unit: "mrad",
+        decimals: 3,
+        value: |j| j.error_steady_max_rad * MILLI,
+        bound: |j| j.error_spec_rad.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "max |∫e|",
+        unit: "mrad·s",
+        decimals: 3,
+        value: |j| j.error_integral_steady_max_rad_s * MILLI,
+        bound: |j| j.error_integral_spec_rad_s.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "max |ė|",
+        unit: "mrad/s",
+        decimals: 1,
+        value: |j| j.velocity_error_steady_max_rad_s * MILLI,
+        bound: |j| j.velocity_error_spec_rad_s.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "peak |τ|",
+        unit: "N·m",
+        decimals: 1,
+        value: |j| j.tau_max_nm,
+        bound: |j| j.tau_limit_nm,
+    },
+    Column {
+        heading: "max |Δτ|",
+        unit: "N·m/sample",
+        decimals: 2,
+        value: |j| j.tau_step_max_nm,
+        bound: |j| j.tau_step_limit_nm,
+    },
+    Column::free("saturated", "samples", 0, |j| j.saturated_samples as f64),
+    Column::free("max |φ|", "N·m", 2, |j| j.phi_max_nm),
+    Column::free("max |φ−φ̂|", "N·m", 2, |j| j.phi_error_steady_max_nm),
+];
+
+impl Column {
+    const fn free(
+        heading: &'static str,
+        unit: &'static str,
+        decimals: usize,
+        value: fn(&JointMetrics) -> f64,
+    ) -> Self {
+        Self { heading, unit, decimals, value, bound: |_| None }
+    }
+
+    /// The bound, if all joints share one: it then stands in the heading.
+    fn shared(&self, joints: &[JointMetrics]) -> Option<f64> {
+        let first = (self.bound)(joints.first()?)?;
+        let same = |j: &JointMetrics| (self.bound)(j).map(f64::to_bits) == Some(first.to_bits());
+        joints.iter().all(same).then_some(first)
+    }
+
+    fn header(&self, shared: Option<f64>) -> String {
+        match shared {
+            Some(bound) => format!("{}\n{}\n≤ {}", self.heading, self.unit, short(bound)),
+            None => format!("{}\n{}", self.heading, self.unit),
+        }
+    }
+
+    fn cell(&self, joint: &JointMetrics, shared: bool) -> String {
+        let value = (self.value)(joint);
+        let figure = format!("{value:.*}", self.decimals);
+        match (self.bound)(joint) {
+            // Written so that NaN is marked.
+            Some(bound) if !(value <= bound) => format!("{figure} > {} !", short(bound)),
+            Some(bound) if !shared => format!("{figure} ≤ {}", short(bound)),
+            _ => figure,
+        }
+    }
+}
+
+/// At most six digits, no trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// One row per joint. "Steady" figures are those after the start-up; a `!` marks a bound exceeded.
 pub(crate) fn metrics(metrics: &Metrics) -> Table {
+    let joints = &metrics.joints;
+    let shared: Vec<Option<f64>> = COLUMNS.iter().map(|c| c.shared(joints)).collect();
     let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    table.set_header([
-        "joint", "rms e", "max |e|", "max |∫e|", "max |ė|", "peak |τ|", "max Δτ", "satur.", "max |φ|",
-        "max |φ−φ̂|",
-    ]);
-    table.add_row([
-        "", "mrad", "mrad", "mrad·s", "mrad/s", "N·m", "N·m/sample", "samples", "N·m", "N·m",
-    ]);
-    for joint in &metrics.joints {
-        table.add_row(row(joint));
+    table.load_style(UTF8_BORDERS_ONLY);
+    let headers = COLUMNS.iter().zip(&shared).map(|(c, s)| c.header(*s));
+    table.set_header(std::iter::once("joint".to_owned()).chain(headers));
+    for joint in joints {
+        let cells = COLUMNS.iter().zip(&shared).map(|(c, s)| c.cell(joint, s.is_some()));
+        table.add_row(std::iter::once(joint.name.clone()).chain(cells));
+    }
+    align(&mut table);
+    table
+}
+
+/// Figures to the right, names to the left, one space around.
+fn align(table: &mut Table) {
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 1));
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    table
-}
-
-fn row(joint: &JointMetrics) -> Vec<Cell> {
-    let text = |text: String| Cell::new(text);
-    vec![
-        text(joint.name.clone()),
-        text(format!("{:.4}", joint.error_rms_rad * MILLI)),
-        text(against(joint.error_steady_max_rad * MILLI, joint.error_spec_rad.map(|s| s * MILLI))),
-        text(against(
-            joint.error_integral_steady_max_rad_s * MILLI,
-            joint.error_integral_spec_rad_s.map(|s| s * MILLI),
-        )),
-        text(against(
-            joint.velocity_error_steady_max_rad_s * MILLI,
-            joint.velocity_error_spec_rad_s.map(|s| s * MILLI),
-        )),
-        text(against_limit(joint.tau_max_nm, joint.tau_limit_nm)),
-        text(against_limit(joint.tau_step_max_nm, joint.tau_step_limit_nm)),
-        text(joint.saturated_samples.to_string()),
-        text(format!("{:.2}", joint.phi_max_nm)),
-        text(format!("{:.2}", joint.phi_error_steady_max_nm)),
-    ]
-}
-
-/// A value and the bound it must stay below.
-fn against(value: f64, bound: Option<f64>) -> String {
-    match bound {
-        Some(bound) if value <= bound => format!("{value:.3} ≤ {bound:.3}"),
-        Some(bound) => format!("{value:.3} > {bound:.3} !"),
-        None => format!("{value:.3}"),
-    }
-}
-
-fn against_limit(value: f64, limit: Option<f64>) -> String {
-    limit.map_or_else(|| format!("{value:.2}"), |limit| format!("{value:.2} of {limit}"))
 }
 
 /// One sentence.
@@ -140,4 +205,55 @@ fn per_joint(values: &[f64], unit: &str) -> String {
             format!("{} {unit}", list.join(", "))
         }
     }
+}
+
+/// One row per arm.
+pub(crate) fn robots(robots: &[Robot]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_header(["name", "joints", "description"]);
+    for robot in robots {
+        let joints = robot.joints.len().to_string();
+        table.add_row([robot.name.clone(), joints, robot.description.clone()]);
+    }
+    table
+}
+
+/// One row per joint of an arm.
+pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_header([
+        "joint",
+        "position\nrad",
+        "|q̇| max\nrad/s",
+        "|τ| max\nN·m",
+        "|τ̇| max\nN·m/s",
+        "rotor\nkg·m²",
+        "M_ii range\nkg·m²",
+        "good M̄\nkg·m²",
+        "Coulomb\nN·m",
+        "encoder\nbit",
+    ]);
+    for (i, joint) in robot.joints.iter().enumerate() {
+        let limits = joint.position.map(|(low, high)| format!("{low:.2} … {high:.2}"));
+        table.add_row([
+            joint.name.clone(),
+            limits.unwrap_or_else(|| "–".to_owned()),
+            stated(joint.velocity_max),
+            stated(joint.torque_max),
+            stated(joint.torque_rate_max),
+            format!("{:.3}", joint.armature),
+            format!("{:.3} … {:.3}", range.min[i], range.max[i]),
+            format!("{:.3}", range.mean[i]),
+            format!("{}", joint.friction.coulomb),
+            joint.encoder_bits.map_or_else(|| "–".to_owned(), |bits| bits.to_string()),
+        ]);
+    }
+    align(&mut table);
+    table
+}
+
+fn stated(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| value.to_string())
 }

@@ -4,8 +4,10 @@
 //! stable on a given arm.
 #![forbid(unsafe_code)]
 
+pub mod claims;
 mod gains;
 mod request;
+pub mod sampled;
 
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use request::requested_gains;

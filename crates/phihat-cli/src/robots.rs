@@ -1,0 +1,129 @@
+//! `phihat robots`: the arms at hand, and what is known of one.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Args;
+use phihat_model::{InertiaRange, Robot};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::table;
+
+/// Postures sampled for the range of inertia.
+const POSTURES: usize = 1500;
+
+/// Seed of these postures.
+const SEED: u64 = 1;
+
+/// List the built-in arms, or show one: joints, limits, friction, inertia range, sources.
+///
+/// The inertia range tells a good nominal inertia M̄ for each joint, and the ratio of eigenvalues that the
+/// law's stability window has to hold.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  phihat robots\n  phihat robots panda")]
+pub(crate) struct Robots {
+    /// A built-in arm, or a file: a URDF, or the TOML that stands beside one.
+    name: Option<String>,
+    /// Print one JSON document in place of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Robots {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        match &self.name {
+            None => self.list()?,
+            Some(name) => self.show(name)?,
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn list(&self) -> Result<(), Failure> {
+        let robots: Vec<Robot> = Robot::names()
+            .iter()
+            .map(|name| Robot::named(name))
+            .collect::<Result<_, _>>()
+            .map_err(Failure::plain)?;
+        if self.json {
+            let rows: Vec<_> = robots
+                .iter()
+                .map(|r| {
+                    json!({ "name": r.name, "joints": r.joints.len(), "description": r.description })
+                })
+                .collect();
+            println!("{:#}", json!(rows));
+        } else {
+            println!("{}", table::robots(&robots));
+            println!("`phihat robots NAME` shows one; a study can also name a URDF file of yours.");
+        }
+        Ok(())
+    }
+
+    fn show(&self, name: &str) -> Result<(), Failure> {
+        let is_file = Path::new(name).extension().is_some();
+        let robot = if is_file { Robot::read(Path::new(name)) } else { Robot::named(name) }
+            .map_err(Failure::plain)?;
+        let range = robot.inertia_range(POSTURES, SEED);
+        if self.json {
+            println!("{:#}", document(&robot, &range));
+            return Ok(());
+        }
+        println!("{} · {}", robot.name, robot.description);
+        println!("{}", table::joints(&robot, &range));
+        println!(
+            "inertia over {POSTURES} postures inside the joint limits, rotors included, no payload;\n\
+             eigenvalues of M̄^-½ M M̄^-½: {:.3} … {:.3}, ratio {:.1}",
+            range.lambda_min,
+            range.lambda_max,
+            range.ratio()
+        );
+        println!("tip frame: {}", robot.tip);
+        for (pose, q) in &robot.poses {
+            println!("pose {pose}: {q:?} rad");
+        }
+        println!("licence: {}\nprovenance: {}", robot.licence, robot.provenance);
+        for (of, source) in &robot.sources {
+            println!("{of}: {source}");
+        }
+        for warning in &robot.warnings {
+            println!("warning: {warning}");
+        }
+        Ok(())
+    }
+}
+
+fn document(robot: &Robot, range: &InertiaRange) -> serde_json::Value {
+    let joint = |(i, j): (usize, &phihat_model::Joint)| {
+        json!({
+            "name": j.name,
+            "position_rad": j.position.map(|(low, high)| [low, high]),
+            "velocity_max_rad_s": j.velocity_max,
+            "torque_max_nm": j.torque_max,
+            "torque_rate_max_nm_s": j.torque_rate_max,
+            "armature_kg_m2": j.armature,
+            "viscous_nm_s_rad": j.friction.viscous,
+            "coulomb_nm": j.friction.coulomb,
+            "encoder_bits": j.encoder_bits,
+            "drive_bandwidth_hz": j.drive_bandwidth_hz,
+            "inertia_min_kg_m2": range.min[i],
+            "inertia_max_kg_m2": range.max[i],
+            "inertia_nominal_kg_m2": range.mean[i],
+        })
+    };
+    json!({
+        "name": robot.name,
+        "description": robot.description,
+        "licence": robot.licence,
+        "provenance": robot.provenance,
+        "sources": robot.sources,
+        "tip": robot.tip,
+        "frames": robot.model.frame_names(),
+        "poses": robot.poses,
+        "eigenvalue_min": range.lambda_min,
+        "eigenvalue_max": range.lambda_max,
+        "eigenvalue_ratio": range.ratio(),
+        "warnings": robot.warnings,
+        "joints": robot.joints.iter().enumerate().map(joint).collect::<Vec<_>>(),
+    })
+}
