@@ -7,8 +7,8 @@ use std::ops::Range;
 /// # Method
 ///
 /// M4: the span is cut into `buckets`; of each bucket and curve the first, the last, the lowest
-/// and the highest sample are kept, and the borders of every stretch that is not finite, so that
-/// a gap stays a gap. All curves share the indices. A span that is short enough is kept whole.
+/// and the highest sample are kept, both sides of a jump, so that it stays steep when zoomed, and
+/// the borders of every stretch that is not finite, so that a gap stays a gap. All curves share the indices. A span that is short enough is kept whole.
 ///
 /// # References
 ///
@@ -24,6 +24,7 @@ pub(crate) fn kept(curves: &[Vec<f64>], span: Range<usize>, buckets: usize) -> V
         indices.extend([bucket.start, bucket.end - 1]);
         for curve in curves {
             extremes(curve, bucket.clone(), &mut indices);
+            jump(curve, bucket.clone(), &mut indices);
             gap_borders(curve, bucket.clone(), &mut indices);
         }
     }
@@ -36,6 +37,23 @@ fn extremes(curve: &[f64], bucket: Range<usize>, indices: &mut Vec<usize>) {
     let finite = || bucket.clone().filter(|&k| curve[k].is_finite());
     indices.extend(finite().min_by(|&i, &k| curve[i].total_cmp(&curve[k])));
     indices.extend(finite().max_by(|&i, &k| curve[i].total_cmp(&curve[k])));
+}
+
+/// A change from one sample to the next that is more than this part of the whole bucket's.
+const JUMP: f64 = 0.25;
+
+fn jump(curve: &[f64], bucket: Range<usize>, indices: &mut Vec<usize>) {
+    let step = |k: usize| (curve[k + 1] - curve[k]).abs();
+    let steps = bucket.start..bucket.end.saturating_sub(1);
+    let finite = steps.filter(|&k| step(k).is_finite());
+    let Some(steepest) = finite.max_by(|&i, &k| step(i).total_cmp(&step(k))) else { return };
+    let (low, high) = bucket
+        .map(|k| curve[k])
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if step(steepest) > JUMP * (high - low) {
+        indices.extend([steepest, steepest + 1]);
+    }
 }
 
 fn gap_borders(curve: &[f64], bucket: Range<usize>, indices: &mut Vec<usize>) {
@@ -64,7 +82,7 @@ mod tests {
             let indices = kept(&curves, 0..values.len(), buckets);
             prop_assert!(indices.windows(2).all(|w| w[0] < w[1]));
             prop_assert_eq!(indices.first().copied(), (!values.is_empty()).then_some(0));
-            prop_assert!(indices.len() <= values.len().min(10 * buckets).max(4 * buckets));
+            prop_assert!(indices.len() <= values.len().min(14 * buckets).max(4 * buckets));
             for curve in &curves {
                 // Oracle: plain scan of the whole curve, on bits.
                 let bits = |high: bool, from: &mut dyn Iterator<Item = f64>| {
@@ -81,6 +99,14 @@ mod tests {
                 prop_assert_eq!(gaps, indices.iter().any(|&k| curve[k].is_nan()));
             }
         }
+    }
+
+    #[test]
+    fn a_jump_stays_steep() {
+        let curve: Vec<f64> =
+            (0..10_000).map(|k| 1e-3 * f64::from(k) + if k < 4_321 { 0.0 } else { 9.0 }).collect();
+        let indices = kept(&[curve], 0..10_000, 100);
+        assert!(indices.contains(&4_320) && indices.contains(&4_321));
     }
 
     #[test]

@@ -122,7 +122,7 @@ fn warnings(record: &Record<'_>) -> Markup {
 fn undrawable(trace: &Trace) -> usize {
     let columns = |j: &JointTrace| {
         [&j.q, &j.q_desired, &j.e, &j.de, &j.tau_command, &j.tau_applied, &j.phi, &j.phi_hat]
-            .map(|column| column.iter().filter(|v| !(v.abs() <= DRAWABLE_MAX)).count())
+            .map(|column| column.iter().filter(|v| v.is_nan() || v.abs() > DRAWABLE_MAX).count())
             .iter()
             .sum::<usize>()
     };
@@ -155,7 +155,7 @@ fn plots(record: &Record<'_>) -> Markup {
         }
         p.hint {
             "Drawn from " (samples) " samples per signal. Start-up and steady part are each cut into " (stretches)
-            " stretches; of each the first, last, lowest and highest sample are kept (all of them where they are few), "
+            " stretches; of each the first, last, lowest and highest sample and both sides of a jump are kept (all samples where they are few), "
             "rounded to six digits: no peak is lost. Figures and verdict come from all samples."
         }
     }

@@ -6,6 +6,7 @@ use crate::number::rounded;
 use crate::record::Record;
 use crate::verdict::worst_joint;
 use serde::Serialize;
+use std::fmt::Write;
 
 /// What `assets/page.js` reads.
 #[derive(Serialize)]
@@ -101,7 +102,8 @@ fn escaped(json: &str) -> String {
     for c in json.chars() {
         match c {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                text.push_str(&format!("\\u{:04x}", u32::from(c)));
+                // Writing to a string cannot fail.
+                let _ = write!(text, "\\u{:04x}", u32::from(c));
             }
             _ => text.push(c),
         }

@@ -1,5 +1,7 @@
 //! Text that came from a user, made visible.
 
+use std::fmt::Write;
+
 /// Writes characters that steer a terminal, a parser or the direction of writing as their code
 /// points, so that a page shows what a file holds and XML can carry it.
 ///
@@ -8,7 +10,8 @@ pub(crate) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
         if is_hidden(c) {
-            shown.push_str(&format!("⟨U+{:04X}⟩", u32::from(c)));
+            // Writing to a string cannot fail.
+            let _ = write!(shown, "⟨U+{:04X}⟩", u32::from(c));
         } else {
             shown.push(c);
         }

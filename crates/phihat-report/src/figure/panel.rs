@@ -77,17 +77,12 @@ fn seen_bound(ink: &Ink<'_>) -> Option<f64> {
 
 fn ranges(ink: &Ink<'_>) -> (Range<f64>, Range<f64>) {
     let bounds = || seen_bound(ink).into_iter().flat_map(|b| [b, -b]);
-    match (ink.chart.plane, &ink.curves[..]) {
-        (Plane::Phase, [e, de, ..]) => {
-            let zero = [0.0];
-            let x = e.iter().copied().chain(bounds()).chain(zero);
-            (extent(x, 0.08), extent(de.iter().copied().chain(zero), 0.08))
-        }
-        _ => {
-            let y = ink.curves.iter().flatten().copied().chain(bounds());
-            (extent(ink.t.iter().copied(), 0.0), extent(y, 0.08))
-        }
+    if let (Plane::Phase, [e, de, ..]) = (ink.chart.plane, &ink.curves[..]) {
+        let x = e.iter().copied().chain(bounds()).chain([0.0]);
+        return (extent(x, 0.08), extent(de.iter().copied().chain([0.0]), 0.08));
     }
+    let y = ink.curves.iter().flatten().copied().chain(bounds());
+    (extent(ink.t.iter().copied(), 0.0), extent(y, 0.08))
 }
 
 fn draw_bounds<'b>(
@@ -129,8 +124,8 @@ fn draw_orbit<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
     plane.draw_series([Circle::new(start, 12, BLACK.filled())])?;
     // Beside the dot, towards the middle.
     let (x, y) = (plane.x_range(), plane.y_range());
-    let right = start.0 > (x.start + x.end) / 2.0;
-    let low = start.1 < (y.start + y.end) / 2.0;
+    let right = start.0 > x.start.midpoint(x.end);
+    let low = start.1 < y.start.midpoint(y.end);
     let offset = (if right { -125 } else { 25 }, if low { -60 } else { 20 });
     let text = Text::new("start", offset, ("sans-serif", TEXT).into_font());
     let label = EmptyElement::at(start) + text;

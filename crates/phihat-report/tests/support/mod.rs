@@ -61,7 +61,7 @@ impl Fixture {
 }
 
 const PERIOD: f64 = 1e-3;
-const SETTLE: f64 = 1.0;
+const SETTLE: usize = 1_000;
 
 /// A run of `joints` joints and `samples` samples at 1 kHz.
 pub(crate) fn fixture(joints: usize, samples: usize) -> Fixture {
@@ -128,7 +128,7 @@ fn peak<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
 }
 
 fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
-    let steady = samples.min((SETTLE / PERIOD).round() as usize);
+    let steady = samples.min(SETTLE);
     let of = |j: &JointTrace| {
         let differences: Vec<f64> = j.phi.iter().zip(&j.phi_hat).map(|(a, b)| a - b).collect();
         let steps: Vec<f64> = j.tau_command.windows(2).map(|w| w[1] - w[0]).collect();
@@ -159,7 +159,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
     };
     Metrics {
         duration_s: samples as f64 * PERIOD,
-        settle_s: SETTLE,
+        settle_s: SETTLE as f64 * PERIOD,
         samples: samples as u64,
         within_spec: joints.iter().all(holds),
         joints,
