@@ -200,15 +200,14 @@ impl Robot {
 
     fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
         let read = urdf::read(urdf, origin)?;
-        let model = Model::new(read.description);
-        let tip = model.frame_names().last().cloned().unwrap_or_default();
+        let tip = read.model.frame_names().last().cloned().unwrap_or_default();
         let robot = Self {
             name: read.name,
             description: String::new(),
             licence: String::new(),
             provenance: origin.to_owned(),
             sources: BTreeMap::new(),
-            model,
+            model: read.model,
             joints: read.joints,
             tip,
             poses: BTreeMap::new(),

@@ -15,9 +15,6 @@ pub struct Workspace<S = f64> {
     angles: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
-    /// `n × n` or less: a matrix and a few vectors for the algorithms that need them.
-    pub(crate) matrix: Vec<S>,
-    pub(crate) vectors: Vec<S>,
 }
 
 /// What the recursions keep per segment.
@@ -56,7 +53,7 @@ const LANES: usize = 4;
 impl<S: Scalar> Workspace<S> {
     /// Scratch for `model`.
     pub fn new(model: &Model) -> Self {
-        let (n, segments) = (model.joint_count(), model.segments().len());
+        let segments = model.segments().len();
         let zeros = |count| vec![S::splat(0.0); count];
         let padded = segments.next_multiple_of(LANES);
         let mut angles = zeros(padded);
@@ -68,8 +65,6 @@ impl<S: Scalar> Workspace<S> {
             angles,
             sines: zeros(padded),
             cosines: zeros(padded),
-            matrix: zeros(n * n),
-            vectors: zeros(3 * n),
         }
     }
 }

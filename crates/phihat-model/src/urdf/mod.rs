@@ -1,6 +1,6 @@
 //! URDF: pre-scan, parse, check.
 
-use crate::description::Description;
+use crate::Model;
 use crate::error::RobotError;
 use crate::robot::Joint;
 
@@ -17,7 +17,7 @@ pub(crate) const BYTES_MAX: usize = 4 << 20;
 /// What a URDF says.
 pub(crate) struct Urdf {
     pub(crate) name: String,
-    pub(crate) description: Description,
+    pub(crate) model: Model,
     pub(crate) joints: Vec<Joint>,
     pub(crate) warnings: Vec<String>,
 }

@@ -12,6 +12,7 @@ use crate::description::{JointOf, Motion};
 use crate::error::RobotError;
 use crate::placement::{dot, mul, normalised, transpose};
 use crate::robot::{Friction, Joint, JointKind};
+use crate::{Model, Workspace};
 
 /// Most links.
 const LINKS_MAX: usize = 64;
@@ -36,8 +37,36 @@ pub(crate) fn read(text: &str, origin: &str) -> Result<Urdf> {
     let joints = read_joints(root, origin, &mut warnings)?;
     let (description, order) = tree::grow(links, &joints, origin)?;
     let name = root.attribute("name").unwrap_or("robot").to_owned();
-    let joints = order.iter().filter_map(|at| joints[*at].moving.clone()).collect();
-    Ok(Urdf { name, description, joints, warnings })
+    let moving = || order.iter().map(|at| &joints[*at]).filter(|joint| joint.moving.is_some());
+    let model = Model::new(description);
+    if let Some(joint) = unmoved(&model).and_then(|at| moving().nth(at)) {
+        let why = "it moves no mass, so torque has nothing to act on".to_owned();
+        return Err(joint.element.error(why));
+    }
+    let joints = moving().filter_map(|joint| joint.moving.clone()).collect();
+    Ok(Urdf { name, model, joints, warnings })
+}
+
+/// A coordinate whose motion takes no energy, at a posture like no other.
+fn unmoved(model: &Model) -> Option<usize> {
+    const ROUNDING: f64 = 1e-13;
+    let n = model.joint_count();
+    let q: Vec<f64> = (0..n).map(|joint| 0.5 + 0.1 * joint as f64).collect();
+    let mut m = vec![0.0; n * n];
+    model.mass_matrix(&mut Workspace::new(model), &q, &mut m);
+    let diagonal: Vec<f64> = (0..n).map(|i| m[i * n + i]).collect();
+    // What is left of each joint's inertia when those before it are free to move.
+    for k in 0..n {
+        let pivot = m[k * n + k];
+        if pivot.is_nan() || pivot <= ROUNDING * diagonal[k] {
+            return Some(k);
+        }
+        for i in k + 1..n {
+            let factor = m[i * n + k] / pivot;
+            (k..n).for_each(|j| m[i * n + j] -= factor * m[k * n + j]);
+        }
+    }
+    None
 }
 
 fn read_links<'a, 'x>(
