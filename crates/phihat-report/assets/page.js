@@ -13,7 +13,11 @@
   let syncing = false;
 
   const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const show = (v) => (v == null ? "–" : Number(v.toPrecision(4)).toString());
+  const show = (v) => {
+    if (v == null) return "–";
+    const short = Number(v.toPrecision(4));
+    return Math.abs(short) >= 1e6 ? short.toExponential().replace("+", "") : short.toString();
+  };
   const span = (values) => {
     let [low, high] = [Infinity, -Infinity];
     for (const v of values) if (v != null) { low = Math.min(low, v); high = Math.max(high, v); }
@@ -271,7 +275,7 @@
   if (!data || !data.joints.length) return;
   document.documentElement.classList.add("live");
   section.hidden = false;
-  data.joints.forEach((name, i) => picker.append(new Option(i === data.worst ? `${name} (nearest to its bounds)` : name, i)));
+  data.joints.forEach((name, i) => picker.append(new Option(i === data.worst ? `${name} (worst against its bounds)` : name, i)));
   picker.append(new Option("all joints", -1));
   picker.value = String(data.worst);
   picker.addEventListener("change", () => { view.joint = Number(picker.value); build(); });

@@ -22,10 +22,11 @@ pub(crate) fn stated(value: f64) -> String {
 }
 
 fn trimmed(text: String) -> String {
-    if text.contains('e') || !text.contains('.') {
+    let (digits, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+    if !digits.contains('.') {
         return text;
     }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    format!("{}{power}", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
 fn significant(value: f64, digits: usize) -> String {
@@ -76,6 +77,8 @@ mod tests {
         }
         assert_eq!(tick(0.5), "0.5");
         assert_eq!(tick(100.0), "100");
+        assert_eq!(tick(1e12), "1e12");
+        assert_eq!(tick(f64::NAN), "not finite");
         assert_eq!(stated(986.960_44), "986.96");
         assert_eq!(percent(1.0, 3.0), "33\u{a0}%");
         assert_eq!(percent(1.0, 0.0), "–");

@@ -68,6 +68,8 @@ pub(crate) fn excess(measured: f64, bound: f64) -> String {
         "over".to_owned()
     } else if share < 2.0 {
         format!("{} over", percent(share - 1.0, 1.0))
+    } else if share > 1000.0 {
+        "over 1000 times the bound".to_owned()
     } else {
         format!("{share:.1} times the bound")
     }
@@ -123,6 +125,8 @@ fn clauses(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, 
 }
 
 fn phrase(clause: &Clause, measured: f64, bound: f64) -> String {
-    let (m, b) = (number(MILLI * measured), stated(MILLI * bound));
-    format!("{} {m} {}, bound {b} ({})", clause.symbol, clause.unit, excess(measured, bound))
+    let unit = if measured.is_finite() { clause.unit } else { "" };
+    let (value, limit) = (number(MILLI * measured), stated(MILLI * bound));
+    let value = format!("{value} {unit}");
+    format!("{} {}, bound {limit} ({})", clause.symbol, value.trim(), excess(measured, bound))
 }

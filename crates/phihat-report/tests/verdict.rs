@@ -97,7 +97,7 @@ fn a_broken_bound_is_named_with_its_excess_whatever_the_record_claims() {
 fn what_is_not_a_number_is_outside() {
     let mut fixture = fixture(2, 2_000);
     fixture.metrics.joints[1].error_steady_max_rad = f64::NAN;
-    assert!(verdict_of(&fixture).contains("joint2: |e| not finite mrad, bound 2 (over)"));
+    assert!(verdict_of(&fixture).contains("joint2: |e| not finite, bound 2 (over)"));
 }
 
 #[test]
