@@ -1,0 +1,203 @@
+//! Every URDF that no arm has is refused, with file, line or name, and reason; hostile ones soon.
+
+mod support;
+
+use std::time::Duration;
+
+use phihat_model::Robot;
+
+const GOOD: &str = r#"<robot name="good">
+<link name="base"/>
+<link name="arm"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+<link name="tip"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/>
+<origin xyz="0 0 1" rpy="0 0 0"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="10" velocity="2"/><dynamics damping="0.1" friction="0.2"/></joint>
+<joint name="weld" type="fixed"><parent link="arm"/><child link="tip"/></joint>
+</robot>"#;
+
+#[test]
+fn the_good_one_is_read() {
+    let robot = Robot::from_text(GOOD, None, "good.urdf").unwrap();
+    assert!(robot.warnings.is_empty());
+    assert_eq!(robot.model.frame_names(), ["base", "arm", "tip"]);
+    let joint = &robot.joints[0];
+    assert_eq!((joint.friction.viscous, joint.friction.coulomb), (0.1, 0.2));
+    assert_eq!((joint.torque_max, joint.velocity_max), (Some(10.0), Some(2.0)));
+}
+
+#[test]
+fn each_mistake_is_named_with_its_place() {
+    // What to replace, with what, and what the message must say.
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("<mass value=\"1\"/>", "<mass value=\"-1\"/>", &[":3:", "\"arm\"", "-1"]),
+        ("<mass value=\"1\"/>", "<mass value=\"NaN\"/>", &[":3:", "\"arm\"", "NaN"]),
+        ("<mass value=\"1\"/>", "<mass value=\"inf\"/>", &[":3:", "\"arm\"", "inf"]),
+        ("<mass value=\"1\"/>", "<mass value=\"one\"/>", &[":3:", "\"arm\"", "one"]),
+        ("<mass value=\"1\"/>", "<mass/>", &[":3:", "\"arm\"", "value"]),
+        ("<mass value=\"1\"/>", "", &[":3:", "\"arm\"", "<mass>"]),
+        ("ixx=\"0.1\"", "ixx=\"-0.1\"", &[":3:", "\"arm\"", "-0.1"]),
+        ("ixy=\"0\"", "ixy=\"0.2\"", &[":3:", "\"arm\"", "principal"]),
+        ("izz=\"0.1\"", "", &[":3:", "\"arm\"", "izz"]),
+        ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0\"/>", &[":3:", "\"arm\"", "three"]),
+        ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0 0 1\"/>", &[":3:", "three"]),
+        ("link name=\"tip\"", "link name=\"arm\"", &[":5:", "\"arm\"", "another"]),
+        ("link name=\"tip\"", "link name=\"\"", &[":5:", "no name"]),
+        ("link name=\"tip\"", "link", &[":5:", "no name"]),
+        ("joint name=\"weld\"", "joint name=\"turn\"", &[":9:", "\"turn\"", "another"]),
+        ("joint name=\"weld\" type", "joint kind", &[":9:", "no name"]),
+        ("type=\"revolute\"", "type=\"floating\"", &[":6:", "\"turn\"", "floating"]),
+        ("type=\"revolute\"", "type=\"planar\"", &[":6:", "\"turn\"", "planar"]),
+        ("type=\"revolute\"", "type=\"Revolute\"", &[":6:", "\"turn\"", "Revolute"]),
+        ("type=\"revolute\"", "", &[":6:", "\"turn\"", "type"]),
+        ("type=\"revolute\"", "type=\"fixed\"", &["bad.urdf", "no joint moves"]),
+        ("<child link=\"tip\"/>", "<child link=\"top\"/>", &[":9:", "\"weld\"", "\"top\""]),
+        ("<parent link=\"arm\"/>", "<parent link=\"leg\"/>", &[":9:", "\"weld\"", "\"leg\""]),
+        ("<parent link=\"arm\"/>", "", &[":9:", "\"weld\"", "parent"]),
+        ("<child link=\"tip\"/>", "<child/>", &[":9:", "\"weld\"", "link"]),
+        ("<child link=\"tip\"/>", "<child link=\"arm\"/>", &[":9:", "\"weld\"", "\"turn\""]),
+        ("<child link=\"tip\"/>", "<child link=\"base\"/>", &["bad.urdf"]),
+        ("<parent link=\"arm\"/>", "<parent link=\"tip\"/>", &[":5:", "\"tip\"", "loop"]),
+        (
+            "<link name=\"tip\"/>",
+            "<link name=\"tip\"/><link name=\"loose\"/>",
+            &["\"loose\"", "root"],
+        ),
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>", &[":6:", "\"turn\"", "direction"]),
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>", &[":6:", "\"turn\"", "three"]),
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 nan 0\"/>", &[":6:", "\"turn\"", "finite"]),
+        ("lower=\"-1\"", "lower=\"2\"", &[":6:", "\"turn\"", "2", "below"]),
+        ("lower=\"-1\" upper=\"1\"", "", &[":6:", "\"turn\"", "below"]),
+        ("effort=\"10\"", "effort=\"-10\"", &[":6:", "\"turn\"", "effort", "-10"]),
+        ("damping=\"0.1\"", "damping=\"-0.1\"", &[":6:", "\"turn\"", "damping", "-0.1"]),
+        ("<axis", "<mimic joint=\"weld\"/><axis", &[":6:", "\"turn\"", "mimic"]),
+        ("<axis", "<axis xyz=\"1 0 0\"/><axis", &[":6:", "\"turn\"", "more than one <axis>"]),
+        ("<robot name=\"good\">", "<robot name=\"good\"", &["bad.urdf:"]),
+        ("</robot>", "", &["bad.urdf:"]),
+        ("</joint>\n<joint", "</link>\n<joint", &["bad.urdf:8"]),
+        ("<link name=\"base\"/>", "<link name=\"base\" name=\"b\"/>", &["bad.urdf:2"]),
+        ("<link name=\"base\"/>", "<link name=\"&x;\"/>", &["bad.urdf:2"]),
+        (
+            "<robot name=\"good\">",
+            "<!DOCTYPE robot [<!ENTITY x \"y\">]>\n<robot>",
+            &[":1:", "document type"],
+        ),
+    ];
+    for (from, to, clues) in cases {
+        assert!(GOOD.contains(from), "{from}");
+        let text = GOOD.replacen(from, to, 1);
+        let error = Robot::from_text(&text, None, "bad.urdf");
+        let Err(error) = error else { panic!("{to} instead of {from} is read") };
+        let message = error.to_string();
+        assert!(message.starts_with("bad.urdf"), "{message}");
+        for clue in *clues {
+            assert!(message.contains(clue), "{clue} is not in: {message}");
+        }
+    }
+    assert!(cases.len() >= 40);
+}
+
+#[test]
+fn a_joint_that_moves_no_mass_is_refused() {
+    let massless = GOOD.replace("<inertial>", "<!--").replace("</inertial>", "-->");
+    let message = Robot::from_text(&massless, None, "bad.urdf").unwrap_err().to_string();
+    assert!(message.contains("\"turn\"") && message.contains("no mass"), "{message}");
+}
+
+#[test]
+fn odd_but_usable_figures_are_warned_about() {
+    for (from, to, clue) in [
+        ("izz=\"0.1\"", "izz=\"0.3\"", "triangle"),
+        ("xyz=\"0 1 0\"", "xyz=\"0 2 0\"", "length"),
+        ("effort=\"10\"", "effort=\"0\"", "effort"),
+        ("<mass value=\"1\"/>", "<mass value=\"0\"/>", "inertia but no mass"),
+    ] {
+        let robot = Robot::from_text(&GOOD.replacen(from, to, 1), None, "odd.urdf").unwrap();
+        assert!(
+            robot.warnings.len() == 1 && robot.warnings[0].contains(clue),
+            "{:?}",
+            robot.warnings
+        );
+    }
+}
+
+#[test]
+fn hostile_files_are_refused_before_they_cost_anything() {
+    let many = |n: usize, part: &str| part.repeat(n);
+    let nested = format!("<robot>{}{}</robot>", many(200_000, "<a>"), many(200_000, "</a>"));
+    let wide = format!(
+        "<robot><link {}/></robot>",
+        (0..100_000).fold(String::new(), |mut text, k| {
+            text += &format!(" a{k}=\"1\"");
+            text
+        })
+    );
+    let long = format!("<robot>{}</robot>", many(60_000, "<a/>"));
+    let fat = format!("<robot>{}</robot>", many(5 << 20, " "));
+    let named = GOOD.replace("\"tip\"", &format!("\"{}\"", many(2000, "n")));
+    let open = format!("<robot {}", many(100_000, "<"));
+    let links: String = (0..65).map(|k| format!("<link name=\"l{k}\"/>")).collect();
+    let crowd = format!("<robot>{links}</robot>");
+    let entities = format!("<!DOCTYPE r [{}]><robot/>", many(1000, "<!ENTITY a \"b\">"));
+    for (what, text) in [
+        ("elements inside each other", nested),
+        ("attributes", wide),
+        ("elements", long),
+        ("bytes", fat),
+        ("1024 bytes", named),
+        ("does not end", open),
+        ("links", crowd),
+        ("entities", entities),
+    ] {
+        let text = &text;
+        let (message, took) = timed(|| Robot::from_text(text, None, "h").unwrap_err().to_string());
+        assert!(message.contains(what), "{what} is not in: {message}");
+        assert!(took < Duration::from_millis(500), "{what}: {took:?}");
+    }
+}
+
+#[test]
+fn seventeen_joints_are_one_too_many() {
+    let chain = |n: usize| {
+        let mut parts = vec![support::link("l0", "")];
+        for k in 1..=n {
+            let body = support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
+            let (name, parent) = (format!("l{k}"), format!("l{}", k - 1));
+            parts.push(support::link(&name, &body));
+            let ends = [parent.as_str(), name.as_str()];
+            parts.push(support::joint(&format!("j{k}"), "revolute", ends, "1 0 0", "0 1 0"));
+        }
+        Robot::from_text(&format!("<robot>{}</robot>", parts.concat()), None, "chain")
+    };
+    assert_eq!(chain(16).unwrap().joints.len(), 16);
+    let message = chain(17).unwrap_err().to_string();
+    assert!(message.contains("17 joints that move") && message.contains("16"), "{message}");
+}
+
+#[test]
+fn no_damage_to_a_file_makes_the_reader_panic() {
+    let mut random = support::Random(19);
+    for _ in 0..3000 {
+        let mut bytes = GOOD.as_bytes().to_vec();
+        for _ in 0..1 + random.next() % 4 {
+            let at = random.next() as usize % bytes.len().max(1);
+            if bytes.is_empty() {
+                break;
+            }
+            match random.next() % 3 {
+                0 => bytes[at] = b"<>\"/=&x0- "[random.next() as usize % 10],
+                1 => drop(bytes.remove(at)),
+                _ => bytes.truncate(at.max(1)),
+            }
+        }
+        let _ = Robot::from_text(&String::from_utf8_lossy(&bytes), None, "damaged");
+    }
+}
+
+#[allow(clippy::disallowed_methods, reason = "the time a refusal takes is what is tested")]
+fn timed<T>(call: impl FnOnce() -> T) -> (T, Duration) {
+    let start = std::time::Instant::now();
+    let result = call();
+    (result, start.elapsed())
+}
