@@ -1,6 +1,6 @@
 // What a reader would see: opens report pages in headless Chromium and asserts it.
 //
-//   cd crates/phihat-report/tests/browser && npm install
+//   cd crates/phihat-report/tests/browser && npm ci
 //   node check.mjs PAGE.html...                  ordinary pages: every check
 //   node check.mjs --hostile PAGE.html...        pages full of hostile names: nothing may run
 //
