@@ -131,7 +131,11 @@ pub(crate) fn core_is_bare(root: &Path) -> Result<(), String> {
         }
     }
     // The check must be able to fail: both object files, with the entry points in them.
-    if seen < 12 { Err(format!("only {seen} entry points found in the object files")) } else { Ok(()) }
+    if seen < 12 {
+        Err(format!("only {seen} entry points found in the object files"))
+    } else {
+        Ok(())
+    }
 }
 
 /// Number of the core's entry points in an object file.

@@ -9,6 +9,9 @@ use phihat_study::{Study, VelocitySource};
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.
 const MILLI: f64 = 1e3;
 
+/// A torque held at its limit may differ from it by rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// One measured figure of every joint, and the bound it must keep, both in the unit of the heading.
 struct Column {
     heading: &'static str,
@@ -89,7 +92,9 @@ impl Column {
         let figure = format!("{value:.*}", self.decimals);
         match (self.bound)(joint) {
             // Written so that NaN is marked.
-            Some(bound) if !(value <= bound) => format!("{figure} > {} !", short(bound)),
+            Some(bound) if !(value <= bound * (1.0 + ROUNDING)) => {
+                format!("{figure} > {} !", short(bound))
+            }
             Some(bound) if !shared => format!("{figure} ≤ {}", short(bound)),
             _ => figure,
         }

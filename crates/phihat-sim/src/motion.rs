@@ -51,7 +51,9 @@ impl Motion {
     /// `q_d`, `q̇_d`, `q̈_d` of one joint at a time \[s\].
     pub fn at(&self, joint: usize, t: f64) -> Jet {
         match &self.path {
-            Path::Sines { center, terms, fade_in } => sines(center[joint], terms, *fade_in, joint, t),
+            Path::Sines { center, terms, fade_in } => {
+                sines(center[joint], terms, *fade_in, joint, t)
+            }
             Path::Waypoints { t: times, q } => waypoints(times, q, joint, t),
             Path::Splines(splines) => splines[joint].at(t),
         }
@@ -60,9 +62,7 @@ impl Motion {
 
 fn per_joint(t: &[f64], q: &[Vec<f64>]) -> Vec<Spline> {
     let joints = q.first().map_or(0, Vec::len);
-    (0..joints)
-        .map(|j| Spline::new(t, &q.iter().map(|row| row[j]).collect::<Vec<_>>()))
-        .collect()
+    (0..joints).map(|j| Spline::new(t, &q.iter().map(|row| row[j]).collect::<Vec<_>>())).collect()
 }
 
 /// `c + w(t) Σ A sin(ωt + p)` with the quintic fade-in `w`.

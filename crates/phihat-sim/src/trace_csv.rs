@@ -148,7 +148,11 @@ fn check_header(found: &csv::StringRecord) -> Result<(), TraceError> {
     for (column, expected) in header().enumerate() {
         let name = found.get(column).unwrap_or("");
         if name != expected {
-            return Err(TraceError::Header { column: column + 1, found: name.to_owned(), expected });
+            return Err(TraceError::Header {
+                column: column + 1,
+                found: name.to_owned(),
+                expected,
+            });
         }
     }
     Ok(())

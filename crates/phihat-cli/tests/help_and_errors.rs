@@ -1,0 +1,100 @@
+//! Help examples work as typed; a bad input gives one error that says what, where and what would be valid,
+//! exit code 2, and leaves the disk as it was.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+
+use support::{folder, json, phihat};
+
+#[test]
+fn examples_of_every_help_work_as_typed() {
+    let folder = folder("help");
+    let mut examples = 0;
+    for verb in ["", "run", "simulate", "report", "robots"] {
+        let arguments: Vec<&str> = [verb, "--help"].into_iter().filter(|a| !a.is_empty()).collect();
+        let help = phihat(&folder, &arguments);
+        assert_eq!(help.code, 0);
+        let lines = help.out.lines().skip_while(|l| !l.starts_with("Example"));
+        for line in lines.filter_map(|l| l.trim().strip_prefix("phihat ")) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let answer = phihat(&folder, &words);
+            assert_eq!(answer.code, 0, "phihat {line}: {}", answer.err);
+            examples += 1;
+        }
+    }
+    assert!(examples >= 6, "only {examples} examples found");
+}
+
+#[test]
+fn robots_are_listed_and_shown() {
+    let folder = folder("robots");
+    let list = json(&folder, &["robots", "--json"]);
+    let names: Vec<&str> =
+        list.as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["planar3r", "panda", "iiwa14", "ur5"]);
+    let panda = json(&folder, &["robots", "panda", "--json"]);
+    assert_eq!(panda["joints"].as_array().unwrap().len(), 7);
+    // The eigenvalue ratio of the Panda with Franka's rotor inertias is 8.6 (found independently).
+    let ratio = panda["eigenvalue_ratio"].as_f64().unwrap();
+    assert!((ratio - 8.6).abs() < 0.6, "{ratio}");
+    let shown = phihat(&folder, &["robots", "panda"]);
+    assert!(shown.out.contains("panda_joint7") && shown.out.contains("provenance"));
+}
+
+#[test]
+fn bad_inputs_give_one_error_and_leave_nothing() {
+    let folder = folder("bad");
+    let good = fs::read_to_string(folder.join("studies/first.toml")).unwrap();
+    let file = |name: &str, text: String| {
+        fs::write(folder.join(name), text).unwrap();
+        name.to_owned()
+    };
+    let line = |text: &str, part: &str| 1 + text.lines().position(|l| l.contains(part)).unwrap();
+    let unit = file("unit.toml", good.replace("rate_hz =", "rate_khz ="));
+    let nan = file("nan.toml", good.replace("duration_s = 7.0", "duration_s = nan"));
+    let order =
+        file("order.toml", good.replace("inertia_kg_m2 = [0.42,", "inertia_kg_m2 = [-0.42,"));
+    let cases: Vec<(Vec<&str>, Vec<String>)> = vec![
+        (vec!["run", "studies/nothing.toml"], vec!["studies/nothing.toml".to_owned()]),
+        (
+            vec!["run", &unit],
+            vec![format!("unit.toml:{}", line(&good, "rate_hz =")), "rate_hz".into()],
+        ),
+        (
+            vec!["run", &nan],
+            vec![format!("nan.toml:{}", line(&good, "duration_s =")), "duration_s".into()],
+        ),
+        (
+            vec!["run", &order],
+            vec![format!("order.toml:{}", line(&good, "inertia_kg_m2 =")), "-0.42".into()],
+        ),
+        (vec!["simulate", "studies"], vec!["studies".to_owned()]),
+        (vec!["report", "out/none/trace.csv"], vec!["out/none/trace.csv".to_owned()]),
+        (vec!["report", "studies/first.toml"], vec!["line 1: column 1".to_owned()]),
+        (vec!["robots", "pandaa"], vec!["panda".to_owned()]),
+        (vec!["robots", "nothing.urdf"], vec!["nothing.urdf".to_owned()]),
+        (vec!["run"], vec!["STUDY".to_owned()]),
+        (vec!["walk"], vec!["walk".to_owned()]),
+    ];
+    for (arguments, parts) in cases {
+        let answer = phihat(&folder, &arguments);
+        assert_eq!(answer.code, 2, "{arguments:?}: {} {}", answer.out, answer.err);
+        for part in parts {
+            assert!(answer.err.contains(&part), "{arguments:?} must name {part}: {}", answer.err);
+        }
+        assert!(answer.out.is_empty(), "{arguments:?} prints {}", answer.out);
+        assert!(!folder.join("out").exists(), "{arguments:?} left something behind");
+    }
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_named() {
+    let folder = folder("unwritable");
+    fs::write(folder.join("taken"), "a file, not a folder").unwrap();
+    let answer = phihat(&folder, &["run", "studies/first.toml", "--out", "taken"]);
+    assert_eq!(answer.code, 2);
+    assert!(answer.err.contains("taken"), "{}", answer.err);
+    assert_eq!(fs::read_to_string(folder.join("taken")).unwrap(), "a file, not a folder");
+}

@@ -1,0 +1,55 @@
+//! The promise of the first page: the Panda tracks within half a milliradian, inside its torque and
+//! torque-rate limits, with a payload, friction, delay and encoders that the controller is not told about.
+//! Wrong if the study were softened, or the loop were worse than that.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use support::{folder, json};
+
+#[test]
+fn panda_tracks_within_half_a_milliradian() {
+    let folder = folder("panda");
+    let study = std::fs::read_to_string(folder.join("studies/panda.toml")).unwrap();
+    for hard_part in [
+        "order = 2",
+        "delay_samples = 1",
+        "encoder_bits = 18",
+        "velocity = \"differenced\"",
+        "friction = \"robot\"",
+        "coulomb_extra_nm = 0.3",
+        "mass_kg = 0.5",
+        "error_max_rad = 5e-4",
+        "torque_rate_max_nm_s = \"robot\"",
+    ] {
+        assert!(study.contains(hard_part), "the study must keep: {hard_part}");
+    }
+    let answer = json(&folder, &["run", "studies/panda.toml", "--json"]);
+    let joints = answer["metrics"]["joints"].as_array().unwrap();
+    assert_eq!(joints.len(), 7);
+    for joint in joints {
+        let figure = |key: &str| joint[key].as_f64().unwrap_or_else(|| panic!("{key}: {joint}"));
+        assert!(figure("error_steady_max_rad") <= 5e-4, "{joint}");
+        assert!(figure("tau_max_nm") < figure("tau_limit_nm"), "{joint}");
+        assert!(figure("tau_step_max_nm") <= 1.0 + 1e-9, "{joint}");
+        assert_eq!(figure("saturated_samples").to_bits(), 0.0_f64.to_bits(), "{joint}");
+        // It moves: a joint that does not move would track anything.
+        assert!(figure("phi_max_nm") > 0.1, "{joint}");
+    }
+    assert_eq!(answer["metrics"]["within_spec"], true);
+}
+
+#[test]
+fn every_study_of_the_project_keeps_its_spec() {
+    let folder = folder("all-studies");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder.join("studies")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            let answer = json(&folder, &["simulate", path.to_str().unwrap(), "--json"]);
+            assert_eq!(answer["metrics"]["within_spec"], true, "{}: {answer:#}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 6, "only {count} studies found");
+}

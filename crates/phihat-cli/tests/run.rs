@@ -1,0 +1,122 @@
+//! A run leaves a complete record, the same each time, and its report can be made again from it. Wrong if
+//! a file were missing, half-written, or depended on anything but the study.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+
+use support::{folder, json, phihat};
+
+const FILES: [&str; 6] =
+    ["study.toml", "gains.json", "run.json", "metrics.json", "trace.csv", "report.html"];
+
+#[test]
+fn a_run_leaves_its_whole_record() {
+    let folder = folder("record");
+    let answer = phihat(&folder, &["run", "studies/first.toml"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("joint2") && answer.out.contains("report: out/first/report.html"));
+    for file in FILES {
+        assert!(folder.join("out/first").join(file).is_file(), "{file}");
+    }
+    let figures = fs::read_dir(folder.join("out/first/figures")).unwrap().count();
+    assert!(figures >= 5, "{figures} figures");
+    let left = fs::read_dir(folder.join("out/first")).unwrap();
+    assert!(
+        left.map(|e| e.unwrap().file_name()).all(|n| !n.to_str().unwrap().ends_with(".partial"))
+    );
+}
+
+#[test]
+fn same_study_same_bytes_and_the_report_can_be_made_again() {
+    let folder = folder("same");
+    for out in ["one", "two"] {
+        assert_eq!(phihat(&folder, &["run", "studies/first.toml", "--out", out]).code, 0);
+    }
+    let read = |out: &str, file: &str| fs::read(folder.join(out).join(file)).unwrap();
+    for file in FILES {
+        assert!(read("one", file) == read("two", file), "{file} differs between equal runs");
+    }
+    let before = read("one", "report.html");
+    fs::remove_file(folder.join("one/report.html")).unwrap();
+    let answer = json(&folder, &["report", "one/trace.csv", "--json"]);
+    assert_eq!(answer["report"], "one/report.html");
+    assert!(read("one", "report.html") == before, "the report made again differs");
+}
+
+#[test]
+fn json_has_its_documented_shape() {
+    let folder = folder("json");
+    let answer = json(&folder, &["simulate", "studies/first.toml", "--json"]);
+    assert_eq!(answer["study"], "first");
+    assert_eq!(answer["folder"], "out/first");
+    assert!(answer["report"].is_null() && answer["diverged"].is_null());
+    let joint = &answer["metrics"]["joints"][0];
+    assert_eq!(joint["name"], "joint1");
+    for key in [
+        "error_rms_rad",
+        "error_max_rad",
+        "error_steady_max_rad",
+        "error_integral_steady_max_rad_s",
+        "velocity_error_steady_max_rad_s",
+        "tau_max_nm",
+        "tau_step_max_nm",
+        "phi_max_nm",
+        "phi_error_steady_max_nm",
+    ] {
+        assert!(joint[key].is_number(), "{key}: {joint}");
+    }
+    let file = fs::read_to_string(folder.join("out/first/metrics.json")).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&file).unwrap();
+    assert_eq!(file, answer["metrics"]);
+}
+
+#[test]
+fn gains_can_come_from_a_file_and_are_bound_to_their_robot() {
+    let folder = folder("gains");
+    assert_eq!(phihat(&folder, &["simulate", "studies/first.toml"]).code, 0);
+    let given = ["simulate", "studies/first.toml", "--gains", "out/first/gains.json", "--out", "b"];
+    assert_eq!(phihat(&folder, &given).code, 0);
+    let trace = |out: &str| fs::read(folder.join(out).join("trace.csv")).unwrap();
+    assert!(trace("out/first") == trace("b"));
+    let wrong = ["simulate", "studies/panda.toml", "--gains", "out/first/gains.json"];
+    let answer = phihat(&folder, &wrong);
+    assert_eq!(answer.code, 2);
+    assert!(answer.err.contains("joint1") && answer.err.contains("panda_joint1"), "{}", answer.err);
+    assert!(!folder.join("out/panda").exists());
+    let text = fs::read_to_string(folder.join("out/first/gains.json")).unwrap();
+    fs::write(folder.join("bad.json"), text.replace("\"kp_per_s2\": 4", "\"kp_per_s2\": -4"))
+        .unwrap();
+    let answer = phihat(&folder, &["simulate", "studies/first.toml", "--gains", "bad.json"]);
+    assert_eq!(answer.code, 2);
+    assert!(answer.err.contains("kp") && answer.err.contains("positive"), "{}", answer.err);
+}
+
+#[test]
+fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
+    let folder = folder("evidence");
+    let text = fs::read_to_string(folder.join("studies/first.toml")).unwrap();
+    let strict = text.replace("error_max_rad = ", "error_max_rad = 1e-6 # was ");
+    assert!(strict != text);
+    fs::write(folder.join("strict.toml"), strict).unwrap();
+    let answer = phihat(&folder, &["run", "strict.toml"]);
+    assert_eq!(answer.code, 1, "{}", answer.err);
+    assert!(answer.out.contains("OUT OF SPEC") && answer.out.contains("!"), "{}", answer.out);
+    assert!(folder.join("out/strict/report.html").is_file());
+
+    let text = fs::read_to_string(folder.join("studies/panda.toml")).unwrap();
+    let wild: String = text
+        .lines()
+        .map(|line| if line.starts_with("inertia_kg_m2") { "inertia_kg_m2 = 20.0" } else { line })
+        .map(|line| if line.starts_with("torque_rate") { "torque_max_nm = \"none\"" } else { line })
+        .map(|line| format!("{line}\n"))
+        .collect();
+    fs::write(folder.join("wild.toml"), wild).unwrap();
+    let answer = phihat(&folder, &["run", "wild.toml"]);
+    assert_eq!(answer.code, 1, "{}\n{}", answer.out, answer.err);
+    assert!(answer.out.contains("DIVERGED at t ="), "{}", answer.out);
+    assert!(folder.join("out/wild/trace.csv").is_file());
+    let page = fs::read_to_string(folder.join("out/wild/report.html")).unwrap();
+    assert!(page.contains("diverged"));
+}

@@ -1,0 +1,51 @@
+//! Runs the real binary in a folder of its own.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What a run of the binary gave.
+pub(crate) struct Answer {
+    pub(crate) code: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+/// A fresh folder that sees the project's studies as `studies/`.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    std::fs::create_dir_all(folder.join("studies")).unwrap();
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    for entry in std::fs::read_dir(studies).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, folder.join("studies").join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    folder
+}
+
+/// Runs `phihat` in a folder.
+pub(crate) fn phihat(folder: &Path, arguments: &[&str]) -> Answer {
+    let output = Command::new(env!("CARGO_BIN_EXE_phihat"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Answer {
+        code: output.status.code().unwrap_or(-1),
+        out: text(output.stdout),
+        err: text(output.stderr),
+    }
+}
+
+/// The same, and the JSON it printed.
+pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let answer = phihat(folder, arguments);
+    serde_json::from_str(&answer.out)
+        .unwrap_or_else(|e| panic!("{e}\n{}\n{}", answer.out, answer.err))
+}

@@ -1,0 +1,47 @@
+//! Studies of one joint with closed-form answers, run through the real simulator.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::Path;
+
+use phihat::{Form, JointDesign, JointGains};
+use phihat_sim::{Outcome, Simulation};
+use phihat_study::{LawForm, Study};
+
+/// Inertia of the rod about its hinge \[kg·m²\].
+pub(crate) const ROD_INERTIA: f64 = 0.52;
+
+/// A study of the rod; `rest` is appended to the text.
+pub(crate) fn rod_study(top: &str, rest: &str) -> Study {
+    let spec = if rest.contains("[spec]") { "" } else { "[spec]\nsettle_s = 0.001\n" };
+    let text = format!(
+        "{top}\n[robot]\nfile = \"rod.urdf\"\n[gains]\norder = 2\nbandwidth_rad_s = 20.0\ndamping = 1.0\n\
+         estimator_bandwidth_rad_s = 70.0\nestimator_damping = 1.0\ninertia_kg_m2 = 0.52\n{spec}{rest}"
+    );
+    read(&text)
+}
+
+/// Reads a study's text; relative files are those of this folder.
+pub(crate) fn read(text: &str) -> Study {
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/support");
+    Study::from_text(text, "test.toml", &base).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// The study's gains: bandwidth 20 rad/s, estimator 70 rad/s, m = 2, per joint `inertia`.
+pub(crate) fn gains(study: &Study) -> Vec<JointGains<f64>> {
+    let form = match study.control.form {
+        LawForm::Observer => Form::Observer,
+        LawForm::Literal => Form::Literal,
+    };
+    let period = study.control.period_ns as f64 * 1e-9;
+    let joint = |inertia: &f64| {
+        let a = &[4900.0, 140.0];
+        JointGains::new(&JointDesign { inertia: *inertia, kp: 400.0, kd: 40.0, a, period, form })
+            .unwrap()
+    };
+    study.gains.inertia.iter().map(joint).collect()
+}
+
+/// Runs a study under [`gains`].
+pub(crate) fn run(study: &Study) -> Outcome {
+    Simulation::new(study, &gains(study)).unwrap().run(|_| ())
+}
