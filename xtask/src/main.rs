@@ -1,9 +1,10 @@
-//! The project's chores: `cargo xtask test | bench`.
+//! The project's chores: `cargo xtask test | bench | bless`.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
 
 mod bench;
+mod bless;
 mod rules;
 mod test;
 
@@ -11,12 +12,14 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
-  cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio";
+  cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
+  cargo xtask bless            runs the main job and puts its output and pictures into the README";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
+        Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         _ => Err(USAGE.to_owned()),
     };

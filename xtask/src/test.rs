@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::rules;
+use crate::{bless, rules};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 13] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -18,11 +18,15 @@ const STEPS: [Step; 11] = [
     ("Rust, command-line and report tests", |root| {
         cargo(root, &["test", "--workspace", "--all-targets", "--no-fail-fast"])
     }),
+    ("traces as Parquet", |root| {
+        cargo(root, &["test", "-p", "phihat-sim", "--features", "parquet", "--test", "parquet"])
+    }),
     ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
     ("documentation", documentation),
     ("the core cannot panic or allocate", rules::core_is_bare),
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
+    ("the README prints what is printed", bless::check),
     ("benches run", benches),
     ("the report in a browser", browser),
 ];
@@ -63,7 +67,7 @@ pub(crate) fn command(folder: &Path, program: &str, args: &[&str]) -> Result<(),
     if status.success() { Ok(()) } else { Err(format!("{program} {}: {status}", args.join(" "))) }
 }
 
-fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
+pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
     command(root, "cargo", args)
 }
 
@@ -93,7 +97,7 @@ fn benches(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The two reports of [`main_job`], and one with hostile names, in headless Chromium.
+/// The two reports of [`main_job`], and those with hostile names, in headless Chromium.
 fn browser(root: &Path) -> Result<(), String> {
     if Command::new("chromium").arg("--version").output().is_err() {
         println!("installing chromium");
@@ -104,8 +108,19 @@ fn browser(root: &Path) -> Result<(), String> {
     let folder = root.join("crates/phihat-report/tests/browser");
     let lines = ["ci", "--no-audit", "--no-fund", "--loglevel=error"];
     command(&folder, "npm", &lines)?;
-    let page = |study: &str| root.join("out").join(study).join("report.html");
-    let pages: Vec<String> =
-        ["panda", "first"].iter().map(|s| page(s).display().to_string()).collect();
-    command(&folder, "node", &["check.mjs", &pages[0], &pages[1]])
+    let page = |study: &str| root.join("out").join(study).join("report.html").display().to_string();
+    command(&folder, "node", &["check.mjs", &page("panda"), &page("first")])?;
+    let hostile = root.join("target/hostile").display().to_string();
+    let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];
+    cargo(root, &[&demo[..], &[&hostile, "hostile"]].concat())?;
+    let mut pages: Vec<String> = std::fs::read_dir(&hostile)
+        .map_err(|e| format!("{hostile}: {e}"))?
+        .filter_map(|entry| entry.ok().map(|e| e.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == "html"))
+        .map(|path| path.display().to_string())
+        .collect();
+    pages.sort();
+    let mut arguments = vec!["check.mjs", "--hostile"];
+    arguments.extend(pages.iter().map(String::as_str));
+    command(&folder, "node", &arguments)
 }

@@ -34,6 +34,6 @@ impl Run {
         let session = Session::open(&self.study, self.gains.as_deref(), self.out.as_deref())?;
         let done = session.simulate()?;
         let page = write_report(&done.record(), &done.folder.join("report.html"))?;
-        done.print(self.json, Some(&page))
+        Ok(done.print(self.json, Some(&page)))
     }
 }

@@ -31,6 +31,6 @@ impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let session = Session::open(&self.study, self.gains.as_deref(), self.out.as_deref())?;
         let done = session.simulate()?;
-        done.print(self.json, None)
+        Ok(done.print(self.json, None))
     }
 }

@@ -91,8 +91,8 @@ impl Column {
         let value = (self.value)(joint);
         let figure = format!("{value:.*}", self.decimals);
         match (self.bound)(joint) {
-            // Written so that NaN is marked.
-            Some(bound) if !(value <= bound * (1.0 + ROUNDING)) => {
+            // NaN is no value within a bound.
+            Some(bound) if value.is_nan() || value > bound * (1.0 + ROUNDING) => {
                 format!("{figure} > {} !", short(bound))
             }
             Some(bound) if !shared => format!("{figure} ≤ {}", short(bound)),

@@ -102,7 +102,7 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
     fs::write(folder.join("strict.toml"), strict).unwrap();
     let answer = phihat(&folder, &["run", "strict.toml"]);
     assert_eq!(answer.code, 1, "{}", answer.err);
-    assert!(answer.out.contains("OUT OF SPEC") && answer.out.contains("!"), "{}", answer.out);
+    assert!(answer.out.contains("OUT OF SPEC") && answer.out.contains('!'), "{}", answer.out);
     assert!(folder.join("out/strict/report.html").is_file());
 
     let text = fs::read_to_string(folder.join("studies/panda.toml")).unwrap();
@@ -110,8 +110,8 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
         .lines()
         .map(|line| if line.starts_with("inertia_kg_m2") { "inertia_kg_m2 = 20.0" } else { line })
         .map(|line| if line.starts_with("torque_rate") { "torque_max_nm = \"none\"" } else { line })
-        .map(|line| format!("{line}\n"))
-        .collect();
+        .collect::<Vec<_>>()
+        .join("\n");
     fs::write(folder.join("wild.toml"), wild).unwrap();
     let answer = phihat(&folder, &["run", "wild.toml"]);
     assert_eq!(answer.code, 1, "{}\n{}", answer.out, answer.err);

@@ -108,7 +108,7 @@ impl Shape {
     fn point(&self, turns: f64) -> [f64; 3] {
         match self {
             Self::Circle { center, u, v } => {
-                let (sin, cos) = (TAU * turns).sin_cos();
+                let (sin, cos) = libm::sincos(TAU * turns);
                 core::array::from_fn(|i| center[i] + cos * u[i] + sin * v[i])
             }
             Self::Spline { axes, points } => {

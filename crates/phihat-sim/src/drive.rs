@@ -30,7 +30,7 @@ impl Drive {
     /// Torque `elapsed` seconds into the interval.
     pub(crate) fn torque(&self, elapsed: f64) -> f64 {
         match self.rate {
-            Some(rate) => self.demand + self.gap * (-rate * elapsed).exp(),
+            Some(rate) => self.demand + self.gap * libm::exp(-rate * elapsed),
             None => self.demand,
         }
     }
@@ -38,8 +38,8 @@ impl Drive {
     /// Mean torque over an interval of `length` seconds; the next interval starts at its end.
     pub(crate) fn finish(&mut self, length: f64) -> f64 {
         let Some(rate) = self.rate else { return self.demand };
-        let mean = self.demand - self.gap * (-rate * length).exp_m1() / (rate * length);
-        self.gap *= (-rate * length).exp();
+        let mean = self.demand - self.gap * libm::expm1(-rate * length) / (rate * length);
+        self.gap *= libm::exp(-rate * length);
         mean
     }
 }

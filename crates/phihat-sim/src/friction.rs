@@ -34,6 +34,10 @@ pub struct Friction {
 }
 
 impl Friction {
+    #[allow(
+        clippy::imprecise_flops,
+        reason = "hypot guards against overflow, at ten times the cost"
+    )]
     /// `τ_f` \[N·m\] at a velocity \[rad/s\]; subtract it from the joint torque.
     pub fn torque(&self, v: f64) -> f64 {
         let mut torque = self.viscous * v;
@@ -41,7 +45,7 @@ impl Friction {
             torque += self.coulomb * v / (v * v + COULOMB_VELOCITY * COULOMB_VELOCITY).sqrt();
         }
         if let Some([a, s, o]) = self.sigmoid {
-            torque += a / (1.0 + (-s * (v + o)).exp()) - a / (1.0 + (-s * o).exp());
+            torque += a / (1.0 + libm::exp(-s * (v + o))) - a / (1.0 + libm::exp(-s * o));
         }
         torque
     }

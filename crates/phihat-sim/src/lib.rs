@@ -17,6 +17,8 @@ mod simulation;
 mod spline;
 mod trace;
 mod trace_csv;
+#[cfg(feature = "parquet")]
+mod trace_parquet;
 
 pub use error::SimError;
 pub use friction::{COULOMB_VELOCITY, Friction};

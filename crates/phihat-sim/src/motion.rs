@@ -70,7 +70,7 @@ fn sines(center: f64, terms: &[Sine], fade_in: f64, joint: usize, t: f64) -> Jet
     let mut sum = [0.0; 3];
     for term in terms {
         let rate = TAU * term.frequency[joint];
-        let (sin, cos) = (rate * t + term.phase[joint]).sin_cos();
+        let (sin, cos) = libm::sincos(rate * t + term.phase[joint]);
         let amplitude = term.amplitude[joint];
         sum[0] += amplitude * sin;
         sum[1] += amplitude * rate * cos;

@@ -35,7 +35,7 @@ impl Sensor {
         Self {
             quantum: bits.map(|b| TAU / 2.0_f64.powi(b.cast_signed())),
             source,
-            filter: filter_hz.map_or(1.0, |f| -(-TAU * f * period).exp_m1()),
+            filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             period,
             last: None,
         }

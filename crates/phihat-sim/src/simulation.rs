@@ -152,8 +152,7 @@ impl Simulation {
     }
 
     fn diverged(&self) -> Option<usize> {
-        // Written so that NaN counts as beyond.
-        let beyond = |x: f64| !(x.abs() <= DIVERGED);
+        let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
         (0..self.names.len()).find(|&i| beyond(self.plant.q[i]) || beyond(self.plant.dq[i]))
     }
 }

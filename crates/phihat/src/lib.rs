@@ -40,5 +40,10 @@ pub use joint::{Command, JointState, Measurement, Reference, Status};
 pub use limits::Limits;
 pub use real::Real;
 
+/// The README's example, run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
+
 /// Highest order of the estimator.
 pub const ORDER_MAX: usize = 4;

@@ -1,0 +1,76 @@
+//! What the README shows is what the program prints: written by `cargo xtask bless`, checked by the tests.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The README's main job.
+const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda.toml"];
+
+/// Figures of that job which the README shows, in `docs/pictures/`.
+const PICTURES: [&str; 2] = ["error-steady", "unknown-dynamics"];
+
+const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
+const CLOSE: &str = "```\n";
+
+/// Runs the main job and writes its output and pictures.
+pub(crate) fn run(root: &Path) -> Result<(), String> {
+    let (before, after) = frame(root)?;
+    let printed = output(root)?;
+    write(&root.join("README.md"), &format!("{before}{OPEN}{printed}{CLOSE}{after}"))?;
+    for name in PICTURES {
+        let svg = read(&root.join(format!("out/panda/figures/{name}.svg")))?;
+        write(&root.join(format!("docs/pictures/panda-{name}.svg")), &svg)?;
+    }
+    Ok(())
+}
+
+/// Whether README and pictures are what the program prints and draws now.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    let (before, after) = frame(root)?;
+    let printed = output(root)?;
+    let stale =
+        |what: &str| format!("{what} is stale: run `cargo xtask bless` and look at the diff");
+    if read(&root.join("README.md"))? != format!("{before}{OPEN}{printed}{CLOSE}{after}") {
+        return Err(format!("{}\nprinted now:\n{printed}", stale("README.md")));
+    }
+    for name in PICTURES {
+        let drawn = read(&root.join(format!("out/panda/figures/{name}.svg")))?;
+        let shown = format!("docs/pictures/panda-{name}.svg");
+        if read(&root.join(&shown))? != drawn {
+            return Err(stale(&shown));
+        }
+    }
+    Ok(())
+}
+
+/// The README before and after the printed output.
+fn frame(root: &Path) -> Result<(String, String), String> {
+    let text = read(&root.join("README.md"))?;
+    let (before, rest) = text.split_once(OPEN).ok_or("README.md has no place for the output")?;
+    let (_, after) = rest.split_once(CLOSE).ok_or("README.md does not close its output")?;
+    Ok((before.to_owned(), after.to_owned()))
+}
+
+fn output(root: &Path) -> Result<String, String> {
+    let output = Command::new("cargo")
+        .args(MAIN_JOB)
+        .current_dir(root)
+        .output()
+        .map_err(|e| format!("cargo cannot be started: {e}"))?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
+}
