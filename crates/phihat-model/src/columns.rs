@@ -1,92 +1,127 @@
-//! Wrenches in columns: `L` of them moved between frames by one pair of screws.
+//! Wrenches in columns, four side by side, moved between frames by one pair of screws.
 
-use crate::Scalar;
 use crate::compile::Segment;
 use crate::description::Motion;
 use crate::inertia::Inertia;
 use crate::vector::{Turn, Vec3};
+use crate::{Four, Scalar};
 
-/// `L` forces and moments, one array per coordinate so that the lanes fill vector registers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns<S, const L: usize> {
-    pub(crate) fx: [S; L],
-    pub(crate) fy: [S; L],
-    pub(crate) fz: [S; L],
-    pub(crate) nx: [S; L],
-    pub(crate) ny: [S; L],
-    pub(crate) nz: [S; L],
+/// Columns that travel together: as many as fill a vector register.
+pub(crate) const LANES: usize = 4;
+
+/// Forces and moments of [`LANES`] columns, one vector per coordinate.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Columns<S: Scalar> {
+    fx: S::Four,
+    fy: S::Four,
+    fz: S::Four,
+    nx: S::Four,
+    ny: S::Four,
+    nz: S::Four,
 }
 
-impl<S: Scalar, const L: usize> Columns<S, L> {
+/// A force and a moment.
+pub(crate) type Wrench<S> = (Vec3<S>, Vec3<S>);
+
+/// Both screws of a segment, with every constant in all lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Screws4<S: Scalar> {
+    tilt: Turn<S::Four>,
+    a: S::Four,
+    turn: Turn<S::Four>,
+    d: S::Four,
+}
+
+impl<S: Scalar> Screws4<S> {
     #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        let z = [S::splat(0.0); L];
-        Self { fx: z, fy: z, fz: z, nx: z, ny: z, nz: z }
+    pub(crate) fn new((tilt, a): (Turn<S>, S), (turn, d): (Turn<S>, S)) -> Self {
+        let four = S::Four::splat;
+        Self {
+            tilt: Turn { c: four(tilt.c), s: four(tilt.s) },
+            a: four(a),
+            turn: Turn { c: four(turn.c), s: four(turn.s) },
+            d: four(d),
+        }
+    }
+}
+
+impl<S: Scalar> Columns<S> {
+    /// Adds `wrench` to one lane.
+    ///
+    /// By a product with a unit vector: a scalar store would stall the vector load that follows.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, lane: usize, (force, moment): Wrench<S>) {
+        let unit = unit::<S>(lane);
+        let along = |value: S| unit * S::Four::splat(value);
+        self.fx = self.fx + along(force.x);
+        self.fy = self.fy + along(force.y);
+        self.fz = self.fz + along(force.z);
+        self.nx = self.nx + along(moment.x);
+        self.ny = self.ny + along(moment.y);
+        self.nz = self.nz + along(moment.z);
     }
 
-    /// Writes one column.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, force: Vec3<S>, moment: Vec3<S>) {
-        // A blend of whole vectors: a scalar store here would stall the vector load that follows.
-        for k in 0..L {
-            let here = k == lane;
-            self.fx[k] = if here { force.x } else { self.fx[k] };
-            self.fy[k] = if here { force.y } else { self.fy[k] };
-            self.fz[k] = if here { force.z } else { self.fz[k] };
-            self.nx[k] = if here { moment.x } else { self.nx[k] };
-            self.ny[k] = if here { moment.y } else { self.ny[k] };
-            self.nz[k] = if here { moment.z } else { self.nz[k] };
+    /// Reads one lane.
+    pub(crate) fn get(&self, lane: usize) -> Wrench<S> {
+        let of = |four: S::Four| four.lanes()[lane % LANES];
+        let force = Vec3::new(of(self.fx), of(self.fy), of(self.fz));
+        (force, Vec3::new(of(self.nx), of(self.ny), of(self.nz)))
+    }
+
+    /// These columns in the lanes where `here` is 1, `others` where it is 0.
+    pub(crate) fn or(&self, here: S::Four, others: &Self) -> Self {
+        let there = S::Four::splat(S::splat(1.0)) - here;
+        let mix = |a: S::Four, b: S::Four| here * a + there * b;
+        Self {
+            fx: mix(self.fx, others.fx),
+            fy: mix(self.fy, others.fy),
+            fz: mix(self.fz, others.fz),
+            nx: mix(self.nx, others.nx),
+            ny: mix(self.ny, others.ny),
+            nz: mix(self.nz, others.nz),
         }
     }
 
-    /// Reads one column.
+    /// All lanes in the frame before `Rx Tx(a) Rz Tz(d)`.
     #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> (Vec3<S>, Vec3<S>) {
-        let force = Vec3::new(self.fx[lane], self.fy[lane], self.fz[lane]);
-        (force, Vec3::new(self.nx[lane], self.ny[lane], self.nz[lane]))
-    }
-
-    /// Moves all columns to the frame before `Rx Tx(a) Rz Tz(d)`.
-    #[inline(always)]
-    pub(crate) fn out(&mut self, tilt: Turn<S>, a: S, turn: Turn<S>, d: S) {
-        for k in 0..L {
-            self.out_one(k, tilt, a, turn, d);
-        }
-    }
-
-    /// Moves one column to the frame before `Rx Tx(a) Rz Tz(d)`.
-    #[inline(always)]
-    pub(crate) fn out_one(&mut self, lane: usize, tilt: Turn<S>, a: S, turn: Turn<S>, d: S) {
-        let (f, n) = self.get(lane);
-        let (fx, fy) = (turn.c * f.x - turn.s * f.y, turn.s * f.x + turn.c * f.y);
-        let (nx, ny) = (n.x - d * f.y, n.y + d * f.x);
+    pub(crate) fn out(&self, Screws4 { tilt, a, turn, d }: Screws4<S>) -> Self {
+        let Self { fx, fy, fz, nx, ny, nz } = *self;
+        let (nx, ny) = (nx - d * fy, ny + d * fx);
+        let (fx, fy) = (turn.c * fx - turn.s * fy, turn.s * fx + turn.c * fy);
         let (nx, ny) = (turn.c * nx - turn.s * ny, turn.s * nx + turn.c * ny);
-        let (fy, fz) = (tilt.c * fy - tilt.s * f.z, tilt.s * fy + tilt.c * f.z);
-        let (ny, nz) = (tilt.c * ny - tilt.s * n.z, tilt.s * ny + tilt.c * n.z);
-        self.fx[lane] = fx;
-        self.fy[lane] = fy;
-        self.fz[lane] = fz;
-        self.nx[lane] = nx;
-        self.ny[lane] = ny - a * fz;
-        self.nz[lane] = nz + a * fy;
+        let (fy, fz) = (tilt.c * fy - tilt.s * fz, tilt.s * fy + tilt.c * fz);
+        let (ny, nz) = (tilt.c * ny - tilt.s * nz, tilt.s * ny + tilt.c * nz);
+        Self { fx, fy, fz, nx, ny: ny - a * fz, nz: nz + a * fy }
     }
 
     /// What each column does along the joint of `segment`.
     #[inline(always)]
-    pub(crate) fn along(&self, segment: &Segment) -> &[S; L] {
+    pub(crate) fn along(&self, segment: &Segment) -> S::Four {
         match segment.motion {
-            Motion::Prismatic => &self.fz,
-            _ => &self.nz,
+            Motion::Prismatic => self.fz,
+            _ => self.nz,
         }
     }
 }
 
+/// 1 in `lane`, counted within its vector, 0 elsewhere.
+#[inline(always)]
+pub(crate) fn unit<S: Scalar>(lane: usize) -> S::Four {
+    const UNITS: [[f64; LANES]; LANES] =
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    S::Four::from_lanes(UNITS[lane % LANES].map(S::splat))
+}
+
+/// 1 in the lanes of vector number `chunk` that `inside` names, 0 elsewhere.
+pub(crate) fn mask<S: Scalar>(chunk: usize, inside: impl Fn(usize) -> bool) -> S::Four {
+    S::Four::from_lanes(core::array::from_fn(|k| {
+        S::splat(f64::from(u8::from(inside(LANES * chunk + k))))
+    }))
+}
+
 /// The wrench that accelerates `inertia` at unit rate along the joint of `segment`.
 #[inline(always)]
-pub(crate) fn unit_wrench<S: Scalar>(
-    segment: &Segment,
-    inertia: &Inertia<S>,
-) -> (Vec3<S>, Vec3<S>) {
+pub(crate) fn unit_wrench<S: Scalar>(segment: &Segment, inertia: &Inertia<S>) -> Wrench<S> {
     let (h, zero) = (inertia.h, S::splat(0.0));
     match segment.motion {
         Motion::Prismatic => (Vec3::new(zero, zero, inertia.m), Vec3::new(h.y, -h.x, zero)),

@@ -15,16 +15,17 @@ impl Model {
     /// If a slice is not of length [`joint_count`](Self::joint_count).
     pub fn gravity_torque<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S], tau: &mut [S]) {
         assert!(tau.len() == self.joint_count(), "one torque per joint");
-        self.place(ws, q);
+        ws.screws.place(self, q);
+        let Workspace { screws, nodes, .. } = &mut *ws;
         let base = Vec3::splat(self.lift());
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        for i in 0..segments.len() {
-            let segment = &segments[i];
-            let lift = segment.parent.map_or(base, |p| nodes[p].motion.acc);
+        let mut lift = base;
+        for (i, segment) in self.segments().iter().enumerate() {
+            if !segment.follows_parent(i) {
+                lift = segment.parent.map_or(base, |p| nodes[p].motion.acc);
+            }
+            let ((tilt, _), (turn, _)) = (segment.tilt(), screws.at(i));
+            lift = turn.into_z(tilt.into_x(lift));
             let node = &mut nodes[i];
-            let (tilt, _) = segment.tilt();
-            let lift = node.turn.into_z(tilt.into_x(lift));
             node.motion.acc = lift;
             node.force = lift.scale(S::splat(segment.m));
             node.moment = Vec3::splat(segment.h).cross(lift);
@@ -35,19 +36,26 @@ impl Model {
     /// From tips to base: sums up the segments' wrenches and reads the joints' torques off.
     #[inline(always)]
     pub(crate) fn collect<S: Scalar>(&self, ws: &mut Workspace<S>, tau: &mut [S]) {
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        for i in (0..segments.len()).rev() {
-            let (segment, node) = (&segments[i], &nodes[i]);
+        let Workspace { screws, nodes, .. } = ws;
+        let mut borne = (Vec3::zero(), Vec3::zero());
+        for (i, segment) in self.segments().iter().enumerate().rev() {
+            let node = &nodes[i];
+            let (mut force, mut moment) = (node.force, node.moment);
+            if segment.bears {
+                force += borne.0;
+                moment += borne.1;
+            }
             match segment.motion {
-                Motion::Revolute => tau[segment.joint] = node.moment.z,
-                Motion::Prismatic => tau[segment.joint] = node.force.z,
+                Motion::Revolute => tau[segment.joint] = moment.z,
+                Motion::Prismatic => tau[segment.joint] = force.z,
                 Motion::Fixed => {}
             }
-            if let Some(parent) = segment.parent {
-                let (force, moment) = wrench_on_parent(segment, node);
-                nodes[parent].force += force;
-                nodes[parent].moment += moment;
+            borne = wrench_on_parent(segment, screws.at(i), (force, moment));
+            if let Some(parent) = segment.parent
+                && !segment.follows_parent(i)
+            {
+                nodes[parent].force += borne.0;
+                nodes[parent].moment += borne.1;
             }
         }
     }
@@ -59,23 +67,22 @@ impl Model {
     /// If a slice is not of length [`joint_count`](Self::joint_count).
     pub fn kinetic_energy<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S], dq: &[S]) -> S {
         assert!(dq.len() == self.joint_count(), "one velocity per joint");
-        self.place(ws, q);
+        ws.screws.place(self, q);
         let zero = S::splat(0.0);
         let rest = (Vec3::zero(), Vec3::zero());
         let mut twice = zero;
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        for i in 0..segments.len() {
-            let segment = &segments[i];
-            let parent =
-                segment.parent.map_or(rest, |p| (nodes[p].motion.omega, nodes[p].motion.acc));
+        let Workspace { screws, nodes, .. } = ws;
+        for (i, segment) in self.segments().iter().enumerate() {
+            let parent = segment.parent.map_or(rest, |p| {
+                let motion = &nodes[p].motion;
+                (motion.omega, motion.acc)
+            });
+            let ((tilt, a), (turn, d)) = (segment.tilt::<S>(), screws.at(i));
             let node = &mut nodes[i];
-            let (tilt, a) = segment.tilt::<S>();
             let (omega, velocity): (Vec3<S>, Vec3<S>) = parent;
             let velocity = velocity + Vec3::new(zero, a * omega.z, -(a * omega.y));
-            let inward = |v: Vec3<S>| node.turn.into_z(tilt.into_x(v));
+            let inward = |v: Vec3<S>| turn.into_z(tilt.into_x(v));
             let (mut omega, velocity) = (inward(omega), inward(velocity));
-            let d = node.d;
             let mut velocity = velocity + Vec3::new(d * omega.y, -(d * omega.x), zero);
             match segment.motion {
                 Motion::Revolute => omega.z += dq[segment.joint],
@@ -101,7 +108,7 @@ impl Model {
     pub fn potential_energy<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S]) -> S {
         self.forward_kinematics(ws, q);
         let mut moment = Vec3::zero();
-        for (segment, node) in self.segments().iter().zip(&ws.segments) {
+        for (segment, node) in self.segments().iter().zip(&ws.nodes) {
             let Pose3 { p, .. } = node.pose;
             moment += p.scale(S::splat(segment.m)) + node.pose.turn(Vec3::splat(segment.h));
         }

@@ -1,6 +1,7 @@
 //! Joint accelerations from torques.
 
-use crate::{Model, Scalar, Workspace};
+use crate::columns::{LANES, unit};
+use crate::{Four, Model, Scalar, Workspace};
 
 impl Model {
     /// Gives the accelerations that `tau` causes: `q̈ = (M(q) + J_r)⁻¹ (τ − C(q, q̇) q̇ − g(q))`,
@@ -12,7 +13,7 @@ impl Model {
     /// columns of `M` and, as one more column, the bias), then elimination of
     ///
     /// ```text
-    /// [ M + J_r | τ − bias ]                                                          (1)
+    /// [ M + J_r | bias − τ ]                                                          (1)
     /// ```
     ///
     /// in pivot order; `M ≻ 0` needs no pivoting. For the 3 to 8 joints of an arm this takes fewer
@@ -38,51 +39,42 @@ impl Model {
     ) {
         let n = self.joint_count();
         assert!(tau.len() == n && ddq.len() == n, "one torque and one acceleration per joint");
-        self.place(ws, q);
+        ws.screws.place(self, q);
         self.sweep_out(ws, dq, |_| S::splat(0.0));
-        match n {
-            0..=3 => self.eliminate::<S, 4>(ws, tau, ddq),
-            4..=7 => self.eliminate::<S, 8>(ws, tau, ddq),
-            8..=15 => self.eliminate::<S, 16>(ws, tau, ddq),
-            _ => self.eliminate::<S, 20>(ws, tau, ddq),
+        self.sweep_in(ws, Some(n));
+        let chunks = ws.columns.len();
+        for (i, row) in ws.rows.chunks_exact_mut(chunks).enumerate() {
+            let armature = S::Four::splat(S::splat(self.armature()[i]));
+            row[i / LANES] = row[i / LANES] + unit::<S>(i) * armature;
+            row[n / LANES] = row[n / LANES] - unit::<S>(n) * S::Four::splat(tau[i]);
+        }
+        eliminate::<S>(&mut ws.rows, chunks, ddq);
+    }
+}
+
+/// Solves (1), of which the upper triangle and `bias − τ` are given, `chunks` vectors a row.
+#[inline(always)]
+fn eliminate<S: Scalar>(rows: &mut [S::Four], chunks: usize, ddq: &mut [S]) {
+    let n = ddq.len();
+    let lane = |row: &[S::Four], k: usize| row[k / LANES].lanes()[k % LANES];
+    for k in 0..n {
+        let (above, below) = rows.split_at_mut((k + 1) * chunks);
+        let pivot = &above[k * chunks..];
+        let inverse = S::splat(1.0) / lane(pivot, k);
+        // Where the diagonal's inverse is kept until the end.
+        ddq[k] = inverse;
+        for (i, row) in below.chunks_exact_mut(chunks).enumerate() {
+            let factor = S::Four::splat(lane(pivot, k + 1 + i) * inverse);
+            for (row, pivot) in row.iter_mut().zip(pivot).skip(k / LANES) {
+                *row = *row - factor * *pivot;
+            }
         }
     }
-
-    #[inline(always)]
-    fn eliminate<S: Scalar, const L: usize>(
-        &self,
-        ws: &mut Workspace<S>,
-        tau: &[S],
-        ddq: &mut [S],
-    ) {
-        let n = self.joint_count();
-        let zero = S::splat(0.0);
-        let mut rows = [[zero; L]; L];
-        self.sweep_in::<S, L>(ws, Some(n), |joint, end, row| {
-            for k in 0..L {
-                rows[joint][k] = if k < end { row[k] } else { zero };
-            }
-            rows[joint][joint] += S::splat(self.armature()[joint]);
-            rows[joint][n] = tau[joint] - row[n];
-        });
-        for k in 0..n {
-            let (above, below) = rows.split_at_mut(k + 1);
-            let pivot = &mut above[k];
-            let inverse = S::splat(1.0) / pivot[k];
-            for (offset, row) in below[..n - k - 1].iter_mut().enumerate() {
-                let factor = pivot[k + 1 + offset] * inverse;
-                for j in 0..L {
-                    row[j] -= factor * pivot[j];
-                }
-            }
-            pivot[k] = inverse;
+    for (k, row) in rows.chunks_exact(chunks).enumerate().rev() {
+        let mut left = lane(row, n);
+        for j in k + 1..n {
+            left += lane(row, j) * ddq[j];
         }
-        for k in (0..n).rev() {
-            let mut left = rows[k][n];
-            for j in k + 1..n {
-                left -= rows[k][j] * ddq[j];
-            }
-            ddq[k] = left * rows[k][k];
-        }
+        ddq[k] = -(left * ddq[k]);
     }
 }

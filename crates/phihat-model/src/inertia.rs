@@ -40,7 +40,7 @@ impl<S: Scalar> Inertia<S> {
 
     /// Seen from the frame before `Rz Tz(d)`.
     #[inline(always)]
-    pub(crate) fn out_z(&self, turn: Turn<S>, d: S) -> Self {
+    pub(crate) fn out_z(&self, (turn, d): (Turn<S>, S)) -> Self {
         let h = turn.out_z(self.h);
         let (xx, xy, yy) = turn_block(turn, self.xx, self.xy, self.yy);
         let (c, s) = (turn.c, turn.s);
@@ -60,7 +60,7 @@ impl<S: Scalar> Inertia<S> {
 
     /// Seen from the frame before `Rx Tx(a)`.
     #[inline(always)]
-    pub(crate) fn out_x(&self, turn: Turn<S>, a: S) -> Self {
+    pub(crate) fn out_x(&self, (turn, a): (Turn<S>, S)) -> Self {
         let h = turn.out_x(self.h);
         let (yy, yz, zz) = turn_block(turn, self.yy, self.yz, self.zz);
         let (c, s) = (turn.c, turn.s);

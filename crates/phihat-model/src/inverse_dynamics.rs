@@ -2,8 +2,8 @@
 
 use crate::compile::Segment;
 use crate::description::Motion;
-use crate::vector::Vec3;
-use crate::workspace::{Node, Spin};
+use crate::vector::{Turn, Vec3};
+use crate::workspace::Spin;
 use crate::{Model, Scalar, Workspace};
 
 impl Model {
@@ -65,7 +65,7 @@ impl Model {
         tau: &mut [S],
     ) {
         assert!(tau.len() == self.joint_count(), "one torque per joint");
-        self.place(ws, q);
+        ws.screws.place(self, q);
         self.sweep_out(ws, dq, ddq);
         self.collect(ws, tau);
     }
@@ -79,19 +79,21 @@ impl Model {
         ddq: impl Fn(usize) -> S,
     ) {
         assert!(dq.len() == self.joint_count(), "one velocity per joint");
+        let Workspace { screws, nodes, .. } = ws;
         let zero = Vec3::zero();
         let base = Spin { omega: zero, alpha: zero, acc: Vec3::splat(self.lift()) };
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        for i in 0..segments.len() {
-            let segment = &segments[i];
-            let parent = segment.parent.map_or(base, |p| nodes[p].motion);
-            let node = &mut nodes[i];
+        let mut motion = base;
+        for (i, segment) in self.segments().iter().enumerate() {
+            if !segment.follows_parent(i) {
+                motion = segment.parent.map_or(base, |p| nodes[p].motion);
+            }
             let rates = match segment.motion {
                 Motion::Fixed => (S::splat(0.0), S::splat(0.0)),
                 _ => (dq[segment.joint], ddq(segment.joint)),
             };
-            let (motion, gamma) = Spin::of_child(&parent, segment, node, rates);
+            let gamma;
+            (motion, gamma) = motion.of_child(segment, screws.at(i), rates);
+            let node = &mut nodes[i];
             node.motion = motion;
             (node.force, node.moment) = wrench_of(segment, &motion, &gamma);
         }
@@ -142,19 +144,19 @@ impl<S: Scalar> Gamma<S> {
 }
 
 impl<S: Scalar> Spin<S> {
-    /// Motion of a segment from its parent's, through both screws and the joint itself.
+    /// Motion of a child from its parent's, through both screws and the joint itself.
     #[inline(always)]
     pub(crate) fn of_child(
-        parent: &Self,
+        &self,
         segment: &Segment,
-        node: &Node<S>,
+        (turn, d): (Turn<S>, S),
         (dq, ddq): (S, S),
     ) -> (Self, Gamma<S>) {
         let (tilt, a) = segment.tilt();
-        let (w, l) = (parent.omega, parent.alpha);
+        let (w, l) = (self.omega, self.alpha);
         let reach = Vec3::new(-(w.y * w.y + w.z * w.z), w.x * w.y + l.z, w.x * w.z - l.y);
-        let acc = parent.acc + reach.scale(a);
-        let inward = |v| node.turn.into_z(tilt.into_x(v));
+        let acc = self.acc + reach.scale(a);
+        let inward = |v| turn.into_z(tilt.into_x(v));
         let (mut omega, mut alpha, mut acc) = (inward(w), inward(l), inward(acc));
         match segment.motion {
             Motion::Revolute => {
@@ -168,7 +170,7 @@ impl<S: Scalar> Spin<S> {
             Motion::Fixed => {}
         }
         let gamma = Gamma::of(omega, alpha);
-        acc += Vec3::new(gamma.xz, gamma.yz, gamma.zz).scale(node.d);
+        acc += Vec3::new(gamma.xz, gamma.yz, gamma.zz).scale(d);
         (Self { omega, alpha, acc }, gamma)
     }
 }
@@ -194,11 +196,15 @@ fn wrench_of<S: Scalar>(
 
 /// The wrench of a segment and all it bears, about the parent's origin in the parent's axes.
 #[inline(always)]
-pub(crate) fn wrench_on_parent<S: Scalar>(segment: &Segment, node: &Node<S>) -> (Vec3<S>, Vec3<S>) {
+pub(crate) fn wrench_on_parent<S: Scalar>(
+    segment: &Segment,
+    (turn, d): (Turn<S>, S),
+    (force, moment): (Vec3<S>, Vec3<S>),
+) -> (Vec3<S>, Vec3<S>) {
     let (tilt, a) = segment.tilt();
-    let (f, d) = (node.force, node.d);
-    let moment = node.moment + Vec3::new(-(d * f.y), d * f.x, S::splat(0.0));
-    let force = tilt.out_x(node.turn.out_z(f));
-    let moment = tilt.out_x(node.turn.out_z(moment));
-    (force, moment + Vec3::new(S::splat(0.0), -(a * force.z), a * force.y))
+    let (f, zero) = (force, S::splat(0.0));
+    let moment = moment + Vec3::new(-(d * f.y), d * f.x, zero);
+    let force = tilt.out_x(turn.out_z(f));
+    let moment = tilt.out_x(turn.out_z(moment));
+    (force, moment + Vec3::new(zero, -(a * force.z), a * force.y))
 }

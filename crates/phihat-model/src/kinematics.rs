@@ -23,17 +23,23 @@ impl Model {
     ///
     /// If `q` is not of length [`joint_count`](Self::joint_count).
     pub fn forward_kinematics<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S]) {
-        self.place(ws, q);
-        let world = Pose3::of(self.base());
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        for i in 0..segments.len() {
-            let segment = &segments[i];
-            let parent = segment.parent.map_or(world, |p| nodes[p].pose);
-            let node = &mut nodes[i];
-            let (tilt, a) = segment.tilt();
-            let tilted = parent.turn_x(tilt, a);
-            node.pose = tilted.turn_z(node.turn, node.d);
+        ws.screws.place(self, q);
+        self.sweep_poses(ws);
+    }
+
+    /// From base to tips: poses of all segments.
+    #[inline(always)]
+    pub(crate) fn sweep_poses<S: Scalar>(&self, ws: &mut Workspace<S>) {
+        let Workspace { screws, nodes, .. } = ws;
+        let base = Pose3::of(self.base());
+        let mut pose = base;
+        for (i, segment) in self.segments().iter().enumerate() {
+            if !segment.follows_parent(i) {
+                pose = segment.parent.map_or(base, |p| nodes[p].pose);
+            }
+            let ((tilt, a), (turn, d)) = (segment.tilt(), screws.at(i));
+            pose = pose.turn_x(tilt, a).turn_z(turn, d);
+            nodes[i].pose = pose;
         }
     }
 
@@ -47,7 +53,7 @@ impl Model {
         let seat = &self.compiled().seats[frame.0];
         let at = Pose3::of(&seat.at);
         let Some(segment) = seat.segment else { return at.pose() };
-        at.within(&ws.segments[segment].pose).pose()
+        at.within(&ws.nodes[segment].pose).pose()
     }
 
     /// Jacobian of `frame` at `q`, 6 × n row by row: three rows of linear velocity of the frame's
@@ -70,10 +76,10 @@ impl Model {
         out.fill(S::splat(0.0));
         let seat = &self.compiled().seats[frame.0];
         let Some(carrier) = seat.segment else { return };
-        let origin = ws.segments[carrier].pose.point(Vec3::splat(seat.at.p));
+        let origin = ws.nodes[carrier].pose.point(Vec3::splat(seat.at.p));
         let mut next = Some(carrier);
         while let Some(i) = next {
-            let (segment, pose) = (&self.segments()[i], &ws.segments[i].pose);
+            let (segment, pose) = (&self.segments()[i], &ws.nodes[i].pose);
             let (linear, angular) = match segment.motion {
                 Motion::Revolute => (pose.z.cross(origin - pose.p), pose.z),
                 Motion::Prismatic => (pose.z, Vec3::zero()),

@@ -9,6 +9,7 @@ mod energy;
 mod error;
 mod extras;
 mod forward_dynamics;
+mod four;
 mod inertia;
 mod inertia_range;
 mod inverse_dynamics;
@@ -27,6 +28,7 @@ mod workspace;
 
 pub use body::Body;
 pub use error::{ModelError, RobotError};
+pub use four::{Four, Quad};
 pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, Target};
 pub use kinematics::Pose;

@@ -1,9 +1,9 @@
 //! The mass matrix: composite rigid bodies.
 
-use crate::columns::{Columns, unit_wrench};
+use crate::columns::{Columns, LANES, Screws4, mask, unit_wrench};
 use crate::description::Motion;
 use crate::inertia::Inertia;
-use crate::{Model, Scalar, Workspace};
+use crate::{Four, Model, Scalar, Workspace};
 
 impl Model {
     /// Gives `M(q)`, armature on its diagonal, `n × n` row by row, both triangles.
@@ -30,75 +30,70 @@ impl Model {
     pub fn mass_matrix<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S], m: &mut [S]) {
         let n = self.joint_count();
         assert!(m.len() == n * n, "n rows of one column per joint");
-        self.place(ws, q);
-        match n {
-            0..=4 => self.composite::<S, 4>(ws, m),
-            5..=8 => self.composite::<S, 8>(ws, m),
-            _ => self.composite::<S, 16>(ws, m),
+        ws.screws.place(self, q);
+        self.sweep_in(ws, None);
+        for (i, row) in ws.rows.chunks_exact(ws.columns.len()).enumerate() {
+            for j in i..n {
+                let entry = row[j / LANES].lanes()[j % LANES];
+                m[i * n + j] = entry;
+                m[j * n + i] = entry;
+            }
+            m[i * n + i] += S::splat(self.armature()[i]);
         }
     }
 
+    /// From tips to base: leaves the upper triangle of `M`, without armature, in the workspace's
+    /// rows. With a `lane` for them, the segments' own wrenches are summed up there too.
     #[inline(always)]
-    fn composite<S: Scalar, const L: usize>(&self, ws: &mut Workspace<S>, m: &mut [S]) {
-        let n = self.joint_count();
-        self.sweep_in::<S, L>(ws, None, |joint, end, row| {
-            for column in joint..n {
-                let entry = if column < end { row[column] } else { S::splat(0.0) };
-                m[joint * n + column] = entry;
-                m[column * n + joint] = entry;
-            }
-            m[joint * n + joint] += S::splat(self.armature()[joint]);
-        });
-    }
-
-    /// From tips to base: hands over each row of `M` as it becomes known, with the joint's index
-    /// and the end of what it carries: entries from the one up to the other are valid. With a
-    /// `lane` for them, the segments' own wrenches are summed up there too.
-    #[inline(always)]
-    pub(crate) fn sweep_in<S: Scalar, const L: usize>(
-        &self,
-        ws: &mut Workspace<S>,
-        lane: Option<usize>,
-        mut row: impl FnMut(usize, usize, &[S; L]),
-    ) {
-        let segments = self.segments();
-        let nodes = &mut ws.segments[..segments.len()];
-        let mut columns = Columns::<S, L>::zero();
+    pub(crate) fn sweep_in<S: Scalar>(&self, ws: &mut Workspace<S>, lane: Option<usize>) {
+        let Workspace { screws, nodes, columns, rows } = ws;
+        let (n, chunks) = (self.joint_count(), columns.len());
+        columns.fill(Columns::default());
         let mut inertia = Inertia::default();
-        for i in (0..segments.len()).rev() {
-            let (segment, node) = (&segments[i], &mut nodes[i]);
+        for (i, segment) in self.segments().iter().enumerate().rev() {
+            let node = &mut nodes[i];
             let mut own = Inertia::of(segment);
             if segment.forks {
                 own = own.plus(&core::mem::take(&mut node.inertia));
             }
             inertia = if segment.bears { inertia.plus(&own) } else { own };
             if let Some(lane) = lane {
-                let borne = if segment.bears { columns.get(lane) } else { Default::default() };
-                columns.set(lane, borne.0 + node.force, borne.1 + node.moment);
+                columns[lane / LANES].add(lane, (node.force, node.moment));
             }
             let (first, end) = segment.coordinates;
+            // Columns of other branches stay where they are, and do nothing along this joint.
+            let here = |k: usize| (first..end).contains(&k) || lane == Some(k);
             if segment.motion != Motion::Fixed {
-                let (force, moment) = unit_wrench(segment, &inertia);
-                columns.set(segment.joint, force, moment);
-                row(segment.joint, end, columns.along(segment));
-            }
-            let (tilt, a) = segment.tilt();
-            let (turn, d) = (node.turn, node.d);
-            inertia = inertia.out_z(turn, d).out_x(tilt, a);
-            if end == self.joint_count() {
-                columns.out(tilt, a, turn, d);
-            } else {
-                (first..end).chain(lane).for_each(|k| columns.out_one(k, tilt, a, turn, d));
-            }
-            if let Some(parent) = segment.parent
-                && !segment.follows_parent(i)
-            {
-                nodes[parent].inertia = nodes[parent].inertia.plus(&inertia);
-                if let Some(lane) = lane {
-                    let (force, moment) = columns.get(lane);
-                    nodes[parent].force += force;
-                    nodes[parent].moment += moment;
+                columns[first / LANES].add(first, unit_wrench(segment, &inertia));
+                let row = &mut rows[first * chunks..][..chunks];
+                for (chunk, (row, columns)) in row.iter_mut().zip(&*columns).enumerate() {
+                    *row = columns.along(segment);
+                    if end < n {
+                        *row = *row * mask::<S>(chunk, here);
+                    }
                 }
+            }
+            let (tilt, turn) = (segment.tilt(), screws.at(i));
+            let screws = Screws4::new(tilt, turn);
+            inertia = inertia.out_z(turn).out_x(tilt);
+            for (chunk, columns) in columns.iter_mut().enumerate().skip(first / LANES) {
+                let moved = columns.out(screws);
+                *columns = if end < n { moved.or(mask::<S>(chunk, here), columns) } else { moved };
+            }
+            if segment.follows_parent(i) {
+                continue;
+            }
+            // The parent's turn comes later: leave it what this branch adds up to.
+            let borne = lane.map(|lane| (lane, columns[lane / LANES].get(lane)));
+            if let Some((lane, (force, moment))) = borne {
+                columns[lane / LANES].add(lane, (-force, -moment));
+            }
+            if let Some(parent) = segment.parent {
+                let parent = &mut nodes[parent];
+                parent.inertia = parent.inertia.plus(&inertia);
+                let (force, moment) = borne.map(|(_, wrench)| wrench).unwrap_or_default();
+                parent.force += force;
+                parent.moment += moment;
             }
         }
     }

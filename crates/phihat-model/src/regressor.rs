@@ -50,17 +50,18 @@ impl Model {
         let n = self.joint_count();
         assert!(ddq.len() == n, "one acceleration per joint");
         assert!(out.len() == PARAMETERS * n * n, "n rows of ten columns per joint");
-        self.forward_kinematics(ws, q);
+        ws.screws.place(self, q);
+        self.sweep_poses(ws);
         self.sweep_out(ws, dq, |joint| ddq[joint]);
         out.fill(S::splat(0.0));
         let compiled = self.compiled();
         for (j, &at) in compiled.segment_of_joint.iter().enumerate() {
             let seat = &compiled.seats[compiled.link_of_joint[j]].at;
-            let link = Pose3::of(seat).within(&ws.segments[at].pose);
-            let factors = Factors::of(&ws.segments[at].motion.at(seat));
+            let link = Pose3::of(seat).within(&ws.nodes[at].pose);
+            let factors = Factors::of(&ws.nodes[at].motion.at(seat));
             let mut next = Some(at);
             while let Some(i) = next {
-                let (segment, pose) = (&compiled.segments[i], &ws.segments[i].pose);
+                let (segment, pose) = (&compiled.segments[i], &ws.nodes[i].pose);
                 if segment.motion != Motion::Fixed {
                     let (w, v) = match segment.motion {
                         Motion::Prismatic => (Vec3::zero(), pose.z),

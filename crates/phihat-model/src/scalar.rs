@@ -2,6 +2,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+use crate::Four;
 use crate::trig;
 
 /// A real number, or several side by side: what the dynamics compute with.
@@ -20,6 +21,9 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
 {
+    /// Four of these side by side.
+    type Four: Four<Self>;
+
     /// The constant `value`, in every lane.
     fn splat(value: f64) -> Self;
 
@@ -35,6 +39,8 @@ pub trait Scalar:
 }
 
 impl Scalar for f64 {
+    type Four = wide::f64x4;
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         value
@@ -52,6 +58,8 @@ impl Scalar for f64 {
 }
 
 impl Scalar for f32 {
+    type Four = wide::f32x4;
+
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation, reason = "rounding to single precision is the point")]
     fn splat(value: f64) -> Self {

@@ -48,12 +48,23 @@ pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
 /// Sines and cosines of many angles \[rad\]; slices of one length.
 #[inline]
 pub(crate) fn sin_cos_each(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
-    let all_reducible = angles.iter().fold(true, |all, angle| all & (angle.abs() <= REDUCIBLE));
-    let each = angles.iter().zip(sines).zip(cosines);
-    if all_reducible {
-        each.for_each(|((angle, sine), cosine)| (*sine, *cosine) = reduced(*angle));
-    } else {
-        each.for_each(|((angle, sine), cosine)| (*sine, *cosine) = sin_cos(*angle));
+    const LANES: usize = 4;
+    let (angles, angles_left) = angles.as_chunks::<LANES>();
+    let (sines, sines_left) = sines.as_chunks_mut::<LANES>();
+    let (cosines, cosines_left) = cosines.as_chunks_mut::<LANES>();
+    for ((angles, sines), cosines) in angles.iter().zip(sines).zip(cosines) {
+        if angles.iter().fold(true, |all, angle| all & (angle.abs() <= REDUCIBLE)) {
+            for k in 0..LANES {
+                (sines[k], cosines[k]) = reduced(angles[k]);
+            }
+        } else {
+            for k in 0..LANES {
+                (sines[k], cosines[k]) = sin_cos(angles[k]);
+            }
+        }
+    }
+    for ((angle, sine), cosine) in angles_left.iter().zip(sines_left).zip(cosines_left) {
+        (*sine, *cosine) = sin_cos(*angle);
     }
 }
 
@@ -64,17 +75,21 @@ fn reduced(angle: f64) -> (f64, f64) {
     let quadrant = rounded.to_bits();
     let x = angle - k * HALF_PI[0] - k * HALF_PI[1] - k * HALF_PI[2];
     let z = x * x;
-    let sine = x + z
-        * x
-        * (SIN[0] + z * (SIN[1] + z * (SIN[2] + z * (SIN[3] + z * (SIN[4] + z * SIN[5])))));
-    let tail =
-        z * (COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * COS[5])))));
+    let sine = x + z * x * polynomial(z, &SIN);
+    let tail = z * polynomial(z, &COS);
     let half = 0.5 * z;
     let head = 1.0 - half;
     let cosine = head + ((1.0 - head - half) + z * tail);
     let odd = quadrant & 1 == 1;
     let (s, c) = if odd { (cosine, sine) } else { (sine, cosine) };
     (flip(s, quadrant), flip(c, quadrant.wrapping_add(1)))
+}
+
+/// Estrin's scheme: pairs first, so that the products do not wait for each other.
+#[inline(always)]
+fn polynomial(z: f64, c: &[f64; 6]) -> f64 {
+    let z2 = z * z;
+    (c[0] + z * c[1]) + z2 * ((c[2] + z * c[3]) + z2 * (c[4] + z * c[5]))
 }
 
 /// Changes the sign of `value` if bit 1 of `quadrant` is set.

@@ -1,5 +1,7 @@
 //! Scratch memory of the dynamics, allocated once.
 
+use crate::columns::{Columns, LANES};
+use crate::compile::Compiled;
 use crate::description::Motion;
 use crate::inertia::Inertia;
 use crate::vector::{Turn, Vec3};
@@ -10,24 +12,33 @@ use crate::{Model, Scalar};
 /// Nothing in it outlives a call, but for the poses that
 /// [`forward_kinematics`](Model::forward_kinematics) leaves for [`pose`](Model::pose).
 #[derive(Debug, Clone)]
-pub struct Workspace<S = f64> {
-    pub(crate) segments: Vec<Node<S>>,
+pub struct Workspace<S: Scalar = f64> {
+    pub(crate) screws: Screws<S>,
+    pub(crate) nodes: Vec<Node<S>>,
+    /// One lane per coordinate and one more.
+    pub(crate) columns: Vec<Columns<S>>,
+    /// `n` rows, each as many lanes.
+    pub(crate) rows: Vec<S::Four>,
+}
+
+/// Every segment's second screw, `Rz Tz(d)`, at the position of the moment.
+#[derive(Debug, Clone)]
+pub(crate) struct Screws<S> {
     angles: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
+    shifts: Vec<S>,
 }
 
 /// What the recursions keep per segment.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Node<S> {
-    /// The joint's own screw: rotation about z and shift along z.
-    pub(crate) turn: Turn<S>,
-    pub(crate) d: S,
     pub(crate) motion: Spin<S>,
     pub(crate) force: Vec3<S>,
     pub(crate) moment: Vec3<S>,
-    pub(crate) inertia: Inertia<S>,
     pub(crate) pose: Pose3<S>,
+    /// Composite inertia of later branches, kept until their parent's turn comes.
+    pub(crate) inertia: Inertia<S>,
 }
 
 /// Angular velocity, angular acceleration and linear acceleration of a frame, in its axes.
@@ -47,47 +58,52 @@ pub(crate) struct Pose3<S> {
     pub(crate) p: Vec3<S>,
 }
 
-/// Angles come in whole vectors of this many lanes.
-const LANES: usize = 4;
-
 impl<S: Scalar> Workspace<S> {
     /// Scratch for `model`.
     pub fn new(model: &Model) -> Self {
-        let segments = model.segments().len();
-        let zeros = |count| vec![S::splat(0.0); count];
-        let padded = segments.next_multiple_of(LANES);
-        let mut angles = zeros(padded);
-        for (angle, segment) in angles.iter_mut().zip(model.segments()) {
-            *angle = S::splat(segment.theta);
-        }
+        let zeros = || vec![S::splat(0.0); model.compiled().theta.len()];
+        let screws = Screws { angles: zeros(), sines: zeros(), cosines: zeros(), shifts: zeros() };
+        let n = model.joint_count();
+        let chunks = (n + 1).div_ceil(LANES);
         Self {
-            segments: vec![Node::default(); segments],
-            angles,
-            sines: zeros(padded),
-            cosines: zeros(padded),
+            screws,
+            nodes: vec![Node::default(); model.segments().len()],
+            columns: vec![Columns::default(); chunks],
+            rows: vec![S::Four::default(); n * chunks],
         }
     }
 }
 
-impl Model {
-    /// Fills in every joint's screw at `q`.
+impl<S: Scalar> Screws<S> {
+    /// The screw of segment `i`.
     #[inline(always)]
-    pub(crate) fn place<S: Scalar>(&self, ws: &mut Workspace<S>, q: &[S]) {
-        let segments = self.segments();
-        let Workspace { segments: nodes, angles, sines, cosines, .. } = ws;
-        assert!(q.len() == self.joint_count(), "one position per joint");
-        assert!(nodes.len() == segments.len(), "a workspace of this model");
-        for ((segment, node), angle) in segments.iter().zip(nodes.iter_mut()).zip(&mut *angles) {
-            node.d = S::splat(segment.d);
-            match segment.motion {
-                Motion::Revolute => *angle = q[segment.joint] + S::splat(segment.theta),
-                Motion::Prismatic => node.d += q[segment.joint],
-                Motion::Fixed => {}
+    pub(crate) fn at(&self, i: usize) -> (Turn<S>, S) {
+        (Turn { c: self.cosines[i], s: self.sines[i] }, self.shifts[i])
+    }
+
+    /// Fills in the screws of `model` at `q`.
+    #[inline(always)]
+    pub(crate) fn place(&mut self, model: &Model, q: &[S]) {
+        let Compiled { theta, d, plain, segments, .. } = model.compiled();
+        assert!(q.len() == model.joint_count(), "one position per joint");
+        assert!(self.angles.len() == theta.len(), "a workspace of this model");
+        for (shift, d) in self.shifts.iter_mut().zip(d) {
+            *shift = S::splat(*d);
+        }
+        for (angle, theta) in self.angles.iter_mut().zip(theta) {
+            *angle = S::splat(*theta);
+        }
+        if *plain {
+            self.angles.iter_mut().zip(q).for_each(|(angle, q)| *angle += *q);
+        } else {
+            for (i, segment) in segments.iter().enumerate() {
+                match segment.motion {
+                    Motion::Revolute => self.angles[i] += q[segment.joint],
+                    Motion::Prismatic => self.shifts[i] += q[segment.joint],
+                    Motion::Fixed => {}
+                }
             }
         }
-        S::sin_cos_each(angles, sines, cosines);
-        for ((node, s), c) in nodes.iter_mut().zip(&*sines).zip(&*cosines) {
-            node.turn = Turn { c: *c, s: *s };
-        }
+        S::sin_cos_each(&self.angles, &mut self.sines, &mut self.cosines);
     }
 }
