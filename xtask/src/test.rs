@@ -109,6 +109,9 @@ fn browser(root: &Path) -> Result<(), String> {
     let lines = ["ci", "--no-audit", "--no-fund", "--loglevel=error"];
     command(&folder, "npm", &lines)?;
     let page = |study: &str| root.join("out").join(study).join("report.html").display().to_string();
+    if !["panda", "first"].iter().all(|study| Path::new(&page(study)).exists()) {
+        main_job(root)?;
+    }
     command(&folder, "node", &["check.mjs", &page("panda"), &page("first")])?;
     let hostile = root.join("target/hostile").display().to_string();
     let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];

@@ -11,8 +11,10 @@ pub(crate) fn number(value: f64) -> String {
     significant(value, 4)
 }
 
-/// A tick of an axis: as short as it can be.
-pub(crate) fn tick(value: f64) -> String {
+/// A tick of an axis of a given length: as short as it can be. What is left of a zero tick after
+/// counting up in steps, some 1e-17 of the length, is zero.
+pub(crate) fn tick(value: f64, length: f64) -> String {
+    let value = if value.abs() < 1e-9 * length { 0.0 } else { value };
     trimmed(significant(value, 4))
 }
 
@@ -75,10 +77,12 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }
-        assert_eq!(tick(0.5), "0.5");
-        assert_eq!(tick(100.0), "100");
-        assert_eq!(tick(1e12), "1e12");
-        assert_eq!(tick(f64::NAN), "not finite");
+        assert_eq!(tick(0.5, 1.0), "0.5");
+        assert_eq!(tick(100.0, 200.0), "100");
+        assert_eq!(tick(1e12, 2e12), "1e12");
+        assert_eq!(tick(-5.551e-17, 1.0), "0");
+        assert_eq!(tick(-5.551e-17, 1e-16), "-5.551e-17");
+        assert_eq!(tick(f64::NAN, 1.0), "not finite");
         assert_eq!(stated(986.960_44), "986.96");
         assert_eq!(percent(1.0, 3.0), "33\u{a0}%");
         assert_eq!(percent(1.0, 0.0), "–");
