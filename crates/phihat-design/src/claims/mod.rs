@@ -1,1 +1,29 @@
 //! Claims about the continuous law of one joint: optimality, input-to-state stability, performance.
+//!
+//! A claim is plain data that holds its evidence. Its constructor may use any solver; its `verify` recomputes
+//! everything from the gains with the small arithmetic of [`matrix`] and [`polynomial`], and returns the
+//! inequality that fails, with both sides.
+//!
+//! # Not claimed
+//!
+//! `verify` works in double precision with margins for rounding, not in interval arithmetic. Nothing
+//! here knows about sampling, delay, saturation, or an inertia that varies in time.
+
+pub mod attenuation;
+pub mod h_infinity;
+pub mod iss;
+pub mod law;
+pub mod matrix;
+pub mod optimality;
+pub mod paper;
+pub mod performance;
+pub mod polynomial;
+pub mod response;
+
+pub use attenuation::{Attenuation, Interval};
+pub use h_infinity::NormH;
+pub use iss::Iss;
+pub use law::{Law, Refutation};
+pub use optimality::{Certified, Condition, Optimality, Refused};
+pub use paper::{ErrorLimits, MinimalGains, PaperError};
+pub use performance::{PaperRadius, PeakGain, PeakGains, WorstCase};

@@ -1,0 +1,137 @@
+//! The exact H-infinity norm from φ to the error.
+
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::polynomial;
+use crate::claims::response::Response;
+
+const CLAIM: &str = "H-infinity norm";
+
+/// Relative distance between the two sides that the search aims at.
+const GAP: f64 = 1e-6;
+
+/// `sup_ω |e(jω)/φ(jω)|` of one joint at a frozen inertia ratio `μ`, for `M̄ = 1`.
+///
+/// # Claim
+///
+/// ```text
+/// G = −s^m/p(s),   p = D(s)A_o(s) + (μ−1)s^{m+2} Hurwitz
+/// |G(jω*)| ≥ lower,      upper² |p(jω)|² − ω^{2m} ≥ 0 for all ω
+/// ```
+///
+/// The first is one evaluation, the second the positivity of a polynomial in `ω²`: no eigenvalue is needed to
+/// check either.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NormH {
+    /// Inertia ratio.
+    pub mu: f64,
+    /// The norm is at least this \[rad/(N·m) at M̄ = 1 kg·m²\].
+    pub lower: f64,
+    /// It is at most this.
+    pub upper: f64,
+    /// Where the lower side is attained \[rad/s\].
+    pub frequency_rad_s: f64,
+}
+
+impl NormH {
+    /// Finds the norm by level sets: the imaginary eigenvalues of a Hamiltonian matrix are the
+    /// frequencies where `|G|` equals the level (Boyd, Balakrishnan; Bruinsma, Steinbuch).
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], when the loop is not stable at `μ`, or the result does not survive [`Self::verify`].
+    pub fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
+        let response = Response::new(law, mu)?;
+        let (m, n, sigma) = (law.order(), response.size(), response.sigma);
+        let scaled: Vec<f64> = response.last_row().iter().map(|k| -k).chain([1.0]).collect();
+        let squared = polynomial::magnitude_squared(&scaled);
+        let size = |w: f64| (power(w, m) / polynomial::value(&squared, w)).sqrt();
+        let grid = (0..400).map(|k| 10.0_f64.powf(f64::from(k) / 50.0 - 4.0));
+        let mut best = grid.fold(1.0, |best, w| if size(w) > size(best) { w } else { best });
+        for _ in 0..30 {
+            let crossings = crossings(&response, m, size(best) * (1.0 + 1e-9));
+            let middles = crossings.windows(2).map(|p| (0.5 * (p[0] + p[1])).powi(2));
+            let better = middles.fold(best, |b, w| if size(w) > size(b) { w } else { b });
+            if size(better) <= size(best) * (1.0 + 1e-10) {
+                break;
+            }
+            best = better;
+        }
+        let mut unit = 1.0 / mu;
+        for _ in m..n {
+            unit /= sigma;
+        }
+        let frequency_rad_s = sigma * best.sqrt();
+        let p = polynomial::magnitude_squared(&law.denominator(mu));
+        let w = frequency_rad_s * frequency_rad_s;
+        let lower = (power(w, m) / polynomial::value(&p, w)).sqrt().min(unit * size(best));
+        let mut found = Self { mu, lower: lower * (1.0 - 1e-12), upper: lower, frequency_rad_s };
+        for doublings in 0..20 {
+            found.upper = lower * (1.0 + GAP * f64::from(1 << doublings));
+            if polynomial::is_non_negative(&found.distance(&p, m)) {
+                break;
+            }
+        }
+        found.verify(law)?;
+        Ok(found)
+    }
+
+    /// Checks both sides and that the loop is stable.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality that fails.
+    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+        law.check(CLAIM)?;
+        let m = law.order();
+        holds(CLAIM, "μ > 0", self.mu, 0.0, self.mu > 0.0)?;
+        holds(CLAIM, "lower > 0", self.lower, 0.0, self.lower > 0.0)?;
+        let den = law.denominator(self.mu);
+        let stable = polynomial::is_hurwitz(&den);
+        holds(CLAIM, "D A_o + (μ−1)s^{m+2} is Hurwitz", self.mu, 0.0, stable)?;
+        let p = polynomial::magnitude_squared(&den);
+        let w = self.frequency_rad_s * self.frequency_rad_s;
+        let value = (power(w, m) / polynomial::value(&p, w)).sqrt();
+        holds(CLAIM, "|G(jω*)| ≥ lower", value, self.lower, value >= self.lower)?;
+        holds(CLAIM, "upper > 0", self.upper, 0.0, self.upper > 0.0)?;
+        let below = polynomial::is_non_negative(&self.distance(&p, m));
+        holds(CLAIM, "upper² |p(jω)|² ≥ ω^{2m} for all ω", self.upper, value, below)
+    }
+
+    /// `upper² |p|² − w^m`.
+    fn distance(&self, p: &[f64], m: usize) -> Vec<f64> {
+        let mut out: Vec<f64> = p.iter().map(|c| self.upper * self.upper * c).collect();
+        if let Some(c) = out.get_mut(m) {
+            *c -= 1.0;
+        }
+        out
+    }
+}
+
+fn power(w: f64, m: usize) -> f64 {
+    (0..m).fold(1.0, |product, _| product * w)
+}
+
+/// Frequencies in the loop's own time where `|s^m/p|` equals `level`, ascending, with 0 before them.
+fn crossings(response: &Response, m: usize, level: f64) -> Vec<f64> {
+    let n = response.size();
+    let mut h = DMatrix::<f64>::zeros(2 * n, 2 * n);
+    for i in 0..n - 1 {
+        h[(i, i + 1)] = 1.0;
+        h[(n + i + 1, n + i)] = -1.0;
+    }
+    for (j, k) in response.last_row().iter().enumerate() {
+        h[(n - 1, j)] = *k;
+        h[(n + j, 2 * n - 1)] = -k;
+    }
+    h[(n - 1, 2 * n - 1)] = 1.0 / level;
+    h[(n + m, m)] = -1.0 / level;
+    let near = |l: &&nalgebra::Complex<f64>| l.im > 0.0 && l.re.abs() < 1e-4 * l.im;
+    let eigenvalues = h.complex_eigenvalues();
+    let mut out: Vec<f64> = eigenvalues.iter().filter(near).map(|l| l.im).chain([0.0]).collect();
+    out.sort_by(f64::total_cmp);
+    out
+}

@@ -1,0 +1,275 @@
+//! The paper's own recipe for gains: minimum values from the largest errors allowed (section V).
+
+use nalgebra::{DMatrix, DVector};
+use thiserror::Error;
+
+use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::matrix::dot;
+use crate::claims::optimality::q_diagonal;
+
+const CLAIM: &str = "minimum gains";
+
+/// What the errors may be, and how large the unknown dynamics is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorLimits {
+    /// `φ_max` at unit inertia \[rad/s²\].
+    pub phi_max: f64,
+    /// Largest `(∫…∫e, …, ∫e, e, ė)`: `m + 2` positive numbers.
+    pub x_max: Vec<f64>,
+}
+
+/// Whether `xᵀSBBᵀSx` counts, which the paper ignores in its columns (A) and includes in (B).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feedback {
+    /// `½ Q x > SB φ_max`.
+    Ignored,
+    /// `½ (Q + (2a_{m−1} − K̃) SBBᵀS) x > SB φ_max`, with the least `a_{m−1} = K̃` (γ → ∞).
+    Included,
+}
+
+/// The gains at which every row of (44) is an equality.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MinimalGains {
+    /// `K̃` \[1/s\].
+    pub k_tilde: f64,
+    /// `K_p` \[1/s²\].
+    pub kp: f64,
+    /// `K_d` \[1/s\].
+    pub kd: f64,
+    /// `b_0 … b_{m−2}`.
+    pub b: Vec<f64>,
+    /// Which row produced each value, in the order above.
+    pub from: Vec<String>,
+}
+
+/// Why there are no minimum gains.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PaperError {
+    /// A limit is not a positive number.
+    #[error("limit {index} is {value}; it must be positive")]
+    Limit {
+        /// Which: 0 is `φ_max`, then the states.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// Order out of range.
+    #[error("{states} limits given; an estimator of order 1 to 4 has 3 to 6")]
+    Order {
+        /// Number of limits.
+        states: usize,
+    },
+    /// Newton's iteration did not end at positive gains.
+    #[error("Newton's method stops at a relative residual of {residual:.1e}")]
+    NoSolution {
+        /// Largest relative residual of a row.
+        residual: f64,
+    },
+}
+
+impl ErrorLimits {
+    fn check(&self) -> Result<usize, PaperError> {
+        let states = self.x_max.len();
+        if !(3..=6).contains(&states) {
+            return Err(PaperError::Order { states });
+        }
+        let all = [self.phi_max].into_iter().chain(self.x_max.iter().copied());
+        match all.enumerate().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
+            Some((index, value)) => Err(PaperError::Limit { index, value }),
+            None => Ok(states - 2),
+        }
+    }
+}
+
+impl MinimalGains {
+    /// (44) solved for m = 1, with the sign of `c` that solves it.
+    ///
+    /// ```text
+    /// K̃ = 2φ_max/ė_max,   K_p = 2φ_max/(K̃ ∫e_max),   K_d = c + √(c² + 2K_p),   c = φ_max/(K̃ e_max)
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`PaperError`], for limits that are not three positive numbers.
+    pub fn first_order(limits: &ErrorLimits) -> Result<Self, PaperError> {
+        limits.check()?;
+        let [integral, e, de] = limits.x_max[..] else {
+            return Err(PaperError::Order { states: limits.x_max.len() });
+        };
+        let phi = limits.phi_max;
+        let k_tilde = 2.0 * phi / de;
+        let kp = 2.0 * phi / (k_tilde * integral);
+        let c = phi / (k_tilde * e);
+        let kd = c + (c * c + 2.0 * kp).sqrt();
+        let from = ["row 3, ė: K̃", "row 1, ∫e: K_p", "row 2, e: K_d"].map(str::to_owned).to_vec();
+        Ok(Self { k_tilde, kp, kd, b: Vec::new(), from })
+    }
+
+    /// Every row of (44) as an equality, any order, by Newton's method from `D(s)g(s) = (s + ω)^{m+1}`,
+    /// `ω = ė_max/e_max`, in the logarithms of the gains.
+    ///
+    /// # Errors
+    ///
+    /// [`PaperError`], for limits that make no sense, or without a solution in positive gains.
+    pub fn newton(limits: &ErrorLimits, feedback: Feedback) -> Result<Self, PaperError> {
+        let m = limits.check()?;
+        let mut y = start(limits, m);
+        let mut now = residual(&y, limits, feedback);
+        for _ in 0..200 {
+            if now.amax() < 1e-12 {
+                break;
+            }
+            let slope = jacobian(&y, limits, feedback);
+            let Some(step) = slope.lu().solve(&now) else { break };
+            let mut share = 1.0;
+            loop {
+                let next = &y - share * &step;
+                let there = residual(&next, limits, feedback);
+                if there.norm() < now.norm() {
+                    (y, now) = (next, there);
+                    break;
+                }
+                share *= 0.5;
+                if share < 1e-10 {
+                    return Err(PaperError::NoSolution { residual: now.amax() });
+                }
+            }
+        }
+        let found = gains(&y, feedback);
+        match found.verify(limits, feedback) {
+            Ok(()) => Ok(found),
+            Err(_) => Err(PaperError::NoSolution { residual: now.amax() }),
+        }
+    }
+
+    /// The law with these gains, with `a_{m−1} = K̃` (γ → ∞).
+    pub fn law(&self) -> Law {
+        let a = self.b.iter().chain([&1.0]).map(|b_i| b_i * self.k_tilde).collect();
+        Law { kp: self.kp, kd: self.kd, a }
+    }
+
+    /// Every row of (44) is an equality to 1e-9.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the row.
+    pub fn verify(&self, limits: &ErrorLimits, feedback: Feedback) -> Result<(), Refutation> {
+        let states = self.b.len() + 3;
+        let right = limits.x_max.len();
+        holds(CLAIM, "m + 2 limits", right as f64, states as f64, right == states)?;
+        for (i, (left, right)) in rows(self, limits, feedback).into_iter().enumerate() {
+            agrees(CLAIM, &format!("row {} of (44)", i + 1), left, right, 1e-9)?;
+        }
+        Ok(())
+    }
+}
+
+/// `K_p = ω²`, `K_d = 2ζω` for a settling time to 2 % \[s\].
+pub fn from_settling_time(time_s: f64, damping: f64) -> (f64, f64) {
+    let far = 100.0 / damping.min(1.0 / damping);
+    let steps = 200_000;
+    let outside = |k: &u32| {
+        let t = far * f64::from(*k) / f64::from(steps);
+        (step_response(damping, t) - 1.0).abs() > 0.02
+    };
+    let last = (0..steps).rev().find(outside).unwrap_or(0);
+    outer_loop(far * f64::from(last + 1) / f64::from(steps) / time_s, damping)
+}
+
+/// `K_p = ω²`, `K_d = 2ζω` for a rise time from 10 % to 90 % \[s\].
+pub fn from_rise_time(time_s: f64, damping: f64) -> (f64, f64) {
+    let reaches = |level: f64| {
+        // Rising until the first peak; without one, for ever.
+        let peak = core::f64::consts::PI / (1.0 - damping * damping).max(1e-4).sqrt();
+        let (mut low, mut high) = (0.0, peak.max(20.0 * damping));
+        if damping < 1.0 {
+            high = peak;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if step_response(damping, middle) < level { low = middle } else { high = middle }
+        }
+        low
+    };
+    outer_loop((reaches(0.9) - reaches(0.1)) / time_s, damping)
+}
+
+/// `a_0 … a_{m−1}` of `(s + factor·√K_p)^m`; the paper asks for a factor of 3 to 5.
+pub fn estimator(order: usize, kp: f64, factor: f64) -> Vec<f64> {
+    let pole = [factor * kp.sqrt(), 1.0];
+    let mut a = (0..order).fold(vec![1.0], |p, _| crate::claims::polynomial::product(&p, &pole));
+    a.pop();
+    a
+}
+
+/// Answer of `1/(s² + 2ζs + 1)` to a unit step.
+fn step_response(damping: f64, t: f64) -> f64 {
+    let gap = (1.0 - damping * damping).abs().sqrt();
+    let fade = (-damping * t).exp();
+    if gap < 1e-6 {
+        return 1.0 - fade * (1.0 + t);
+    }
+    if damping < 1.0 {
+        return 1.0 - fade * ((gap * t).cos() + damping / gap * (gap * t).sin());
+    }
+    let (slow, fast) = (damping - gap, damping + gap);
+    1.0 - (fast * (-slow * t).exp() - slow * (-fast * t).exp()) / (fast - slow)
+}
+
+fn outer_loop(omega: f64, damping: f64) -> (f64, f64) {
+    (omega * omega, 2.0 * damping * omega)
+}
+
+/// Both sides of each row: `Qx (+ (2a_{m−1} − K̃) SB BᵀSx)` and `2SB φ_max`.
+fn rows(gains: &MinimalGains, limits: &ErrorLimits, feedback: Feedback) -> Vec<(f64, f64)> {
+    let law = gains.law();
+    let (q, x) = (q_diagonal(&law, gains.k_tilde), &limits.x_max);
+    let sb: Vec<f64> = law.k().iter().map(|k_i| k_i / law.a_top()).collect();
+    let pull = match feedback {
+        Feedback::Ignored => 0.0,
+        Feedback::Included => gains.k_tilde * dot(&sb, x),
+    };
+    (0..x.len()).map(|i| (q[i] * x[i] + pull * sb[i], 2.0 * sb[i] * limits.phi_max)).collect()
+}
+
+fn residual(y: &DVector<f64>, limits: &ErrorLimits, feedback: Feedback) -> DVector<f64> {
+    let relative = |(left, right): (f64, f64)| left / right - 1.0;
+    let all = rows(&gains(y, feedback), limits, feedback).into_iter().map(relative);
+    DVector::from_iterator(y.len(), all)
+}
+
+fn jacobian(y: &DVector<f64>, limits: &ErrorLimits, feedback: Feedback) -> DMatrix<f64> {
+    let h = 1e-6;
+    let column = |j: usize| {
+        let (mut up, mut down) = (y.clone(), y.clone());
+        up[j] += h;
+        down[j] -= h;
+        (residual(&up, limits, feedback) - residual(&down, limits, feedback)) / (2.0 * h)
+    };
+    DMatrix::from_columns(&(0..y.len()).map(column).collect::<Vec<_>>())
+}
+
+/// `y = ln (K̃, K_p, K_d, b_0 … b_{m−2})`.
+fn start(limits: &ErrorLimits, m: usize) -> DVector<f64> {
+    let x = &limits.x_max;
+    let omega = x[m + 1] / x[m];
+    let b = estimator(m - 1, omega * omega, 1.0);
+    let k_tilde = 2.0 * limits.phi_max / x[m + 1] + 2.0 * b.last().copied().unwrap_or(0.0);
+    let head = [k_tilde, omega * omega, 2.0 * omega];
+    DVector::from_iterator(m + 2, head.into_iter().chain(b).map(f64::ln))
+}
+
+fn gains(y: &DVector<f64>, feedback: Feedback) -> MinimalGains {
+    let term = match feedback {
+        Feedback::Ignored => "(44), Newton",
+        Feedback::Included => "(44) with xᵀSBBᵀSx, Newton",
+    };
+    MinimalGains {
+        k_tilde: y[0].exp(),
+        kp: y[1].exp(),
+        kd: y[2].exp(),
+        b: y.iter().skip(3).map(|v| v.exp()).collect(),
+        from: vec![term.to_owned(); y.len()],
+    }
+}
