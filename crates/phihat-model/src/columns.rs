@@ -61,11 +61,13 @@ impl<S: Scalar> Columns<S> {
         self.nz = self.nz + along(moment.z);
     }
 
-    /// Reads one lane.
-    pub(crate) fn get(&self, lane: usize) -> Wrench<S> {
+    /// Takes one lane out, leaving 0.
+    pub(crate) fn take(&mut self, lane: usize) -> Wrench<S> {
         let of = |four: S::Four| four.lanes()[lane % LANES];
         let force = Vec3::new(of(self.fx), of(self.fy), of(self.fz));
-        (force, Vec3::new(of(self.nx), of(self.ny), of(self.nz)))
+        let moment = Vec3::new(of(self.nx), of(self.ny), of(self.nz));
+        self.add(lane, (-force, -moment));
+        (force, moment)
     }
 
     /// These columns in the lanes where `here` is 1, `others` where it is 0.
@@ -106,7 +108,7 @@ impl<S: Scalar> Columns<S> {
 
 /// 1 in `lane`, counted within its vector, 0 elsewhere.
 #[inline(always)]
-pub(crate) fn unit<S: Scalar>(lane: usize) -> S::Four {
+fn unit<S: Scalar>(lane: usize) -> S::Four {
     const UNITS: [[f64; LANES]; LANES] =
         [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     S::Four::from_lanes(UNITS[lane % LANES].map(S::splat))

@@ -50,10 +50,9 @@ impl Model {
                 Motion::Prismatic => tau[segment.joint] = force.z,
                 Motion::Fixed => {}
             }
+            let Some(parent) = segment.parent else { continue };
             borne = wrench_on_parent(segment, screws.at(i), (force, moment));
-            if let Some(parent) = segment.parent
-                && !segment.follows_parent(i)
-            {
+            if !segment.follows_parent(i) {
                 nodes[parent].force += borne.0;
                 nodes[parent].moment += borne.1;
             }

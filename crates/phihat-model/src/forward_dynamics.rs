@@ -1,6 +1,6 @@
 //! Joint accelerations from torques.
 
-use crate::columns::{LANES, unit};
+use crate::columns::LANES;
 use crate::{Four, Model, Scalar, Workspace};
 
 impl Model {
@@ -44,36 +44,37 @@ impl Model {
         self.sweep_in(ws, Some(n));
         let chunks = ws.columns.len();
         for (i, row) in ws.rows.chunks_exact_mut(chunks).enumerate() {
-            let armature = S::Four::splat(S::splat(self.armature()[i]));
-            row[i / LANES] = row[i / LANES] + unit::<S>(i) * armature;
-            row[n / LANES] = row[n / LANES] - unit::<S>(n) * S::Four::splat(tau[i]);
+            let row = row.as_flattened_mut();
+            row[i] += S::splat(self.armature()[i]);
+            row[n] -= tau[i];
         }
-        eliminate::<S>(&mut ws.rows, chunks, ddq);
+        eliminate(&mut ws.rows, chunks, ddq);
     }
 }
 
 /// Solves (1), of which the upper triangle and `bias − τ` are given, `chunks` vectors a row.
 #[inline(always)]
-fn eliminate<S: Scalar>(rows: &mut [S::Four], chunks: usize, ddq: &mut [S]) {
+fn eliminate<S: Scalar>(rows: &mut [[S; LANES]], chunks: usize, ddq: &mut [S]) {
     let n = ddq.len();
-    let lane = |row: &[S::Four], k: usize| row[k / LANES].lanes()[k % LANES];
     for k in 0..n {
         let (above, below) = rows.split_at_mut((k + 1) * chunks);
         let pivot = &above[k * chunks..];
-        let inverse = S::splat(1.0) / lane(pivot, k);
+        let entries = &pivot.as_flattened()[k..n];
+        let inverse = S::splat(1.0) / entries[0];
         // Where the diagonal's inverse is kept until the end.
         ddq[k] = inverse;
-        for (i, row) in below.chunks_exact_mut(chunks).enumerate() {
-            let factor = S::Four::splat(lane(pivot, k + 1 + i) * inverse);
+        for (row, entry) in below.chunks_exact_mut(chunks).zip(&entries[1..]) {
+            let factor = S::Four::splat(*entry * inverse);
             for (row, pivot) in row.iter_mut().zip(pivot).skip(k / LANES) {
-                *row = *row - factor * *pivot;
+                *row = (S::Four::from_lanes(*row) - factor * S::Four::from_lanes(*pivot)).lanes();
             }
         }
     }
     for (k, row) in rows.chunks_exact(chunks).enumerate().rev() {
-        let mut left = lane(row, n);
+        let row = &row.as_flattened()[..=n];
+        let mut left = row[n];
         for j in k + 1..n {
-            left += lane(row, j) * ddq[j];
+            left += row[j] * ddq[j];
         }
         ddq[k] = -(left * ddq[k]);
     }

@@ -32,13 +32,17 @@ impl Model {
         assert!(m.len() == n * n, "n rows of one column per joint");
         ws.screws.place(self, q);
         self.sweep_in(ws, None);
-        for (i, row) in ws.rows.chunks_exact(ws.columns.len()).enumerate() {
-            for j in i..n {
-                let entry = row[j / LANES].lanes()[j % LANES];
-                m[i * n + j] = entry;
-                m[j * n + i] = entry;
+        let rows = ws.rows.chunks_exact(ws.columns.len());
+        for ((i, row), armature) in rows.enumerate().zip(self.armature()) {
+            let (above, below) = m.split_at_mut(i * n);
+            let (out, row) = (&mut below[..n], &row.as_flattened()[..n]);
+            for j in 0..i {
+                out[j] = above[j * n + i];
             }
-            m[i * n + i] += S::splat(self.armature()[i]);
+            for j in i..n {
+                out[j] = row[j];
+            }
+            out[i] += S::splat(*armature);
         }
     }
 
@@ -67,12 +71,15 @@ impl Model {
                 columns[first / LANES].add(first, unit_wrench(segment, &inertia));
                 let row = &mut rows[first * chunks..][..chunks];
                 for (chunk, (row, columns)) in row.iter_mut().zip(&*columns).enumerate() {
-                    *row = columns.along(segment);
-                    if end < n {
-                        *row = *row * mask::<S>(chunk, here);
-                    }
+                    let along = columns.along(segment);
+                    let valid = if end < n { along * mask::<S>(chunk, here) } else { along };
+                    *row = valid.lanes();
                 }
             }
+            let Some(parent) = segment.parent else {
+                lane.map(|lane| columns[lane / LANES].take(lane));
+                continue;
+            };
             let (tilt, turn) = (segment.tilt(), screws.at(i));
             let screws = Screws4::new(tilt, turn);
             inertia = inertia.out_z(turn).out_x(tilt);
@@ -84,14 +91,10 @@ impl Model {
                 continue;
             }
             // The parent's turn comes later: leave it what this branch adds up to.
-            let borne = lane.map(|lane| (lane, columns[lane / LANES].get(lane)));
-            if let Some((lane, (force, moment))) = borne {
-                columns[lane / LANES].add(lane, (-force, -moment));
-            }
-            if let Some(parent) = segment.parent {
-                let parent = &mut nodes[parent];
-                parent.inertia = parent.inertia.plus(&inertia);
-                let (force, moment) = borne.map(|(_, wrench)| wrench).unwrap_or_default();
+            let parent = &mut nodes[parent];
+            parent.inertia = parent.inertia.plus(&inertia);
+            if let Some(lane) = lane {
+                let (force, moment) = columns[lane / LANES].take(lane);
                 parent.force += force;
                 parent.moment += moment;
             }

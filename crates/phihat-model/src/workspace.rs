@@ -18,7 +18,7 @@ pub struct Workspace<S: Scalar = f64> {
     /// One lane per coordinate and one more.
     pub(crate) columns: Vec<Columns<S>>,
     /// `n` rows, each as many lanes.
-    pub(crate) rows: Vec<S::Four>,
+    pub(crate) rows: Vec<[S; LANES]>,
 }
 
 /// Every segment's second screw, `Rz Tz(d)`, at the position of the moment.
@@ -69,7 +69,7 @@ impl<S: Scalar> Workspace<S> {
             screws,
             nodes: vec![Node::default(); model.segments().len()],
             columns: vec![Columns::default(); chunks],
-            rows: vec![S::Four::default(); n * chunks],
+            rows: vec![[S::splat(0.0); LANES]; n * chunks],
         }
     }
 }
