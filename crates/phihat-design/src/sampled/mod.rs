@@ -1,1 +1,45 @@
 //! Claims about the loop as it is sampled: inertia window, margins, torque noise.
+//!
+//! One joint against the scalar plant `M q̈ = τ − φ`, in units of its nominal inertia `M̄`: `μ = M/M̄`. The
+//! model of the loop, [`LoopModel`], is that of the simulator and of the core, sample by sample.
+//!
+//! # Method
+//!
+//! With `λ = 1/μ` the characteristic polynomial is `Δ(z) + λ N(z)`, and `N`, `Δ` do not depend on the
+//! inertia ([`OpenLoop`]). A root can cross the unit circle only where this vanishes on it: the inertia
+//! window, its margins and their proofs ([`InertiaWindow`], [`ModulusMargin`]) all come from one
+//! frequency response. The state matrix ([`StateMatrix`]) gives what needs time: noise, steps, peaks.
+//!
+//! # Not claimed
+//!
+//! Coupling between joints with different gains, torque and rate limits in action, and friction are
+//! outside of this linear loop.
+
+//mod bode;
+//mod cholesky;
+mod estimator;
+mod exclusion;
+//mod margins;
+mod model;
+//mod noise;
+mod open_loop;
+//mod peak;
+mod polynomial;
+mod refutation;
+//mod riccati;
+mod state_matrix;
+//mod step;
+//mod varying;
+mod window;
+
+//pub use bode::{Bode, bode};
+//pub use margins::{Margins, ModulusMargin};
+pub use model::{LoopForm, LoopModel, LoopVelocity};
+//pub use noise::TorqueNoise;
+pub use open_loop::OpenLoop;
+//pub use peak::{PeakGains, PeakGainsOver};
+pub use refutation::Refutation;
+pub use state_matrix::{Reaction, StateMatrix};
+//pub use step::LargestStep;
+//pub use varying::VaryingWindow;
+pub use window::InertiaWindow;

@@ -1,0 +1,202 @@
+//! The inertia window: for which inertias the sampled loop is stable.
+
+use core::f64::consts::{PI, TAU};
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use super::exclusion::Exclusion;
+use super::model::LoopModel;
+use super::open_loop::OpenLoop;
+use super::polynomial::{Polynomial, on_circle};
+use super::refutation::Refutation;
+use crate::JointRecord;
+
+const CLAIM: &str = "inertia window";
+
+/// Edges are claimed this much inside of where the roots reach the unit circle.
+const INSIDE: f64 = 1e-6;
+
+/// Ratios beyond this, or its inverse, are not looked at.
+const WIDEST: f64 = 1e6;
+
+/// Lowest frequency looked at \[rad/sample\].
+const LOWEST: f64 = 1e-7;
+
+/// From one frequency to the next: this share of it …
+const SHARE: f64 = 0.05;
+
+/// … but at most this \[rad/sample\].
+const EVEN: f64 = PI / 128.0;
+
+/// For which ratios `μ` of true to nominal inertia one joint's sampled loop is stable.
+///
+/// # Claim
+///
+/// For every constant `μ` in `[low, high]` all poles of the loop lie inside the unit circle.
+///
+/// # Evidence
+///
+/// The two numbers; [`Self::verify`] proves them by zero exclusion, from nothing but gains and model.
+///
+/// # Not claimed
+///
+/// Inertia that varies in time: [`super::VaryingWindow`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InertiaWindow {
+    /// Smallest stable `μ`.
+    pub low: f64,
+    /// Largest stable `μ`.
+    pub high: f64,
+    /// Frequency of the oscillation at the lower edge \[Hz\].
+    pub low_hz: f64,
+    /// Frequency of the oscillation at the upper edge \[Hz\].
+    pub high_hz: f64,
+}
+
+impl InertiaWindow {
+    /// Finds the window around `μ = 1`.
+    ///
+    /// # Method
+    ///
+    /// A root on the unit circle at `e^{jθ}` means `μ = −L(e^{jθ})`, real and positive: the edges are the
+    /// nearest such values below and above 1. Sign changes of `Im L` on a logarithmic grid, bisected.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is unstable at `μ = 1`.
+    pub fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation> {
+        let open = OpenLoop::new(gains, model);
+        stable_at_one(&open)?;
+        Ok(Self::around(&open, 1.0))
+    }
+
+    /// The nearest real-axis crossings of `−L` below and above `mu`.
+    pub(crate) fn around(open: &OpenLoop, mu: f64) -> Self {
+        let mut window = Self { low: 0.0, high: WIDEST, low_hz: 0.0, high_hz: 0.0 };
+        let mut below = f64::NEG_INFINITY;
+        let mut last: Option<(f64, f64)> = None;
+        let per_sample = TAU * open.period();
+        let mut found = |theta: f64, value: f64| {
+            if value > below && value <= mu {
+                below = value;
+                window.low = value * (1.0 + INSIDE);
+                window.low_hz = theta / per_sample;
+            }
+            if value > mu && value < window.high {
+                window.high = value * (1.0 - INSIDE);
+                window.high_hz = theta / per_sample;
+            }
+        };
+        for theta in angles() {
+            let side = turned_side(open, theta);
+            if let Some((before, last_side)) = last
+                && last_side * side < 0.0
+            {
+                let crossing = bisect(open, (before, last_side), theta);
+                let value = -open.at_angle(crossing).re;
+                if value > 0.0 {
+                    found(crossing, value);
+                }
+            }
+            last = Some((theta, side));
+        }
+        // θ = π is real by itself.
+        let value = -open.at_angle(PI).re;
+        if value > 0.0 {
+            found(PI, value);
+        }
+        window.low = window.low.max(1.0 / WIDEST);
+        window.high = window.high.min(WIDEST);
+        window
+    }
+
+    /// Proves the claim from gains and model alone; no solver is trusted.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        self.verify_decay(gains, model, 0.0)
+    }
+
+    /// Proves that every mode, at every `μ` in `[low, high]`, decays at least as fast as `e^{−rate t}`.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify_decay(
+        &self,
+        gains: &JointRecord,
+        model: &LoopModel,
+        rate: f64,
+    ) -> Result<(), Refutation> {
+        let open = OpenLoop::new(gains, model);
+        let radius = (-rate * model.period_s).exp();
+        let Self { low, high, .. } = *self;
+        Exclusion { open: &open, low, high, radius, distance: 0.0 }.prove(CLAIM)
+    }
+
+    /// The part of the window that keeps a share: `[low·margin_low, high/margin_high]`.
+    #[must_use]
+    pub fn inside(&self, margin_low: f64, margin_high: f64) -> Self {
+        Self { low: self.low * margin_low, high: self.high / margin_high, ..*self }
+    }
+
+    /// Whether `[low, high]` lies inside.
+    pub fn contains(&self, low: f64, high: f64) -> bool {
+        self.low <= low && low <= high && high <= self.high
+    }
+
+    /// `high/low`: the ratio of inertias the window holds.
+    pub fn ratio(&self) -> f64 {
+        self.high / self.low
+    }
+}
+
+/// The frequencies looked at \[rad/sample\], ascending to π: logarithmic below, even near π.
+pub(crate) fn angles() -> Vec<f64> {
+    let lower = |theta: &f64| (*theta > LOWEST).then(|| theta - (theta * SHARE).min(EVEN));
+    let mut angles: Vec<f64> = core::iter::successors(Some(PI), lower).collect();
+    angles.reverse();
+    angles
+}
+
+/// Counts the turns of `Δ + N` over the half circle on the grid.
+fn stable_at_one(open: &OpenLoop) -> Result<(), Refutation> {
+    let closed = open.closed(1.0);
+    let mut last = closed.at(Complex::new(0.0, 0.0));
+    let mut turned = 0.0;
+    for theta in angles() {
+        let value = closed.at(on_circle(theta, 1.0));
+        turned += (value / last).arg();
+        last = value;
+    }
+    let wanted = PI * closed.degree() as f64;
+    if (turned - wanted).abs() < 0.5 {
+        Ok(())
+    } else {
+        let inequality = "at μ = 1: argument of Δ + N over the half circle = π · degree";
+        Err(Refutation::new(CLAIM, inequality, turned, wanted))
+    }
+}
+
+/// `Im(N Δ*)`, whose sign is that of `Im L`.
+fn turned_side(open: &OpenLoop, theta: f64) -> f64 {
+    let w = on_circle(theta, 1.0);
+    let at = |p: &Polynomial| p.at(w);
+    (at(&open.numerator) * at(&open.denominator).conj()).im
+}
+
+fn bisect(open: &OpenLoop, (mut low, side): (f64, f64), mut high: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if turned_side(open, middle) * side > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,141 @@
+//! The inertia window against published reference values, eigenvalues and the running core. Wrong if the
+//! loop lost stability anywhere but where `−L` crosses the real axis next to 1.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+mod sampled_support;
+
+use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopVelocity, StateMatrix};
+use sampled_support::{Random, Rig, estimator, plain, record};
+
+fn differenced(delay: u32, form: LoopForm, filter: Option<f64>) -> LoopModel {
+    LoopModel {
+        velocity: LoopVelocity::Differenced,
+        form,
+        velocity_filter_hz: filter,
+        ..plain(delay)
+    }
+}
+
+#[test]
+fn reference_values() {
+    let mut cases: Vec<(Vec<f64>, LoopModel, f64, f64)> = vec![
+        (vec![68.9], plain(0), 0.0545, 12.32),
+        (vec![68.9], plain(1), 0.1107, 11.95),
+        (vec![69.6 * 68.9, 68.9], plain(0), 0.0545, 3.40),
+        (vec![69.6 * 68.9, 68.9], plain(1), 0.1138, 3.20),
+        (vec![69.6 * 69.6, 139.2], plain(0), 0.0897, 6.65),
+        (vec![69.6 * 69.6, 139.2], plain(1), 0.1854, 6.34),
+    ];
+    let literal = differenced(1, LoopForm::Literal, None);
+    // An earlier prototype, whose integrals were summed otherwise, had 11.9 and 3.18 here.
+    cases.push((vec![68.9], literal, 0.137, 12.03));
+    cases.push((vec![69.6 * 68.9, 68.9], literal, 0.146, 3.25));
+    let observer = |filter| differenced(1, LoopForm::Observer, filter);
+    cases.push((vec![4900.0, 140.0], observer(None), 0.186, 5.92));
+    cases.push((vec![4900.0, 140.0], observer(Some(100.0)), 0.218, 5.57));
+    cases.push((vec![2500.0, 100.0], observer(Some(50.0)), 0.202, 4.67));
+    for (a, model, low, high) in cases {
+        let gains = record(400.0, 40.0, &a, 1.0);
+        let found = InertiaWindow::find(&gains, &model).unwrap();
+        println!("{a:?} {:?} delay {}: {found:?}", model.form, model.delay_samples);
+        assert!((found.low / low - 1.0).abs() < 0.01, "{a:?} {model:?}: {found:?} {low}");
+        assert!((found.high / high - 1.0).abs() < 0.01, "{a:?} {model:?}: {found:?} {high}");
+        found.verify(&gains, &model).unwrap();
+    }
+}
+
+/// A random joint and loop whose window contains 1.
+pub fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, InertiaWindow) {
+    loop {
+        let order = 1 + random.below(4) as usize;
+        let w = random.around(5.0, 40.0);
+        let kd = 2.0 * random.between(0.6, 1.2) * w;
+        let a = estimator(order, random.around(10.0, 120.0), random.between(0.7, 1.1));
+        let gains = record(w * w, kd, &a, random.around(0.01, 5.0));
+        let some = |yes: bool, value: f64| yes.then_some(value);
+        let filter = random.around(30.0, 300.0);
+        let drive = random.around(40.0, 400.0);
+        let model = LoopModel {
+            period_s: 1e-3 / f64::from(1 + random.below(3)),
+            delay_samples: random.below(4),
+            velocity: [LoopVelocity::Measured, LoopVelocity::Differenced][random.below(2) as usize],
+            form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
+            velocity_filter_hz: some(random.unit() < 0.5, filter),
+            drive_bandwidth_hz: some(random.unit() < 0.5, drive),
+        };
+        if let Ok(window) = InertiaWindow::find(&gains, &model)
+            && window.low < 0.95
+            && window.high > 1.05
+        {
+            return (gains, model, window);
+        }
+    }
+}
+
+#[test]
+fn edges_are_where_the_running_core_loses_stability() {
+    let mut random = Random(3);
+    let (mut up, mut down) = (0, 0);
+    for case in 0..200 {
+        let (gains, model, window) = draw(&mut random);
+        window.verify(&gains, &model).unwrap();
+        let radius = |mu: f64| StateMatrix::new(&gains, &model, mu).spectral_radius();
+        let settles = |mu: f64| {
+            // As long as the eigenvalues need to show a growth or decay by e^3.
+            let rate = radius(mu).ln().abs().max(1e-7);
+            let samples = ((3.0 / rate) as usize).clamp(4_000, 2_000_000);
+            Rig::new(&gains, &model, mu).settles(samples)
+        };
+        let context = format!("case {case}: {gains:?} {model:?} {window:?}");
+        assert!(radius(1.0) < 1.0, "{context}");
+        for mu in [window.low * 1.02, window.high.min(1e4) * 0.98] {
+            assert!(radius(mu) < 1.0 && settles(mu), "unstable at {mu}: {context}");
+        }
+        if window.low > 1e-6 {
+            down += 1;
+            let mu = window.low * 0.98;
+            assert!(radius(mu) > 1.0 && !settles(mu), "stable at {mu}: {context}");
+        }
+        if window.high < 1e6 {
+            up += 1;
+            let mu = window.high * 1.02;
+            assert!(radius(mu) > 1.0 && !settles(mu), "stable at {mu}: {context}");
+        }
+    }
+    println!("200 draws, {down} with a lower, {up} with an upper edge");
+}
+
+#[test]
+fn a_wider_window_is_refused() {
+    let mut random = Random(4);
+    for _ in 0..100 {
+        let (gains, model, window) = draw(&mut random);
+        let wider = InertiaWindow { low: window.low * 0.98, ..window };
+        let higher = InertiaWindow { high: window.high * 1.02, ..window };
+        assert!(wider.verify(&gains, &model).is_err());
+        assert!(higher.verify(&gains, &model).is_err(), "{window:?}");
+    }
+}
+
+#[test]
+fn an_unstable_loop_has_no_window() {
+    let gains = record(400.0, 4000.0, &[68.9], 1.0);
+    assert!(InertiaWindow::find(&gains, &plain(1)).is_err());
+    let claimed = InertiaWindow { low: 0.9, high: 1.1, low_hz: 1.0, high_hz: 1.0 };
+    assert!(claimed.verify(&gains, &plain(1)).is_err());
+}
+
+#[test]
+fn decay_is_that_of_the_slowest_eigenvalue() {
+    let gains = record(400.0, 40.0, &[4900.0, 140.0], 1.0);
+    let model = differenced(1, LoopForm::Observer, Some(100.0));
+    let window = InertiaWindow::find(&gains, &model).unwrap();
+    let narrow = InertiaWindow { low: 0.5, high: 2.0, ..window };
+    let slowest = (0..=60)
+        .map(|k| StateMatrix::new(&gains, &model, 0.5 * 4.0_f64.powf(f64::from(k) / 60.0)))
+        .map(|matrix| matrix.decay_rate())
+        .fold(f64::INFINITY, f64::min);
+    assert!(slowest > 0.0);
+    narrow.verify_decay(&gains, &model, slowest * 0.99).unwrap();
+    assert!(narrow.verify_decay(&gains, &model, slowest * 1.02).is_err());
+}
