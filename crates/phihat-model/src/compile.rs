@@ -22,15 +22,13 @@
 
 use crate::Scalar;
 use crate::body::Lumped;
+use crate::columns::LANES;
 use crate::description::{Description, JointOf, Motion};
 use crate::placement::{Placement, SNAP, about, apply, mul, transpose, with_z_along};
 use crate::vector::Turn;
 
 /// Axes this close to parallel (sine of the angle) do not use their common normal.
 const NEARLY_PARALLEL: f64 = 0.05;
-
-/// Angles come in whole vectors of this many lanes.
-const LANES: usize = 4;
 
 /// One body of the compiled form: how it sits on its parent, and its matter in its own frame.
 #[derive(Debug, Clone)]
@@ -49,6 +47,8 @@ pub(crate) struct Segment {
     pub(crate) cos_alpha: f64,
     pub(crate) sin_alpha: f64,
     pub(crate) a: f64,
+    /// `d₀` \[m\].
+    pub(crate) d: f64,
     pub(crate) m: f64,
     pub(crate) h: [f64; 3],
     /// Inertia about the origin: `xx, yy, zz, xy, xz, yz`.
@@ -72,8 +72,6 @@ pub(crate) struct Compiled {
     pub(crate) segments: Vec<Segment>,
     /// `θ₀` \[rad\] of each segment; zeros at the end fill up whole vectors.
     pub(crate) theta: Vec<f64>,
-    /// `d₀` \[m\] of each segment; as long as `theta`.
-    pub(crate) d: Vec<f64>,
     /// Whether segments and coordinates are one to one, and all revolute.
     pub(crate) plain: bool,
     /// Pose of the base frame, in which the first segment's `α` and `a` are 0, in the world.
@@ -176,7 +174,7 @@ fn assemble(
         }
     }
     let mut segments: Vec<Segment> = Vec::new();
-    let mut screws: Vec<(f64, f64)> = Vec::new();
+    let mut thetas: Vec<f64> = Vec::new();
     let mut segment_of_joint: Vec<usize> = Vec::new();
     let mut frames: Vec<Placement> = Vec::new();
     for (j, mover) in movers.iter().enumerate() {
@@ -190,14 +188,14 @@ fn assemble(
         let bridges = [(0.0, gamma, b)].into_iter().filter(|_| !mover.first);
         let detours = mover.screws.detour.map(|(a, theta)| (a, theta, 0.0));
         for (a, theta, d) in bridges.chain(detours) {
-            screws.push((theta, d));
-            segments.push(Segment::massless(parent, a));
+            thetas.push(theta);
+            segments.push(Segment::massless(parent, a, d));
             parent = Some(segments.len() - 1);
         }
         // Link to final frame: align z, then the gauge.
         let frame = mover.align.then(&Placement::screw_z(mover.gauge.0, mover.gauge.1));
         frames.push(frame);
-        screws.push((mover.screws.theta + mover.gauge.0, mover.screws.d + mover.gauge.1));
+        thetas.push(mover.screws.theta + mover.gauge.0);
         segments.push(Segment::moving(j, mover, parent, &lumped[j].seen_from(&frame.inverse())));
         segment_of_joint.push(segments.len() - 1);
     }
@@ -210,9 +208,17 @@ fn assemble(
     let link_of_joint = movers.iter().map(|mover| mover.link).collect();
     let plain = segments.len() == movers.len()
         && segments.iter().all(|segment| segment.motion == Motion::Revolute);
-    screws.resize(segments.len().next_multiple_of(LANES), (0.0, 0.0));
-    let (theta, d) = screws.into_iter().unzip();
-    Compiled { segments, theta, d, plain, base, seats, segment_of_joint, link_of_joint, lumped }
+    thetas.resize(segments.len().next_multiple_of(LANES), 0.0);
+    Compiled {
+        segments,
+        theta: thetas,
+        plain,
+        base,
+        seats,
+        segment_of_joint,
+        link_of_joint,
+        lumped,
+    }
 }
 
 /// Tells every segment what hangs on it.
@@ -247,7 +253,7 @@ impl Segment {
         (turn, S::splat(self.a))
     }
 
-    fn massless(parent: Option<usize>, a: f64) -> Self {
+    fn massless(parent: Option<usize>, a: f64, d: f64) -> Self {
         let nothing = [0.0; 6];
         Self {
             motion: Motion::Fixed,
@@ -259,6 +265,7 @@ impl Segment {
             cos_alpha: 1.0,
             sin_alpha: 0.0,
             a,
+            d,
             m: 0.0,
             h: [0.0; 3],
             i: nothing,
@@ -277,11 +284,12 @@ impl Segment {
             cos_alpha: mover.screws.cos_alpha,
             sin_alpha: mover.screws.sin_alpha,
             a: mover.screws.a,
+            d: mover.screws.d + mover.gauge.1,
             m: matter.m,
             h: matter.h,
             i: [i[0][0], i[1][1], i[2][2], off[0], off[1], off[2]],
             sigma: [second[0], second[1], second[2], -off[0], -off[1], -off[2]],
-            ..Self::massless(parent, 0.0)
+            ..Self::massless(parent, 0.0, 0.0)
         }
     }
 }

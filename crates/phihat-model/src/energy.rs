@@ -23,7 +23,7 @@ impl Model {
             if !segment.follows_parent(i) {
                 lift = segment.parent.map_or(base, |p| nodes[p].motion.acc);
             }
-            let ((tilt, _), (turn, _)) = (segment.tilt(), screws.at(i));
+            let ((tilt, _), (turn, _)) = (segment.tilt(), screws.at(i, segment));
             lift = turn.into_z(tilt.into_x(lift));
             let node = &mut nodes[i];
             node.motion.acc = lift;
@@ -51,7 +51,7 @@ impl Model {
                 Motion::Fixed => {}
             }
             let Some(parent) = segment.parent else { continue };
-            borne = wrench_on_parent(segment, screws.at(i), (force, moment));
+            borne = wrench_on_parent(segment, screws.at(i, segment), (force, moment));
             if !segment.follows_parent(i) {
                 nodes[parent].force += borne.0;
                 nodes[parent].moment += borne.1;
@@ -76,7 +76,7 @@ impl Model {
                 let motion = &nodes[p].motion;
                 (motion.omega, motion.acc)
             });
-            let ((tilt, a), (turn, d)) = (segment.tilt::<S>(), screws.at(i));
+            let ((tilt, a), (turn, d)) = (segment.tilt::<S>(), screws.at(i, segment));
             let node = &mut nodes[i];
             let (omega, velocity): (Vec3<S>, Vec3<S>) = parent;
             let velocity = velocity + Vec3::new(zero, a * omega.z, -(a * omega.y));

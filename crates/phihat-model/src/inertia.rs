@@ -42,15 +42,15 @@ impl<S: Scalar> Inertia<S> {
     #[inline(always)]
     pub(crate) fn out_z(&self, (turn, d): (Turn<S>, S)) -> Self {
         let h = turn.out_z(self.h);
-        let (xx, xy, yy) = turn_block(turn, self.xx, self.xy, self.yy);
-        let (c, s) = (turn.c, turn.s);
         let dm = d * self.m;
         let k = d * (h.z + h.z + dm);
+        let (xx, xy, yy) = turn_block(turn, (self.xx, self.xy, self.yy), k);
+        let (c, s) = (turn.c, turn.s);
         Self {
             m: self.m,
             h: Vec3::new(h.x, h.y, h.z + dm),
-            xx: xx + k,
-            yy: yy + k,
+            xx,
+            yy,
             zz: self.zz,
             xy,
             xz: c * self.xz - s * self.yz - d * h.x,
@@ -62,16 +62,16 @@ impl<S: Scalar> Inertia<S> {
     #[inline(always)]
     pub(crate) fn out_x(&self, (turn, a): (Turn<S>, S)) -> Self {
         let h = turn.out_x(self.h);
-        let (yy, yz, zz) = turn_block(turn, self.yy, self.yz, self.zz);
-        let (c, s) = (turn.c, turn.s);
         let am = a * self.m;
         let k = a * (h.x + h.x + am);
+        let (yy, yz, zz) = turn_block(turn, (self.yy, self.yz, self.zz), k);
+        let (c, s) = (turn.c, turn.s);
         Self {
             m: self.m,
             h: Vec3::new(h.x + am, h.y, h.z),
             xx: self.xx,
-            yy: yy + k,
-            zz: zz + k,
+            yy,
+            zz,
             xy: c * self.xy - s * self.xz - a * h.y,
             xz: s * self.xy + c * self.xz - a * h.z,
             yz,
@@ -79,12 +79,15 @@ impl<S: Scalar> Inertia<S> {
     }
 }
 
-/// `R B Rᵀ` for the symmetric 2 × 2 block `[[p, o], [o, q]]` in the plane of the turn.
+/// `R B Rᵀ + k 1` for the symmetric 2 × 2 block `B = [[p, o], [o, q]]` in the plane of the turn.
+///
+/// More products than need be, in exchange for a short way from `p, o, q` to the result: the sweep
+/// waits for it.
 #[inline(always)]
-fn turn_block<S: Scalar>(turn: Turn<S>, p: S, o: S, q: S) -> (S, S, S) {
-    let (ss, cs) = (turn.s * turn.s, turn.c * turn.s);
-    let e = q - p;
-    let oo = o + o;
-    let w = ss * e - cs * oo;
-    (p + w, o - (ss * oo + cs * e), q - w)
+fn turn_block<S: Scalar>(turn: Turn<S>, (p, o, q): (S, S, S), k: S) -> (S, S, S) {
+    let (cc, ss, cs) = (turn.c * turn.c, turn.s * turn.s, turn.c * turn.s);
+    let across = (cs + cs) * o;
+    let p_out = (cc * p + ss * q) + (k - across);
+    let q_out = (ss * p + cc * q) + (k + across);
+    (p_out, cs * (p - q) + (cc - ss) * o, q_out)
 }

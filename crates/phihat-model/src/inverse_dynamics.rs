@@ -92,7 +92,7 @@ impl Model {
                 _ => (dq[segment.joint], ddq(segment.joint)),
             };
             let gamma;
-            (motion, gamma) = motion.of_child(segment, screws.at(i), rates);
+            (motion, gamma) = motion.of_child(segment, screws.at(i, segment), rates);
             let node = &mut nodes[i];
             node.motion = motion;
             (node.force, node.moment) = wrench_of(segment, &motion, &gamma);

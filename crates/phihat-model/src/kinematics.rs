@@ -37,7 +37,7 @@ impl Model {
             if !segment.follows_parent(i) {
                 pose = segment.parent.map_or(base, |p| nodes[p].pose);
             }
-            let ((tilt, a), (turn, d)) = (segment.tilt(), screws.at(i));
+            let ((tilt, a), (turn, d)) = (segment.tilt(), screws.at(i, segment));
             pose = pose.turn_x(tilt, a).turn_z(turn, d);
             nodes[i].pose = pose;
         }

@@ -80,7 +80,7 @@ impl Model {
                 lane.map(|lane| columns[lane / LANES].take(lane));
                 continue;
             };
-            let (tilt, turn) = (segment.tilt(), screws.at(i));
+            let (tilt, turn) = (segment.tilt(), screws.at(i, segment));
             let screws = Screws4::new(tilt, turn);
             inertia = inertia.out_z(turn).out_x(tilt);
             for (chunk, columns) in columns.iter_mut().enumerate().skip(first / LANES) {

@@ -1,7 +1,7 @@
 //! Scratch memory of the dynamics, allocated once.
 
 use crate::columns::{Columns, LANES};
-use crate::compile::Compiled;
+use crate::compile::{Compiled, Segment};
 use crate::description::Motion;
 use crate::inertia::Inertia;
 use crate::vector::{Turn, Vec3};
@@ -27,6 +27,7 @@ pub(crate) struct Screws<S> {
     angles: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
+    /// `d` of the prismatic ones.
     shifts: Vec<S>,
 }
 
@@ -75,35 +76,46 @@ impl<S: Scalar> Workspace<S> {
 }
 
 impl<S: Scalar> Screws<S> {
-    /// The screw of segment `i`.
+    /// The screw of `segment`, which is number `i`.
     #[inline(always)]
-    pub(crate) fn at(&self, i: usize) -> (Turn<S>, S) {
-        (Turn { c: self.cosines[i], s: self.sines[i] }, self.shifts[i])
+    pub(crate) fn at(&self, i: usize, segment: &Segment) -> (Turn<S>, S) {
+        let d = match segment.motion {
+            Motion::Prismatic => self.shifts[i],
+            _ => S::splat(segment.d),
+        };
+        (Turn { c: self.cosines[i], s: self.sines[i] }, d)
     }
 
     /// Fills in the screws of `model` at `q`.
     #[inline(always)]
     pub(crate) fn place(&mut self, model: &Model, q: &[S]) {
-        let Compiled { theta, d, plain, segments, .. } = model.compiled();
+        let Compiled { theta, plain, segments, .. } = model.compiled();
+        let angles = &mut self.angles[..];
         assert!(q.len() == model.joint_count(), "one position per joint");
-        assert!(self.angles.len() == theta.len(), "a workspace of this model");
-        for (shift, d) in self.shifts.iter_mut().zip(d) {
-            *shift = S::splat(*d);
-        }
-        for (angle, theta) in self.angles.iter_mut().zip(theta) {
-            *angle = S::splat(*theta);
-        }
+        assert!(angles.len() == theta.len(), "a workspace of this model");
         if *plain {
-            self.angles.iter_mut().zip(q).for_each(|(angle, q)| *angle += *q);
+            let ((angles, _), (theta, _)) =
+                (angles.as_chunks_mut::<LANES>(), theta.as_chunks::<LANES>());
+            let (whole, rest) = q.as_chunks::<LANES>();
+            for ((angles, theta), q) in angles.iter_mut().zip(theta).zip(whole) {
+                *angles = core::array::from_fn(|k| q[k] + S::splat(theta[k]));
+            }
+            let last = whole.len();
+            if let (Some(angles), Some(theta)) = (angles.get_mut(last), theta.get(last)) {
+                for ((angle, theta), q) in angles.iter_mut().zip(theta).zip(rest) {
+                    *angle = *q + S::splat(*theta);
+                }
+            }
         } else {
             for (i, segment) in segments.iter().enumerate() {
+                angles[i] = S::splat(theta[i]);
                 match segment.motion {
-                    Motion::Revolute => self.angles[i] += q[segment.joint],
-                    Motion::Prismatic => self.shifts[i] += q[segment.joint],
+                    Motion::Revolute => angles[i] += q[segment.joint],
+                    Motion::Prismatic => self.shifts[i] = q[segment.joint] + S::splat(segment.d),
                     Motion::Fixed => {}
                 }
             }
         }
-        S::sin_cos_each(&self.angles, &mut self.sines, &mut self.cosines);
+        S::sin_cos_each(angles, &mut self.sines, &mut self.cosines);
     }
 }
