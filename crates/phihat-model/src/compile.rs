@@ -298,8 +298,8 @@ impl Screws {
     /// Splits `at` as in the module's text.
     fn of(at: &Placement) -> Self {
         let [[_, _, c02], [_, _, c12], [_, _, c22]] = at.r;
-        let tilt = (c02 * c02 + c12 * c12).sqrt();
-        let reach = (at.p[0] * at.p[0] + at.p[1] * at.p[1]).sqrt();
+        let tilt = libm::hypot(c02, c12);
+        let reach = libm::hypot(at.p[0], at.p[1]);
         let tilt_direction = libm::atan2(c02, -c12);
         let reach_direction = if reach > SNAP { libm::atan2(at.p[1], at.p[0]) } else { 0.0 };
         if tilt < SNAP {

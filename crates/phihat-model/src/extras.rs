@@ -104,7 +104,7 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
     }
     for (name, pose) in &file.poses {
         let key = format!("poses.{name}");
-        let pose = lists.each(&key, &Each::One(pose.clone()), |x| x.is_finite(), "finite")?;
+        let pose = lists.each(&key, &Each::One(pose.clone()), f64::is_finite, "finite")?;
         robot.poses.insert(name.clone(), pose);
     }
     let sources = [

@@ -160,7 +160,7 @@ impl<S: Scalar> Spin<S> {
         let (mut omega, mut alpha, mut acc) = (inward(w), inward(l), inward(acc));
         match segment.motion {
             Motion::Revolute => {
-                alpha = alpha + Vec3::new(omega.y * dq, -(omega.x * dq), ddq);
+                alpha += Vec3::new(omega.y * dq, -(omega.x * dq), ddq);
                 omega.z += dq;
             }
             Motion::Prismatic => {

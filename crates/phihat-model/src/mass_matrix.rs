@@ -39,8 +39,8 @@ impl Model {
             for j in 0..i {
                 out[j] = above[j * n + i];
             }
-            for j in i..n {
-                out[j] = row[j];
+            for (out, entry) in out[i..].iter_mut().zip(&row[i..]) {
+                *out = *entry;
             }
             out[i] += S::splat(*armature);
         }

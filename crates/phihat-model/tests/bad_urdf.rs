@@ -181,12 +181,12 @@ fn no_damage_to_a_file_makes_the_reader_panic() {
     for _ in 0..3000 {
         let mut bytes = GOOD.as_bytes().to_vec();
         for _ in 0..1 + random.next() % 4 {
-            let at = random.next() as usize % bytes.len().max(1);
+            let at = random.below(bytes.len().max(1));
             if bytes.is_empty() {
                 break;
             }
             match random.next() % 3 {
-                0 => bytes[at] = b"<>\"/=&x0- "[random.next() as usize % 10],
+                0 => bytes[at] = b"<>\"/=&x0- "[random.below(10)],
                 1 => drop(bytes.remove(at)),
                 _ => bytes.truncate(at.max(1)),
             }

@@ -15,8 +15,11 @@ fn single_precision_agrees_with_double() {
             (Workspace::<f64>::new(&model), Workspace::<f32>::new(&model));
         for _ in 0..50 {
             // Inputs that single precision holds exactly.
-            let mut draw =
-                || -> Vec<f32> { (0..n).map(|_| random.within(-2.0, 2.0) as f32).collect() };
+            let mut draw = || -> Vec<f32> {
+                (0..n)
+                    .map(|_| <f32 as phihat_model::Scalar>::splat(random.within(-2.0, 2.0)))
+                    .collect()
+            };
             let (q, dq, ddq) = (draw(), draw(), draw());
             let wide = |x: &[f32]| -> Vec<f64> { x.iter().copied().map(f64::from).collect() };
             let (mut tau, mut expected) = (vec![0.0_f32; n], vec![0.0; n]);

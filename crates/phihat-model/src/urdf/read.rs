@@ -1,6 +1,6 @@
 //! From the text of a URDF to links, joints and their limits.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use roxmltree::{Document, Node};
 
@@ -35,7 +35,7 @@ pub(crate) fn read(text: &str, origin: &str) -> Result<Urdf> {
     let mut warnings = Vec::new();
     let links = read_links(root, origin, &mut warnings)?;
     let joints = read_joints(root, origin, &mut warnings)?;
-    let (description, order) = tree::grow(links, &joints, origin)?;
+    let (description, order) = tree::grow(&links, &joints, origin)?;
     let name = root.attribute("name").unwrap_or("robot").to_owned();
     let moving = || order.iter().map(|at| &joints[*at]).filter(|joint| joint.moving.is_some());
     let model = Model::new(description);
@@ -76,11 +76,11 @@ fn read_links<'a, 'x>(
 ) -> Result<Vec<LinkElement<'a, 'x>>> {
     let nodes = || root.children().filter(|child| child.has_tag_name("link"));
     at_most(origin, "links", nodes().count(), LINKS_MAX)?;
-    let mut names = BTreeMap::new();
+    let mut names = BTreeSet::new();
     let mut links = Vec::new();
     for node in nodes() {
         let element = Element::of(node, origin)?;
-        if names.insert(element.name, ()).is_some() {
+        if !names.insert(element.name) {
             return Err(element.error("another link has this name".to_owned()));
         }
         links.push(LinkElement { element, matter: read_matter(&element, warnings)? });
@@ -121,11 +121,11 @@ fn read_joints<'a, 'x>(
     origin: &'a str,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<JointElement<'a, 'x>>> {
-    let mut names = BTreeMap::new();
+    let mut names = BTreeSet::new();
     let mut joints: Vec<JointElement<'a, 'x>> = Vec::new();
     for node in root.children().filter(|child| child.has_tag_name("joint")) {
         let element = Element::of(node, origin)?;
-        if names.insert(element.name, ()).is_some() {
+        if !names.insert(element.name) {
             return Err(element.error("another joint has this name".to_owned()));
         }
         at_most(origin, "joints", joints.len() + 1, LINKS_MAX)?;

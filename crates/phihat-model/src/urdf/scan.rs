@@ -64,7 +64,6 @@ impl Scan<'_> {
         for (at, &byte) in self.rest.iter().enumerate().skip(1) {
             match (quote, byte) {
                 (Some(open), _) if open == byte => quote = None,
-                (Some(_), _) => {}
                 (None, b'"' | b'\'') => quote = Some(byte),
                 (None, b'=') => attributes += 1,
                 (None, b'>') => {
@@ -74,7 +73,7 @@ impl Scan<'_> {
                     self.rest = &self.rest[at + 1..];
                     return self.at_most("attributes on one element", attributes, ATTRIBUTES_MAX);
                 }
-                (None, _) => {}
+                _ => {}
             }
             if attributes > ATTRIBUTES_MAX {
                 break;
@@ -106,8 +105,8 @@ impl Scan<'_> {
 
     fn refuse(&self, why: &str) -> Result<()> {
         let consumed = self.text.len() - self.rest.len();
-        let newlines = self.text.as_bytes()[..consumed].iter().filter(|b| **b == b'\n').count();
-        let line = u32::try_from(newlines + 1).unwrap_or(u32::MAX);
+        let line = self.text.as_bytes()[..consumed].split(|byte| *byte == b'\n').count();
+        let line = u32::try_from(line).unwrap_or(u32::MAX);
         Err(RobotError::Xml { origin: self.origin.to_owned(), line, why: why.to_owned() })
     }
 }

@@ -26,7 +26,7 @@ pub(super) struct JointElement<'a, 'x> {
 /// Orders links and joints depth first, children as the file lists their joints. Gives the tree,
 /// and the indices of the joints in its order.
 pub(super) fn grow(
-    links: Vec<LinkElement<'_, '_>>,
+    links: &[LinkElement<'_, '_>],
     joints: &[JointElement<'_, '_>],
     origin: &str,
 ) -> Result<(Description, Vec<usize>)> {
@@ -51,7 +51,7 @@ pub(super) fn grow(
         children[parent].push(at);
         child_of_joint.push(child);
     }
-    let root = only_root(&links, &hangs, origin)?;
+    let root = only_root(links, &hangs, origin)?;
     let mut tree = Description { links: Vec::new() };
     let (mut order, mut places) = (Vec::new(), vec![None; links.len()]);
     let mut next = vec![root];

@@ -1,5 +1,8 @@
 //! Shared by the tests: oracles, random numbers, comparisons.
 #![allow(dead_code, reason = "each test uses a part")]
+#![allow(clippy::expect_used, reason = "a test may stop at what should not happen")]
+
+use std::fmt::Write as _;
 
 use phihat_model::{Model, Robot, Workspace};
 use serde_json::Value;
@@ -19,6 +22,10 @@ impl Random {
     /// Uniform in (low, high).
     pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        usize::try_from(self.next() % n as u64).expect("less than n")
     }
 
     pub(crate) fn vector(&mut self, n: usize, size: f64) -> Vec<f64> {
@@ -78,11 +85,11 @@ pub(crate) struct Tree {
 }
 
 pub(crate) fn trees() -> Vec<Tree> {
-    (1..=12).map(|seed| tree(seed, 3 + seed as usize % 8, seed % 3 != 0)).collect()
+    (1..=12).map(|seed| tree(seed, 3 + usize::from(seed) % 8, seed % 3 != 0)).collect()
 }
 
-pub(crate) fn tree(seed: u64, links: usize, forks: bool) -> Tree {
-    let mut random = Random(seed);
+pub(crate) fn tree(seed: u8, links: usize, forks: bool) -> Tree {
+    let mut random = Random(u64::from(seed));
     let mut urdf = "<robot name=\"tree\"><link name=\"root\"/>".to_owned();
     let mut bodies = Vec::new();
     for at in 1..=links {
@@ -95,7 +102,7 @@ pub(crate) fn tree(seed: u64, links: usize, forks: bool) -> Tree {
         let [xx, xy, xz, yy, yz, zz] = inertia;
         let parent = match at {
             1 => "root".to_owned(),
-            _ if forks && random.within(0.0, 1.0) < 0.4 => match random.next() as usize % at {
+            _ if forks && random.within(0.0, 1.0) < 0.4 => match random.below(at) {
                 0 => "root".to_owned(),
                 k => format!("link{k}"),
             },
@@ -119,7 +126,8 @@ pub(crate) fn tree(seed: u64, links: usize, forks: bool) -> Tree {
             _ => [0; 3].map(|_| random.within(-1.0, 1.0)),
         };
         let triple = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
-        urdf += &format!(
+        let _ = write!(
+            urdf,
             "<link name=\"{name}\"><inertial><origin xyz=\"{}\"/><mass value=\"{mass}\"/><inertia \
              ixx=\"{xx}\" ixy=\"{xy}\" ixz=\"{xz}\" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>\
              </inertial></link><joint name=\"joint{at}\" type=\"{kind}\"><parent link=\"{parent}\"/>\
