@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::fmt::Write as _;
 use std::time::Duration;
 
 use phihat_model::Robot;
@@ -17,6 +18,58 @@ const GOOD: &str = r#"<robot name="good">
 <joint name="weld" type="fixed"><parent link="arm"/><child link="tip"/></joint>
 </robot>"#;
 
+/// What to replace in the good one, with what, and what the message must say.
+const MISTAKES: &[(&str, &str, &[&str])] = &[
+    ("<mass value=\"1\"/>", "<mass value=\"-1\"/>", &[":3:", "\"arm\"", "-1"]),
+    ("<mass value=\"1\"/>", "<mass value=\"NaN\"/>", &[":3:", "\"arm\"", "NaN"]),
+    ("<mass value=\"1\"/>", "<mass value=\"inf\"/>", &[":3:", "\"arm\"", "inf"]),
+    ("<mass value=\"1\"/>", "<mass value=\"one\"/>", &[":3:", "\"arm\"", "one"]),
+    ("<mass value=\"1\"/>", "<mass/>", &[":3:", "\"arm\"", "value"]),
+    ("<mass value=\"1\"/>", "", &[":3:", "\"arm\"", "<mass>"]),
+    ("ixx=\"0.1\"", "ixx=\"-0.1\"", &[":3:", "\"arm\"", "-0.1"]),
+    ("ixy=\"0\"", "ixy=\"0.2\"", &[":3:", "\"arm\"", "principal"]),
+    ("izz=\"0.1\"", "", &[":3:", "\"arm\"", "izz"]),
+    ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0\"/>", &[":3:", "\"arm\"", "three"]),
+    ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0 0 1\"/>", &[":3:", "three"]),
+    ("link name=\"tip\"", "link name=\"arm\"", &[":5:", "\"arm\"", "another"]),
+    ("link name=\"tip\"", "link name=\"\"", &[":5:", "no name"]),
+    ("link name=\"tip\"", "link", &[":5:", "no name"]),
+    ("joint name=\"weld\"", "joint name=\"turn\"", &[":9:", "\"turn\"", "another"]),
+    ("joint name=\"weld\" type", "joint kind", &[":9:", "no name"]),
+    ("type=\"revolute\"", "type=\"floating\"", &[":6:", "\"turn\"", "floating"]),
+    ("type=\"revolute\"", "type=\"planar\"", &[":6:", "\"turn\"", "planar"]),
+    ("type=\"revolute\"", "type=\"Revolute\"", &[":6:", "\"turn\"", "Revolute"]),
+    ("type=\"revolute\"", "", &[":6:", "\"turn\"", "type"]),
+    ("type=\"revolute\"", "type=\"fixed\"", &["bad.urdf", "no joint moves"]),
+    ("<child link=\"tip\"/>", "<child link=\"top\"/>", &[":9:", "\"weld\"", "\"top\""]),
+    ("<parent link=\"arm\"/>", "<parent link=\"leg\"/>", &[":9:", "\"weld\"", "\"leg\""]),
+    ("<parent link=\"arm\"/>", "", &[":9:", "\"weld\"", "parent"]),
+    ("<child link=\"tip\"/>", "<child/>", &[":9:", "\"weld\"", "link"]),
+    ("<child link=\"tip\"/>", "<child link=\"arm\"/>", &[":9:", "\"weld\"", "\"turn\""]),
+    ("<child link=\"tip\"/>", "<child link=\"base\"/>", &["bad.urdf"]),
+    ("<parent link=\"arm\"/>", "<parent link=\"tip\"/>", &[":5:", "\"tip\"", "loop"]),
+    ("<link name=\"tip\"/>", "<link name=\"tip\"/><link name=\"loose\"/>", &["\"loose\"", "root"]),
+    ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>", &[":6:", "\"turn\"", "direction"]),
+    ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>", &[":6:", "\"turn\"", "three"]),
+    ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 nan 0\"/>", &[":6:", "\"turn\"", "finite"]),
+    ("lower=\"-1\"", "lower=\"2\"", &[":6:", "\"turn\"", "2", "below"]),
+    ("lower=\"-1\" upper=\"1\"", "", &[":6:", "\"turn\"", "below"]),
+    ("effort=\"10\"", "effort=\"-10\"", &[":6:", "\"turn\"", "effort", "-10"]),
+    ("damping=\"0.1\"", "damping=\"-0.1\"", &[":6:", "\"turn\"", "damping", "-0.1"]),
+    ("<axis", "<mimic joint=\"weld\"/><axis", &[":6:", "\"turn\"", "mimic"]),
+    ("<axis", "<axis xyz=\"1 0 0\"/><axis", &[":6:", "\"turn\"", "more than one <axis>"]),
+    ("<robot name=\"good\">", "<robot name=\"good\"", &["bad.urdf:"]),
+    ("</robot>", "", &["bad.urdf:"]),
+    ("</joint>\n<joint", "</link>\n<joint", &["bad.urdf:8"]),
+    ("<link name=\"base\"/>", "<link name=\"base\" name=\"b\"/>", &["bad.urdf:2"]),
+    ("<link name=\"base\"/>", "<link name=\"&x;\"/>", &["bad.urdf:2"]),
+    (
+        "<robot name=\"good\">",
+        "<!DOCTYPE robot [<!ENTITY x \"y\">]>\n<robot>",
+        &[":1:", "document type"],
+    ),
+];
+
 #[test]
 fn the_good_one_is_read() {
     let robot = Robot::from_text(GOOD, None, "good.urdf").unwrap();
@@ -29,62 +82,7 @@ fn the_good_one_is_read() {
 
 #[test]
 fn each_mistake_is_named_with_its_place() {
-    // What to replace, with what, and what the message must say.
-    let cases: &[(&str, &str, &[&str])] = &[
-        ("<mass value=\"1\"/>", "<mass value=\"-1\"/>", &[":3:", "\"arm\"", "-1"]),
-        ("<mass value=\"1\"/>", "<mass value=\"NaN\"/>", &[":3:", "\"arm\"", "NaN"]),
-        ("<mass value=\"1\"/>", "<mass value=\"inf\"/>", &[":3:", "\"arm\"", "inf"]),
-        ("<mass value=\"1\"/>", "<mass value=\"one\"/>", &[":3:", "\"arm\"", "one"]),
-        ("<mass value=\"1\"/>", "<mass/>", &[":3:", "\"arm\"", "value"]),
-        ("<mass value=\"1\"/>", "", &[":3:", "\"arm\"", "<mass>"]),
-        ("ixx=\"0.1\"", "ixx=\"-0.1\"", &[":3:", "\"arm\"", "-0.1"]),
-        ("ixy=\"0\"", "ixy=\"0.2\"", &[":3:", "\"arm\"", "principal"]),
-        ("izz=\"0.1\"", "", &[":3:", "\"arm\"", "izz"]),
-        ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0\"/>", &[":3:", "\"arm\"", "three"]),
-        ("<origin xyz=\"0 0 0.1\"/>", "<origin xyz=\"0 0 0 1\"/>", &[":3:", "three"]),
-        ("link name=\"tip\"", "link name=\"arm\"", &[":5:", "\"arm\"", "another"]),
-        ("link name=\"tip\"", "link name=\"\"", &[":5:", "no name"]),
-        ("link name=\"tip\"", "link", &[":5:", "no name"]),
-        ("joint name=\"weld\"", "joint name=\"turn\"", &[":9:", "\"turn\"", "another"]),
-        ("joint name=\"weld\" type", "joint kind", &[":9:", "no name"]),
-        ("type=\"revolute\"", "type=\"floating\"", &[":6:", "\"turn\"", "floating"]),
-        ("type=\"revolute\"", "type=\"planar\"", &[":6:", "\"turn\"", "planar"]),
-        ("type=\"revolute\"", "type=\"Revolute\"", &[":6:", "\"turn\"", "Revolute"]),
-        ("type=\"revolute\"", "", &[":6:", "\"turn\"", "type"]),
-        ("type=\"revolute\"", "type=\"fixed\"", &["bad.urdf", "no joint moves"]),
-        ("<child link=\"tip\"/>", "<child link=\"top\"/>", &[":9:", "\"weld\"", "\"top\""]),
-        ("<parent link=\"arm\"/>", "<parent link=\"leg\"/>", &[":9:", "\"weld\"", "\"leg\""]),
-        ("<parent link=\"arm\"/>", "", &[":9:", "\"weld\"", "parent"]),
-        ("<child link=\"tip\"/>", "<child/>", &[":9:", "\"weld\"", "link"]),
-        ("<child link=\"tip\"/>", "<child link=\"arm\"/>", &[":9:", "\"weld\"", "\"turn\""]),
-        ("<child link=\"tip\"/>", "<child link=\"base\"/>", &["bad.urdf"]),
-        ("<parent link=\"arm\"/>", "<parent link=\"tip\"/>", &[":5:", "\"tip\"", "loop"]),
-        (
-            "<link name=\"tip\"/>",
-            "<link name=\"tip\"/><link name=\"loose\"/>",
-            &["\"loose\"", "root"],
-        ),
-        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>", &[":6:", "\"turn\"", "direction"]),
-        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>", &[":6:", "\"turn\"", "three"]),
-        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 nan 0\"/>", &[":6:", "\"turn\"", "finite"]),
-        ("lower=\"-1\"", "lower=\"2\"", &[":6:", "\"turn\"", "2", "below"]),
-        ("lower=\"-1\" upper=\"1\"", "", &[":6:", "\"turn\"", "below"]),
-        ("effort=\"10\"", "effort=\"-10\"", &[":6:", "\"turn\"", "effort", "-10"]),
-        ("damping=\"0.1\"", "damping=\"-0.1\"", &[":6:", "\"turn\"", "damping", "-0.1"]),
-        ("<axis", "<mimic joint=\"weld\"/><axis", &[":6:", "\"turn\"", "mimic"]),
-        ("<axis", "<axis xyz=\"1 0 0\"/><axis", &[":6:", "\"turn\"", "more than one <axis>"]),
-        ("<robot name=\"good\">", "<robot name=\"good\"", &["bad.urdf:"]),
-        ("</robot>", "", &["bad.urdf:"]),
-        ("</joint>\n<joint", "</link>\n<joint", &["bad.urdf:8"]),
-        ("<link name=\"base\"/>", "<link name=\"base\" name=\"b\"/>", &["bad.urdf:2"]),
-        ("<link name=\"base\"/>", "<link name=\"&x;\"/>", &["bad.urdf:2"]),
-        (
-            "<robot name=\"good\">",
-            "<!DOCTYPE robot [<!ENTITY x \"y\">]>\n<robot>",
-            &[":1:", "document type"],
-        ),
-    ];
-    for (from, to, clues) in cases {
+    for (from, to, clues) in MISTAKES {
         assert!(GOOD.contains(from), "{from}");
         let text = GOOD.replacen(from, to, 1);
         let error = Robot::from_text(&text, None, "bad.urdf");
@@ -95,7 +93,7 @@ fn each_mistake_is_named_with_its_place() {
             assert!(message.contains(clue), "{clue} is not in: {message}");
         }
     }
-    assert!(cases.len() >= 40);
+    assert!(MISTAKES.len() >= 40);
 }
 
 #[test]
@@ -129,7 +127,7 @@ fn hostile_files_are_refused_before_they_cost_anything() {
     let wide = format!(
         "<robot><link {}/></robot>",
         (0..100_000).fold(String::new(), |mut text, k| {
-            text += &format!(" a{k}=\"1\"");
+            let _ = write!(text, " a{k}=\"1\"");
             text
         })
     );
@@ -137,7 +135,7 @@ fn hostile_files_are_refused_before_they_cost_anything() {
     let fat = format!("<robot>{}</robot>", many(5 << 20, " "));
     let named = GOOD.replace("\"tip\"", &format!("\"{}\"", many(2000, "n")));
     let open = format!("<robot {}", many(100_000, "<"));
-    let links: String = (0..65).map(|k| format!("<link name=\"l{k}\"/>")).collect();
+    let links = (0..65).map(|k| format!("<link name=\"l{k}\"/>")).collect::<Vec<_>>().concat();
     let crowd = format!("<robot>{links}</robot>");
     let entities = format!("<!DOCTYPE r [{}]><robot/>", many(1000, "<!ENTITY a \"b\">"));
     for (what, text) in [
@@ -180,7 +178,7 @@ fn no_damage_to_a_file_makes_the_reader_panic() {
     let mut random = support::Random(19);
     for _ in 0..3000 {
         let mut bytes = GOOD.as_bytes().to_vec();
-        for _ in 0..1 + random.next() % 4 {
+        for _ in 0..=random.next() % 4 {
             let at = random.below(bytes.len().max(1));
             if bytes.is_empty() {
                 break;

@@ -28,9 +28,10 @@ fn small_angles_keep_their_relative_accuracy() {
 
 #[test]
 fn quarter_turns_are_within_rounding_of_exact() {
-    for k in 0..1000 {
+    for k in 0..1000_u16 {
         let (s, c) = Scalar::sin_cos(f64::from(k) * core::f64::consts::FRAC_PI_2);
-        let (s_exact, c_exact) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][k as usize % 4];
+        let (s_exact, c_exact) =
+            [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][usize::from(k) % 4];
         // The argument itself is rounded by up to half a unit in its last place.
         let rounding = 2.0 * f64::EPSILON * f64::from(k + 1);
         let worst = (s - s_exact).abs().max((c - c_exact).abs());
