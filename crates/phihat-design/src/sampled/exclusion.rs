@@ -91,7 +91,7 @@ impl Exclusion<'_> {
 }
 
 /// Distance of zero from the segment between two complex numbers.
-fn from_segment(a: nalgebra::Complex<f64>, b: nalgebra::Complex<f64>) -> f64 {
+pub(crate) fn from_segment(a: nalgebra::Complex<f64>, b: nalgebra::Complex<f64>) -> f64 {
     let along = b - a;
     let length = along.norm_sqr();
     let share = if length > 0.0 { -(a * along.conj()).re / length } else { 0.0 };

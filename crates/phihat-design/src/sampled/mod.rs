@@ -15,31 +15,32 @@
 //! Coupling between joints with different gains, torque and rate limits in action, and friction are
 //! outside of this linear loop.
 
-//mod bode;
-//mod cholesky;
+mod bode;
+mod cholesky;
 mod estimator;
 mod exclusion;
-//mod margins;
+mod margins;
 mod model;
-//mod noise;
+mod noise;
 mod open_loop;
-//mod peak;
+mod peak;
 mod polynomial;
 mod refutation;
-//mod riccati;
+mod response;
+mod riccati;
 mod state_matrix;
-//mod step;
-//mod varying;
+mod step;
+mod varying;
 mod window;
 
-//pub use bode::{Bode, bode};
-//pub use margins::{Margins, ModulusMargin};
+pub use bode::{Bode, bode};
+pub use margins::{Margins, ModulusMargin};
 pub use model::{LoopForm, LoopModel, LoopVelocity};
-//pub use noise::TorqueNoise;
+pub use noise::TorqueNoise;
 pub use open_loop::OpenLoop;
-//pub use peak::{PeakGains, PeakGainsOver};
+pub use peak::SampledPeaks;
 pub use refutation::Refutation;
 pub use state_matrix::{Reaction, StateMatrix};
-//pub use step::LargestStep;
-//pub use varying::VaryingWindow;
+pub use step::LargestStep;
+pub use varying::VaryingWindow;
 pub use window::InertiaWindow;

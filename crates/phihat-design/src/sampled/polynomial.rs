@@ -25,10 +25,6 @@ impl Polynomial {
         self.0.len().saturating_sub(1)
     }
 
-    pub(crate) fn coefficients(&self) -> &[f64] {
-        &self.0
-    }
-
     pub(crate) fn times(&self, other: &Self) -> Self {
         let mut out = vec![0.0; self.0.len() + other.0.len() - 1];
         for (i, x) in self.0.iter().enumerate() {

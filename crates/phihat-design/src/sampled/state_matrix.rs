@@ -31,8 +31,9 @@ pub struct Reaction {
 
 /// The closed loop of one joint at one inertia ratio, one sample to the next, in units of `M̄`.
 ///
-/// The state is `(q, q̇, memory …)` and, where the loop has them: last sensed position, last velocity
-/// given to the law, mean torque of the interval just ended, torque at its end, the delay line.
+/// The state is `(q, q̇/ω, memory …)`, `ω = √K_p`, and, where the loop has them: last sensed position, last
+/// velocity given to the law, mean torque of the interval just ended, torque at its end, the delay line;
+/// all divided by a power of `ω` so that they count in radians.
 ///
 /// # Method
 ///
@@ -45,6 +46,8 @@ pub struct StateMatrix {
     reference: [Reaction; 3],
     phi: DVector<f64>,
     mu: f64,
+    /// `ω`: velocity is `ω` times entry 1.
+    unit: f64,
     period: f64,
 }
 
@@ -55,17 +58,19 @@ impl StateMatrix {
         let n = sample.layout.length;
         let mut a = DMatrix::zeros(n, n);
         let mut torque = RowDVector::zeros(n);
+        let scale = sample.layout.scale(gains.kp_per_s2.sqrt(), model.form);
         for i in 0..n {
             let mut x = vec![0.0; n];
-            x[i] = 1.0;
+            x[i] = scale[i];
             let (next, u) = sample.step(&x, &Input::default());
-            a.set_column(i, &DVector::from_vec(next));
+            a.set_column(i, &DVector::from_vec(next).component_div(&scale));
             torque[i] = u;
         }
         let rest = vec![0.0; n];
         let reaction = |input: &Input| {
             let (next, direct) = sample.step(&rest, input);
-            Reaction { drives: DVector::from_vec(next), state: torque.clone(), direct }
+            let drives = DVector::from_vec(next).component_div(&scale);
+            Reaction { drives, state: torque.clone(), direct }
         };
         let reference = |i: usize| {
             let mut input = Input::default();
@@ -78,13 +83,19 @@ impl StateMatrix {
             phi: reaction(&Input { phi: 1.0, ..Input::default() }).drives,
             a,
             mu,
+            unit: scale[1],
             period: model.period_s,
         }
     }
 
-    /// `A` in `x_{k+1} = A x_k`; position is entry 0, velocity entry 1.
+    /// `A` in `x_{k+1} = A x_k`; position is entry 0, velocity [`Self::unit`] times entry 1.
     pub fn matrix(&self) -> &DMatrix<f64> {
         &self.a
+    }
+
+    /// `ω = √K_p` \[1/s\].
+    pub fn unit(&self) -> f64 {
+        self.unit
     }
 
     /// Torque in units of `M̄` after a position read wrong by 1 rad.
@@ -100,14 +111,6 @@ impl StateMatrix {
     /// Column of `φ/M̄ = 1` held over one interval.
     pub fn disturbance(&self) -> &DVector<f64> {
         &self.phi
-    }
-
-    /// Column of an impulse `∫φ/M̄ dt = 1` that acts `before_end` seconds before the interval's end.
-    pub fn impulse(&self, before_end: f64) -> DVector<f64> {
-        let mut column = DVector::zeros(self.a.nrows());
-        column[0] = -before_end / self.mu;
-        column[1] = -1.0 / self.mu;
-        column
     }
 
     /// Inertia ratio `μ` of this matrix.
@@ -162,6 +165,33 @@ impl Layout {
         let line = length;
         length += model.delay_samples as usize;
         Self { memory: 2, last_position, last_velocity, mean_torque, end_torque, line, length }
+    }
+}
+
+impl Layout {
+    /// What one unit of each entry is, in SI.
+    fn scale(&self, w: f64, form: LoopForm) -> DVector<f64> {
+        let mut scale = DVector::from_element(self.length, w * w);
+        scale[0] = 1.0;
+        scale[1] = w;
+        let first = match form {
+            LoopForm::Observer => (w * w, w),
+            LoopForm::Literal => (1.0 / w, 1.0 / w),
+        };
+        let ends = [self.last_position, self.last_velocity, self.mean_torque, self.end_torque];
+        let end = ends.into_iter().flatten().min().unwrap_or(self.line);
+        let mut unit = first.0;
+        for j in self.memory..end {
+            scale[j] = unit;
+            unit *= first.1;
+        }
+        if let Some(i) = self.last_position {
+            scale[i] = 1.0;
+        }
+        if let Some(i) = self.last_velocity {
+            scale[i] = w;
+        }
+        scale
     }
 }
 

@@ -1,0 +1,232 @@
+//! Stability margins of the sampled loop, worst over a range of inertia.
+
+use core::f64::consts::{PI, TAU};
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use super::exclusion::{Exclusion, from_segment};
+use super::model::LoopModel;
+use super::open_loop::OpenLoop;
+use super::refutation::{Refutation, at_most};
+use super::window::{InertiaWindow, angles};
+use crate::JointRecord;
+
+const CLAIM: &str = "margins";
+
+/// Margins of `L/μ`, each the worst over `μ` in `[low, high]`, at the point where torque meets inertia.
+///
+/// # Claim
+///
+/// For each `μ` in the range, the loop stays stable when the torque that acts is, unknown to the law,
+///
+/// - multiplied by anything from `1/gain_down` to `gain_up`;
+/// - turned by less than `phase_deg` either way, at all frequencies;
+/// - late by less than `delay_s` more (a whole number of samples is exact).
+///
+/// `modulus` is the smallest `|1 + L/μ|`: the inverse of the largest sensitivity.
+///
+/// # Evidence
+///
+/// [`Self::verify`] proves gain and modulus by zero exclusion. Phase and delay it searches again, four times
+/// as densely: checked, not proved. The modulus alone implies a phase margin of `2 asin(modulus/2)`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Margins {
+    /// Smallest inertia ratio of the range.
+    pub low: f64,
+    /// Largest inertia ratio of the range.
+    pub high: f64,
+    /// How much more torque: `low` over the window's lower edge.
+    pub gain_up: f64,
+    /// How much less torque: the window's upper edge over `high`.
+    pub gain_down: f64,
+    /// Phase margin \[°\].
+    pub phase_deg: f64,
+    /// Delay margin \[s\].
+    pub delay_s: f64,
+    /// Modulus margin.
+    pub modulus: f64,
+}
+
+/// A proved modulus margin over a range of inertia: `|1 + L(e^{jθ})/μ| > distance`, and stable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModulusMargin {
+    /// Smallest inertia ratio.
+    pub low: f64,
+    /// Largest inertia ratio.
+    pub high: f64,
+    /// The distance from −1.
+    pub distance: f64,
+}
+
+impl ModulusMargin {
+    /// Proves the claim.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let open = OpenLoop::new(gains, model);
+        let Self { low, high, distance } = *self;
+        Exclusion { open: &open, low, high, radius: 1.0, distance }.prove("modulus margin")
+    }
+}
+
+impl Margins {
+    /// Computes the margins over `[low, high]`.
+    ///
+    /// # Method
+    ///
+    /// At each frequency the worst `μ` is known in closed form: the modulus is the distance of zero from the
+    /// segment `Δ + N/μ`, and `|L/μ| = 1` for `μ = |L|`.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is not stable over the range.
+    pub fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        (low, high): (f64, f64),
+    ) -> Result<Self, Refutation> {
+        let window = InertiaWindow::find(gains, model)?;
+        at_most(CLAIM, "window.low ≤ low", window.low, low)?;
+        at_most(CLAIM, "high ≤ window.high", high, window.high)?;
+        let open = OpenLoop::new(gains, model);
+        let search = Search { open: &open, low, high };
+        let (phase, delay) = search.phase_and_delay(&angles());
+        Ok(Self {
+            low,
+            high,
+            gain_up: low / window.low,
+            gain_down: window.high / high,
+            phase_deg: phase.to_degrees(),
+            delay_s: delay * model.period_s,
+            modulus: search.modulus(&angles()),
+        })
+    }
+
+    /// The same at one inertia ratio.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is not stable there.
+    pub fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
+        Self::find(gains, model, (mu, mu))
+    }
+
+    /// Proves gain and modulus margins, searches phase and delay again.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the margin.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let Self { low, high, .. } = *self;
+        let wide = InertiaWindow {
+            low: low / self.gain_up,
+            high: high * self.gain_down,
+            low_hz: 0.0,
+            high_hz: 0.0,
+        };
+        wide.verify(gains, model)?;
+        let distance = self.modulus * (1.0 - 1e-3);
+        ModulusMargin { low, high, distance }.verify(gains, model)?;
+        let open = OpenLoop::new(gains, model);
+        let (phase, delay) = Search { open: &open, low, high }.phase_and_delay(&dense());
+        let slack = 1.0 + 1e-3;
+        at_most(CLAIM, "phase margin ≤ found again", self.phase_deg, phase.to_degrees() * slack)?;
+        at_most(CLAIM, "delay margin ≤ found again", self.delay_s, delay * model.period_s * slack)
+    }
+}
+
+/// The grid, four times as dense.
+fn dense() -> Vec<f64> {
+    let grid = angles();
+    let between = |pair: &[f64]| {
+        let (a, b) = (pair[0], pair[1]);
+        [a, 0.75 * a + 0.25 * b, 0.5 * (a + b), 0.25 * a + 0.75 * b]
+    };
+    let mut dense: Vec<f64> = grid.windows(2).flat_map(between).collect();
+    dense.push(PI);
+    dense
+}
+
+struct Search<'a> {
+    open: &'a OpenLoop,
+    low: f64,
+    high: f64,
+}
+
+impl Search<'_> {
+    /// Smallest distance of `L/μ` from −1.
+    fn modulus(&self, grid: &[f64]) -> f64 {
+        let ends = [1.0 / self.high, 1.0 / self.low];
+        let distance = |theta: f64| {
+            let value = self.open.at_angle(theta);
+            let [a, b] = ends.map(|lambda| value * lambda + 1.0);
+            from_segment(a, b)
+        };
+        smallest(grid, distance)
+    }
+
+    /// Smallest turn \[rad\], and smallest lag over frequency \[samples\], that bring some `L/μ` to −1.
+    fn phase_and_delay(&self, grid: &[f64]) -> (f64, f64) {
+        let phase = |value: Complex<f64>| (-value).arg().abs();
+        let lag = |theta: f64, value: Complex<f64>| (-value).arg().rem_euclid(TAU) / theta;
+        let inside = |value: Complex<f64>| {
+            let size = value.norm();
+            self.low <= size && size <= self.high
+        };
+        let among = |theta: f64, of: &dyn Fn(Complex<f64>) -> f64| {
+            let value = self.open.at_angle(theta);
+            if inside(value) { of(value) } else { f64::INFINITY }
+        };
+        let mut turn = smallest(grid, |theta| among(theta, &phase));
+        let mut delay = smallest(grid, |theta| among(theta, &|value| lag(theta, value)));
+        for theta in self.edges(grid) {
+            let value = self.open.at_angle(theta);
+            turn = turn.min(phase(value));
+            delay = delay.min(lag(theta, value));
+        }
+        (turn, delay)
+    }
+
+    /// Where `|L|` passes through `low` or `high`.
+    fn edges(&self, grid: &[f64]) -> Vec<f64> {
+        let mut edges = Vec::new();
+        for mu in [self.low, self.high] {
+            let above = |theta: f64| self.open.at_angle(theta).norm() > mu;
+            for pair in grid.windows(2) {
+                let (mut a, mut b) = (pair[0], pair[1]);
+                if above(a) == above(b) {
+                    continue;
+                }
+                let side = above(a);
+                for _ in 0..50 {
+                    let middle = 0.5 * (a + b);
+                    if above(middle) == side { a = middle } else { b = middle }
+                }
+                edges.push(0.5 * (a + b));
+            }
+        }
+        edges
+    }
+}
+
+/// Smallest value on the grid, refined between the neighbours of its place.
+fn smallest(grid: &[f64], value: impl Fn(f64) -> f64) -> f64 {
+    let values: Vec<f64> = grid.iter().map(|theta| value(*theta)).collect();
+    let Some(at) = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])) else {
+        return f64::INFINITY;
+    };
+    let (mut a, mut b) = (grid[at.saturating_sub(1)], grid[(at + 1).min(grid.len() - 1)]);
+    let mut best = values[at];
+    for _ in 0..40 {
+        let third = (b - a) / 3.0;
+        let (left, right) = (value(a + third), value(b - third));
+        best = best.min(left).min(right);
+        if left < right { b -= third } else { a += third }
+    }
+    best
+}

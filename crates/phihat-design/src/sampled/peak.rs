@@ -1,0 +1,218 @@
+//! Peak-to-peak gains of the sampled loop: how large an error a bounded `φ` can make.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::model::LoopModel;
+use super::refutation::{Refutation, at_most};
+use super::response::{Horizon, ratios, sweep};
+use super::state_matrix::StateMatrix;
+use crate::JointRecord;
+
+const CLAIM: &str = "sampled peak gains";
+
+/// Worst errors at the samples, worst over some inertia ratios.
+///
+/// # Claim
+///
+/// From rest, at every sample, with `x = (∫e, e, ė)`:
+///
+/// ```text
+/// |x_i| ≤ jump_i max|φ|/M̄          |x_i| ≤ ramp_i max|φ̇|/M̄      (φ continuous, φ(0) = 0)        (S1)
+/// ```
+///
+/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e` with `φ` held over each sample interval
+/// (and steps of at most `φ̇ T`). For `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling,
+/// friction, load; the part `(M − M̄)q̈` is in the loop already. `∫e` is `T Σ e_k`.
+///
+/// # Evidence
+///
+/// The L1 norms: the response to an impulse at any instant of an interval is linear in that instant, so its
+/// absolute integral is exact; what the sum leaves out is bounded by `‖A^N‖`. Both are computed again by
+/// [`Self::verify`].
+///
+/// # Not claimed
+///
+/// Errors between samples; ratios between those tried. With the observer and a measured velocity, a `φ` that
+/// keeps varying within the sample intervals shifts the sampled velocity by `T²φ̇/(12M)` and so leaves an error
+/// of `K_d/K_p` times that, whose integral grows: hence the restriction on `∫e`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SampledPeaks {
+    /// Inertia ratios tried.
+    pub mu: Vec<f64>,
+    /// Gains from `φ/M̄` \[rad/s²\] to `∫e` \[rad·s\], `e` \[rad\], `ė` \[rad/s\].
+    pub jump: [f64; 3],
+    /// Gains from `φ̇/M̄` \[rad/s³\]; `None`: a lasting ramp makes `∫e` grow without bound.
+    pub ramp: [Option<f64>; 3],
+}
+
+impl SampledPeaks {
+    /// Computes them at `count` ratios from `low` to `high`.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is unstable at one of them.
+    pub fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        (low, high): (f64, f64),
+        count: u32,
+    ) -> Result<Self, Refutation> {
+        Self::over(gains, model, ratios(low, high, count).collect())
+    }
+
+    /// At one ratio.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is unstable there.
+    pub fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
+        Self::over(gains, model, vec![mu])
+    }
+
+    fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<Self, Refutation> {
+        let mut worst = Self { mu: Vec::new(), jump: [0.0; 3], ramp: [Some(0.0); 3] };
+        for mu in &mu {
+            let matrix = StateMatrix::new(gains, model, *mu);
+            let one = Norms::new(&matrix, model.servo_type(gains.a.len()))?;
+            for i in 0..3 {
+                worst.jump[i] = worst.jump[i].max(one.jump[i]);
+                worst.ramp[i] = worst.ramp[i].zip(one.ramp[i]).map(|(a, b)| a.max(b));
+            }
+        }
+        Ok(Self { mu, ..worst })
+    }
+
+    /// Computes the norms again: the gains must not be smaller.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the gain.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let again = Self::over(gains, model, self.mu.clone())?;
+        let slack = 1.0 + 1e-9;
+        for (i, name) in ["∫e", "e", "ė"].into_iter().enumerate() {
+            let inequality = format!("‖{name} ← φ‖₁ ≤ claimed");
+            at_most(CLAIM, &inequality, again.jump[i], self.jump[i] * slack)?;
+            let inequality = format!("‖{name} ← φ̇‖₁ ≤ claimed");
+            let unbounded = f64::INFINITY;
+            let found = again.ramp[i].unwrap_or(unbounded);
+            at_most(CLAIM, &inequality, found, self.ramp[i].unwrap_or(unbounded) * slack)?;
+        }
+        Ok(())
+    }
+}
+
+/// The norms at one inertia ratio.
+struct Norms {
+    jump: [f64; 3],
+    ramp: [Option<f64>; 3],
+}
+
+impl Norms {
+    fn new(matrix: &StateMatrix, servo_type: usize) -> Result<Self, Refutation> {
+        let a = matrix.matrix();
+        let n = a.nrows();
+        let unstable = || Refutation::new(CLAIM, "A^k → 0 (stable loop), μ", matrix.mu(), 1.0);
+        let horizon = Horizon::of(a).ok_or_else(unstable)?;
+        let back = (DMatrix::identity(n, n) - a).transpose().lu();
+        // c → −c (I − A)⁻¹: minus all that is still to come.
+        let rest = |c: &DVector<f64>| back.solve(&-c).ok_or_else(unstable);
+        let mut position = DVector::zeros(n);
+        position[0] = 1.0;
+        let mut velocity = DVector::zeros(n);
+        velocity[1] = matrix.unit();
+        let later = rest(&position)?;
+        let integral = a.tr_mul(&later) * matrix.period();
+        let mut ramp = [None, Some(later), Some(rest(&velocity)?)];
+        if servo_type >= 2 {
+            ramp[0] = Some(rest(&integral)?);
+        }
+        let norms = Sums { matrix, horizon };
+        let rows = [integral, position, velocity];
+        let [integral, position, velocity] = rows;
+        let jump = [norms.held(integral, 1.0), norms.jump(position), norms.jump(velocity)];
+        let [integral, position, velocity] = ramp;
+        let ramp = [
+            integral.map(|later| norms.held(later, matrix.period())),
+            position.map(|later| norms.ramp(later)),
+            velocity.map(|later| norms.ramp(later)),
+        ];
+        Ok(Self { jump, ramp })
+    }
+}
+
+/// Sums of absolute integrals over one interval after the other.
+struct Sums<'a> {
+    matrix: &'a StateMatrix,
+    horizon: Horizon,
+}
+
+impl Sums<'_> {
+    /// Response of a row to impulses at the interval's start and at its end.
+    fn impulses(&self, row: &DVector<f64>) -> (f64, f64) {
+        let end = -row[1] / (self.matrix.unit() * self.matrix.mu());
+        (end - self.matrix.period() * row[0] / self.matrix.mu(), end)
+    }
+
+    /// `Σ_j |c A^j b|`, `b` held over the interval, times a factor.
+    fn held(&self, row: DVector<f64>, factor: f64) -> f64 {
+        let held = self.matrix.disturbance();
+        let mut total = 0.0;
+        let a = self.matrix.matrix();
+        let rows = sweep(a, row, self.horizon, |row| total += row.dot(held).abs());
+        factor * (total + self.horizon.tail(rows, held.amax()))
+    }
+
+    /// `Σ_j ∫_0^T |c A^j b(s)| ds`.
+    fn jump(&self, row: DVector<f64>) -> f64 {
+        let period = self.matrix.period();
+        let mut total = 0.0;
+        let rows = sweep(self.matrix.matrix(), row, self.horizon, |row| {
+            let (start, end) = self.impulses(row);
+            total += period * mean_of_line(start, end);
+        });
+        total + self.horizon.tail(rows, period * self.largest_impulse())
+    }
+
+    /// The same for `φ̇`, from the row `r = −c (I − A)⁻¹`: the loop's answer to a step of `φ` dies out, so what
+    /// came until now is minus what is to come, and `c A^j = r A^{j+1} − r A^j`.
+    fn ramp(&self, row: DVector<f64>) -> f64 {
+        let period = self.matrix.period();
+        let held = self.matrix.disturbance();
+        let a = self.matrix.matrix();
+        let mut total = 0.0;
+        let mut c = row.clone();
+        let rows = sweep(a, row, self.horizon, |row| {
+            c.gemv_tr(1.0, a, row, 0.0);
+            c -= row;
+            let (start, end) = self.impulses(&c);
+            let late = row.dot(held);
+            // Step of φ in mid-interval and at its start: integrals of the linear impulse response.
+            let middle = late + period * (3.0 * end + start) / 8.0;
+            let early = late + period * (end + start) / 2.0;
+            total += period * mean_of_parabola(early, middle, late);
+        });
+        let size = held.amax() + period * self.largest_impulse();
+        total + self.horizon.tail(2.0 * rows, period * size)
+    }
+
+    fn largest_impulse(&self) -> f64 {
+        (1.0 / self.matrix.unit()).max(self.matrix.period()) / self.matrix.mu()
+    }
+}
+
+/// Mean of `|·|` along a line from `a` to `b`.
+fn mean_of_line(a: f64, b: f64) -> f64 {
+    if a * b >= 0.0 { 0.5 * (a + b).abs() } else { (a * a + b * b) / (2.0 * (a.abs() + b.abs())) }
+}
+
+/// Mean of `|·|` along a parabola, by Simpson; at most the largest of the three where it changes sign.
+fn mean_of_parabola(a: f64, middle: f64, b: f64) -> f64 {
+    if a * middle > 0.0 && middle * b > 0.0 {
+        (a + 4.0 * middle + b).abs() / 6.0
+    } else {
+        a.abs().max(middle.abs()).max(b.abs())
+    }
+}

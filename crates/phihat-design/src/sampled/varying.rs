@@ -1,0 +1,233 @@
+//! Inertia that changes while the arm moves: one quadratic form for a whole range.
+
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use super::cholesky::least_pivot;
+use super::refutation::Refutation;
+use super::riccati;
+use crate::JointRecord;
+
+const CLAIM: &str = "varying inertia";
+
+/// Pivots must exceed this share of their diagonal entry: rounding of a 6 × 6 product.
+const PIVOT_SHARE: f64 = 1e-12;
+
+/// A range of inertia ratios through which the arm may move, at any speed.
+///
+/// # Claim
+///
+/// For the continuous law, one or more joints with these same gains, and `W(t) = M̄^{1/2} M(q(t))⁻¹ M̄^{1/2}`
+/// varying in any way with eigenvalues in `[1/high, 1/low]`, `V = xᵀ(P ⊗ I)x` decreases along
+///
+/// ```text
+/// x = (∫…∫e, …, ∫e, e, ė),   x_i' = x_{i+1},   ė' = −W (k_1 x_1 + … + k_{m+2} x_{m+2})
+/// D(s) A_o(s) = s^{m+2} + k_{m+2} s^{m+1} + … + k_1                                           (V1)
+/// ```
+///
+/// # Evidence
+///
+/// `P`. The system is affine in `W`, so two matrix inequalities at the ends suffice: `P ≻ 0` and
+/// `A_iᵀP + PA_i ≺ 0`, each checked by Cholesky.
+///
+/// # Not claimed
+///
+/// Coriolis torque is not in (V1): it enters as a disturbance. Sampling and delay are not in (V1): see
+/// [`super::InertiaWindow`] for each frozen inertia.
+///
+/// # References
+///
+/// Shorten and Narendra (2003), King and Nathanson (2006): such a `P` exists iff `A_1`, `A_2` are Hurwitz and
+/// `A_1A_2` has no negative real eigenvalue.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VaryingWindow {
+    /// Smallest `μ`.
+    pub low: f64,
+    /// Largest `μ`.
+    pub high: f64,
+    /// Unit of time of the state \[s⁻¹\]: entry `i` of `x` is multiplied by `rate^(n−i)`.
+    pub rate_per_s: f64,
+    /// `P`, row by row, in these units.
+    pub p: Vec<Vec<f64>>,
+}
+
+impl VaryingWindow {
+    /// Finds `P` for a range.
+    ///
+    /// # Method
+    ///
+    /// `A_1 = A_2 − b cᵀ`. With `A_2ᵀP + PA_2 + ½(Pb − c)(Pb − c)ᵀ + εI = 0` both inequalities hold; `ε` is lowered
+    /// until the Riccati equation has a solution that survives [`Self::verify`].
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is no such `P`, or none was found.
+    pub fn find(gains: &JointRecord, (low, high): (f64, f64)) -> Result<Self, Refutation> {
+        common_form_exists(gains, low, high)?;
+        let rate_per_s = rate(gains);
+        let slow = matrix(gains, rate_per_s, 1.0 / high);
+        let n = slow.nrows();
+        let k = coefficients(gains, rate_per_s);
+        let c = DMatrix::from_fn(n, 1, |i, _| (1.0 / low - 1.0 / high) * k[i]);
+        let b = DMatrix::from_fn(n, 1, |i, _| if i + 1 == n { 1.0 } else { 0.0 });
+        let shifted = &slow - &b * c.transpose() * 0.5;
+        let mut last = Refutation::new(CLAIM, "the Riccati equation has a solution", 0.0, 1.0);
+        for step in 1..12 {
+            let margin = DMatrix::identity(n, n) * 10.0_f64.powi(-step);
+            let q = &c * c.transpose() * 0.5 + margin;
+            let Some(p) = riccati::solve(&shifted, &(&b * b.transpose() * 0.5), &q) else {
+                continue;
+            };
+            let p = p.row_iter().map(|row| row.iter().copied().collect()).collect();
+            let found = Self { low, high, rate_per_s, p };
+            match found.verify(gains) {
+                Ok(()) => return Ok(found),
+                Err(why) => last = why,
+            }
+        }
+        Err(last)
+    }
+
+    /// The widest range that begins at `low`, up to `highest`, found to a part in a thousand.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is none.
+    pub fn widest_from(gains: &JointRecord, low: f64, highest: f64) -> Result<Self, Refutation> {
+        widest(highest / low, |ratio| Self::find(gains, (low, low * ratio)))
+    }
+
+    /// The widest range `[centre/√ratio, centre·√ratio]`, up to a ratio, found to a part in a thousand.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is none.
+    pub fn widest_around(
+        gains: &JointRecord,
+        centre: f64,
+        highest_ratio: f64,
+    ) -> Result<Self, Refutation> {
+        widest(highest_ratio, |ratio| {
+            Self::find(gains, (centre / ratio.sqrt(), centre * ratio.sqrt()))
+        })
+    }
+
+    /// Checks the three definiteness conditions.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality and its least pivot.
+    pub fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
+        let n = gains.a.len() + 2;
+        let fails = |what: &str, left| Err(Refutation::new(CLAIM, what, left, PIVOT_SHARE));
+        let symmetric = (0..n).all(|i| {
+            self.p.get(i).is_some_and(|row| {
+                row.len() == n && (0..i).all(|j| (row[j] - self.p[j][i]).abs() <= 0.0)
+            })
+        });
+        if self.p.len() != n || !symmetric {
+            return fails("P = Pᵀ, of size m + 2", 0.0);
+        }
+        if !(0.0 < self.low && self.low <= self.high && self.rate_per_s > 0.0) {
+            return fails("0 < low ≤ high", self.high - self.low);
+        }
+        let definite = |what: &str, matrix: &[Vec<f64>]| {
+            let least = least_pivot(matrix);
+            if least > PIVOT_SHARE { Ok(()) } else { fails(what, least) }
+        };
+        definite("P ≻ 0", &self.p)?;
+        for (what, mu) in
+            [("−(AᵀP + PA) ≻ 0 at low", self.low), ("−(AᵀP + PA) ≻ 0 at high", self.high)]
+        {
+            definite(what, &self.falls(gains, mu))?;
+        }
+        Ok(())
+    }
+
+    /// `−(AᵀP + PA)` at one ratio, written out for (V1).
+    fn falls(&self, gains: &JointRecord, mu: f64) -> Vec<Vec<f64>> {
+        let k = coefficients(gains, self.rate_per_s);
+        let n = k.len();
+        // (PA)_ij = P_{i,j−1} − P_{i,n−1} k_j/μ.
+        let pa = |i: usize, j: usize| {
+            let shifted = if j > 0 { self.p[i][j - 1] } else { 0.0 };
+            shifted - self.p[i][n - 1] * k[j] / mu
+        };
+        (0..n).map(|i| (0..n).map(|j| -(pa(i, j) + pa(j, i))).collect()).collect()
+    }
+}
+
+/// `k_1 … k_{m+2}` of (V1), in units of `rate`.
+fn coefficients(gains: &JointRecord, rate: f64) -> Vec<f64> {
+    let n = gains.a.len() + 2;
+    let a =
+        |i: usize| if i == gains.a.len() { 1.0 } else { gains.a.get(i).copied().unwrap_or(0.0) };
+    let mut power = rate;
+    let mut k = vec![0.0; n];
+    for i in (0..n).rev() {
+        let kd_part = if i >= 1 { a(i - 1) * gains.kd_per_s } else { 0.0 };
+        let last = if i >= 2 { a(i - 2) } else { 0.0 };
+        k[i] = (a(i) * gains.kp_per_s2 + kd_part + last) / power;
+        power *= rate;
+    }
+    k
+}
+
+/// `k_1^{1/n}`: the geometric mean of the poles at `μ = 1`.
+fn rate(gains: &JointRecord) -> f64 {
+    let first = gains.kp_per_s2 * gains.a.first().copied().unwrap_or(1.0);
+    first.powf(1.0 / (gains.a.len() + 2) as f64)
+}
+
+fn matrix(gains: &JointRecord, rate: f64, lambda: f64) -> DMatrix<f64> {
+    let k = coefficients(gains, rate);
+    let n = k.len();
+    DMatrix::from_fn(n, n, |i, j| {
+        if i + 1 == n { -lambda * k[j] } else { f64::from(u8::from(j == i + 1)) }
+    })
+}
+
+/// The test of King and Nathanson, by eigenvalues: quick, and not trusted.
+fn common_form_exists(gains: &JointRecord, low: f64, high: f64) -> Result<(), Refutation> {
+    let rate = rate(gains);
+    let [fast, slow] = [low, high].map(|mu| matrix(gains, rate, 1.0 / mu));
+    for (what, a) in [("A(low) is Hurwitz", &fast), ("A(high) is Hurwitz", &slow)] {
+        let worst = a.complex_eigenvalues().iter().fold(f64::NEG_INFINITY, |w, z| z.re.max(w));
+        if !(worst < 0.0) {
+            return Err(Refutation::new(CLAIM, what, worst, 0.0));
+        }
+    }
+    for z in (&fast * &slow).complex_eigenvalues().iter() {
+        if z.re < 0.0 && z.im.abs() < 1e-9 * z.re.abs() {
+            let what = "A(low)A(high) has no negative real eigenvalue";
+            return Err(Refutation::new(CLAIM, what, z.re, 0.0));
+        }
+    }
+    Ok(())
+}
+
+fn widest(
+    highest: f64,
+    find: impl Fn(f64) -> Result<VaryingWindow, Refutation>,
+) -> Result<VaryingWindow, Refutation> {
+    if let Ok(found) = find(highest) {
+        return Ok(found);
+    }
+    let mut best = find(1.0 + 1e-6)?;
+    let (mut low, mut high) = (1.0_f64, highest);
+    for _ in 0..40 {
+        if high / low < 1.001 {
+            break;
+        }
+        let middle = (low * high).sqrt();
+        match find(middle) {
+            Ok(found) => {
+                best = found;
+                low = middle;
+            }
+            Err(_) => high = middle,
+        }
+    }
+    Ok(best)
+}
