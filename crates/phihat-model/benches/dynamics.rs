@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use phihat_model::{Model, Robot, Workspace};
+use phihat_model::{Robot, Workspace};
 
 const STATES: usize = 64;
 const BLOCK: Duration = Duration::from_micros(400);
@@ -23,19 +23,20 @@ fn main() {
     let quick = std::env::args().any(|argument| argument == "--quick");
     let blocks = if quick { 3 } else { 301 };
     for name in Robot::names() {
-        measure(name, &Robot::named(name).unwrap().model, blocks);
+        measure(&Robot::named(name).unwrap(), blocks);
     }
 }
 
-fn measure(robot: &str, model: &Model, blocks: usize) {
+fn measure(robot: &Robot, blocks: usize) {
+    let Robot { name, model, .. } = robot;
     let n = model.joint_count();
     let states = states(n);
     let mut ws = Workspace::new(model);
     let mut out = vec![0.0; 10 * n * n];
-    let tip = model.frame(model.frame_names().last().unwrap()).unwrap();
+    let tip = model.frame(&robot.tip).unwrap();
     let mut time = |algorithm: &str, call: &mut dyn FnMut(&State, &mut Workspace, &mut [f64])| {
         let ns = median_ns(blocks, |at| call(&states[at % STATES], &mut ws, black_box(&mut out)));
-        println!("{{\"robot\":\"{robot}\",\"algorithm\":\"{algorithm}\",\"ns\":{ns:.1}}}");
+        println!("{{\"robot\":\"{name}\",\"algorithm\":\"{algorithm}\",\"ns\":{ns:.1}}}");
     };
     time("rnea", &mut |x, ws, out| {
         model.inverse_dynamics(ws, &x.q, &x.dq, &x.ddq, &mut out[..n]);

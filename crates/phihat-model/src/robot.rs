@@ -24,7 +24,7 @@ pub struct Robot {
     pub model: Model,
     /// One entry per coordinate of `model`.
     pub joints: Vec<Joint>,
-    /// Name of the frame that does the work.
+    /// Name of the frame that does the work; without a TOML file, the last that the last joint moves.
     pub tip: String,
     /// Named postures \[rad, m for prismatic joints\].
     pub poses: BTreeMap<String, Vec<f64>>,
@@ -200,7 +200,7 @@ impl Robot {
 
     fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
         let read = urdf::read(urdf, origin)?;
-        let tip = read.model.frame_names().last().cloned().unwrap_or_default();
+        let tip = outermost_frame(&read.model);
         let robot = Self {
             name: read.name,
             description: String::new(),
@@ -227,6 +227,14 @@ impl Sigmoid {
         let logistic = |v: f64| amplitude_nm / (1.0 + libm::exp(-steepness_s_rad * v));
         logistic(dq + offset_rad_s) - logistic(offset_rad_s)
     }
+}
+
+/// The last frame that the last joint moves: the best guess at the one that does the work.
+fn outermost_frame(model: &Model) -> String {
+    let compiled = model.compiled();
+    let last = compiled.segment_of_joint.last().copied();
+    let at = compiled.seats.iter().rposition(|seat| seat.segment == last);
+    at.and_then(|at| model.frame_names().get(at).cloned()).unwrap_or_default()
 }
 
 /// The known name closest to `name`, if it is close.

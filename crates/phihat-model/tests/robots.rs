@@ -45,6 +45,7 @@ fn files_are_read_from_disk_by_their_path() {
     let bare = Robot::read(&path("ur5.urdf")).unwrap();
     assert!(bare.joints.iter().all(|joint| joint.armature.abs() <= 0.0));
     assert_eq!(bare.joints[0].torque_max, Some(150.0));
+    assert_eq!(bare.tip, "tool0");
     let missing = Robot::read(&path("ur6.toml")).unwrap_err();
     assert!(matches!(missing, RobotError::Read { .. }) && missing.to_string().contains("ur6.toml"));
 }
