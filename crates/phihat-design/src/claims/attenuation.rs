@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::claims::law::{Law, Refutation, agrees, holds};
-use crate::claims::optimality::{q_diagonal, return_difference, return_difference_parts};
 use crate::claims::polynomial::{self, Sign};
+use crate::claims::weights::{q_diagonal, return_difference, return_difference_parts};
 
 const CLAIM: &str = "attenuation";
 

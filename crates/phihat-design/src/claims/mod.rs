@@ -19,11 +19,14 @@ pub mod paper;
 pub mod performance;
 pub mod polynomial;
 pub mod response;
+pub mod times;
+pub mod weights;
 
 pub use attenuation::{Attenuation, Interval};
 pub use h_infinity::NormH;
 pub use iss::Iss;
 pub use law::{Law, Refutation};
-pub use optimality::{Certified, Condition, Optimality, Refused};
+pub use optimality::{Certified, Optimality, Refused};
 pub use paper::{ErrorLimits, MinimalGains, PaperError};
 pub use performance::{PaperRadius, PeakGain, PeakGains, WorstCase};
+pub use weights::Condition;

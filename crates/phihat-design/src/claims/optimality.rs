@@ -5,8 +5,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::claims::law::{Law, Refutation, agrees, holds};
-use crate::claims::matrix::{Matrix, dot, failing_pivot, is_symmetric, product, transpose};
-use crate::claims::polynomial;
+use crate::claims::matrix::{Matrix, absolute, failing_pivot, is_symmetric, product, transpose};
+use crate::claims::weights::{Condition, conditions, q_diagonal};
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
 pub const RESIDUAL: f64 = 1e-10;
@@ -67,17 +67,6 @@ pub struct Refused {
     pub quantity: String,
     /// Its value; it should be positive.
     pub value: f64,
-}
-
-/// One of the paper's conditions with both its sides: it holds when `left > right`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
-    /// `A1` … `A3`, `B1`, `B2`.
-    pub name: &'static str,
-    /// Left side.
-    pub left: f64,
-    /// Right side.
-    pub right: f64,
 }
 
 impl Optimality {
@@ -177,47 +166,9 @@ impl fmt::Display for Refused {
     }
 }
 
-/// The paper's sufficient conditions of the order; none are published beyond m = 2.
-///
-/// A2 follows from nothing and is not necessary at m = 2: `Q` may be positive without it. What
-/// decides is `q_i > 0`.
-pub fn conditions(law: &Law, k_tilde: f64) -> Vec<Condition> {
-    let gains = law.a.iter().copied().fold(law.kp.min(law.kd), f64::min);
-    let damping = |name| Condition { name, left: law.kd * law.kd, right: 2.0 * law.kp };
-    match law.a[..] {
-        [_] => vec![Condition { name: "B1", left: gains, right: 0.0 }, damping("B2")],
-        [a0, a1] => vec![
-            Condition { name: "A1", left: gains, right: 0.0 },
-            damping("A2"),
-            Condition { name: "A3", left: a1 * k_tilde, right: 2.0 * a0 },
-        ],
-        _ => Vec::new(),
-    }
-}
-
-/// `q_1 … q_{m+2}` of (T5). `h = (|(jω)^m + K̃g|² − ω^{2m})/K̃ = K̃ |g|² + 2 Re(g(jω) (−jω)^m)`.
-pub fn q_diagonal(law: &Law, k_tilde: f64) -> Vec<f64> {
-    polynomial::product(&polynomial::magnitude_squared(&law.d()), &return_difference(law, k_tilde))
-}
-
-/// `h(w) = (|(jω)^m + K̃ g(jω)|² − ω^{2m})/K̃` as a polynomial in `w = ω²` of degree `m − 1`.
-pub fn return_difference(law: &Law, k_tilde: f64) -> Vec<f64> {
-    let (constant, slope) = return_difference_parts(law);
-    constant.iter().zip(&slope).map(|(c, s)| c + k_tilde * s).collect()
-}
-
-/// `h = constant + K̃ slope`: `2 Re(g(jω) (−jω)^m)` and `|g(jω)|²`.
-pub(crate) fn return_difference_parts(law: &Law) -> (Vec<f64>, Vec<f64>) {
-    let (m, g) = (law.order(), law.g());
-    let mut power = vec![0.0; m + 1];
-    power[m] = 1.0;
-    let constant = polynomial::real_part(&g, &power).iter().map(|c| 2.0 * c).take(m).collect();
-    (constant, polynomial::magnitude_squared(&g))
-}
-
 fn check_riccati(law: &Law, k_tilde: f64, q: &[f64], s: &Matrix) -> Result<(), Refutation> {
     let (a, sb) = (law.a_matrix(), last_column(s));
-    let (sa, size) = (product(s, &a), absolute_product(s, &a));
+    let (sa, size) = (product(s, &a), product(&absolute(s), &absolute(&a)));
     let (at_s, at_size) = (transpose(&sa), transpose(&size));
     for i in 0..s.len() {
         for j in 0..s.len() {
@@ -230,10 +181,6 @@ fn check_riccati(law: &Law, k_tilde: f64, q: &[f64], s: &Matrix) -> Result<(), R
         }
     }
     Ok(())
-}
-
-fn absolute_product(x: &Matrix, y: &Matrix) -> Matrix {
-    product(&crate::claims::matrix::absolute(x), &crate::claims::matrix::absolute(y))
 }
 
 /// Off its diagonal, (13) reads `S_{i−1,j} = −S_{i,j−1} + K̃c_ic_j − c_il_j − l_ic_j`, with `c = SB` and `l`
@@ -266,14 +213,16 @@ fn refusal(law: &Law, k_tilde: f64) -> Option<Refused> {
         quantity,
         value,
     };
-    for (name, value) in [("K̃ > 0", k_tilde), ("K̃ < a_{m−1}", law.a_top() - k_tilde)] {
+    let room = law.a_top() - k_tilde;
+    for (name, left, value) in [("K̃ > 0", "K̃", k_tilde), ("K̃ < a_{m−1}", "a_{m−1} − K̃", room)]
+    {
         let positive = value > 0.0;
         if !positive {
-            return Some(refused(name, name.replace('<', "−").replace(" > 0", ""), value));
+            return Some(refused(name, left.to_owned(), value));
         }
     }
     let named = conditions(law, k_tilde);
-    // The last failing condition is the sharpest: B2 before B1, A3 before A2 before A1.
+    // The last failing condition is the one that shows in Q: B2 before B1, A3 before A2 before A1.
     let fails = |c: &&Condition| c.left <= c.right;
     let q = q_diagonal(law, k_tilde);
     // The most telling diagonal entry: the last one, where no K_p or K_d hides the estimator.
@@ -297,9 +246,7 @@ fn gains_positive(law: &Law) -> Result<(), Refutation> {
 
 /// `SB`.
 pub(crate) fn last_column(s: &Matrix) -> Vec<f64> {
-    let n = s.len();
-    let unit: Vec<f64> = (0..n).map(|i| if i + 1 == n { 1.0 } else { 0.0 }).collect();
-    s.iter().map(|row| dot(row, &unit)).collect()
+    s.iter().filter_map(|row| row.last().copied()).collect()
 }
 
 fn quantity(i: usize) -> String {
