@@ -38,8 +38,9 @@
 //!
 //! - Every algorithm agrees with Pinocchio 4.1.0 to 1e-12 relative on 200 states of each arm
 //!   (`tests/pinocchio.rs`).
-//! - The dynamics do not allocate (`tests/no_allocation.rs`), branch on no value, and give the same
-//!   bits on every machine: only `+ − × ÷ √`, and sines from this crate.
+//! - The dynamics do not allocate (`tests/no_allocation.rs`), branch on no value (but for angles
+//!   beyond 1e5 rad), and use only `+ − × ÷` and sines from this crate, never fused: by construction
+//!   the same bits on every machine.
 //! - A description is read only if it is one tree of physical bodies; what is wrong is said with
 //!   file, line and name. Hostile files cost no more than their size (`tests/bad_urdf.rs`).
 //!

@@ -28,7 +28,8 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 ///
 /// # Real time
 ///
-/// The dynamics neither allocate nor branch on values; their cost depends on the robot only. NaN
+/// The dynamics neither allocate nor branch on values, but for angles beyond 1e5 rad, whose sine
+/// takes longer; else their cost depends on the robot only. NaN
 /// goes in, NaN comes out.
 ///
 /// # Panics

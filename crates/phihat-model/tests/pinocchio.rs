@@ -10,7 +10,8 @@ use phihat_model::{Robot, Workspace};
 use support::{numbers, oracle, relative_error};
 
 /// The oracle's own disagreement between four libraries is 1e-14 to 3e-14.
-const TOLERANCE: f64 = 1e-10;
+/// iiwa14 at rest needs 5e-13: its gravity torques there are small differences.
+const TOLERANCE: f64 = 1e-12;
 
 #[test]
 fn every_sample_of_every_arm_agrees() {
