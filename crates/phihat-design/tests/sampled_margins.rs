@@ -49,7 +49,8 @@ fn gain_and_delay_margins_are_what_the_core_bears() {
         let whole = margins.delay_s / model.period_s;
         if (0.1..7.9).contains(&whole) && (whole - whole.round()).abs() > 0.05 {
             delays += 1;
-            let (below, above) = (whole.floor() as usize, whole.ceil() as usize);
+            let below = (0..8).rfind(|k: &usize| (*k as f64) < whole).unwrap();
+            let above = below + 1;
             assert!(settles(1.0, below) && !settles(1.0, above), "{whole} {context}");
         }
     }

@@ -38,7 +38,7 @@ fn simulated(gains: &phihat_design::JointRecord, model: &LoopModel, quantum: f64
         }
         last = difference;
     }
-    ((sum / count as f64).sqrt(), (changes / count).sqrt())
+    ((sum / count).sqrt(), (changes / count).sqrt())
 }
 
 #[test]

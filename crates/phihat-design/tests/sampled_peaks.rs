@@ -151,7 +151,8 @@ fn a_late_observer_grows_under_a_ramp_and_smaller_gains_are_refused() {
     let lag = 1e-3 / 400.0 - 40.0 / 400.0 * 1e-6 / 12.0;
     let steady = {
         let mut rig = Rig::new(&gains, &late, 1.0);
-        reached(&mut rig, &[1.0; 4000], Shape::Ramp);
+        let steady = vec![1.0; 4000];
+        let _ = reached(&mut rig, &steady, Shape::Ramp);
         -rig.q
     };
     assert!((steady / lag - 1.0).abs() < 1e-3, "{steady} {lag}");

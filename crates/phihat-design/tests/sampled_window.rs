@@ -83,7 +83,8 @@ fn edges_are_where_the_running_core_loses_stability() {
         let settles = |mu: f64| {
             // As long as the eigenvalues need to show a growth or decay by e^3.
             let rate = radius(mu).ln().abs().max(1e-7);
-            let samples = ((3.0 / rate) as usize).clamp(4_000, 2_000_000);
+            let wanted = |samples: &usize| *samples as f64 > 3.0 / rate;
+            let samples = (12..21).map(|k| 1_usize << k).find(wanted).unwrap_or(1 << 21);
             Rig::new(&gains, &model, mu).settles(samples)
         };
         let context = format!("case {case}: {gains:?} {model:?} {window:?}");
@@ -138,4 +139,34 @@ fn decay_is_that_of_the_slowest_eigenvalue() {
     assert!(slowest > 0.0);
     narrow.verify_decay(&gains, &model, slowest * 0.99).unwrap();
     assert!(narrow.verify_decay(&gains, &model, slowest * 1.02).is_err());
+}
+
+#[test]
+fn implausible_gains_and_loops_are_refused_by_name() {
+    let good = record(400.0, 40.0, &[68.9], 1.0);
+    let window = InertiaWindow::find(&good, &plain(1)).unwrap();
+    for bad in [
+        record(400.0, 40.0, &[], 1.0),
+        record(400.0, 40.0, &[1.0; 5], 1.0),
+        record(f64::NAN, 40.0, &[68.9], 1.0),
+        record(400.0, -40.0, &[68.9], 1.0),
+        record(400.0, 40.0, &[f64::INFINITY], 1.0),
+    ] {
+        assert!(InertiaWindow::find(&bad, &plain(1)).is_err());
+        assert!(window.verify(&bad, &plain(1)).is_err());
+    }
+    let models = [
+        LoopModel { period_s: 0.0, ..plain(1) },
+        LoopModel { velocity_filter_hz: Some(-1.0), ..plain(1) },
+        LoopModel { drive_bandwidth_hz: Some(f64::NAN), ..plain(1) },
+        plain(9),
+    ];
+    for model in models {
+        assert!(window.verify(&good, &model).is_err(), "{model:?}");
+    }
+    for (low, high) in [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (2.0, 1.0), (0.5, f64::INFINITY)]
+    {
+        let claim = InertiaWindow { low, high, ..window };
+        assert!(claim.verify(&good, &plain(1)).is_err(), "{low} {high}");
+    }
 }

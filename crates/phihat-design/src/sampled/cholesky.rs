@@ -10,7 +10,7 @@ pub(crate) fn least_pivot(matrix: &[Vec<f64>]) -> f64 {
         let spent: f64 = factor[j][..j].iter().map(|f| f * f).sum();
         let pivot = matrix[j][j] - spent;
         let share = pivot / matrix[j][j].abs();
-        if !(share > 0.0) {
+        if share.is_nan() || share <= 0.0 {
             return share;
         }
         least = least.min(share);

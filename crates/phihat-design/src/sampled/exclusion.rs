@@ -4,7 +4,8 @@ use core::f64::consts::PI;
 
 use super::open_loop::OpenLoop;
 use super::polynomial::{Polynomial, on_circle};
-use super::refutation::Refutation;
+use super::refutation::refuse;
+use crate::claims::Refutation;
 
 /// Cells narrower than this share of their frequency prove nothing more in double precision.
 const NARROWEST: f64 = 1e-13;
@@ -26,6 +27,10 @@ const NARROWEST_AT_ZERO: f64 = 1e-18;
 /// Where the segment's distance from zero exceeds this, no `p_λ` has a root on the arc; else the cell is
 /// halved. (ii) No root crosses the circle, so all `p_λ` have as many roots inside as one of them. (iii) For
 /// that one, the argument of `p(ρe^{jθ})` over the half circle must grow by `π` times the degree.
+///
+/// # Not claimed
+///
+/// Double precision with an allowance for rounding, not interval arithmetic.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Exclusion<'a> {
     pub(crate) open: &'a OpenLoop,
@@ -41,7 +46,7 @@ impl Exclusion<'_> {
     /// Proves it, or names what fails.
     pub(crate) fn prove(&self, claim: &str) -> Result<(), Refutation> {
         if !(0.0 < self.low && self.low <= self.high && self.high.is_finite()) {
-            return Err(Refutation::new(claim, "0 < low ≤ high", self.low, self.high));
+            return Err(refuse(claim, "0 < low ≤ high", self.low, self.high));
         }
         let ends = [self.open.closed(self.high), self.open.closed(self.low)];
         let mut cells = vec![(0.0, PI)];
@@ -57,7 +62,7 @@ impl Exclusion<'_> {
                 let w = on_circle(from, self.radius);
                 let left = from_segment(ends[0].at(w), ends[1].at(w));
                 let right = self.distance * self.open.denominator.at(w).norm();
-                return Err(Refutation::new(claim, inequality, left, right));
+                return Err(refuse(claim, inequality, left, right));
             } else {
                 let middle = 0.5 * (from + to);
                 cells.extend([(middle, to), (from, middle)]);
@@ -68,7 +73,7 @@ impl Exclusion<'_> {
             Ok(())
         } else {
             let inequality = "argument of Δ + N/μ over the half circle = π · degree";
-            Err(Refutation::new(claim, inequality, turned, wanted))
+            Err(refuse(claim, inequality, turned, wanted))
         }
     }
 

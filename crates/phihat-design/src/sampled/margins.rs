@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::exclusion::{Exclusion, from_segment};
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
-use super::refutation::{Refutation, at_most};
+use super::refutation::{at_most, plausible, plausible_loop};
 use super::window::{InertiaWindow, angles};
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "margins";
 
@@ -68,6 +69,8 @@ impl ModulusMargin {
     ///
     /// [`Refutation`], with the frequency at which the proof fails.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
         let open = OpenLoop::new(gains, model);
         let Self { low, high, distance } = *self;
         Exclusion { open: &open, low, high, radius: 1.0, distance }.prove("modulus margin")

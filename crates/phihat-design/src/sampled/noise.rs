@@ -5,10 +5,11 @@ use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::model::LoopModel;
-use super::refutation::{Refutation, at_most};
+use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "torque noise";
 
@@ -77,11 +78,14 @@ impl TorqueNoise {
         quantum_rad: f64,
         mu: Vec<f64>,
     ) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
+        plausible_ratios(CLAIM, &mu)?;
         let (mut rms, mut change_rms, mut change_max) = (0.0_f64, 0.0_f64, 0.0_f64);
         for mu in &mu {
             let matrix = StateMatrix::new(gains, model, *mu);
             let Some(torque) = Response::of(&matrix, matrix.encoder()) else {
-                return Err(Refutation::new(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
+                return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
             };
             let change = torque.changes();
             rms = rms.max(torque.root_of_squares());

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::model::LoopModel;
-use super::refutation::{Refutation, at_most};
+use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Horizon, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "sampled peak gains";
 
@@ -72,6 +73,9 @@ impl SampledPeaks {
     }
 
     fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
+        plausible_ratios(CLAIM, &mu)?;
         let mut worst = Self { mu: Vec::new(), jump: [0.0; 3], ramp: [Some(0.0); 3] };
         for mu in &mu {
             let matrix = StateMatrix::new(gains, model, *mu);
@@ -114,7 +118,7 @@ impl Norms {
     fn new(matrix: &StateMatrix, servo_type: usize) -> Result<Self, Refutation> {
         let a = matrix.matrix();
         let n = a.nrows();
-        let unstable = || Refutation::new(CLAIM, "A^k → 0 (stable loop), μ", matrix.mu(), 1.0);
+        let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", matrix.mu(), 1.0);
         let horizon = Horizon::of(a).ok_or_else(unstable)?;
         let back = (DMatrix::identity(n, n) - a).transpose().lu();
         // c → −c (I − A)⁻¹: minus all that is still to come.

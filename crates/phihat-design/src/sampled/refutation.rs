@@ -1,35 +1,17 @@
-//! Why a claim is refused.
+//! Refusals of the sampled claims.
 
-use core::fmt;
+use super::model::LoopModel;
+use crate::JointRecord;
+use crate::claims::Refutation;
 
-use serde::{Deserialize, Serialize};
-
-/// A claim that did not survive its check: the inequality that fails, with its numbers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Refutation {
-    /// Which claim.
-    pub claim: String,
-    /// The inequality that was to hold, in words and symbols.
-    pub inequality: String,
-    /// Its left side.
-    pub left: f64,
-    /// Its right side.
-    pub right: f64,
+pub(crate) fn refuse(
+    claim: &str,
+    inequality: impl Into<String>,
+    left: f64,
+    right: f64,
+) -> Refutation {
+    Refutation { claim: claim.to_owned(), inequality: inequality.into(), left, right }
 }
-
-impl Refutation {
-    pub(crate) fn new(claim: &str, inequality: impl Into<String>, left: f64, right: f64) -> Self {
-        Self { claim: claim.to_owned(), inequality: inequality.into(), left, right }
-    }
-}
-
-impl fmt::Display for Refutation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {} fails: {} against {}", self.claim, self.inequality, self.left, self.right)
-    }
-}
-
-impl core::error::Error for Refutation {}
 
 /// `Err` unless `left <= right` (a NaN fails).
 pub(crate) fn at_most(
@@ -38,5 +20,38 @@ pub(crate) fn at_most(
     left: f64,
     right: f64,
 ) -> Result<(), Refutation> {
-    if left <= right { Ok(()) } else { Err(Refutation::new(claim, inequality, left, right)) }
+    if left <= right { Ok(()) } else { Err(refuse(claim, inequality, left, right)) }
+}
+
+/// Every claim starts here: an order the core runs, and numbers that are positive and finite.
+pub(crate) fn plausible(claim: &str, gains: &JointRecord) -> Result<(), Refutation> {
+    let order = gains.a.len();
+    at_most(claim, "1 ≤ m", 1.0, order as f64)?;
+    at_most(claim, "m ≤ 4", order as f64, phihat::ORDER_MAX as f64)?;
+    let outer = [gains.inertia_kg_m2, gains.kp_per_s2, gains.kd_per_s];
+    for value in gains.a.iter().chain(&outer) {
+        if !value.is_finite() || *value <= 0.0 {
+            return Err(refuse(claim, "0 < gain < ∞", *value, 0.0));
+        }
+    }
+    Ok(())
+}
+
+/// The same for the loop model.
+pub(crate) fn plausible_loop(claim: &str, model: &LoopModel) -> Result<(), Refutation> {
+    let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
+    for value in bandwidths.chain([model.period_s]) {
+        if !value.is_finite() || value <= 0.0 {
+            return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
+        }
+    }
+    let delay = f64::from(model.delay_samples);
+    at_most(claim, "delay ≤ 8 samples", delay, phihat::DELAY_MAX as f64)
+}
+
+/// The same for a list of inertia ratios.
+pub(crate) fn plausible_ratios(claim: &str, mu: &[f64]) -> Result<(), Refutation> {
+    at_most(claim, "1 ≤ number of inertia ratios", 1.0, mu.len() as f64)?;
+    let least = mu.iter().fold(f64::INFINITY, |least, mu| mu.min(least));
+    at_most(claim, "0 < μ", f64::MIN_POSITIVE, least)
 }

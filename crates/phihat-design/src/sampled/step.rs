@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::model::LoopModel;
-use super::refutation::{Refutation, at_most};
+use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "largest step";
 
@@ -51,11 +52,14 @@ impl LargestStep {
     }
 
     fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
+        plausible_ratios(CLAIM, &mu)?;
         let (mut torque, mut change) = (0.0_f64, 0.0_f64);
         for mu in &mu {
             let matrix = StateMatrix::new(gains, model, *mu);
             let Some(response) = Response::of(&matrix, &matrix.reference()[0]) else {
-                return Err(Refutation::new(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
+                return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
             };
             torque = torque.max(response.step_peak());
             change = change.max(response.peak());

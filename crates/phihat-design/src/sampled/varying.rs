@@ -4,9 +4,10 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::cholesky::least_pivot;
-use super::refutation::Refutation;
+use super::refutation::{plausible, refuse};
 use super::riccati;
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "varying inertia";
 
@@ -64,6 +65,7 @@ impl VaryingWindow {
     ///
     /// [`Refutation`] when there is no such `P`, or none was found.
     pub fn find(gains: &JointRecord, (low, high): (f64, f64)) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
         common_form_exists(gains, low, high)?;
         let rate_per_s = rate(gains);
         let slow = matrix(gains, rate_per_s, 1.0 / high);
@@ -72,7 +74,7 @@ impl VaryingWindow {
         let c = DMatrix::from_fn(n, 1, |i, _| (1.0 / low - 1.0 / high) * k[i]);
         let b = DMatrix::from_fn(n, 1, |i, _| if i + 1 == n { 1.0 } else { 0.0 });
         let shifted = &slow - &b * c.transpose() * 0.5;
-        let mut last = Refutation::new(CLAIM, "the Riccati equation has a solution", 0.0, 1.0);
+        let mut last = refuse(CLAIM, "the Riccati equation has a solution", 0.0, 1.0);
         for step in 1..12 {
             let margin = DMatrix::identity(n, n) * 10.0_f64.powi(-step);
             let q = &c * c.transpose() * 0.5 + margin;
@@ -119,8 +121,9 @@ impl VaryingWindow {
     ///
     /// [`Refutation`], naming the inequality and its least pivot.
     pub fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
+        plausible(CLAIM, gains)?;
         let n = gains.a.len() + 2;
-        let fails = |what: &str, left| Err(Refutation::new(CLAIM, what, left, PIVOT_SHARE));
+        let fails = |what: &str, left| Err(refuse(CLAIM, what, left, PIVOT_SHARE));
         let symmetric = (0..n).all(|i| {
             self.p.get(i).is_some_and(|row| {
                 row.len() == n && (0..i).all(|j| (row[j] - self.p[j][i]).abs() <= 0.0)
@@ -194,14 +197,14 @@ fn common_form_exists(gains: &JointRecord, low: f64, high: f64) -> Result<(), Re
     let [fast, slow] = [low, high].map(|mu| matrix(gains, rate, 1.0 / mu));
     for (what, a) in [("A(low) is Hurwitz", &fast), ("A(high) is Hurwitz", &slow)] {
         let worst = a.complex_eigenvalues().iter().fold(f64::NEG_INFINITY, |w, z| z.re.max(w));
-        if !(worst < 0.0) {
-            return Err(Refutation::new(CLAIM, what, worst, 0.0));
+        if worst.is_nan() || worst >= 0.0 {
+            return Err(refuse(CLAIM, what, worst, 0.0));
         }
     }
     for z in (&fast * &slow).complex_eigenvalues().iter() {
         if z.re < 0.0 && z.im.abs() < 1e-9 * z.re.abs() {
             let what = "A(low)A(high) has no negative real eigenvalue";
-            return Err(Refutation::new(CLAIM, what, z.re, 0.0));
+            return Err(refuse(CLAIM, what, z.re, 0.0));
         }
     }
     Ok(())

@@ -9,8 +9,9 @@ use super::exclusion::Exclusion;
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
 use super::polynomial::{Polynomial, on_circle};
-use super::refutation::Refutation;
+use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
+use crate::claims::Refutation;
 
 const CLAIM: &str = "inertia window";
 
@@ -67,6 +68,8 @@ impl InertiaWindow {
     ///
     /// [`Refutation`] when the loop is unstable at `μ = 1`.
     pub fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
         let open = OpenLoop::new(gains, model);
         stable_at_one(&open)?;
         Ok(Self::around(&open, 1.0))
@@ -132,6 +135,8 @@ impl InertiaWindow {
         model: &LoopModel,
         rate: f64,
     ) -> Result<(), Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
         let open = OpenLoop::new(gains, model);
         let radius = (-rate * model.period_s).exp();
         let Self { low, high, .. } = *self;
@@ -178,7 +183,7 @@ fn stable_at_one(open: &OpenLoop) -> Result<(), Refutation> {
         Ok(())
     } else {
         let inequality = "at μ = 1: argument of Δ + N over the half circle = π · degree";
-        Err(Refutation::new(CLAIM, inequality, turned, wanted))
+        Err(refuse(CLAIM, inequality, turned, wanted))
     }
 }
 

@@ -1,5 +1,10 @@
 //! The real core in a loop that is written anew: sensor, delay, drive and an inertia solved exactly.
-#![allow(dead_code, clippy::unwrap_used, reason = "each test uses a part; a panic is the report")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    unreachable_pub,
+    reason = "each test uses a part; a panic is the report"
+)]
 
 use std::f64::consts::TAU;
 
@@ -10,7 +15,7 @@ use phihat_design::JointRecord;
 use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity};
 
 /// What reaches the loop from outside in one sample.
-#[derive(Default, Clone, Copy)]
+#[derive(Debug, Default, Clone, Copy)]
 pub struct Outside {
     /// `φ` \[N·m\] at the start of the interval, and its slope.
     pub phi: f64,
@@ -21,6 +26,7 @@ pub struct Outside {
 }
 
 /// One joint in closed loop.
+#[derive(Debug)]
 pub struct Rig {
     pub gains: JointGains<f64>,
     pub state: JointState<f64>,
@@ -159,7 +165,7 @@ impl Rig {
     /// Whether a small kick dies out: growth is judged over `samples` after as many to forget the start.
     pub fn settles(mut self, samples: usize) -> bool {
         self.dq = 1e-3;
-        let mut window = |rig: &mut Self| {
+        let window = |rig: &mut Self| {
             let mut largest = 0.0_f64;
             for _ in 0..samples {
                 let _ = rig.step(&Outside::default());
@@ -178,6 +184,7 @@ impl Rig {
 }
 
 /// A reproducible stream of numbers in [0, 1).
+#[derive(Debug)]
 pub struct Random(pub u64);
 
 impl Random {
@@ -200,11 +207,8 @@ impl Random {
 
     /// A whole number below `n`.
     pub fn below(&mut self, n: u32) -> u32 {
-        (0..n).find(|k| f64::from(k + 1) / f64::from(n) > self.unit_peek()).unwrap_or(0)
-    }
-
-    fn unit_peek(&self) -> f64 {
-        Random(self.0).unit()
+        let share = self.unit();
+        (0..n).find(|k| share * f64::from(n) < f64::from(k + 1)).unwrap_or(0)
     }
 }
 
