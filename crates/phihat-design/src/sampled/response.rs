@@ -7,7 +7,7 @@ use super::state_matrix::{Reaction, StateMatrix};
 /// Powers are taken until this is left of the largest state.
 const LEFT: f64 = 1e-12;
 
-/// Longest horizon is `2^HALVINGS` samples.
+/// Longest horizon is `2^DOUBLINGS` samples.
 const DOUBLINGS: u32 = 21;
 
 /// After how many samples the loop has forgotten, and what is left then: `‖A^samples‖_∞ = left < 1`.
