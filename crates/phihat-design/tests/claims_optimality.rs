@@ -229,11 +229,7 @@ fn third_order_needs_what_theory_names() {
         // Together they suffice; the last q is the first condition alone.
         assert!(!named || positive, "{law:?}");
         assert_eq!(q[4] > 0.0, k_tilde > 2.0 * b[1]);
-        if named {
-            yes += 1
-        } else {
-            no += 1
-        }
+        *(if named { &mut yes } else { &mut no }) += 1;
         let claim = Optimality::at(&law, k_tilde).unwrap();
         assert_eq!(claim.certified().is_some(), positive, "{claim:?}");
     }
