@@ -6,6 +6,7 @@
     reason = "a command line speaks to a terminal"
 )]
 
+mod design;
 mod failure;
 mod files;
 mod record;
@@ -14,6 +15,7 @@ mod robots;
 mod run;
 mod simulate;
 mod table;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -40,6 +42,8 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Run(run::Run),
+    Design(design::Design),
+    Verify(verify::Verify),
     Simulate(simulate::Simulate),
     Report(report::Report),
     Robots(robots::Robots),
@@ -48,6 +52,8 @@ enum Verb {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().verb {
         Verb::Run(run) => run.execute(),
+        Verb::Design(design) => design.execute(),
+        Verb::Verify(verify) => verify.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Robots(robots) => robots.execute(),

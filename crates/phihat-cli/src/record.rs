@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat::Form;
-use phihat_design::{Gains, requested_gains};
+use phihat_design::{Gains, Outcome, arm_inside_window, requested_gains};
 use phihat_report::{Record, RunInfo};
 use phihat_sim::{Divergence, Metrics, Simulation, Trace};
 use phihat_study::{LawForm, Study};
@@ -21,6 +21,7 @@ pub(crate) struct Session {
     simulation: Simulation,
     folder: PathBuf,
     command: String,
+    warnings: Vec<String>,
 }
 
 /// A finished run.
@@ -40,6 +41,7 @@ impl Session {
         path: &Path,
         gains: Option<&Path>,
         folder: Option<&Path>,
+        uncertified: bool,
     ) -> Result<Self, Failure> {
         let study = Study::read(path).map_err(|e| Failure::study(&e))?;
         let mut command = format!("phihat run {}", path.display());
@@ -47,7 +49,10 @@ impl Session {
             command = format!("{command} --gains {}", file.display());
             Gains::from_json(&files::read(file)?).map_err(|e| Failure::at(file, e))?
         } else {
-            requested_gains(&study)
+            match requested_gains(&study) {
+                Some(stated) => stated,
+                None => designed_gains(&study, path)?,
+            }
         };
         let form = match study.control.form {
             LawForm::Observer => Form::Observer,
@@ -58,9 +63,18 @@ impl Session {
         let law = chosen
             .joint_gains(&names, study.control.period_ns, form)
             .map_err(|e| Failure::at(source, e))?;
+        let mut warnings = study.robot.warnings.clone();
+        if let Err(why) = arm_inside_window(&study, &chosen) {
+            if !uncertified {
+                let help = "a run with --uncertified shows what happens, and is marked";
+                return Err(Failure::at(source, format!("not armed: {why}\n  = help: {help}")));
+            }
+            command += " --uncertified";
+            warnings.push(format!("run uncertified: {why}"));
+        }
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
         let folder = folder.map_or_else(|| Path::new("out").join(&study.name), Path::to_owned);
-        Ok(Self { study, gains: chosen, simulation, folder, command })
+        Ok(Self { study, gains: chosen, simulation, folder, command, warnings })
     }
 
     /// Runs the loop and writes its record.
@@ -74,7 +88,7 @@ impl Session {
         let outcome = self.simulation.run(|done| bar.set_position(done));
         bar.finish_and_clear();
         let metrics = Metrics::of(&outcome.trace, &self.study);
-        let run = run_info(&self.study, self.command, outcome.divergence.as_ref());
+        let run = run_info(&self.study, (self.command, self.warnings), outcome.divergence.as_ref());
         let done = Done {
             folder: self.folder,
             study: self.study,
@@ -146,12 +160,24 @@ impl Done {
     }
 }
 
-fn run_info(study: &Study, command: String, divergence: Option<&Divergence>) -> RunInfo {
+/// Gains for a study that leaves them to the design.
+fn designed_gains(study: &Study, path: &Path) -> Result<Gains, Failure> {
+    match crate::design::designed(study, path)? {
+        Outcome::Designed(gains) => Ok(*gains),
+        Outcome::Infeasible(no) => Err(Failure::at(path, table::infeasible(&no))),
+        _ => Err(Failure::plain("an outcome that this version does not know")),
+    }
+}
+
+fn run_info(
+    study: &Study,
+    (command, mut warnings): (String, Vec<String>),
+    divergence: Option<&Divergence>,
+) -> RunInfo {
     let form = match study.control.form {
         LawForm::Observer => "observer",
         LawForm::Literal => "literal",
     };
-    let mut warnings = study.robot.warnings.clone();
     if let Some(d) = divergence {
         let place =
             format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);

@@ -24,6 +24,9 @@ pub(crate) struct Run {
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
+    #[arg(long)]
+    uncertified: bool,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -31,7 +34,12 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let session = Session::open(&self.study, self.gains.as_deref(), self.out.as_deref())?;
+        let session = Session::open(
+            &self.study,
+            self.gains.as_deref(),
+            self.out.as_deref(),
+            self.uncertified,
+        )?;
         let done = session.simulate()?;
         let page = write_report(&done.record(), &done.folder.join("report.html"))?;
         Ok(done.print(self.json, Some(&page)))

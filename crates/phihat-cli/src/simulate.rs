@@ -22,6 +22,9 @@ pub(crate) struct Simulate {
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
+    #[arg(long)]
+    uncertified: bool,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -29,7 +32,12 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let session = Session::open(&self.study, self.gains.as_deref(), self.out.as_deref())?;
+        let session = Session::open(
+            &self.study,
+            self.gains.as_deref(),
+            self.out.as_deref(),
+            self.uncertified,
+        )?;
         let done = session.simulate()?;
         Ok(done.print(self.json, None))
     }

@@ -2,6 +2,7 @@
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
+use phihat_design::{Certificate, Gains, Infeasible};
 use phihat_model::{InertiaRange, Robot};
 use phihat_sim::{Divergence, JointMetrics, Metrics};
 use phihat_study::{Study, VelocitySource};
@@ -261,4 +262,102 @@ pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
 
 fn stated(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), |value| value.to_string())
+}
+
+fn plain_table<const N: usize>(headers: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_header(headers);
+    table
+}
+
+/// One row of gains per joint.
+pub(crate) fn gains(gains: &Gains) -> Table {
+    let mut table =
+        plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", "a_0 … a_(m−1)"]);
+    for joint in &gains.joints {
+        let a: Vec<String> = joint.a.iter().map(|a| format!("{a:.1}")).collect();
+        table.add_row([
+            joint.name.clone(),
+            format!("{:.4}", joint.inertia_kg_m2),
+            format!("{:.1}", joint.kp_per_s2),
+            format!("{:.2}", joint.kd_per_s),
+            joint.a.len().to_string(),
+            a.join(", "),
+        ]);
+    }
+    align(&mut table);
+    table
+}
+
+/// What is claimed, one row per joint.
+pub(crate) fn certificate(certificate: &Certificate) -> String {
+    let mut table = plain_table([
+        "joint",
+        "bound |e|\nmrad",
+        "bound |ė|\nmrad/s",
+        "window\nμ",
+        "gain margin\n÷ … ×",
+        "phase\n°",
+        "delay\nms",
+        "modulus",
+        "|Δτ| from encoder\nN·m, rms / bound",
+        "largest step\nmrad",
+    ]);
+    for joint in &certificate.joints {
+        let bound = |value: Option<f64>, decimals: usize| {
+            value.map_or_else(|| "–".to_owned(), |v| format!("{:.*}", decimals, v * MILLI))
+        };
+        let noise = joint.noise.as_ref().map_or_else(
+            || "–".to_owned(),
+            |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm),
+        );
+        table.add_row([
+            joint.name.clone(),
+            bound(joint.bounds.map(|b| b.error_rad), 3),
+            bound(joint.bounds.map(|b| b.velocity_error_rad_s), 1),
+            format!("{:.3} … {:.2}", joint.window.low, joint.window.high),
+            format!("{:.2} … {:.2}", joint.margins.gain_down, joint.margins.gain_up),
+            format!("{:.0}", joint.margins.phase_deg),
+            format!("{:.1}", joint.margins.delay_s * MILLI),
+            format!("{:.2}", joint.margins.modulus),
+            noise,
+            bound(joint.step.step_rad, 2),
+        ]);
+    }
+    align(&mut table);
+    let arm = &certificate.arm;
+    let inside = format!(
+        "the arm's inertia: μ = {:.3} … {:.3}, inside every window by a factor of {} at both ends",
+        arm.low, arm.high, certificate.window_margin
+    );
+    let optimal = certificate.joints.first().map_or_else(String::new, |joint| {
+        let gamma = joint.attenuation.gamma_return_difference;
+        gamma.map_or_else(
+            || "no H-infinity level: the return difference fails".to_owned(),
+            |gamma| format!("inverse optimal for every H-infinity level γ > {gamma:.4}"),
+        )
+    });
+    format!("{table}\n{inside}\n({})\n{optimal}", arm.source)
+}
+
+/// Why no gains keep every clause.
+pub(crate) fn infeasible(no: &Infeasible) -> String {
+    let mut lines = vec![format!(
+        "NO GAINS keep every clause: {} laws tried, with up to three nominal inertias each; {} keep the \
+         stability window and margin",
+        no.tried, no.stable
+    )];
+    for clause in &no.clauses {
+        let joint = clause.joint.as_ref().map_or_else(String::new, |j| format!(" on {j}"));
+        let possible = clause.possible.map_or_else(
+            || "no value alone makes it possible".to_owned(),
+            |value| format!("{value:.3e} is possible while all others stand"),
+        );
+        lines.push(format!("  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted));
+    }
+    lines.push(
+        "a higher loop rate, less delay or a slower velocity filter change what is possible".into(),
+    );
+    lines.join("\n")
 }

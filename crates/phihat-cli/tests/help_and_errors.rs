@@ -12,7 +12,7 @@ use support::{folder, json, phihat};
 fn examples_of_every_help_work_as_typed() {
     let folder = folder("help");
     let mut examples = 0;
-    for verb in ["", "run", "simulate", "report", "robots"] {
+    for verb in ["", "run", "design", "verify", "simulate", "report", "robots"] {
         let arguments: Vec<&str> = [verb, "--help"].into_iter().filter(|a| !a.is_empty()).collect();
         let help = phihat(&folder, &arguments);
         assert_eq!(help.code, 0);
@@ -24,7 +24,7 @@ fn examples_of_every_help_work_as_typed() {
             examples += 1;
         }
     }
-    assert!(examples >= 6, "only {examples} examples found");
+    assert!(examples >= 8, "only {examples} examples found");
 }
 
 #[test]

@@ -114,9 +114,17 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
         .join("\n");
     fs::write(folder.join("wild.toml"), wild).unwrap();
     let answer = phihat(&folder, &["run", "wild.toml"]);
+    assert_eq!(answer.code, 2, "gains outside the window do not arm: {}", answer.out);
+    assert!(
+        answer.err.contains("not armed") && answer.err.contains("window.low"),
+        "{}",
+        answer.err
+    );
+    assert!(!folder.join("out/wild").exists());
+    let answer = phihat(&folder, &["run", "wild.toml", "--uncertified"]);
     assert_eq!(answer.code, 1, "{}\n{}", answer.out, answer.err);
     assert!(answer.out.contains("DIVERGED at t ="), "{}", answer.out);
     assert!(folder.join("out/wild/trace.csv").is_file());
     let page = fs::read_to_string(folder.join("out/wild/report.html")).unwrap();
-    assert!(page.contains("diverged"));
+    assert!(page.contains("diverged") && page.contains("uncertified"));
 }

@@ -4,6 +4,8 @@ use phihat::{Form, GainError, JointDesign, JointGains};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::certificate::Certificate;
+
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
 
@@ -44,6 +46,9 @@ pub struct Gains {
     pub method: String,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
+    /// What is claimed about them, with its evidence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Certificate>,
 }
 
 /// Why a gains document cannot be used.

@@ -1,13 +1,26 @@
-//! From a study's specification to gains.
+//! From a study's specification to gains that are proved, or a "no" with its reason.
 //!
-//! In this version: the gains a study states, as a versioned document. Nothing here claims that they are
-//! stable on a given arm.
+//! [`design()`] searches; [`Certificate`] holds what is claimed, as data; [`Certificate::verify`] checks it again
+//! from the gains alone. [`claims`] are about the continuous law, [`sampled`] about the loop as it runs.
+//!
+//! # Not claimed
+//!
+//! Limits in action, contacts, and postures that were not sampled are outside of every claim.
 #![forbid(unsafe_code)]
 
+mod arm;
+mod certificate;
 pub mod claims;
+mod designer;
 mod gains;
+mod phi;
+mod quick;
 mod request;
 pub mod sampled;
 
+pub use arm::{ArmError, ArmInertia};
+pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
+pub use designer::{Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
+pub use phi::Phi;
 pub use request::requested_gains;

@@ -15,10 +15,13 @@ use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
 /// ```
 ///
 /// All estimator poles lie at the distance `ω_o`. Nothing is claimed about stability here.
-pub fn requested_gains(study: &Study) -> Gains {
-    let inertia = &study.gains.inertia;
+///
+/// `None` when the study leaves them to the design.
+pub fn requested_gains(study: &Study) -> Option<Gains> {
+    let request = study.gains.as_ref()?;
+    let inertia = &request.inertia;
     let joint = |(i, joint): (usize, &phihat_model::Joint)| {
-        let (kp, kd, a) = law(&study.gains.law, i);
+        let (kp, kd, a) = law(&request.law, i);
         JointRecord {
             name: joint.name.clone(),
             inertia_kg_m2: inertia[i],
@@ -27,11 +30,11 @@ pub fn requested_gains(study: &Study) -> Gains {
             a,
         }
     };
-    let method = match study.gains.law {
+    let method = match request.law {
         LawRequest::Bandwidths { .. } => "bandwidths stated in the study",
         _ => "coefficients stated in the study",
     };
-    Gains {
+    Some(Gains {
         format: FORMAT.to_owned(),
         version: VERSION,
         study: study.name.clone(),
@@ -39,7 +42,8 @@ pub fn requested_gains(study: &Study) -> Gains {
         rate_hz: 1e9 / study.control.period_ns as f64,
         method: method.to_owned(),
         joints: study.robot.joints.iter().enumerate().map(joint).collect(),
-    }
+        certificate: None,
+    })
 }
 
 fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
@@ -63,7 +67,7 @@ fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
 }
 
 /// `a_0 … a_{m−1}` of (G1).
-fn estimator(order: usize, w: f64, z: f64) -> Vec<f64> {
+pub(crate) fn estimator(order: usize, w: f64, z: f64) -> Vec<f64> {
     let real = [w, 1.0];
     let pair = [w * w, 2.0 * z * w, 1.0];
     let mut polynomial = match order {

@@ -30,7 +30,7 @@ fn study(form: &str, delay: u32, velocity: &str, filter: &str, drive: &str) -> S
 
 /// Largest difference of position \[rad\] between the simulator and the powers of the matrix.
 fn difference(study: &Study) -> f64 {
-    let document = requested_gains(study);
+    let document = requested_gains(study).unwrap();
     let model = LoopModel::from_study(study, 0);
     let form = match model.form {
         LoopForm::Observer => Form::Observer,

@@ -10,9 +10,11 @@
 //!
 //! # Not claimed
 //!
-//! A page shows one recorded run. It proves nothing about other runs, and it is no certificate.
+//! A page shows one recorded run. It proves nothing about other runs; what is
+//! proved about the gains stands in their certificate, which the page repeats and does not check.
 #![forbid(unsafe_code)]
 
+mod certificate;
 mod chart;
 mod decimate;
 mod figure;

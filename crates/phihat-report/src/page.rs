@@ -1,5 +1,6 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
+use crate::certificate::certificate;
 use crate::chart::DRAWABLE_MAX;
 use crate::figure::figures;
 use crate::number::stated;
@@ -45,10 +46,11 @@ pub fn page(record: &Record<'_>) -> String {
                     (table::torque(record.metrics))
                     (plots(record))
                     (sections::gains(record.gains))
+                    (certificate(record))
                     (sections::world(record))
                     (sections::study(record))
                     (sections::origin(record))
-                    (sections::not_claimed())
+                    (sections::not_claimed(record.gains.certificate.is_some()))
                 }
                 script type="application/json" id="record" { (PreEscaped(payload(record))) }
                 script { (PreEscaped(PLOT_SCRIPT)) }

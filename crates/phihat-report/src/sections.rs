@@ -84,13 +84,20 @@ pub(crate) fn origin(record: &Record<'_>) -> Markup {
 }
 
 /// What a reader may not conclude.
-pub(crate) fn not_claimed() -> Markup {
+pub(crate) fn not_claimed(certified: bool) -> Markup {
     html! {
         h2 id="limits" { "What this page does not claim" }
         p {
             "This is one simulated run of a model of a robot. A real arm has dynamics, delays and faults that no model "
-            "here holds, and another start, load or seed gives another run. No certificate backs these figures yet: "
-            "they are measurements, not bounds. phihat is research software, not a safety function; whoever runs these "
+            "here holds, and another start, load or seed gives another run. "
+            @if certified {
+                "The certificate's bounds hold for the linear sampled loop, inside the arm's range of inertia and the stated φ, "
+                "while no limit acts; coupling counts through the eigenvalues of the inertia only, and Coriolis torque as part "
+                "of φ along the reference. "
+            } @else {
+                "No certificate backs these figures: they are measurements, not bounds. "
+            }
+            "phihat is research software, not a safety function; whoever runs these "
             "gains on a machine needs the machine's own protective stop, limits and risk assessment."
         }
         p {

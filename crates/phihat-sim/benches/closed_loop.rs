@@ -41,7 +41,7 @@ fn gains(study: &Study) -> Vec<JointGains<f64>> {
     let joint = |m: &f64| {
         JointGains::new(&JointDesign { inertia: *m, kp: 400.0, kd: 40.0, a, period, form })
     };
-    study.gains.inertia.iter().map(|m| joint(m).unwrap()).collect()
+    study.gains.as_ref().unwrap().inertia.iter().map(|m| joint(m).unwrap()).collect()
 }
 
 fn times_real_time(study: &Study, runs: usize) -> f64 {

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod curve;
+mod demand;
 mod drive;
 mod error;
 mod friction;
@@ -20,6 +21,7 @@ mod trace_csv;
 #[cfg(feature = "parquet")]
 mod trace_parquet;
 
+pub use demand::{Demand, PhiAlong};
 pub use error::SimError;
 pub use friction::{COULOMB_VELOCITY, Friction};
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};

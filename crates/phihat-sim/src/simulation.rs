@@ -158,7 +158,7 @@ impl Simulation {
 }
 
 /// Samples of a run: every `kT` that lies before the end.
-fn samples(duration: f64, period_ns: u64) -> u64 {
+pub(crate) fn samples(duration: f64, period_ns: u64) -> u64 {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -187,7 +187,7 @@ fn limited(
     gains.iter().enumerate().map(with).collect()
 }
 
-fn loaded_model(study: &Study) -> Result<Model, SimError> {
+pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
     let model = study.robot.plant_model().with_gravity(study.world.gravity);
     let Some(payload) = &study.world.payload else { return Ok(model) };
     let frame = model
@@ -197,7 +197,7 @@ fn loaded_model(study: &Study) -> Result<Model, SimError> {
     model.with_payload(frame, &body).map_err(|e| SimError::Payload(e.to_string()))
 }
 
-fn frictions(study: &Study) -> Vec<Friction> {
+pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
     let of = |(i, joint): (usize, &phihat_model::Joint)| {
         let mut friction = if study.world.robot_friction {
             let own = &joint.friction;

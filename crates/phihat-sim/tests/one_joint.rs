@@ -154,7 +154,7 @@ fn a_run_that_diverges_stops_and_says_where() {
         "duration_s = 5.0",
         &format!("[loop]\ndelay_samples = 1\n[start]\nq_rad = 0.31\n{HOLD}"),
     );
-    study.gains.inertia = vec![20.0 * ROD_INERTIA];
+    study.gains.as_mut().unwrap().inertia = vec![20.0 * ROD_INERTIA];
     study.control.torque_max = None;
     study.spec.error_max = Some(vec![1e-3]);
     let outcome = run(&study);

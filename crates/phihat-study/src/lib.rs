@@ -15,6 +15,7 @@ mod arm;
 mod cartesian;
 mod check;
 mod control;
+mod design;
 mod error;
 mod format;
 mod gains;

@@ -15,7 +15,7 @@ use crate::node::Node;
 use crate::reference::Run;
 use crate::source::Source;
 use crate::study::Study;
-use crate::{control, gains, reference, spec, world};
+use crate::{control, design, gains, reference, spec, world};
 
 /// Largest study \[byte\].
 const BYTES_MAX: usize = 1 << 20;
@@ -83,13 +83,33 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         seed: top.count("seed")?,
         duration,
         spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
-        gains: gains::read(&top.child("gains"), &arm.joints, rate)?,
+        gains: stated_gains(top, &arm, rate)?,
+        design: design::read(&top.child("design"), &arm.joints)?,
         control: control::read(&top.child("loop"), &arm, period_ns)?,
         sensor: control::read_sensor(&top.child("sensor"), &arm, rate)?,
         world: world::read(top, &arm, duration)?,
         reference: reference::read(&top.child("reference"), &arm, run)?,
         robot: arm.robot,
     })
+}
+
+/// `[gains]`, unless they are left to `[design]`.
+fn stated_gains(
+    top: &Node<'_>,
+    arm: &Arm,
+    rate: f64,
+) -> Result<Option<crate::GainsRequest>, StudyError> {
+    let node = top.child("gains");
+    if !node.exists() && top.child("design").exists() {
+        return Ok(None);
+    }
+    if !node.exists() {
+        let help = "state `[gains]`, or leave them to `phihat design` by a `[design]` section";
+        return Err(top
+            .error(Kind::MissingKey, "gains", "missing section [gains]")
+            .with_help(help));
+    }
+    gains::read(&node, &arm.joints, rate).map(Some)
 }
 
 /// The study's name: the stem of its file.

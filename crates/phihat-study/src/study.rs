@@ -21,8 +21,10 @@ pub struct Study {
     pub robot: Robot,
     /// The error the user can live with.
     pub spec: Spec,
-    /// The gains asked for.
-    pub gains: GainsRequest,
+    /// The gains asked for; `None`: they are to be designed.
+    pub gains: Option<GainsRequest>,
+    /// What gains shall be found from.
+    pub design: DesignRequest,
     /// The control loop.
     pub control: Control,
     /// Sensors.
@@ -44,6 +46,27 @@ pub struct Spec {
     pub error_integral_max: Option<Vec<f64>>,
     /// Largest |ė| \[rad/s\] per joint.
     pub velocity_error_max: Option<Vec<f64>>,
+}
+
+/// `[design]`: what gains shall be found from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignRequest {
+    /// Estimator orders to try, ascending.
+    pub orders: Vec<usize>,
+    /// Heaviest body at the tip \[kg\].
+    pub payload_max: f64,
+    /// Typed range of each joint's inertia \[kg·m²\], low and high.
+    pub inertia: Option<(Vec<f64>, Vec<f64>)>,
+    /// Factor by which the arm's inertia must stay inside the window, at both ends.
+    pub window_margin: f64,
+    /// Smallest modulus margin over the arm's range of inertia.
+    pub modulus_min: f64,
+    /// Largest change of torque per sample that encoder steps may cause \[N·m\] per joint.
+    pub torque_step_max: Option<Vec<f64>>,
+    /// Typed `φ`: largest rate of its smooth part \[N·m/s\], largest size of its jumps \[N·m\].
+    pub phi: Option<(Vec<f64>, Vec<f64>)>,
+    /// Largest 2 % settling time of the outer loop \[s\].
+    pub settling_time: Option<f64>,
 }
 
 /// `[gains]`: what the study says about them.

@@ -9,7 +9,7 @@ mod support;
 use support::{read, with_line};
 
 fn inertia(text: &str) -> Vec<f64> {
-    read(&with_line(16, &format!("inertia_kg_m2 = {text}"))).unwrap().gains.inertia
+    read(&with_line(16, &format!("inertia_kg_m2 = {text}"))).unwrap().gains.unwrap().inertia
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn all_5040_orders_of_seven_joints_map_right() {
             entries.join(", ")
         );
         let expected = [1.25, 2.25, 3.25, 4.25, 5.25, 6.25, 7.25];
-        assert_eq!(read(&text).unwrap().gains.inertia, expected, "{entries:?}");
+        assert_eq!(read(&text).unwrap().gains.unwrap().inertia, expected, "{entries:?}");
     });
     assert_eq!(count, 5040);
 }

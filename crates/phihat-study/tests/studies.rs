@@ -18,7 +18,8 @@ fn every_published_study_is_read() {
         assert_eq!(study.name, path.file_stem().unwrap().to_str().unwrap());
         assert_ne!(study.title, study.name, "a published study has a title");
         assert!(study.spec.error_max.is_some(), "{}: states no error bound", study.name);
-        assert_eq!(study.gains.inertia.len(), study.robot.joints.len());
+        let inertia = study.gains.as_ref().map_or(study.robot.joints.len(), |g| g.inertia.len());
+        assert_eq!(inertia, study.robot.joints.len());
     }
 }
 
@@ -40,7 +41,8 @@ fn what_is_not_said_has_its_default() {
         estimator_bandwidth: vec![30.0; 3],
         estimator_damping: vec![1.0; 3],
     };
-    assert_eq!((study.gains.inertia, study.gains.law), (vec![1.0; 3], law));
+    let gains = study.gains.unwrap();
+    assert_eq!((gains.inertia, gains.law), (vec![1.0; 3], law));
     let control = &study.control;
     assert_eq!((control.period_ns, control.delay_samples), (1_000_000, 0));
     assert_eq!(control.form, LawForm::Observer);
@@ -64,7 +66,7 @@ fn what_is_said_arrives() {
     assert_eq!((study.title.as_str(), study.seed), ("base", 3));
     assert_eq!(study.text, GOOD);
     assert_eq!(study.spec.error_max, Some(vec![1e-3; 3]));
-    assert_eq!(study.gains.inertia, [0.42, 0.18, 0.14]);
+    assert_eq!(study.gains.unwrap().inertia, [0.42, 0.18, 0.14]);
     assert_eq!(study.control.delay_samples, 1);
     assert_eq!(study.sensor.encoder_bits, Some(vec![18; 3]));
     assert_eq!(study.sensor.velocity, VelocitySource::Differenced);
@@ -100,7 +102,7 @@ fn the_law_may_be_stated_by_coefficients() {
     );
     let law =
         LawRequest::Coefficients { kp: vec![400.0; 3], kd: vec![40.0; 3], a: vec![4844.0, 139.2] };
-    assert_eq!(read(&text).unwrap().gains.law, law);
+    assert_eq!(read(&text).unwrap().gains.unwrap().law, law);
 }
 
 #[test]
@@ -129,7 +131,7 @@ fn locked_joints_are_gone_and_the_rest_keeps_its_order() {
     let study = read(&text).unwrap();
     let names: Vec<&str> = study.robot.joints.iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(names, ["joint2", "joint3"]);
-    assert_eq!(study.gains.inertia, [0.2, 0.3]);
+    assert_eq!(study.gains.unwrap().inertia, [0.2, 0.3]);
     assert_eq!(study.world.pushes[0].joint, 0);
     let Reference::Sines { center, .. } = study.reference else { panic!("sines") };
     assert_eq!(center, [1.2, 0.6], "the named pose without the locked joint");
@@ -160,7 +162,7 @@ fn sines_are_refused_only_where_they_leave_the_limits() {
 #[test]
 fn a_byte_order_mark_and_carriage_returns_do_no_harm() {
     let text = format!("\u{feff}{}", GOOD.replace('\n', "\r\n"));
-    assert_eq!(read(&text).unwrap().gains.inertia, [0.42, 0.18, 0.14]);
+    assert_eq!(read(&text).unwrap().gains.unwrap().inertia, [0.42, 0.18, 0.14]);
     let error = read(&text.replace("rate_hz", "rate_khz")).unwrap_err();
     assert_eq!((error.line(), error.column()), (19, 1));
 }

@@ -182,6 +182,7 @@ fn gains(joints: usize) -> Gains {
         rate_hz: 1000.0,
         method: "bandwidths stated in the study".into(),
         joints: (0..joints).map(joint).collect(),
+        certificate: None,
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) fn gains(study: &Study) -> Vec<JointGains<f64>> {
         JointGains::new(&JointDesign { inertia: *inertia, kp: 400.0, kd: 40.0, a, period, form })
             .unwrap()
     };
-    study.gains.inertia.iter().map(joint).collect()
+    study.gains.as_ref().unwrap().inertia.iter().map(joint).collect()
 }
 
 /// Runs a study under [`gains`].

@@ -1,0 +1,95 @@
+//! `phihat design`: from a specification to gains with a certificate, or a "no" with its reason.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use phihat_design::{Gains, Infeasible, Outcome, Phi};
+use phihat_sim::Demand;
+use phihat_study::Study;
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::{files, table};
+
+/// Find gains that keep a study's specification, and prove what can be proved about them.
+///
+/// The study states the largest error under `spec`, and under `design` what is known of arm and load. Writes
+/// gains.json, which `phihat verify` checks again and `phihat simulate --gains` runs.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit code 1: no gains keep every clause; the clauses in the way are told.\n\n\
+                        Example:\n  phihat design studies/panda_design.toml"
+)]
+pub(crate) struct Design {
+    /// The study file (TOML).
+    study: PathBuf,
+    /// Where to write the gains [default: out/STUDY/gains.json].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Design {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        match designed(&study, &self.study)? {
+            Outcome::Designed(gains) => self.write(&study, &gains),
+            Outcome::Infeasible(no) => Ok(self.refuse(&no)),
+            _ => Err(Failure::plain("an outcome that this version does not know")),
+        }
+    }
+
+    fn write(&self, study: &Study, gains: &Gains) -> Result<ExitCode, Failure> {
+        let default = || Path::new("out").join(&study.name).join("gains.json");
+        let path = self.out.clone().unwrap_or_else(default);
+        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+            files::make_folder(folder)?;
+        }
+        files::write(&path, &gains.to_json().map_err(Failure::plain)?)?;
+        if self.json {
+            println!("{:#}", json!({ "outcome": "designed", "file": path, "gains": gains }));
+        } else {
+            println!("{}", table::gains(gains));
+            if let Some(certificate) = &gains.certificate {
+                println!("{}", table::certificate(certificate));
+            }
+            println!("gains: {}", path.display());
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn refuse(&self, no: &Infeasible) -> ExitCode {
+        if self.json {
+            println!("{:#}", json!({ "outcome": "infeasible", "reason": no }));
+        } else {
+            println!("{}", table::infeasible(no));
+        }
+        ExitCode::from(1)
+    }
+}
+
+/// Designs gains for a study; `φ` as typed in the study, else along its reference.
+pub(crate) fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
+    let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
+    let phi = |joint: usize, inertia: f64| {
+        if let Some((rate, jump)) = &study.design.phi {
+            return Phi {
+                source: "typed in the study".to_owned(),
+                size_nm: None,
+                rate_nm_s: rate[joint],
+                jump_nm: jump[joint],
+            };
+        }
+        let along = demand.phi(joint, inertia);
+        Phi {
+            source: "inverse dynamics along the reference, with and without payload".to_owned(),
+            size_nm: Some(along.size),
+            rate_nm_s: along.rate,
+            jump_nm: along.jump,
+        }
+    };
+    phihat_design::design(study, &phi).map_err(|e| Failure::at(path, e))
+}

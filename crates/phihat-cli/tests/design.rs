@@ -1,0 +1,71 @@
+//! From a specification to gains, checked again by `verify`, run by `simulate`; or a "no" with exit code 1.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+
+use support::{folder, json, phihat};
+
+#[test]
+fn designed_gains_are_verified_and_keep_their_bound_in_the_loop() {
+    let folder = folder("design");
+    let answer = json(&folder, &["design", "studies/panda_design.toml", "--json"]);
+    assert_eq!(answer["outcome"], "designed");
+    let file = answer["file"].as_str().unwrap();
+    assert_eq!(file, "out/panda_design/gains.json");
+    let verified = json(&folder, &["verify", file, "--json"]);
+    assert_eq!(verified["holds"], true);
+    let run = ["simulate", "studies/panda_design.toml", "--gains", file, "--json"];
+    let metrics = json(&folder, &run)["metrics"].clone();
+    let claims = answer["gains"]["certificate"]["joints"].as_array().unwrap();
+    for (joint, claim) in metrics["joints"].as_array().unwrap().iter().zip(claims) {
+        let bound = claim["bounds"]["error_rad"].as_f64().unwrap();
+        let measured = joint["error_steady_max_rad"].as_f64().unwrap();
+        assert!(measured <= bound && bound <= 1e-3, "{}: {measured} {bound}", joint["name"]);
+    }
+}
+
+#[test]
+fn a_study_without_gains_is_designed_on_the_way() {
+    let folder = folder("design-run");
+    let answer = phihat(&folder, &["run", "studies/panda_design.toml"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let gains = fs::read_to_string(folder.join("out/panda_design/gains.json")).unwrap();
+    assert!(gains.contains("certificate"));
+}
+
+#[test]
+fn a_forged_certificate_is_refused_with_the_inequality() {
+    let folder = folder("forged");
+    assert_eq!(phihat(&folder, &["design", "studies/panda_design.toml"]).code, 0);
+    let path = folder.join("out/panda_design/gains.json");
+    let mut gains: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let bound = &mut gains["certificate"]["joints"][6]["bounds"]["error_rad"];
+    *bound = serde_json::json!(bound.as_f64().unwrap() * 0.5);
+    fs::write(&path, gains.to_string()).unwrap();
+    let answer = phihat(&folder, &["verify", "out/panda_design/gains.json"]);
+    assert_eq!(answer.code, 1);
+    assert!(answer.out.contains("REFUSED: panda_joint7: error bound"), "{}", answer.out);
+}
+
+#[test]
+fn what_cannot_be_had_is_told_with_what_can() {
+    let folder = folder("infeasible");
+    let text = fs::read_to_string(folder.join("studies/panda_design.toml")).unwrap();
+    let strict = text.replace("error_max_rad = 1e-3", "error_max_rad = 1e-5");
+    assert!(strict != text);
+    fs::write(folder.join("strict.toml"), strict).unwrap();
+    let answer = phihat(&folder, &["design", "strict.toml"]);
+    assert_eq!(answer.code, 1, "{}", answer.err);
+    assert!(
+        answer.out.contains("NO GAINS") && answer.out.contains("is possible"),
+        "{}",
+        answer.out
+    );
+    assert!(!folder.join("out").exists());
+    let answer = phihat(&folder, &["verify", "studies/first.toml"]);
+    assert_eq!(answer.code, 2);
+    assert!(answer.err.contains("studies/first.toml"), "{}", answer.err);
+}

@@ -1,0 +1,27 @@
+//! What the unknown dynamics may be.
+
+use serde::{Deserialize, Serialize};
+
+/// Bounds on one joint's `φ`, split into a smooth part and jumps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Phi {
+    /// Where they come from, in words.
+    pub source: String,
+    /// Largest |φ| \[N·m\]; `None`: not known, or not needed.
+    pub size_nm: Option<f64>,
+    /// Largest |φ̇| of the smooth part \[N·m/s\].
+    pub rate_nm_s: f64,
+    /// Largest size of the part that jumps \[N·m\].
+    pub jump_nm: f64,
+}
+
+impl Phi {
+    /// What a signal with these bounds does through a peak-to-peak gain `jump` from `φ`, and `ramp` from `φ̇`:
+    /// `ramp |φ̇_smooth| + jump |φ_jump|`, or `jump |φ|` where the size is known and gives less.
+    pub(crate) fn bound(&self, jump: f64, ramp: Option<f64>) -> f64 {
+        let smooth = ramp.map_or(f64::INFINITY, |gain| gain * self.rate_nm_s);
+        let by_parts = smooth + jump * self.jump_nm;
+        self.size_nm.map_or(by_parts, |size| by_parts.min(jump * size))
+    }
+}

@@ -1,0 +1,184 @@
+//! A design keeps what it promises: its certificate survives its own check and no forged one does; the
+//! closed loop on the arm stays inside the bounds; what cannot be had is refused with the value that can.
+//! Wrong if a bound were not a bound, or if "infeasible" were said of something possible.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
+
+use std::path::Path;
+
+use phihat::Form;
+use phihat_design::{Gains, Outcome, Phi, arm_inside_window, design};
+use phihat_sim::{Demand, Metrics, Simulation};
+use phihat_study::Study;
+
+/// Changes gains or certificate.
+type Forge<'a> = &'a dyn Fn(&mut Gains);
+
+/// Joint center positions and the payload each arm is asked to bear.
+const ARMS: [(&str, &str, f64); 4] = [
+    ("planar3r", "[0.3, 0.8, 0.4]", 0.3),
+    ("panda", "[0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.5]", 1.0),
+    ("iiwa14", "[0.0, 0.5, 0.0, -1.2, 0.0, 0.8, 0.0]", 2.0),
+    ("ur5", "[0.0, -1.2, 1.2, -0.8, 0.6, 0.3]", 1.0),
+];
+
+fn study(arm: &str, center: &str, payload: f64, error: f64) -> Study {
+    let text = format!(
+        "duration_s = 8.0\n[robot]\nname = \"{arm}\"\n[spec]\nsettle_s = 3.0\nerror_max_rad = {error:e}\n\
+         [design]\npayload_max_kg = {payload}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\n\
+         velocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\ncoulomb_extra_nm = 0.1\n\
+         substeps = 4\npayload = {{ mass_kg = {payload} }}\n[reference]\nkind = \"sines\"\n\
+         center_rad = {center}\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.2\n\
+         frequency_hz = 0.2\nphase_rad = 0.7\n"
+    );
+    Study::from_text(&text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn designed(study: &Study) -> Outcome {
+    let demand = Demand::along(study).unwrap();
+    let phi = |joint: usize, inertia: f64| {
+        let along = demand.phi(joint, inertia);
+        Phi {
+            source: "along the reference".to_owned(),
+            size_nm: Some(along.size),
+            rate_nm_s: along.rate,
+            jump_nm: along.jump,
+        }
+    };
+    design(study, &phi).unwrap()
+}
+
+fn gains(study: &Study) -> Gains {
+    match designed(study) {
+        Outcome::Designed(gains) => *gains,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn closed_loop_stays_inside_the_certified_bounds_on_every_arm() {
+    for (arm, center, payload) in ARMS {
+        let study = study(arm, center, payload, 2e-3);
+        let gains = gains(&study);
+        let certificate = gains.certificate.as_ref().unwrap();
+        certificate.verify(&gains).unwrap();
+        arm_inside_window(&study, &gains).unwrap();
+        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer).unwrap();
+        let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());
+        assert!(outcome.divergence.is_none());
+        let metrics = Metrics::of(&outcome.trace, &study);
+        assert!(metrics.within_spec, "{arm}");
+        for (joint, claim) in metrics.joints.iter().zip(&certificate.joints) {
+            let bounds = claim.bounds.unwrap();
+            let ratio = bounds.error_rad / joint.error_steady_max_rad;
+            println!(
+                "{arm} {}: bound {:.3} mrad, measured {:.3}, ratio {ratio:.1}",
+                joint.name,
+                bounds.error_rad * 1e3,
+                joint.error_steady_max_rad * 1e3
+            );
+            assert!(bounds.error_rad <= 2e-3, "{arm} {}", joint.name);
+            assert!(ratio >= 1.0, "{arm} {}: the bound does not hold", joint.name);
+            assert!(joint.velocity_error_steady_max_rad_s <= bounds.velocity_error_rad_s);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_had_is_refused_with_what_can() {
+    let (arm, center, payload) = ARMS[1];
+    let Outcome::Infeasible(no) = designed(&study(arm, center, payload, 1e-5)) else {
+        panic!("ten microradians are below the encoder's own resolution")
+    };
+    assert!(no.stable > 0 && no.tried > no.stable / 3);
+    let clause = &no.clauses[0];
+    assert_eq!(clause.key, "spec.error_max_rad");
+    assert!(clause.joint.as_ref().unwrap().starts_with("panda_joint"));
+    let possible = clause.possible.unwrap();
+    assert!(possible > 1e-5, "{possible}");
+    // The nearest possible value is possible; a tenth less is not.
+    assert!(matches!(
+        designed(&study(arm, center, payload, possible * 1.02)),
+        Outcome::Designed(_)
+    ));
+    let below = designed(&study(arm, center, payload, possible * 0.9));
+    assert!(matches!(below, Outcome::Infeasible(_)));
+}
+
+#[test]
+fn the_torque_rate_limit_is_a_clause() {
+    let (arm, center, payload) = ARMS[1];
+    let mut study = study(arm, center, payload, 2e-3);
+    let free = gains(&study);
+    let change = |gains: &Gains| {
+        let joints = &gains.certificate.as_ref().unwrap().joints;
+        joints.iter().map(|j| j.noise.as_ref().unwrap().change_max_nm).fold(0.0, f64::max)
+    };
+    // A hundredth of what the free design needs cannot be had, and the clause says so.
+    study.design.torque_step_max = Some(vec![change(&free) / 100.0; 7]);
+    let Outcome::Infeasible(no) = designed(&study) else { panic!("too quiet to be possible") };
+    let clause = no.clauses.iter().find(|c| c.key == "design.torque_step_max_nm").unwrap();
+    assert!(clause.possible.unwrap() > clause.wanted);
+}
+
+#[test]
+fn a_design_is_the_same_every_time_and_survives_its_file() {
+    let (arm, center, payload) = ARMS[0];
+    let study = study(arm, center, payload, 2e-3);
+    let first = gains(&study);
+    assert_eq!(first, gains(&study));
+    let again = Gains::from_json(&first.to_json().unwrap()).unwrap();
+    again.certificate.as_ref().unwrap().verify(&again).unwrap();
+}
+
+#[test]
+fn forged_certificates_are_refused_by_the_inequality() {
+    let (arm, center, payload) = ARMS[0];
+    let good = gains(&study(arm, center, payload, 2e-3));
+    let refusal = |forge: &dyn Fn(&mut Gains)| {
+        let mut forged = good.clone();
+        forge(&mut forged);
+        let why = forged.certificate.clone().unwrap().verify(&forged);
+        why.expect_err("a forged certificate must be refused").to_string()
+    };
+    let cases: [(&str, Forge<'_>); 8] = [
+        ("window", &|g| g.certificate.as_mut().unwrap().joints[1].window.high *= 1.1),
+        ("window", &|g| g.certificate.as_mut().unwrap().arm.high *= 3.0),
+        ("e|", &|g| {
+            let bounds = g.certificate.as_mut().unwrap().joints[0].bounds.as_mut().unwrap();
+            bounds.error_rad *= 0.9;
+        }),
+        ("torque noise", &|g| {
+            let noise = g.certificate.as_mut().unwrap().joints[2].noise.as_mut().unwrap();
+            noise.change_max_nm *= 0.9;
+        }),
+        ("M̄", &|g| g.joints[0].inertia_kg_m2 *= 1.5),
+        ("first joint", &|g| g.joints[1].kp_per_s2 *= 1.01),
+        ("names", &|g| g.joints[1].name = "other".to_owned()),
+        ("entry per joint", &|g| {
+            g.certificate.as_mut().unwrap().joints.pop();
+        }),
+    ];
+    for (part, forge) in cases {
+        let why = refusal(forge);
+        println!("{why}");
+        assert!(why.contains(part), "{part}: {why}");
+    }
+    // Every gain changed in every joint: nothing of the old certificate may survive.
+    let why = refusal(&|g| g.joints.iter_mut().for_each(|j| j.kd_per_s *= 1.5));
+    println!("{why}");
+}
+
+#[test]
+fn an_arm_outside_its_window_is_not_armed() {
+    let (arm, center, payload) = ARMS[1];
+    let study = study(arm, center, payload, 2e-3);
+    let mut gains = gains(&study);
+    arm_inside_window(&study, &gains).unwrap();
+    // Twelve times the nominal inertia: the arm is far below the window.
+    for joint in &mut gains.joints {
+        joint.inertia_kg_m2 *= 12.0;
+    }
+    let why = arm_inside_window(&study, &gains).unwrap_err().to_string();
+    assert!(why.contains("window.low") && why.contains("panda_joint1"), "{why}");
+}

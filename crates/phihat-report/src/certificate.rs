@@ -1,0 +1,112 @@
+//! What was proved about the gains, beside what the run measured.
+
+use crate::number::{number, stated};
+use crate::record::Record;
+use crate::text::line;
+use maud::{Markup, html};
+use phihat_design::{Certificate, JointCertificate};
+use phihat_sim::JointMetrics;
+
+/// Thousandths, for reading: mrad, mrad/s.
+const MILLI: f64 = 1e3;
+
+/// The certificate's claims, or nothing where there is none.
+pub(crate) fn certificate(record: &Record<'_>) -> Markup {
+    let Some(certificate) = &record.gains.certificate else { return html! {} };
+    let (low, high) = (certificate.arm.low, certificate.arm.high);
+    html! {
+        h2 id="certificate" { "Certificate" }
+        p {
+            "Claims about these gains that " code { "phihat verify" } " checks again from gains.json alone. The arm's inertia, "
+            "in units of M̄, was found between " (number(low)) " and " (number(high)) " (" (line(&certificate.arm.source))
+            "); it must stay inside each joint's window by a factor of " (stated(certificate.window_margin)) "."
+        }
+        (bounds(certificate, &record.metrics.joints))
+        (stability(certificate))
+        @if let Some(joint) = certificate.joints.first() { (weights(joint)) }
+    }
+}
+
+/// Bounds beside measurements.
+fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
+    let rows = || certificate.joints.iter().zip(measured);
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: certified bounds and measurements" {
+            table {
+                caption { span { "Bounds on the steady error, stated before the run, and what it measured" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "|e| certified " span.unit { "[mrad]" } }
+                    th scope="col" { "|e| measured " span.unit { "[mrad]" } }
+                    th scope="col" { "bound / measured" }
+                    th scope="col" { "|ė| certified " span.unit { "[mrad/s]" } }
+                    th scope="col" { "|ė| measured " span.unit { "[mrad/s]" } }
+                    th scope="col" { "holds" }
+                } }
+                tbody { @for (claim, joint) in rows() { tr {
+                    th scope="row" { (line(&claim.name)) }
+                    @if let Some(bound) = &claim.bounds {
+                        @let holds = joint.error_steady_max_rad <= bound.error_rad
+                            && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
+                        td { (number(bound.error_rad * MILLI)) }
+                        td { (number(joint.error_steady_max_rad * MILLI)) }
+                        td { (number(bound.error_rad / joint.error_steady_max_rad)) }
+                        td { (number(bound.velocity_error_rad_s * MILLI)) }
+                        td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) }
+                        td { @if holds { "yes" } @else { "no" } }
+                    } @else {
+                        td colspan="6" { "no bound: φ is not known" }
+                    }
+                } } }
+            }
+        }
+    }
+}
+
+/// Window and margins.
+fn stability(certificate: &Certificate) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: stability of the sampled loop" {
+            table {
+                caption { span { "Stability of the sampled loop, worst over the arm's range of inertia" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "window of μ" }
+                    th scope="col" { "gain margin " span.unit { "[÷ … ×]" } }
+                    th scope="col" { "phase margin " span.unit { "[°]" } }
+                    th scope="col" { "delay margin " span.unit { "[ms]" } }
+                    th scope="col" { "modulus margin" }
+                    th scope="col" { "|Δτ| from the encoder, bound " span.unit { "[N·m]" } }
+                } }
+                tbody { @for joint in &certificate.joints { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    td { (number(joint.window.low)) " … " (number(joint.window.high)) }
+                    td { (number(joint.margins.gain_down)) " … " (number(joint.margins.gain_up)) }
+                    td { (number(joint.margins.phase_deg)) }
+                    td { (number(joint.margins.delay_s * MILLI)) }
+                    td { (number(joint.margins.modulus)) }
+                    td { (joint.noise.as_ref().map_or("–".to_owned(), |n| number(n.change_max_nm))) }
+                } } }
+            }
+        }
+    }
+}
+
+/// The game's weights of the law that the joints share.
+fn weights(joint: &JointCertificate) -> Markup {
+    let certified = joint.optimality.as_ref().and_then(|o| o.certified());
+    html! {
+        @if let Some(c) = certified {
+            details {
+                summary { "H-infinity optimality: γ = " (number(c.gamma)) " at K̃ = " (number(c.k_tilde)) " 1/s; Q and S" }
+                table {
+                    caption { span { "Weights of the game (13), for M̄ = 1 kg·m²; the last column is the diagonal of Q" } }
+                    tbody { @for (row, q) in c.s.iter().zip(&c.q) { tr {
+                        @for entry in row { td { (number(*entry)) } }
+                        td { (number(*q)) }
+                    } } }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! What a reference asks of the arm: the unknown dynamics `φ` along it, by inverse dynamics.
+
+use phihat_model::{Body, Model, Workspace};
+use phihat_study::Study;
+
+use crate::error::SimError;
+use crate::motion::Motion;
+use crate::simulation::{frictions, loaded_model};
+
+/// Bounds on one joint's `φ = τ − M̄ q̈` along a reference, in its steady part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhiAlong {
+    /// Largest |φ| \[N·m\], jumps included.
+    pub size: f64,
+    /// Largest |φ̇| of the smooth part \[N·m/s\].
+    pub rate: f64,
+    /// Largest size of the part that jumps \[N·m\]: dry friction and pushes.
+    pub jump: f64,
+}
+
+/// The torque that a study's reference asks for, without and with the heaviest payload.
+///
+/// # Method
+///
+/// ```text
+/// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + smooth friction(q̇_d),   φ = τ − M̄ q̈_d          (R1)
+/// ```
+///
+/// at every control sample after `spec.settle`, for the study's own payload, for none, and for the
+/// heaviest one the design must bear (a point mass at the tip). Remark 11 of the paper.
+///
+/// # Not claimed
+///
+/// The arm follows its reference with an error; what that error adds to `φ` is not in here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Demand {
+    period: f64,
+    /// `torques[case][joint][sample]`.
+    torques: Vec<Vec<Vec<f64>>>,
+    /// `ddq[joint][sample]`.
+    ddq: Vec<Vec<f64>>,
+    jumps: Vec<f64>,
+}
+
+impl Demand {
+    /// Walks along a study's reference.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError`] when the reference cannot be reached or the payload not attached.
+    pub fn along(study: &Study) -> Result<Self, SimError> {
+        let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
+        let period = study.control.period_ns as f64 * 1e-9;
+        let bare = study.robot.plant_model().with_gravity(study.world.gravity);
+        let mut cases = vec![loaded_model(study)?, bare.clone()];
+        if study.design.payload_max > 0.0 {
+            cases.push(heavy(bare, study)?);
+        }
+        let times = times(study, period);
+        let n = study.robot.joints.len();
+        let mut ddq = vec![Vec::with_capacity(times.len()); n];
+        for t in &times {
+            for (joint, row) in ddq.iter_mut().enumerate() {
+                row.push(motion.at(joint, *t)[2]);
+            }
+        }
+        let torques = cases.iter().map(|model| torques(model, study, &motion, &times)).collect();
+        Ok(Self { period, torques, ddq, jumps: jumps(study) })
+    }
+
+    /// Bounds on a joint's `φ` for a nominal inertia `M̄` \[kg·m²\].
+    pub fn phi(&self, joint: usize, inertia: f64) -> PhiAlong {
+        let jump = self.jumps[joint];
+        let mut bounds = PhiAlong { size: 0.0, rate: 0.0, jump };
+        for case in &self.torques {
+            let mut before: Option<f64> = None;
+            for (tau, ddq) in case[joint].iter().zip(&self.ddq[joint]) {
+                let phi = tau - inertia * ddq;
+                bounds.size = bounds.size.max(phi.abs() + jump);
+                let rate = before.map_or(0.0, |before| (phi - before).abs() / self.period);
+                bounds.rate = bounds.rate.max(rate);
+                before = Some(phi);
+            }
+        }
+        bounds
+    }
+}
+
+fn times(study: &Study, period: f64) -> Vec<f64> {
+    let samples = crate::simulation::samples(study.duration, study.control.period_ns);
+    (0..samples).map(|k| k as f64 * period).filter(|t| *t >= study.spec.settle).collect()
+}
+
+fn heavy(model: Model, study: &Study) -> Result<Model, SimError> {
+    let tip = model
+        .frame(&study.robot.tip)
+        .ok_or_else(|| SimError::Payload(format!("no frame named {}", study.robot.tip)))?;
+    let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
+    model.with_payload(tip, &body).map_err(|e| SimError::Payload(e.to_string()))
+}
+
+/// `[joint][sample]`: rigid-body torque and smooth friction along the reference.
+fn torques(model: &Model, study: &Study, motion: &Motion, times: &[f64]) -> Vec<Vec<f64>> {
+    let n = study.robot.joints.len();
+    let mut frictions = frictions(study);
+    for friction in &mut frictions {
+        friction.coulomb = 0.0;
+    }
+    let mut workspace = Workspace::new(model);
+    let (mut q, mut dq, mut ddq, mut tau) =
+        (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut rows = vec![Vec::with_capacity(times.len()); n];
+    for t in times {
+        for i in 0..n {
+            [q[i], dq[i], ddq[i]] = motion.at(i, *t);
+        }
+        model.inverse_dynamics(&mut workspace, &q, &dq, &ddq, &mut tau);
+        for i in 0..n {
+            rows[i].push(tau[i] + frictions[i].torque(dq[i]));
+        }
+    }
+    rows
+}
+
+fn jumps(study: &Study) -> Vec<f64> {
+    let dry = frictions(study).into_iter().map(|f| f.coulomb);
+    dry.enumerate()
+        .map(|(joint, coulomb)| {
+            let pushes = study.world.pushes.iter().filter(|p| p.joint == joint);
+            coulomb + pushes.map(|p| p.torque.abs()).sum::<f64>()
+        })
+        .collect()
+}
