@@ -6,7 +6,7 @@ pub trait Acceleration {
     fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]);
 }
 
-/// Scratch of [`rk4_step`], allocated once.
+/// The classical Runge–Kutta method, its scratch allocated once.
 #[derive(Debug, Clone)]
 pub struct Rk4 {
     q: Vec<f64>,
