@@ -9,13 +9,13 @@ use crate::{bless, rules};
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 12] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
         cargo(root, &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-Dwarnings"])
     }),
-    ("Rust, command-line and report tests", |root| {
+    ("Rust, command-line and report tests, and benches briefly", |root| {
         cargo(root, &["test", "--workspace", "--all-targets", "--no-fail-fast"])
     }),
     ("traces as Parquet", |root| {
@@ -27,7 +27,6 @@ const STEPS: [Step; 13] = [
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
     ("the README prints what is printed", bless::check),
-    ("benches run", benches),
     ("the report in a browser", browser),
 ];
 
@@ -85,16 +84,6 @@ fn documentation(root: &Path) -> Result<(), String> {
 fn main_job(root: &Path) -> Result<(), String> {
     cargo(root, &["phihat", "run", "studies/panda.toml"])?;
     cargo(root, &["phihat", "run", "studies/first.toml"])
-}
-
-/// Benches are run once, briefly, so that they do not rot.
-fn benches(root: &Path) -> Result<(), String> {
-    let benches =
-        [("phihat", "update"), ("phihat-model", "dynamics"), ("phihat-sim", "closed_loop")];
-    for (package, bench) in benches {
-        cargo(root, &["bench", "--quiet", "-p", package, "--bench", bench, "--", "--quick"])?;
-    }
-    Ok(())
 }
 
 /// The two reports of [`main_job`], and those with hostile names, in headless Chromium.
