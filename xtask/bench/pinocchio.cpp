@@ -187,7 +187,7 @@ static void time_algorithms(const Arm& arm, const std::vector<State>& states, in
   print("jacobian", median_ns(blocks, states, [&](const State& s) {
           pin::computeJointJacobians(model, data, s.q);
         }));
-  print("nle", median_ns(blocks, states, [&](const State& s) {
+  print("bias", median_ns(blocks, states, [&](const State& s) {
           pin::nonLinearEffects(model, data, s.q, s.qd);
         }));
   print("gravity", median_ns(blocks, states, [&](const State& s) {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat::Form;
 use phihat_design::{Gains, Outcome, arm_inside_window, requested_gains};
@@ -13,6 +14,25 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::{files, table};
+
+/// What `run` and `simulate` are told.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    /// The study file (TOML).
+    study: PathBuf,
+    /// Use these gains (a gains.json) in place of those the study states.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
+    /// Folder for the results [default: out/STUDY].
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
+    #[arg(long)]
+    uncertified: bool,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 /// A study and its gains, ready to run.
 pub(crate) struct Session {
@@ -37,12 +57,9 @@ pub(crate) struct Done {
 
 impl Session {
     /// Reads and checks everything; nothing is written before all of it fits.
-    pub(crate) fn open(
-        path: &Path,
-        gains: Option<&Path>,
-        folder: Option<&Path>,
-        uncertified: bool,
-    ) -> Result<Self, Failure> {
+    pub(crate) fn open(arguments: &RunArguments) -> Result<Self, Failure> {
+        let path = arguments.study.as_path();
+        let gains = arguments.gains.as_deref();
         let study = Study::read(path).map_err(|e| Failure::study(&e))?;
         let mut command = format!("phihat run {}", path.display());
         let chosen = if let Some(file) = gains {
@@ -65,7 +82,7 @@ impl Session {
             .map_err(|e| Failure::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         if let Err(why) = arm_inside_window(&study, &chosen) {
-            if !uncertified {
+            if !arguments.uncertified {
                 let help = "a run with --uncertified shows what happens, and is marked";
                 return Err(Failure::at(source, format!("not armed: {why}\n  = help: {help}")));
             }
@@ -73,7 +90,8 @@ impl Session {
             warnings.push(format!("run uncertified: {why}"));
         }
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
-        let folder = folder.map_or_else(|| Path::new("out").join(&study.name), Path::to_owned);
+        let default = || Path::new("out").join(&study.name);
+        let folder = arguments.out.clone().unwrap_or_else(default);
         Ok(Self { study, gains: chosen, simulation, folder, command, warnings })
     }
 

@@ -1,12 +1,11 @@
 //! `phihat run`: the whole way, from a study to evidence.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::record::Session;
+use crate::record::{RunArguments, Session};
 use crate::report::write_report;
 
 /// Take a study through gains, the closed loop and a report.
@@ -16,32 +15,14 @@ use crate::report::write_report;
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat run studies/panda.toml")]
 pub(crate) struct Run {
-    /// The study file (TOML).
-    study: PathBuf,
-    /// Use these gains (a gains.json) in place of those the study states.
-    #[arg(long, value_name = "FILE")]
-    gains: Option<PathBuf>,
-    /// Folder for the results [default: out/STUDY].
-    #[arg(long, value_name = "FOLDER")]
-    out: Option<PathBuf>,
-    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
-    #[arg(long)]
-    uncertified: bool,
-    /// Print one JSON document in place of the table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    arguments: RunArguments,
 }
 
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let session = Session::open(
-            &self.study,
-            self.gains.as_deref(),
-            self.out.as_deref(),
-            self.uncertified,
-        )?;
-        let done = session.simulate()?;
+        let done = Session::open(&self.arguments)?.simulate()?;
         let page = write_report(&done.record(), &done.folder.join("report.html"))?;
-        Ok(done.print(self.json, Some(&page)))
+        Ok(done.print(self.arguments.json, Some(&page)))
     }
 }

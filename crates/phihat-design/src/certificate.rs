@@ -4,6 +4,7 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use crate::arm::ArmInertia;
+use crate::claims::law::holds;
 use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PeakGains, Refutation};
 use crate::gains::{Gains, JointRecord};
 use crate::phi::Phi;
@@ -130,7 +131,7 @@ impl Certificate {
     pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         shared_law(gains)?;
         let (own, theirs) = (self.joints.len() as f64, gains.joints.len() as f64);
-        require(
+        holds(
             "certificate",
             "one entry per joint",
             own,
@@ -145,10 +146,10 @@ impl Certificate {
                 why
             };
             let same = joint.name == record.name;
-            require("certificate", "joint names agree", 0.0, 0.0, same).map_err(named)?;
+            holds("certificate", "joint names agree", 0.0, 0.0, same).map_err(named)?;
             let (claimed, used) = (*nominal, record.inertia_kg_m2);
             let equal = (claimed - used).abs() <= 1e-9 * used;
-            require("certificate", "the arm is measured in the gains' M̄", claimed, used, equal)
+            holds("certificate", "the arm is measured in the gains' M̄", claimed, used, equal)
                 .map_err(named)?;
             joint.verify(record, &self.arm, self.window_margin).map_err(named)?;
         }
@@ -195,24 +196,18 @@ impl JointCertificate {
     fn verify_bounds(&self, record: &JointRecord) -> Result<(), Refutation> {
         let (Some(bounds), Some(phi)) = (&self.bounds, &self.phi) else {
             let neither = self.bounds.is_none();
-            return require(
-                "error bound",
-                "a bound needs a φ to be a bound for",
-                1.0,
-                0.0,
-                neither,
-            );
+            return holds("error bound", "a bound needs a φ to be a bound for", 1.0, 0.0, neither);
         };
         let quantum = self.noise.as_ref().map_or(0.0, |n| n.quantum_rad);
         let read = self.reading.is_some() == self.noise.is_some();
-        require("error bound", "reading error and torque noise go together", 0.0, 0.0, read)?;
+        holds("error bound", "reading error and torque noise go together", 0.0, 0.0, read)?;
         let least =
             Bounds::of(record.inertia_kg_m2, &self.sampled, self.reading.as_ref(), quantum, phi);
         let slack = 1.0 + 1e-9;
         let (l, r) = (least.error_rad, bounds.error_rad * slack);
-        require("error bound", "gains × φ ≤ claimed |e|", l, r, l <= r)?;
+        holds("error bound", "gains × φ ≤ claimed |e|", l, r, l <= r)?;
         let (l, r) = (least.velocity_error_rad_s, bounds.velocity_error_rad_s * slack);
-        require("error bound", "gains × φ ≤ claimed |ė|", l, r, l <= r)
+        holds("error bound", "gains × φ ≤ claimed |ė|", l, r, l <= r)
     }
 }
 
@@ -319,7 +314,7 @@ fn shared_law(gains: &Gains) -> Result<(), Refutation> {
         let same = Law::from(joint) == law;
         let claim = format!("{}: inertia window of the arm", joint.name);
         let inequality = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
-        require(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;
+        holds(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;
     }
     Ok(())
 }
@@ -333,32 +328,19 @@ pub(crate) fn inside(
     let (low, high) = (arm.low / margin, arm.high * margin);
     let claim = "inertia window";
     let lower = format!("window.low ≤ arm.low/{margin}");
-    require(claim, &lower, window.low, low, window.low <= low)?;
+    holds(claim, &lower, window.low, low, window.low <= low)?;
     let upper = format!("{margin}·arm.high ≤ window.high");
-    require(claim, &upper, high, window.high, high <= window.high)
+    holds(claim, &upper, high, window.high, high <= window.high)
 }
 
 fn covers(claim: &str, (low, high): (f64, f64), arm: &ArmInertia) -> Result<(), Refutation> {
     let slack = 1.0 + 1e-9;
-    require(claim, "from ≤ arm.low", low, arm.low, low <= arm.low * slack)?;
-    require(claim, "arm.high ≤ to", arm.high, high, arm.high <= high * slack)
+    holds(claim, "from ≤ arm.low", low, arm.low, low <= arm.low * slack)?;
+    holds(claim, "arm.high ≤ to", arm.high, high, arm.high <= high * slack)
 }
 
 fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
     let low = mu.iter().copied().fold(f64::INFINITY, f64::min);
     let high = mu.iter().copied().fold(0.0, f64::max);
     covers(claim, (low, high), arm)
-}
-
-fn require(
-    claim: &str,
-    inequality: &str,
-    left: f64,
-    right: f64,
-    holds: bool,
-) -> Result<(), Refutation> {
-    if holds {
-        return Ok(());
-    }
-    Err(Refutation { claim: claim.to_owned(), inequality: inequality.to_owned(), left, right })
 }
