@@ -1,5 +1,7 @@
 //! Friction torque of a joint, as a function of its velocity.
 
+use phihat_model::Sigmoid;
+
 /// Velocity at which the regularised Coulomb law reaches 1/√2 of its level \[rad/s\].
 ///
 /// Small against what encoders resolve at 1 kHz (an 18-bit encoder: 24 mrad/s), large enough for RK4 at
@@ -30,7 +32,7 @@ pub struct Friction {
     /// `c`.
     pub coulomb: f64,
     /// `a, s, o`, where a smooth law was identified.
-    pub sigmoid: Option<[f64; 3]>,
+    pub sigmoid: Option<Sigmoid>,
 }
 
 impl Friction {
@@ -44,15 +46,18 @@ impl Friction {
         if self.coulomb > 0.0 {
             torque += self.coulomb * v / (v * v + COULOMB_VELOCITY * COULOMB_VELOCITY).sqrt();
         }
-        if let Some([a, s, o]) = self.sigmoid {
-            torque += a / (1.0 + libm::exp(-s * (v + o))) - a / (1.0 + libm::exp(-s * o));
+        if let Some(sigmoid) = &self.sigmoid {
+            torque += sigmoid.torque(v);
         }
         torque
     }
 
     /// Largest slope `dτ_f/dv` \[N·m·s/rad\]: what makes the differential equation stiff.
     pub fn stiffness(&self) -> f64 {
-        let sigmoid = self.sigmoid.map_or(0.0, |[a, s, _]| 0.25 * (a * s).abs());
+        let sigmoid = self
+            .sigmoid
+            .as_ref()
+            .map_or(0.0, |law| 0.25 * (law.amplitude_nm * law.steepness_s_rad).abs());
         self.viscous + self.coulomb / COULOMB_VELOCITY + sigmoid
     }
 }

@@ -201,8 +201,7 @@ pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
     let of = |(i, joint): (usize, &phihat_model::Joint)| {
         let mut friction = if study.world.robot_friction {
             let own = &joint.friction;
-            let sigmoid = own.sigmoid.map(|s| [s.amplitude_nm, s.steepness_s_rad, s.offset_rad_s]);
-            Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid }
+            Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
         } else {
             Friction::default()
         };
