@@ -66,6 +66,12 @@ pub enum DesignError {
     /// The study does not say which error is allowed.
     #[error("spec.error_max_rad is missing: a design needs the largest error you can live with")]
     NoSpec,
+    /// The study bounds `∫e`, which designs do not keep yet.
+    #[error(
+        "spec.error_integral_max_rad_s is stated, and no bound on it can be designed for yet: remove it, \
+         or state [gains]"
+    )]
+    IntegralSpec,
     /// The arm's inertia cannot be found.
     #[error("{0}")]
     Arm(#[from] ArmError),
@@ -88,6 +94,9 @@ pub enum DesignError {
 /// [`DesignError`]. That no gains exist is an [`Outcome`].
 pub fn design(study: &Study, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     let error_max = study.spec.error_max.as_ref().ok_or(DesignError::NoSpec)?;
+    if study.spec.error_integral_max.is_some() {
+        return Err(DesignError::IntegralSpec);
+    }
     let search = Search::new(study, error_max, phi)?;
     let (mut candidates, tried) = search.candidates();
     candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
@@ -317,10 +326,13 @@ impl<'a> Search<'a> {
             .map(|(joint, record)| Some((self.phi)(joint, record.inertia_kg_m2)))
             .collect();
         let found = Certificate::find(self.study, &gains, self.arm.scaled(scale), &phi)?;
-        let keeps =
-            found.joints.iter().zip(self.error_max).all(|(joint, limit)| {
-                joint.bounds.is_some_and(|bounds| bounds.error_rad <= *limit)
-            });
+        let velocity_max = self.study.spec.velocity_error_max.as_ref();
+        let keeps = found.joints.iter().enumerate().all(|(i, joint)| {
+            joint.bounds.is_some_and(|bounds| {
+                bounds.error_rad <= self.error_max[i]
+                    && velocity_max.is_none_or(|max| bounds.velocity_error_rad_s <= max[i])
+            })
+        });
         let quiet = self.step_max.as_ref().is_none_or(|limits| {
             let change =
                 |j: &crate::JointCertificate| j.noise.as_ref().map_or(0.0, |n| n.change_max_nm);

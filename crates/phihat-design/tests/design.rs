@@ -106,6 +106,21 @@ fn what_cannot_be_had_is_refused_with_what_can() {
 }
 
 #[test]
+fn a_bound_that_designs_do_not_keep_is_refused_not_ignored() {
+    let (arm, center, payload) = ARMS[0];
+    let mut study = study(arm, center, payload, 2e-3);
+    study.spec.error_integral_max = Some(vec![1e-3; 3]);
+    let phi = |_: usize, _: f64| Phi {
+        source: "none".to_owned(),
+        size_nm: Some(0.0),
+        rate_nm_s: 0.0,
+        jump_nm: 0.0,
+    };
+    let why = design(&study, &phi).unwrap_err().to_string();
+    assert!(why.contains("error_integral_max_rad_s"), "{why}");
+}
+
+#[test]
 fn the_torque_rate_limit_is_a_clause() {
     let (arm, center, payload) = ARMS[1];
     let mut study = study(arm, center, payload, 2e-3);
