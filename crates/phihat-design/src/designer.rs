@@ -12,6 +12,7 @@ use crate::phi::Phi;
 use crate::quick::Quick;
 use crate::request::estimator;
 use crate::sampled::{InertiaWindow, LoopModel, Margins, TorqueNoise};
+use crate::trade_off::{TradeOff, front, worth_measuring};
 
 /// Bandwidths of the outer loop that are tried \[rad/s\]: from the first, by this factor, so many.
 const BANDWIDTHS: (f64, f64, u32) = (4.0, 1.2, 18);
@@ -106,7 +107,8 @@ pub fn design(study: &Study, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
         let verdict = search.judge(candidate);
         if verdict.within() {
             let gains = search.gains(candidate);
-            if let Some(gains) = search.certify(gains)? {
+            if let Some(mut gains) = search.certify(gains)? {
+                gains.trade_off = search.trade_off(&candidates, candidate);
                 return Ok(Outcome::Designed(Box::new(gains)));
             }
         }
@@ -299,6 +301,28 @@ impl<'a> Search<'a> {
         verdict
     }
 
+    /// The front of error against torque noise, with the chosen law on it; empty without an encoder.
+    fn trade_off(&self, candidates: &[Candidate], chosen: &Candidate) -> Vec<TradeOff> {
+        let heaviest = |(m, quantum): (&f64, &f64)| m * 0.5 * quantum;
+        let step = self.arm.nominal_kg_m2.iter().zip(&self.quanta).map(heaviest);
+        let step = step.fold(0.0, f64::max);
+        if step <= 0.0 {
+            return Vec::new();
+        }
+        let worth = worth_measuring(candidates.iter().map(|c| (c.scale, &c.gains)));
+        let point = |(index, candidate): (usize, &Candidate)| {
+            let chosen = core::ptr::eq(candidate, chosen);
+            (chosen || worth.binary_search(&index).is_ok()).then(|| TradeOff {
+                error_share: self.judge(candidate).error.0,
+                torque_noise_nm: candidate.noise() * step,
+                order: candidate.a.len(),
+                bandwidth_rad_s: candidate.w,
+                chosen,
+            })
+        };
+        front(candidates.iter().enumerate().filter_map(point).collect())
+    }
+
     fn gains(&self, candidate: &Candidate) -> Gains {
         let names = self.study.robot.joints.iter().map(|j| j.name.as_str());
         let joint = |(name, nominal): (&str, &f64)| {
@@ -313,6 +337,7 @@ impl<'a> Search<'a> {
             method: "phihat design: least torque noise that keeps the specification".to_owned(),
             joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
             certificate: None,
+            trade_off: Vec::new(),
         }
     }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::certificate::Certificate;
+use crate::trade_off::TradeOff;
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -49,6 +50,9 @@ pub struct Gains {
     /// What is claimed about them, with its evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Certificate>,
+    /// What other errors would have cost in torque noise, ascending in noise; empty where nothing was searched.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trade_off: Vec<TradeOff>,
 }
 
 /// Why a gains document cannot be used.

@@ -17,6 +17,7 @@ mod phi;
 mod quick;
 mod request;
 pub mod sampled;
+mod trade_off;
 
 pub use arm::{ArmError, ArmInertia};
 pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
@@ -24,3 +25,4 @@ pub use designer::{Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use phi::Phi;
 pub use request::requested_gains;
+pub use trade_off::TradeOff;

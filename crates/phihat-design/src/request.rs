@@ -43,6 +43,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         method: method.to_owned(),
         joints: study.robot.joints.iter().enumerate().map(joint).collect(),
         certificate: None,
+        trade_off: Vec::new(),
     })
 }
 

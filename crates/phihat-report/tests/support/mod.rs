@@ -183,6 +183,7 @@ fn gains(joints: usize) -> Gains {
         method: "bandwidths stated in the study".into(),
         joints: (0..joints).map(joint).collect(),
         certificate: None,
+        trade_off: Vec::new(),
     }
 }
 

@@ -1,0 +1,55 @@
+//! What another error bound would have cost: the laws that no other beats in both error and torque noise.
+
+use serde::{Deserialize, Serialize};
+
+use crate::quick::Quick;
+
+/// One law of the front; estimates of the search, a few per mille low, not certified.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TradeOff {
+    /// Bound on `|e|` over the bound the study asks for, on the joint that decides.
+    pub error_share: f64,
+    /// Largest change of torque per sample that encoder steps cause, on the joint that decides \[N·m\].
+    pub torque_noise_nm: f64,
+    /// Order `m` of the estimator.
+    pub order: usize,
+    /// Bandwidth `ω` of the outer loop \[rad/s\].
+    pub bandwidth_rad_s: f64,
+    /// Whether these are the gains of the document.
+    pub chosen: bool,
+}
+
+/// Indices of those laws, ascending in noise as given, of which no quieter one has smaller gains from φ, φ̇ and
+/// the encoder: few enough to be measured against a specification.
+pub(crate) fn worth_measuring<'a>(laws: impl Iterator<Item = (f64, &'a Quick)>) -> Vec<usize> {
+    let mut kept: Vec<[f64; 3]> = Vec::new();
+    let mut indices = Vec::new();
+    for (index, (scale, quick)) in laws.enumerate() {
+        let own = [quick.jump[0] / scale, quick.ramp[0] / scale, quick.reading[0]];
+        let beaten = kept.iter().any(|other| other.iter().zip(own).all(|(o, own)| *o <= own));
+        if !beaten {
+            kept.push(own);
+            indices.push(index);
+        }
+    }
+    indices
+}
+
+/// An error this much smaller than the last one's is worth a point of its own.
+const WORTH: f64 = 0.98;
+
+/// Keeps, of points ascending in noise, those with a smaller error than all before, and the chosen one.
+pub(crate) fn front(points: Vec<TradeOff>) -> Vec<TradeOff> {
+    let mut least = f64::INFINITY;
+    let mut kept: Vec<TradeOff> = Vec::new();
+    for point in points {
+        if point.error_share < WORTH * least {
+            least = point.error_share;
+            kept.push(point);
+        } else if point.chosen {
+            kept.push(point);
+        }
+    }
+    kept
+}
