@@ -5,7 +5,7 @@ use phihat_study::Study;
 
 use crate::error::SimError;
 use crate::motion::Motion;
-use crate::simulation::{frictions, loaded_model};
+use crate::world::{frictions, loaded_model};
 
 /// Bounds on one joint's `φ = τ − M̄ q̈` along a reference, in its steady part.
 #[derive(Debug, Clone, Copy, PartialEq)]

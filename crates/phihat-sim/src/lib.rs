@@ -4,29 +4,29 @@
 //! design nor the rivals: whoever judges did not tune.
 #![forbid(unsafe_code)]
 
+mod control;
 mod curve;
 mod demand;
-mod drive;
 mod error;
-mod friction;
 mod integrator;
 mod metrics;
 mod motion;
-mod plant;
-mod sensor;
+mod sample;
 mod simulation;
 mod spline;
 mod trace;
 mod trace_csv;
 #[cfg(feature = "parquet")]
 mod trace_parquet;
+mod world;
 
 pub use demand::{Demand, PhiAlong};
 pub use error::SimError;
-pub use friction::{COULOMB_VELOCITY, Friction};
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};
 pub use metrics::{JointMetrics, Metrics};
 pub use motion::Motion;
+pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Outcome, Simulation};
 pub use trace::{JointTrace, Trace};
 pub use trace_csv::TraceError;
+pub use world::{COULOMB_VELOCITY, Friction};

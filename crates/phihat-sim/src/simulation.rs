@@ -1,15 +1,13 @@
 //! The closed loop: sense → control → limit → drive → integrate.
 
-use phihat::{Command, Delay, JointGains, JointState, Limits, Measurement, update_joints};
-use phihat_model::{Body, Model};
+use phihat::JointGains;
 use phihat_study::Study;
 
+use crate::control::ControlSide;
 use crate::error::SimError;
-use crate::friction::Friction;
 use crate::motion::Motion;
-use crate::plant::{Plant, Push};
-use crate::sensor::Sensor;
 use crate::trace::Trace;
+use crate::world::World;
 
 /// Beyond this |q| \[rad or m\] or |q̇| \[rad/s or m/s\] a run has diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -36,23 +34,18 @@ pub struct Outcome {
 ///
 /// # Law
 ///
-/// At sample `k`, time `t_k = kT` (integer nanoseconds): sense `q`, `q̇`; [`update_joints`] with the mean
-/// torque that acted over the interval just ended; delay the command by whole samples; the drive turns it
-/// into torque, held over `[t_k, t_{k+1})`; RK4 in equal sub-steps.
+/// At sample `k`, time `t_k = kT` (integer nanoseconds): sense `q`, `q̇`; [`phihat::update_joints`] with the
+/// mean torque that acted over the interval just ended; delay the command by whole samples; the drive
+/// turns it into torque, held over `[t_k, t_{k+1})`; RK4 in equal sub-steps.
 ///
 /// Same study, same gains: same trace, bit for bit.
 #[derive(Debug)]
 pub struct Simulation {
-    gains: Vec<JointGains<f64>>,
-    states: Vec<JointState<f64>>,
-    motion: Motion,
-    sensors: Vec<Sensor>,
-    delays: Vec<Delay<f64>>,
-    plant: Plant,
+    control: ControlSide,
+    world: World,
     names: Vec<String>,
     period_ns: u64,
     samples: u64,
-    substeps: u32,
 }
 
 impl Simulation {
@@ -68,38 +61,14 @@ impl Simulation {
         if gains.len() != n {
             return Err(SimError::JointCount { gains: gains.len(), robot: n });
         }
-        let period = study.control.period_ns as f64 * 1e-9;
         let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
-        let start = start_state(study, &motion);
-        let mut plant = Plant::new(
-            loaded_model(study)?,
-            frictions(study),
-            &(0..n).map(|i| per(study.world.drive_bandwidth_hz.as_ref(), i)).collect::<Vec<_>>(),
-            pushes(study),
-            start,
-        );
-        let (needed, joint) = plant.steps_needed(period);
-        if needed > study.world.substeps {
-            let joint = study.robot.joints[joint].name.clone();
-            return Err(SimError::TooStiff { joint, substeps: study.world.substeps, needed });
-        }
-        let sensor = |i: usize| {
-            let bits = study.sensor.encoder_bits.as_ref().map(|bits| bits[i]);
-            Sensor::new(bits, study.sensor.velocity, study.sensor.velocity_filter_hz, period)
-        };
-        let delay = Delay::new(study.control.delay_samples as usize)
-            .map_err(|e| SimError::Limit(e.to_string()))?;
+        let world = World::new(study, &motion)?;
         Ok(Self {
-            gains: limited(study, gains, period)?,
-            states: vec![JointState::new(); n],
-            motion,
-            sensors: (0..n).map(sensor).collect(),
-            delays: vec![delay; n],
-            plant,
+            control: ControlSide::new(study, gains, motion)?,
+            world,
             names: study.robot.joints.iter().map(|j| j.name.clone()).collect(),
             period_ns: study.control.period_ns,
             samples: samples(study.duration, study.control.period_ns),
-            substeps: study.world.substeps,
         })
     }
 
@@ -111,34 +80,15 @@ impl Simulation {
     /// Runs to the end, or until the arm diverges. `progress` is told how many samples are done, about a
     /// hundred times.
     pub fn run(mut self, mut progress: impl FnMut(u64)) -> Outcome {
-        let n = self.names.len();
-        let period = self.period_ns as f64 * 1e-9;
         let mut trace = Trace::new(&self.names, self.period_ns, self.samples);
-        let mut measurements = vec![Measurement::default(); n];
-        let mut references = vec![phihat::Reference::default(); n];
-        let mut commands = vec![Command::default(); n];
-        let mut demand = vec![0.0; n];
         let stride = (self.samples / 100).max(1);
         for k in 0..self.samples {
             let t_ns = k * self.period_ns;
             let t = t_ns as f64 * 1e-9;
-            for i in 0..n {
-                let (q, dq) = self.sensors[i].sense(self.plant.q[i], self.plant.dq[i]);
-                measurements[i] = Measurement { q, dq, tau_applied: self.plant.tau_mean[i] };
-                let [q, dq, ddq] = self.motion.at(i, t);
-                references[i] = phihat::Reference { q, dq, ddq };
-            }
-            update_joints(&self.gains, &mut self.states, &measurements, &references, &mut commands);
-            for i in 0..n {
-                demand[i] = self.delays[i].pass(commands[i].tau);
-            }
-            trace.state(t_ns, &self.plant.q, &self.plant.dq);
-            self.plant.advance(t, period, self.substeps, &demand);
-            for i in 0..n {
-                let phi = self.plant.tau_start[i] - self.gains[i].inertia() * self.plant.ddq[i];
-                let acted = (self.plant.ddq[i], self.plant.tau_mean[i], phi);
-                trace.answer(i, &measurements[i], &references[i], &commands[i], acted);
-            }
+            self.control.step(t, self.world.sense(k, t_ns));
+            trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
+            self.world.advance(t, self.control.commands.iter().map(|command| command.tau));
+            self.record(&mut trace);
             if let Some(joint) = self.diverged() {
                 let divergence = Some(Divergence { t, joint: self.names[joint].clone() });
                 return Outcome { trace, divergence };
@@ -151,9 +101,21 @@ impl Simulation {
         Outcome { trace, divergence: None }
     }
 
+    /// Closes the sample: what was sensed, wanted and asked for, and what came of it.
+    fn record(&self, trace: &mut Trace) {
+        let plant = &self.world.plant;
+        for (i, measurement) in self.world.sample().joints.iter().enumerate() {
+            let phi = plant.tau_start[i] - self.control.inertia(i) * plant.ddq[i];
+            let acted = (plant.ddq[i], plant.tau_mean[i], phi);
+            let (reference, command) = (&self.control.references[i], &self.control.commands[i]);
+            trace.answer(i, measurement, reference, command, acted);
+        }
+    }
+
     fn diverged(&self) -> Option<usize> {
         let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
-        (0..self.names.len()).find(|&i| beyond(self.plant.q[i]) || beyond(self.plant.dq[i]))
+        let plant = &self.world.plant;
+        (0..self.names.len()).find(|&i| beyond(plant.q[i]) || beyond(plant.dq[i]))
     }
 }
 
@@ -166,67 +128,4 @@ pub(crate) fn samples(duration: f64, period_ns: u64) -> u64 {
     )]
     let samples = (duration * 1e9 / period_ns as f64).round() as u64;
     samples.max(1)
-}
-
-fn per<T: Copy>(values: Option<&Vec<T>>, joint: usize) -> Option<T> {
-    values.and_then(|v| v.get(joint)).copied()
-}
-
-fn limited(
-    study: &Study,
-    gains: &[JointGains<f64>],
-    period: f64,
-) -> Result<Vec<JointGains<f64>>, SimError> {
-    let with = |(i, gains): (usize, &JointGains<f64>)| {
-        let torque = per(study.control.torque_max.as_ref(), i);
-        let rate = per(study.control.torque_rate_max.as_ref(), i);
-        let limits = Limits::new(torque, rate, period)
-            .map_err(|e| SimError::Limit(format!("{}: {e}", study.robot.joints[i].name)))?;
-        Ok(gains.with_limits(limits))
-    };
-    gains.iter().enumerate().map(with).collect()
-}
-
-pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
-    let model = study.robot.plant_model().with_gravity(study.world.gravity);
-    let Some(payload) = &study.world.payload else { return Ok(model) };
-    let frame = model
-        .frame(&payload.frame)
-        .ok_or_else(|| SimError::Payload(format!("no frame named {}", payload.frame)))?;
-    let body = Body { mass: payload.mass, com: payload.com, inertia: payload.inertia };
-    model.with_payload(frame, &body).map_err(|e| SimError::Payload(e.to_string()))
-}
-
-pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
-    let of = |(i, joint): (usize, &phihat_model::Joint)| {
-        let mut friction = if study.world.robot_friction {
-            let own = &joint.friction;
-            Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
-        } else {
-            Friction::default()
-        };
-        friction.coulomb += study.world.extra_coulomb[i];
-        friction.viscous += study.world.extra_viscous[i];
-        friction
-    };
-    study.robot.joints.iter().enumerate().map(of).collect()
-}
-
-fn pushes(study: &Study) -> Vec<Push> {
-    let push = |p: &phihat_study::Push| Push {
-        joint: p.joint,
-        torque: p.torque,
-        start: p.start,
-        end: p.start + p.duration,
-    };
-    study.world.pushes.iter().map(push).collect()
-}
-
-/// Where the study says, else on the reference.
-fn start_state(study: &Study, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
-    if let Some(start) = &study.world.start {
-        return (start.q.clone(), start.dq.clone());
-    }
-    let jets: Vec<_> = (0..study.robot.joints.len()).map(|i| motion.at(i, 0.0)).collect();
-    (jets.iter().map(|j| j[0]).collect(), jets.iter().map(|j| j[1]).collect())
 }

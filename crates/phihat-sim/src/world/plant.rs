@@ -2,8 +2,8 @@
 
 use phihat_model::{Model, Workspace};
 
-use crate::drive::Drive;
-use crate::friction::Friction;
+use super::drive::Drive;
+use super::friction::Friction;
 use crate::integrator::{Acceleration, Rk4};
 
 /// A constant external torque on a joint for a while.
