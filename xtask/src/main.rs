@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
 
 mod bench;
+mod bindings;
 mod bless;
 mod rules;
 mod test;

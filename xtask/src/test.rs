@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::{bless, rules};
+use crate::{bindings, bless, rules};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -28,6 +28,7 @@ const STEPS: [Step; 12] = [
     ("the README's main job", main_job),
     ("the README prints what is printed", bless::check),
     ("the report in a browser", browser),
+    ("C and C++", bindings::c),
 ];
 
 /// Runs every step, or those whose name contains an argument; stops at the first failure.

@@ -72,7 +72,11 @@ impl Design {
 }
 
 /// Designs gains for a study; `φ` as typed in the study, else along its reference.
-pub(crate) fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
+///
+/// # Errors
+///
+/// [`Failure`]: the design cannot begin. That no gains exist is an [`Outcome`].
+pub fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
     let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
     let phi = |joint: usize, inertia: f64| {
         if let Some((rate, jump)) = &study.design.phi {

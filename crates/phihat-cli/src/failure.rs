@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// One line for people, or several where a source line is shown.
 #[derive(Debug)]
-pub(crate) struct Failure(String);
+pub struct Failure(String);
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -35,54 +35,85 @@ pub(crate) struct RunArguments {
 }
 
 /// A study and its gains, ready to run.
-pub(crate) struct Session {
+#[derive(Debug)]
+pub struct Session {
     study: Study,
     gains: Gains,
     simulation: Simulation,
-    folder: PathBuf,
     command: String,
     warnings: Vec<String>,
 }
 
 /// A finished run.
-pub(crate) struct Done {
-    pub(crate) folder: PathBuf,
-    study: Study,
-    gains: Gains,
-    run: RunInfo,
-    trace: Trace,
-    metrics: Metrics,
-    divergence: Option<Divergence>,
+#[derive(Debug)]
+pub struct Done {
+    /// What was run.
+    pub study: Study,
+    /// The gains that ran.
+    pub gains: Gains,
+    /// Where the run came from.
+    pub run: RunInfo,
+    /// Every signal of every joint.
+    pub trace: Trace,
+    /// The figures of the run.
+    pub metrics: Metrics,
+    /// Set when the run diverged and was stopped.
+    pub divergence: Option<Divergence>,
+}
+
+impl RunArguments {
+    /// Reads and checks everything; nothing is written before all of it fits.
+    pub(crate) fn open(&self) -> Result<(Session, PathBuf), Failure> {
+        let study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        let gains = match &self.gains {
+            Some(file) => {
+                let gains = Gains::from_json(&files::read(file)?);
+                Some((gains.map_err(|e| Failure::at(file, e))?, file.as_path()))
+            }
+            None => None,
+        };
+        let default = || Path::new("out").join(&study.name);
+        let folder = self.out.clone().unwrap_or_else(default);
+        Ok((Session::new(study, &self.study, gains, self.uncertified)?, folder))
+    }
 }
 
 impl Session {
-    /// Reads and checks everything; nothing is written before all of it fits.
-    pub(crate) fn open(arguments: &RunArguments) -> Result<Self, Failure> {
-        let path = arguments.study.as_path();
-        let gains = arguments.gains.as_deref();
-        let study = Study::read(path).map_err(|e| Failure::study(&e))?;
+    /// Takes the gains given, with their file's name, else those the study states, else designs them; and
+    /// checks that they may run. `path` stands for the study in messages.
+    ///
+    /// # Errors
+    ///
+    /// [`Failure`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
+    /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
+    pub fn new(
+        study: Study,
+        path: &Path,
+        gains: Option<(Gains, &Path)>,
+        uncertified: bool,
+    ) -> Result<Self, Failure> {
         let mut command = format!("phihat run {}", path.display());
-        let chosen = if let Some(file) = gains {
-            command = format!("{command} --gains {}", file.display());
-            Gains::from_json(&files::read(file)?).map_err(|e| Failure::at(file, e))?
-        } else {
-            match requested_gains(&study) {
-                Some(stated) => stated,
-                None => designed_gains(&study, path)?,
+        let mut source = path;
+        let chosen = match (gains, requested_gains(&study)) {
+            (Some((given, file)), _) => {
+                command = format!("{command} --gains {}", file.display());
+                source = file;
+                given
             }
+            (None, Some(stated)) => stated,
+            (None, None) => designed_gains(&study, path)?,
         };
         let form = match study.control.form {
             LawForm::Observer => Form::Observer,
             LawForm::Literal => Form::Literal,
         };
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
-        let source = gains.unwrap_or(path);
         let law = chosen
             .joint_gains(&names, study.control.period_ns, form)
             .map_err(|e| Failure::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         if let Err(why) = arm_inside_window(&study, &chosen) {
-            if !arguments.uncertified {
+            if !uncertified {
                 let help = "a run with --uncertified shows what happens, and is marked";
                 return Err(Failure::at(source, format!("not armed: {why}\n  = help: {help}")));
             }
@@ -90,40 +121,42 @@ impl Session {
             warnings.push(format!("run uncertified: {why}"));
         }
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
-        let default = || Path::new("out").join(&study.name);
-        let folder = arguments.out.clone().unwrap_or_else(default);
-        Ok(Self { study, gains: chosen, simulation, folder, command, warnings })
+        Ok(Self { study, gains: chosen, simulation, command, warnings })
     }
 
-    /// Runs the loop and writes its record.
-    pub(crate) fn simulate(self) -> Result<Done, Failure> {
+    /// Runs the loop behind a progress bar and writes its record.
+    pub(crate) fn simulate(self, folder: &Path) -> Result<Done, Failure> {
         let bar = ProgressBar::new(self.simulation.samples());
         if let Ok(style) = ProgressStyle::with_template(
             "simulating {wide_bar} {percent:>3} % · {elapsed} of about {duration}",
         ) {
             bar.set_style(style);
         }
-        let outcome = self.simulation.run(|done| bar.set_position(done));
+        let done = self.run(|done| bar.set_position(done));
         bar.finish_and_clear();
+        done.write(folder)?;
+        Ok(done)
+    }
+
+    /// Runs the loop; `progress` is told how many samples are done.
+    pub fn run(self, progress: impl FnMut(u64)) -> Done {
+        let outcome = self.simulation.run(progress);
         let metrics = Metrics::of(&outcome.trace, &self.study);
         let run = run_info(&self.study, (self.command, self.warnings), outcome.divergence.as_ref());
-        let done = Done {
-            folder: self.folder,
+        Done {
             study: self.study,
             gains: self.gains,
             run,
             trace: outcome.trace,
             metrics,
             divergence: outcome.divergence,
-        };
-        done.write()?;
-        Ok(done)
+        }
     }
 }
 
 impl Done {
     /// The record that a report is made from.
-    pub(crate) fn record(&self) -> Record<'_> {
+    pub fn record(&self) -> Record<'_> {
         Record {
             run: &self.run,
             study_text: &self.study.text,
@@ -133,9 +166,14 @@ impl Done {
         }
     }
 
-    fn write(&self) -> Result<(), Failure> {
-        files::make_folder(&self.folder)?;
-        let at = |name: &str| self.folder.join(name);
+    /// Writes trace, metrics, gains, origin and study into a folder.
+    ///
+    /// # Errors
+    ///
+    /// [`Failure`], naming the file that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+        files::make_folder(folder)?;
+        let at = |name: &str| folder.join(name);
         let pretty = |value: &serde_json::Value| format!("{value:#}\n");
         files::write(&at("study.toml"), &self.study.text)?;
         files::write(&at("gains.json"), &self.gains.to_json().map_err(Failure::plain)?)?;
@@ -153,12 +191,12 @@ impl Done {
     }
 
     /// Tells what came out; the exit code says whether it is within spec.
-    pub(crate) fn print(&self, as_json: bool, report: Option<&Path>) -> ExitCode {
+    pub(crate) fn print(&self, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
         let diverged = self.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
         if as_json {
             let document = json!({
                 "study": self.study.name,
-                "folder": self.folder,
+                "folder": folder,
                 "report": report,
                 "diverged": diverged,
                 "metrics": self.metrics,
@@ -170,7 +208,7 @@ impl Done {
             println!("{}", table::verdict(&self.metrics, self.divergence.as_ref()));
             match report {
                 Some(page) => println!("report: {}", page.display()),
-                None => println!("trace: {}", self.folder.join("trace.csv").display()),
+                None => println!("trace: {}", folder.join("trace.csv").display()),
             }
         }
         let good = self.divergence.is_none() && self.metrics.within_spec;

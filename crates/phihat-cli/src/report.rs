@@ -64,7 +64,11 @@ impl Report {
 }
 
 /// Writes the page, and its figures into `figures/` beside it.
-pub(crate) fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Failure> {
+///
+/// # Errors
+///
+/// [`Failure`], naming the file that cannot be written.
+pub fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Failure> {
     let folder = page.parent().unwrap_or(Path::new("")).join("figures");
     files::make_folder(&folder)?;
     for figure in phihat_report::figures(record) {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::record::{RunArguments, Session};
+use crate::record::RunArguments;
 use crate::report::write_report;
 
 /// Take a study through gains, the closed loop and a report.
@@ -21,8 +21,9 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let done = Session::open(&self.arguments)?.simulate()?;
-        let page = write_report(&done.record(), &done.folder.join("report.html"))?;
-        Ok(done.print(self.arguments.json, Some(&page)))
+        let (session, folder) = self.arguments.open()?;
+        let done = session.simulate(&folder)?;
+        let page = write_report(&done.record(), &folder.join("report.html"))?;
+        Ok(done.print(self.arguments.json, &folder, Some(&page)))
     }
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::record::{RunArguments, Session};
+use crate::record::RunArguments;
 
 /// Run a study's closed loop: trace and metrics, no report.
 ///
@@ -19,7 +19,8 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let done = Session::open(&self.arguments)?.simulate()?;
-        Ok(done.print(self.arguments.json, None))
+        let (session, folder) = self.arguments.open()?;
+        let done = session.simulate(&folder)?;
+        Ok(done.print(self.arguments.json, &folder, None))
     }
 }

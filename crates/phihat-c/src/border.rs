@@ -1,0 +1,71 @@
+//! What C hands over, turned into references or refused; and panics kept inside.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::error::{Refusal, Status, phihat_error};
+
+/// A structure that begins with its own size, or what is wrong with the pointer to it.
+///
+/// # Safety
+///
+/// `at` is null, or points to a `repr(C)` structure whose first member is `size: usize`, initialised as
+/// far as that size says and not written to while the reference lives.
+pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
+    if at.is_null() {
+        return Err(Refusal::new(Status::NullPointer, "a structure's pointer is null"));
+    }
+    // SAFETY: not null, so it points to a structure that begins with its size.
+    let size = unsafe { at.cast::<usize>().read() };
+    if size != size_of::<T>() {
+        let why = "a structure's size is not that of this version's header";
+        return Err(Refusal::new(Status::WrongSize, why));
+    }
+    // SAFETY: it is as large as it should be.
+    Ok(unsafe { &*at })
+}
+
+/// The `index`-th of an array of structures, each with its size.
+///
+/// # Safety
+///
+/// As for [`structure`], for each of the array's elements; `index` is inside of the array.
+pub(crate) unsafe fn element<'a, T>(first: *const T, index: usize) -> Result<&'a T, Refusal> {
+    if first.is_null() {
+        return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
+    }
+    // SAFETY: inside of the array.
+    unsafe { structure(first.add(index)) }.map_err(|why| why.at(index))
+}
+
+/// Refuses arrays that are missing.
+pub(crate) fn present<const N: usize>(arrays: [*const f64; N]) -> Result<(), Refusal> {
+    if arrays.iter().any(|at| at.is_null()) {
+        return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
+    }
+    Ok(())
+}
+
+/// Runs a call; refusals and panics become a status and, where there is room for it, a phihat_error.
+///
+/// # Safety
+///
+/// `error` is null or points to a phihat_error of which at least `size` is initialised.
+pub(crate) unsafe fn answer(
+    error: *mut phihat_error,
+    call: impl FnOnce() -> Result<Status, Refusal>,
+) -> Status {
+    let refusal = match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(Ok(status)) => return status,
+        Ok(Err(refusal)) => refusal,
+        Err(_) => Refusal::new(Status::Internal, "a mistake of the library: please report it"),
+    };
+    if !error.is_null() {
+        // SAFETY: not null, so its size can be read, and all of it be written if that is right.
+        unsafe {
+            if error.cast::<usize>().read() == size_of::<phihat_error>() {
+                error.write(refusal.told());
+            }
+        }
+    }
+    refusal.status
+}

@@ -1,0 +1,278 @@
+//! The controller behind its handle.
+
+use phihat::{
+    Command, Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
+    update_joints,
+};
+
+use crate::border::{answer, element, present, structure};
+use crate::error::{Refusal, Status, phihat_error};
+use crate::types::{
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_RATE_LIMITED, PHIHAT_REFUSED,
+    PHIHAT_SATURATED, phihat_command, phihat_joint, phihat_sample,
+};
+
+/// A controller for an arm: gains, what they remember, and room for one sample.
+#[derive(Debug)]
+pub struct phihat_controller {
+    gains: Vec<JointGains<f64>>,
+    states: Vec<JointState<f64>>,
+    measurements: Vec<Measurement<f64>>,
+    references: Vec<Reference<f64>>,
+    commands: Vec<Command<f64>>,
+}
+
+/// Makes a controller, at rest and with zero knowledge of the arm. Allocates; not for the control loop.
+///
+/// @param joints     Gains and limits, one per joint.
+/// @param count      Number of joints, at least 1.
+/// @param period_s   Time between samples, positive [s].
+/// @param controller Receives the handle; free it with phihat_controller_destroy().
+/// @param error      Receives what was wrong; set its size first. May be null.
+///
+/// # Safety
+///
+/// Every pointer is null or valid for what the header says of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_create(
+    joints: *const phihat_joint,
+    count: usize,
+    period_s: f64,
+    controller: *mut *mut phihat_controller,
+    error: *mut phihat_error,
+) -> Status {
+    let call = || {
+        if controller.is_null() {
+            return Err(Refusal::new(Status::NullPointer, "the handle's pointer is null"));
+        }
+        if count == 0 {
+            return Err(Refusal::new(Status::WrongJoints, "a controller has at least one joint"));
+        }
+        let mut made = phihat_controller {
+            gains: room(count)?,
+            states: room(count)?,
+            measurements: room(count)?,
+            references: room(count)?,
+            commands: room(count)?,
+        };
+        for index in 0..count {
+            // SAFETY: the caller's array has `count` elements.
+            let joint = unsafe { element(joints, index) }?;
+            made.gains.push(gains(joint, index, period_s)?);
+        }
+        made.states.resize(count, JointState::new());
+        made.measurements.resize(count, Measurement::default());
+        made.references.resize(count, Reference::default());
+        made.commands.resize(count, Command::default());
+        // SAFETY: not null, so it can be written to.
+        unsafe { controller.write(Box::into_raw(Box::new(made))) };
+        Ok(Status::Ok)
+    };
+    // SAFETY: the caller's.
+    unsafe { answer(error, call) }
+}
+
+/// Frees a controller; null is allowed. The handle is gone afterwards.
+///
+/// # Safety
+///
+/// `controller` is null or came from phihat_controller_create() and was not freed before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_destroy(controller: *mut phihat_controller) {
+    if !controller.is_null() {
+        // SAFETY: made by `Box::into_raw` and not freed before.
+        drop(unsafe { Box::from_raw(controller) });
+    }
+}
+
+/// Number of joints; 0 for a null handle.
+///
+/// # Safety
+///
+/// `controller` is null or a living handle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_joints(controller: *const phihat_controller) -> usize {
+    // SAFETY: null or a living handle.
+    unsafe { controller.as_ref() }.map_or(0, |c| c.gains.len())
+}
+
+/// Back to rest and zero knowledge, as after phihat_controller_create().
+///
+/// # Safety
+///
+/// `controller` is null or a living handle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_reset(controller: *mut phihat_controller) -> Status {
+    let call = || {
+        // SAFETY: the caller's.
+        unsafe { handle(controller) }?.states.fill(JointState::new());
+        Ok(Status::Ok)
+    };
+    // SAFETY: no error is wanted.
+    unsafe { answer(core::ptr::null_mut(), call) }
+}
+
+/// Answers one sample of the whole arm; call it once per period. Real time. PHIHAT_STATUS_REFUSED: the
+/// sample was not finite, and every joint holds its last torque; that torque is in `command`. The arrays
+/// of sample and command may overlap.
+///
+/// # Safety
+///
+/// Every pointer is null or valid for what the header says of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_update(
+    controller: *mut phihat_controller,
+    sample: *const phihat_sample,
+    command: *const phihat_command,
+) -> Status {
+    let call = || {
+        // SAFETY: the caller's.
+        let (c, sample, to) =
+            unsafe { (handle(controller)?, structure(sample)?, structure(command)?) };
+        // SAFETY: the caller's.
+        unsafe { c.take(sample) }?;
+        present([to.tau.cast_const()])?;
+        joints_match(c.gains.len(), to.joints)?;
+        update_joints(&c.gains, &mut c.states, &c.measurements, &c.references, &mut c.commands);
+        for (i, answer) in c.commands.iter().enumerate() {
+            // SAFETY: not null where written to, and with one entry per joint.
+            unsafe {
+                to.tau.add(i).write(answer.tau);
+                if !to.phi_hat.is_null() {
+                    to.phi_hat.add(i).write(answer.phi_hat);
+                }
+                if !to.flags.is_null() {
+                    to.flags.add(i).write(flags(answer));
+                }
+            }
+        }
+        let refused = c.commands.iter().any(|answer| answer.status.refused);
+        Ok(if refused { Status::Refused } else { Status::Ok })
+    };
+    // SAFETY: no error is wanted.
+    unsafe { answer(core::ptr::null_mut(), call) }
+}
+
+/// Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
+/// commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, nothing
+/// changes and the answer is PHIHAT_STATUS_REFUSED.
+///
+/// # Safety
+///
+/// Every pointer is null or valid for what the header says of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn phihat_controller_resume(
+    controller: *mut phihat_controller,
+    sample: *const phihat_sample,
+    tau: *const f64,
+) -> Status {
+    let call = || {
+        // SAFETY: the caller's.
+        let (c, sample) = unsafe { (handle(controller)?, structure(sample)?) };
+        // SAFETY: the caller's.
+        unsafe { c.take(sample) }?;
+        present([tau])?;
+        // All joints or none: tried on copies, which need no heap.
+        for commit in [false, true] {
+            for (i, gains) in c.gains.iter().enumerate() {
+                let mut state = c.states[i];
+                // SAFETY: not null, and with one entry per joint.
+                let tau = unsafe { tau.add(i).read() };
+                if !gains.resume(&mut state, &c.measurements[i], &c.references[i], tau) {
+                    return Ok(Status::Refused);
+                }
+                if commit {
+                    c.states[i] = state;
+                }
+            }
+        }
+        Ok(Status::Ok)
+    };
+    // SAFETY: no error is wanted.
+    unsafe { answer(core::ptr::null_mut(), call) }
+}
+
+impl phihat_controller {
+    /// Copies a sample in.
+    ///
+    /// # Safety
+    ///
+    /// The sample's arrays are null or have as many entries as it says.
+    unsafe fn take(&mut self, sample: &phihat_sample) -> Result<(), Refusal> {
+        let phihat_sample { q, dq, tau_applied, q_des, dq_des, ddq_des, .. } = *sample;
+        present([q, dq, tau_applied, q_des, dq_des, ddq_des])?;
+        joints_match(self.gains.len(), sample.joints)?;
+        let to = self.measurements.iter_mut().zip(&mut self.references);
+        for (i, (measurement, reference)) in to.enumerate() {
+            // SAFETY: not null, and with one entry per joint.
+            unsafe {
+                measurement.q = q.add(i).read();
+                measurement.dq = dq.add(i).read();
+                measurement.tau_applied = tau_applied.add(i).read();
+                reference.q = q_des.add(i).read();
+                reference.dq = dq_des.add(i).read();
+                reference.ddq = ddq_des.add(i).read();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The controller behind a handle.
+///
+/// # Safety
+///
+/// Null, or a living handle that no other thread uses.
+unsafe fn handle<'a>(
+    controller: *mut phihat_controller,
+) -> Result<&'a mut phihat_controller, Refusal> {
+    // SAFETY: the caller's.
+    let living = unsafe { controller.as_mut() };
+    living.ok_or_else(|| Refusal::new(Status::NullPointer, "the controller's handle is null"))
+}
+
+fn joints_match(own: usize, given: usize) -> Result<(), Refusal> {
+    let why = "the number of joints is not that of the controller";
+    if own == given { Ok(()) } else { Err(Refusal::new(Status::WrongJoints, why)) }
+}
+
+fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
+    let mut vec = Vec::new();
+    let short = |_| Refusal::new(Status::OutOfMemory, "there is no memory left");
+    vec.try_reserve_exact(count).map_err(short)?;
+    Ok(vec)
+}
+
+fn gains(joint: &phihat_joint, index: usize, period: f64) -> Result<JointGains<f64>, Refusal> {
+    let refuse = |error: GainError| Refusal::gain(index, error);
+    let order = joint.order as usize;
+    let a = joint.a.get(..order).ok_or_else(|| refuse(GainError::Order { order }))?;
+    let form = match joint.form {
+        PHIHAT_FORM_OBSERVER => Form::Observer,
+        PHIHAT_FORM_LITERAL => Form::Literal,
+        _ => {
+            let why = "form is neither PHIHAT_FORM_OBSERVER nor PHIHAT_FORM_LITERAL";
+            return Err(Refusal::new(Status::BadGain, why).at(index));
+        }
+    };
+    let design = JointDesign {
+        inertia: joint.inertia_kg_m2,
+        kp: joint.kp_per_s2,
+        kd: joint.kd_per_s,
+        a,
+        period,
+        form,
+    };
+    let finite = |x: f64| (!(x.is_infinite() && x > 0.0)).then_some(x);
+    let limits =
+        Limits::new(finite(joint.torque_max_nm), finite(joint.torque_rate_max_nm_s), period);
+    let gains = JointGains::new(&design).map_err(refuse)?;
+    Ok(gains.with_limits(limits.map_err(refuse)?))
+}
+
+fn flags(command: &Command<f64>) -> u32 {
+    let flag = |set: bool, flag: u32| if set { flag } else { 0 };
+    flag(command.status.saturated, PHIHAT_SATURATED)
+        | flag(command.status.rate_limited, PHIHAT_RATE_LIMITED)
+        | flag(command.status.refused, PHIHAT_REFUSED)
+}

@@ -1,0 +1,159 @@
+//! Status codes, and the one structure that says what was wrong.
+
+use core::ffi::{CStr, c_char};
+use core::fmt::{self, Write};
+
+use phihat::{Gain, GainError};
+
+/// What a call came to.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok = 0,
+    /// The sample held something that is not finite: the command holds the last torque of every joint,
+    /// the controller's state is untouched.
+    Refused = 1,
+    /// A pointer that must not be null is.
+    NullPointer = 2,
+    /// A structure's `size` is not sizeof() of it: another version of the header.
+    WrongSize = 3,
+    /// The number of joints is 0, or not that of the controller.
+    WrongJoints = 4,
+    /// A gain or limit is not possible; phihat_error says which.
+    BadGain = 5,
+    /// There is no memory left.
+    OutOfMemory = 6,
+    /// A mistake of this library: please report it.
+    Internal = 7,
+}
+
+/// What was wrong, for people and programs.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct phihat_error {
+    /// sizeof(phihat_error).
+    pub size: usize,
+    /// Which joint, from 0; SIZE_MAX where none is meant.
+    pub joint: usize,
+    /// The value that was refused; NAN where none is meant.
+    pub value: f64,
+    /// Name of the member that was refused; empty where none is meant.
+    pub member: [c_char; 32],
+    /// One line: what is wrong and what would be right.
+    pub text: [c_char; 192],
+}
+
+/// A refusal on its way to the border.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Refusal {
+    pub(crate) status: Status,
+    pub(crate) joint: Option<usize>,
+    why: Why,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Why {
+    Text(&'static str),
+    Gain(GainError),
+}
+
+impl Refusal {
+    pub(crate) fn new(status: Status, text: &'static str) -> Self {
+        Self { status, joint: None, why: Why::Text(text) }
+    }
+
+    pub(crate) fn gain(joint: usize, error: GainError) -> Self {
+        Self { status: Status::BadGain, joint: Some(joint), why: Why::Gain(error) }
+    }
+
+    pub(crate) fn at(self, joint: usize) -> Self {
+        Self { joint: Some(joint), ..self }
+    }
+
+    /// As the caller gets it.
+    pub(crate) fn told(&self) -> phihat_error {
+        let mut error = phihat_error {
+            size: size_of::<phihat_error>(),
+            joint: self.joint.unwrap_or(usize::MAX),
+            value: f64::NAN,
+            member: [0; 32],
+            text: [0; 192],
+        };
+        let mut text = Line::new(&mut error.text);
+        // A line that is too long is cut, which is no error here.
+        let _ = match (self.joint, self.why) {
+            (Some(joint), Why::Text(why)) => write!(text, "joint {joint}: {why}"),
+            (None, Why::Text(why)) => write!(text, "{why}"),
+            (Some(joint), Why::Gain(why)) => write!(text, "joint {joint}: {why}"),
+            (None, Why::Gain(why)) => write!(text, "{why}"),
+        };
+        let Why::Gain(why) = self.why else { return error };
+        let mut member = Line::new(&mut error.member);
+        let _ = match why {
+            GainError::NotPositive { gain, value } => {
+                error.value = value;
+                match gain {
+                    Gain::Inertia => member.write_str("inertia_kg_m2"),
+                    Gain::Kp => member.write_str("kp_per_s2"),
+                    Gain::Kd => member.write_str("kd_per_s"),
+                    Gain::A(i) => write!(member, "a[{i}]"),
+                    Gain::Period => member.write_str("period_s"),
+                    Gain::TorqueMax => member.write_str("torque_max_nm"),
+                    Gain::TorqueRateMax => member.write_str("torque_rate_max_nm_s"),
+                    _ => Ok(()),
+                }
+            }
+            GainError::Order { .. } => member.write_str("order"),
+            GainError::UnstableEstimator { .. } => member.write_str("a"),
+            _ => Ok(()),
+        };
+        error
+    }
+}
+
+/// Writes ASCII into a C string, cut to fit, always closed by a zero.
+struct Line<'a> {
+    room: core::slice::IterMut<'a, c_char>,
+}
+
+impl<'a> Line<'a> {
+    fn new(text: &'a mut [c_char]) -> Self {
+        let room = text.split_last_mut().map_or(&mut [][..], |(_, room)| room);
+        Self { room: room.iter_mut() }
+    }
+}
+
+impl Write for Line<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            let Some(place) = self.room.next() else { return Err(fmt::Error) };
+            *place = c_char::from_ne_bytes([byte]);
+        }
+        Ok(())
+    }
+}
+
+/// One line about a status, in English; never null, never to be freed.
+#[unsafe(no_mangle)]
+pub extern "C" fn phihat_status_text(status: i32) -> *const c_char {
+    let text: &CStr = match status {
+        0 => c"done",
+        1 => c"the sample is not finite; the last torque is held",
+        2 => c"a pointer that must not be null is",
+        3 => c"a structure's size is not that of this version's header",
+        4 => c"the number of joints is 0, or not that of the controller",
+        5 => c"a gain or limit is not possible",
+        6 => c"there is no memory left",
+        7 => c"a mistake of the library",
+        _ => c"no status of this version",
+    };
+    text.as_ptr()
+}
+
+/// Version of this library, as in "1.2.3"; never null, never to be freed.
+#[unsafe(no_mangle)]
+pub extern "C" fn phihat_version() -> *const c_char {
+    const TEXT: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    TEXT.as_ptr().cast()
+}

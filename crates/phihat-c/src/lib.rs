@@ -1,0 +1,33 @@
+//! The phihat controller for C and C++: `include/phihat.h` and this library.
+//!
+//! This crate translates: it reads the caller's pointers, checks them, and calls `phihat`. All `unsafe` of
+//! the project is here, most of it in `border.rs`.
+//!
+//! # Guarantee
+//!
+//! - No panic crosses the border: it would become [`Status::Internal`].
+//! - Only [`phihat_controller_create`] allocates, only [`phihat_controller_destroy`] frees.
+//! - A call that does not answer [`Status::Ok`] or [`Status::Refused`] has written nothing but its
+//!   `phihat_error`.
+//!
+//! # Not claimed
+//!
+//! A pointer that is neither null nor valid cannot be told from a valid one.
+#![allow(unsafe_code, reason = "C hands over pointers; see the module's text")]
+#![allow(non_camel_case_types, reason = "these are names of the C header")]
+
+mod border;
+mod controller;
+mod error;
+mod types;
+
+pub use controller::{
+    phihat_controller, phihat_controller_create, phihat_controller_destroy,
+    phihat_controller_joints, phihat_controller_reset, phihat_controller_resume,
+    phihat_controller_update,
+};
+pub use error::{Status, phihat_error, phihat_status_text, phihat_version};
+pub use types::{
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_ORDER_MAX, PHIHAT_RATE_LIMITED,
+    PHIHAT_REFUSED, PHIHAT_SATURATED, phihat_command, phihat_joint, phihat_sample,
+};

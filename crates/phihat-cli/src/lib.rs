@@ -1,0 +1,80 @@
+//! The `phihat` command as a library: the binary, and the Python package, are made of it.
+//!
+//! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run and its record.
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command line speaks to a terminal"
+)]
+
+mod design;
+mod failure;
+mod files;
+mod record;
+mod report;
+mod robots;
+mod run;
+mod simulate;
+mod table;
+mod verify;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use crate::design::designed;
+pub use crate::failure::Failure;
+pub use crate::record::{Done, Session};
+pub use crate::report::write_report;
+
+/// Control a robot arm by torque, without a model of it, and see the evidence.
+///
+/// A study (TOML) states the arm, the error you can live with, the loop and the world. `phihat run` takes
+/// it through gains, a closed loop and a report.
+#[derive(Debug, Parser)]
+#[command(
+    name = "phihat",
+    version,
+    after_help = "Exit codes: 0 done and within spec · 1 done, but a bound was exceeded or the run \
+                  diverged · 2 the input cannot be used.\n\nExample:\n  phihat run studies/first.toml"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Run(run::Run),
+    Design(design::Design),
+    Verify(verify::Verify),
+    Simulate(simulate::Simulate),
+    Report(report::Report),
+    Robots(robots::Robots),
+}
+
+/// Runs the command with the arguments of a process, the program's name first; says how it ended.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let verb = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments.verb,
+        Err(told) => {
+            // Help goes to standard output, errors to the other; if neither can be written to, so be it.
+            let _ = told.print();
+            return ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2));
+        }
+    };
+    let outcome = match verb {
+        Verb::Run(run) => run.execute(),
+        Verb::Design(design) => design.execute(),
+        Verb::Verify(verify) => verify.execute(),
+        Verb::Simulate(simulate) => simulate.execute(),
+        Verb::Report(report) => report.execute(),
+        Verb::Robots(robots) => robots.execute(),
+    };
+    outcome.unwrap_or_else(|failure: Failure| {
+        eprintln!("{failure}");
+        ExitCode::from(2)
+    })
+}
