@@ -34,11 +34,15 @@ impl ControlSide {
         })
     }
 
-    /// One control sample at time `t` \[s\]; leaves `references` and `commands`.
-    pub(crate) fn step(&mut self, t: f64, sample: &Sample) {
+    /// One control sample at time `t` \[s\]; leaves `references` and `commands`. A controller that does
+    /// not run leaves the commands as they are.
+    pub(crate) fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
         for (i, reference) in self.references.iter_mut().enumerate() {
             let [q, dq, ddq] = self.motion.at(i, t);
             *reference = Reference { q, dq, ddq };
+        }
+        if !runs {
+            return;
         }
         update_joints(
             &self.gains,

@@ -14,6 +14,7 @@ mod motion;
 mod sample;
 mod simulation;
 mod spline;
+mod survival;
 mod trace;
 mod trace_csv;
 #[cfg(feature = "parquet")]
@@ -27,6 +28,7 @@ pub use metrics::{JointMetrics, Metrics};
 pub use motion::Motion;
 pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Outcome, Simulation};
+pub use survival::Survival;
 pub use trace::{JointTrace, Trace};
 pub use trace_csv::TraceError;
 pub use world::{COULOMB_VELOCITY, Friction};

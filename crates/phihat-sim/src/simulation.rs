@@ -28,6 +28,10 @@ pub struct Outcome {
     pub trace: Trace,
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
+    /// Largest |torque| that each drive was told \[N·m\]: what reached it, after delay and losses.
+    pub told_max: Vec<f64>,
+    /// Largest change of it from one sample to the next \[N·m\].
+    pub told_step_max: Vec<f64>,
 }
 
 /// One study under one set of gains, ready to run.
@@ -85,20 +89,26 @@ impl Simulation {
         for k in 0..self.samples {
             let t_ns = k * self.period_ns;
             let t = t_ns as f64 * 1e-9;
-            self.control.step(t, self.world.sense(k, t_ns));
+            let runs = self.world.path.controller_runs(t);
+            self.control.step(t, self.world.sense(k, t_ns), runs);
             trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
-            self.world.advance(t, self.control.commands.iter().map(|command| command.tau));
+            self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
             self.record(&mut trace);
             if let Some(joint) = self.diverged() {
                 let divergence = Some(Divergence { t, joint: self.names[joint].clone() });
-                return Outcome { trace, divergence };
+                return self.outcome(trace, divergence);
             }
             if (k + 1) % stride == 0 {
                 progress(k + 1);
             }
         }
         progress(self.samples);
-        Outcome { trace, divergence: None }
+        self.outcome(trace, None)
+    }
+
+    fn outcome(self, trace: Trace, divergence: Option<Divergence>) -> Outcome {
+        let path = self.world.path;
+        Outcome { trace, divergence, told_max: path.told_max, told_step_max: path.step_max }
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.

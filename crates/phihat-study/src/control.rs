@@ -4,7 +4,7 @@ use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::per_joint::PerJoint;
-use crate::study::{Control, LawForm, Sensor, VelocitySource};
+use crate::study::{Control, LawForm, Sensor, TorqueSource, VelocitySource};
 
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
@@ -54,7 +54,27 @@ pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Senso
             _ => VelocitySource::Measured,
         },
         velocity_filter_hz: filter,
+        torque: match node.word("torque")? {
+            "demanded" => TorqueSource::Demanded,
+            _ => TorqueSource::Applied,
+        },
+        position_noise: arm.joints.numbers(node, "position_noise_rad")?,
+        position_bias: arm.joints.numbers(node, "position_bias_rad")?,
+        velocity_noise: arm.joints.numbers(node, "velocity_noise_rad_s")?,
+        torque_noise: arm.joints.numbers(node, "torque_noise_nm")?,
+        jitter: jitter(node, rate)?,
+        delay_samples: node.small_count("sample_delay_samples")?,
+        wrap: node.flag("wrap")?,
     })
+}
+
+fn jitter(node: &Node<'_>, rate: f64) -> Result<f64, StudyError> {
+    let jitter = node.number("sample_jitter_s")?;
+    if jitter * rate > 1.0 {
+        let message = format!("{jitter} s is more than one period of {} s", 1.0 / rate);
+        return Err(node.error(Kind::OutOfRange, "sample_jitter_s", message));
+    }
+    Ok(jitter)
 }
 
 /// Numbers of `key`, the robot's own, or none.

@@ -2,12 +2,14 @@
 
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::reference_keys::KINDS;
+use crate::world_keys::{FAULT, WORLD};
 
-const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
+pub(crate) const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
 const POSITION: Bounds = Bounds::within(100.0);
+const NOISE: Bounds = Bounds::closed(0.0, 100.0);
 const VELOCITY: Bounds = Bounds::within(1e3);
 const TORQUE: Bounds = Bounds::positive(1e5);
-const TIME: Bounds = Bounds::closed(0.0, 86_400.0);
+pub(crate) const TIME: Bounds = Bounds::closed(0.0, 86_400.0);
 
 /// The top of the file.
 pub(crate) static STUDY: Section = Section {
@@ -52,6 +54,13 @@ pub(crate) static STUDY: Section = Section {
         table("loop", Need::Optional("1 kHz, no delay"), &LOOP, "The control loop."),
         table("sensor", Need::Optional("exact sensors"), &SENSOR, "What the controller sees."),
         table("world", Need::Optional("gravity and friction"), &WORLD, "What the arm meets."),
+        Key {
+            name: "fault",
+            unit: "",
+            shape: Shape::Tables(&FAULT, 1000),
+            need: Need::Optional("nothing goes wrong"),
+            doc: "What goes wrong for a while, each a `[[fault]]`.",
+        },
         table("start", Need::Optional("on the reference"), &START, "Where the run begins."),
         Key {
             name: "reference",
@@ -63,13 +72,23 @@ pub(crate) static STUDY: Section = Section {
     ],
 };
 
-const fn table(
+pub(crate) const fn table(
     name: &'static str,
     need: Need,
     section: &'static Section,
     doc: &'static str,
 ) -> Key {
     Key { name, unit: "", shape: Shape::Table(section), need, doc }
+}
+
+/// A number per joint that is 0 unless stated.
+pub(crate) const fn per_joint(
+    name: &'static str,
+    unit: &'static str,
+    bounds: Bounds,
+    doc: &'static str,
+) -> Key {
+    Key { name, unit, shape: Shape::PerJoint(bounds, &[]), need: Need::Number(0.0), doc }
 }
 
 static ROBOT: Section = Section {
@@ -362,135 +381,59 @@ static SENSOR: Section = Section {
             need: Need::Optional("no filter"),
             doc: "Cut-off of a first-order low-pass on the velocity; at most half of `rate_hz`.",
         },
-    ],
-};
-
-static WORLD: Section = Section {
-    path: "world",
-    doc: "What the arm meets. The controller knows none of it.",
-    keys: &[
         Key {
-            name: "gravity_m_s2",
-            unit: "m/s²",
-            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(100.0) },
-            need: Need::Numbers(&[0.0, 0.0, -9.81]),
-            doc: "Gravity in the frame of the robot's base.",
-        },
-        Key {
-            name: "friction",
+            name: "torque",
             unit: "",
-            shape: Shape::Word(ROBOT_OR_NONE),
-            need: Need::Word("robot"),
-            doc: "Whether the friction in the robot's description acts.",
+            shape: Shape::Word(&["applied", "demanded"]),
+            need: Need::Word("applied"),
+            doc: "The torque that the law is fed. `applied`: measured, what acted. `demanded`: what the \
+                  drive was told, whatever it made of it.",
         },
+        per_joint(
+            "position_noise_rad",
+            "rad",
+            NOISE,
+            "White noise on the position: standard deviation.",
+        ),
+        per_joint(
+            "position_bias_rad",
+            "rad",
+            Bounds::within(10.0),
+            "Constant error of the position.",
+        ),
+        per_joint(
+            "velocity_noise_rad_s",
+            "rad/s",
+            NOISE,
+            "White noise on a measured velocity: standard deviation.",
+        ),
+        per_joint(
+            "torque_noise_nm",
+            "N·m",
+            Bounds::closed(0.0, 1e4),
+            "White noise on the torque that the law is fed: standard deviation.",
+        ),
         Key {
-            name: "coulomb_extra_nm",
-            unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
-            need: Need::Number(0.0),
-            doc: "Coulomb friction on top.",
-        },
-        Key {
-            name: "viscous_extra_nm_s_rad",
-            unit: "N·m·s/rad",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
-            need: Need::Number(0.0),
-            doc: "Viscous friction on top.",
-        },
-        Key {
-            name: "drive_bandwidth_hz",
-            unit: "Hz",
-            shape: Shape::PerJoint(Bounds::positive(1e5), ROBOT_OR_NONE),
-            need: Need::Word("none"),
-            doc: "Bandwidth of the drive's torque loop; `\"none\"`: torque acts at once, `\"robot\"` \
-                  takes the robot's.",
-        },
-        Key {
-            name: "substeps",
-            unit: "",
-            shape: Shape::Number(Bounds::integers(1.0, 1000.0)),
-            need: Need::Count(1),
-            doc: "Integration steps per control sample.",
-        },
-        table("payload", Need::Optional("none"), &PAYLOAD, "A body welded to a frame."),
-        Key {
-            name: "push",
-            unit: "",
-            shape: Shape::Tables(&PUSH, 1000),
-            need: Need::Optional("no push"),
-            doc: "External torques, each a `[[world.push]]`.",
-        },
-    ],
-};
-
-static PAYLOAD: Section = Section {
-    path: "world.payload",
-    doc: "A rigid body welded to a frame of the robot.",
-    keys: &[
-        Key {
-            name: "frame",
-            unit: "",
-            shape: Shape::Text,
-            need: Need::Optional("the robot's tip"),
-            doc: "Frame (link) it is welded to.",
-        },
-        Key {
-            name: "mass_kg",
-            unit: "kg",
-            shape: Shape::Number(Bounds::positive(1000.0)),
-            need: Need::Required,
-            doc: "Mass.",
-        },
-        Key {
-            name: "com_m",
-            unit: "m",
-            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(10.0) },
-            need: Need::Numbers(&[0.0, 0.0, 0.0]),
-            doc: "Centre of mass in that frame.",
-        },
-        Key {
-            name: "inertia_kg_m2",
-            unit: "kg·m²",
-            shape: Shape::List { min: 6, max: 6, bounds: Bounds::within(1e4) },
-            need: Need::Numbers(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-            doc: "Inertia about the centre of mass, `[xx, xy, xz, yy, yz, zz]`, axes as the frame's; \
-                  the default is a point mass. Must be that of a body: no principal moment above the \
-                  sum of the other two.",
-        },
-    ],
-};
-
-static PUSH: Section = Section {
-    path: "world.push",
-    doc: "A constant external torque on one joint for a while.",
-    keys: &[
-        Key {
-            name: "joint",
-            unit: "",
-            shape: Shape::Text,
-            need: Need::Required,
-            doc: "Joint name.",
-        },
-        Key {
-            name: "torque_nm",
-            unit: "N·m",
-            shape: Shape::Number(Bounds::within(1e5)),
-            need: Need::Required,
-            doc: "Torque, positive along the joint's axis.",
-        },
-        Key {
-            name: "start_s",
+            name: "sample_jitter_s",
             unit: "s",
-            shape: Shape::Number(TIME),
-            need: Need::Required,
-            doc: "When it begins; before the end of the run.",
+            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
+            need: Need::Number(0.0),
+            doc: "Every sample is taken early by a random time up to this, at most one period; its time \
+                  stamp says when.",
         },
         Key {
-            name: "duration_s",
-            unit: "s",
-            shape: Shape::Number(Bounds::positive(86_400.0)),
-            need: Need::Required,
-            doc: "How long it lasts.",
+            name: "sample_delay_samples",
+            unit: "samples",
+            shape: Shape::Number(Bounds::integers(0.0, 8.0)),
+            need: Need::Count(0),
+            doc: "Measurements arrive so many samples late.",
+        },
+        Key {
+            name: "wrap",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(false),
+            doc: "Whether the encoder's position starts over at ±π.",
         },
     ],
 };

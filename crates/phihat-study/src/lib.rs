@@ -17,6 +17,7 @@ mod check;
 mod control;
 mod design;
 mod error;
+mod fault;
 mod format;
 mod gains;
 mod keys;
@@ -36,8 +37,10 @@ mod study;
 mod suggest;
 mod value;
 mod world;
+mod world_keys;
 
 pub use error::{StudyError, StudyErrorKind};
+pub use fault::{Fault, FaultKind};
 pub use manual::manual;
 pub use schema::schema;
 pub use study::*;

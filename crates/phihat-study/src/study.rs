@@ -2,6 +2,8 @@
 
 use phihat_model::Robot;
 
+use crate::Fault;
+
 /// A complete study, read, checked and resolved against its robot.
 #[derive(Debug, Clone)]
 pub struct Study {
@@ -31,6 +33,8 @@ pub struct Study {
     pub sensor: Sensor,
     /// The world the arm meets.
     pub world: World,
+    /// What goes wrong for a while.
+    pub faults: Vec<Fault>,
     /// What the arm shall do.
     pub reference: Reference,
 }
@@ -148,6 +152,72 @@ pub struct Sensor {
     pub velocity: VelocitySource,
     /// First-order low-pass on the velocity \[Hz\]; `None`: none.
     pub velocity_filter_hz: Option<f64>,
+    /// Which torque the law is fed.
+    pub torque: TorqueSource,
+    /// White noise on the position \[rad\] per joint, standard deviation.
+    pub position_noise: Vec<f64>,
+    /// Constant error of the position \[rad\] per joint.
+    pub position_bias: Vec<f64>,
+    /// White noise on a measured velocity \[rad/s\] per joint, standard deviation.
+    pub velocity_noise: Vec<f64>,
+    /// White noise on the torque that the law is fed \[N·m\] per joint, standard deviation.
+    pub torque_noise: Vec<f64>,
+    /// Most that a sample is taken early \[s\].
+    pub jitter: f64,
+    /// How late measurements arrive \[samples\], 0 … 8.
+    pub delay_samples: u32,
+    /// Whether the position starts over at ±π.
+    pub wrap: bool,
+}
+
+/// Where the law's applied torque comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TorqueSource {
+    /// The torque that acted.
+    Applied,
+    /// The torque that the drive was told.
+    Demanded,
+}
+
+/// `[world.drive]`: what a drive makes of the torque it is told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Torque that acts per torque told, per joint.
+    pub gain: Vec<f64>,
+    /// Largest relative error of the gain, per joint.
+    pub gain_error: Vec<f64>,
+    /// Relative change of the gain \[1/s\] per joint.
+    pub gain_drift: Vec<f64>,
+    /// Ripple relative to the torque, per joint.
+    pub ripple: Vec<f64>,
+    /// Cogging torque \[N·m\] per joint.
+    pub cogging: Vec<f64>,
+    /// Periods of ripple and cogging over one turn, per joint.
+    pub ripple_per_turn: Vec<u32>,
+    /// Most torque \[N·m\] per joint.
+    pub torque_max: Option<Vec<f64>>,
+    /// Fastest change of torque \[N·m/s\] per joint.
+    pub torque_rate_max: Option<Vec<f64>>,
+    /// Speed at which the driving torque has fallen to nothing \[rad/s\] per joint.
+    pub no_load_speed: Option<Vec<f64>>,
+}
+
+/// `[world.network]`: messages that get lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Network {
+    /// Commands.
+    pub command: Loss,
+    /// Measurements.
+    pub sample: Loss,
+}
+
+/// How messages get lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Loss {
+    /// Share of messages lost, 0 … 0.9.
+    pub share: f64,
+    /// Mean length of a run of losses \[samples\], ≥ 1; `None`: losses are independent.
+    pub burst: Option<f64>,
 }
 
 /// `[world]`
@@ -163,6 +233,10 @@ pub struct World {
     pub extra_viscous: Vec<f64>,
     /// Bandwidth of the drive's torque loop \[Hz\] per joint; `None`: torque acts at once.
     pub drive_bandwidth_hz: Option<Vec<f64>>,
+    /// Imperfections of the drives; `None`: none.
+    pub drive: Option<Drive>,
+    /// Messages that get lost.
+    pub network: Network,
     /// Body welded to a frame, unknown to the controller.
     pub payload: Option<Payload>,
     /// External torques.

@@ -5,7 +5,7 @@ use crate::control::limits;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload;
-use crate::study::{Push, Start, World};
+use crate::study::{Drive, Loss, Network, Push, Start, World};
 
 pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, StudyError> {
     let node = top.child("world");
@@ -18,10 +18,47 @@ pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, St
         extra_coulomb: joints.numbers(&node, "coulomb_extra_nm")?,
         extra_viscous: joints.numbers(&node, "viscous_extra_nm_s_rad")?,
         drive_bandwidth_hz: limits(&node, arm, "drive_bandwidth_hz", drives)?,
+        drive: drive(&node.child("drive"), arm)?,
+        network: network(&node.child("network"))?,
         payload: payload::read(&node.child("payload"), arm)?,
         pushes: pushes.iter().map(|node| push(node, arm, duration)).collect::<Result<_, _>>()?,
         substeps: node.small_count("substeps")?,
         start: start(&top.child("start"), arm)?,
+    })
+}
+
+fn drive(node: &Node<'_>, arm: &Arm) -> Result<Option<Drive>, StudyError> {
+    if !node.exists() {
+        return Ok(None);
+    }
+    let (joints, robot) = (&arm.joints, &arm.robot.joints);
+    let torque = robot.iter().map(|joint| joint.torque_max);
+    let rate = robot.iter().map(|joint| joint.torque_rate_max);
+    let drive = Drive {
+        gain: joints.numbers(node, "gain")?,
+        gain_error: joints.numbers(node, "gain_error")?,
+        gain_drift: joints.numbers(node, "gain_drift_per_s")?,
+        ripple: joints.numbers(node, "ripple")?,
+        cogging: joints.numbers(node, "cogging_nm")?,
+        ripple_per_turn: joints.counts(node, "ripple_per_turn")?,
+        torque_max: limits(node, arm, "torque_max_nm", torque)?,
+        torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
+        no_load_speed: limits(node, arm, "no_load_speed_rad_s", robot.iter().map(|_| None))?,
+    };
+    if drive.no_load_speed.is_some() && drive.torque_max.is_none() {
+        let message = "the torque falls with speed from `torque_max_nm`, which is not given";
+        return Err(node.error(Kind::Conflict, "no_load_speed_rad_s", message));
+    }
+    Ok(Some(drive))
+}
+
+fn network(node: &Node<'_>) -> Result<Network, StudyError> {
+    let loss = |share: &str, burst: &str| -> Result<Loss, StudyError> {
+        Ok(Loss { share: node.number(share)?, burst: node.number_if(burst) })
+    };
+    Ok(Network {
+        command: loss("command_loss", "command_burst_samples")?,
+        sample: loss("sample_loss", "sample_burst_samples")?,
     })
 }
 

@@ -1,41 +1,51 @@
 //! The parts of a world, from a study.
 
 use phihat_model::{Body, Model};
-use phihat_study::Study;
+use phihat_study::{FaultKind, Study};
 
+use super::drive::Drive;
 use super::friction::Friction;
-use super::plant::{Plant, Push};
-use super::sensor::Sensor;
+use super::payload::Carried;
+use super::plant::{Parts, Plant, Push};
+use super::shape::Shape;
 use crate::error::SimError;
 use crate::motion::Motion;
 
 pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
-    let bandwidth = |i: usize| study.world.drive_bandwidth_hz.as_ref().map(|hz| hz[i]);
-    Ok(Plant::new(
-        loaded_model(study)?,
-        frictions(study),
-        &(0..study.robot.joints.len()).map(bandwidth).collect::<Vec<_>>(),
-        pushes(study),
-        start_state(study, motion),
-    ))
+    let period = study.control.period_ns as f64 * 1e-9;
+    let rate = study.world.drive.as_ref().and_then(|drive| drive.torque_rate_max.as_ref());
+    let drive = |i: usize| {
+        let drive = Drive::new(study.world.drive_bandwidth_hz.as_ref().map(|hz| hz[i]));
+        rate.map_or(drive, |rate| drive.with_step(rate[i] * period))
+    };
+    let parts = Parts {
+        carried: Carried::new(study)?,
+        friction: frictions(study),
+        drives: (0..study.robot.joints.len()).map(drive).collect(),
+        shapes: Shape::all(study),
+        pushes: pushes(study),
+        faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
+    };
+    Ok(Plant::new(parts, start_state(study, motion)))
 }
 
-pub(super) fn sensors(study: &Study, period: f64) -> Vec<Sensor> {
-    let sensor = |i: usize| {
-        let bits = study.sensor.encoder_bits.as_ref().map(|bits| bits[i]);
-        Sensor::new(bits, study.sensor.velocity, study.sensor.velocity_filter_hz, period)
-    };
-    (0..study.robot.joints.len()).map(sensor).collect()
+fn of_plant(kind: FaultKind) -> bool {
+    use FaultKind::{Brake, DriveGain, DriveLimit, Friction};
+    matches!(kind, DriveGain | DriveLimit | Friction | Brake)
 }
 
 pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
     let model = study.robot.plant_model().with_gravity(study.world.gravity);
     let Some(payload) = &study.world.payload else { return Ok(model) };
-    let frame = model
-        .frame(&payload.frame)
-        .ok_or_else(|| SimError::Payload(format!("no frame named {}", payload.frame)))?;
     let body = Body { mass: payload.mass, com: payload.com, inertia: payload.inertia };
-    model.with_payload(frame, &body).map_err(|e| SimError::Payload(e.to_string()))
+    payload_body(model, &payload.frame, &body)
+}
+
+/// The model with a body welded to a frame.
+pub(super) fn payload_body(model: Model, frame: &str, body: &Body) -> Result<Model, SimError> {
+    let found =
+        model.frame(frame).ok_or_else(|| SimError::Payload(format!("no frame named {frame}")))?;
+    model.with_payload(found, body).map_err(|e| SimError::Payload(e.to_string()))
 }
 
 pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
@@ -60,7 +70,13 @@ fn pushes(study: &Study) -> Vec<Push> {
         start: p.start,
         end: p.start + p.duration,
     };
-    study.world.pushes.iter().map(push).collect()
+    let mut pushes: Vec<Push> = study.world.pushes.iter().map(push).collect();
+    for fault in study.faults.iter().filter(|fault| fault.kind == FaultKind::Push) {
+        let joints = (0..study.robot.joints.len()).filter(|joint| fault.concerns(*joint));
+        let (torque, start, end) = (fault.size, fault.start, fault.start + fault.duration);
+        pushes.extend(joints.map(|joint| Push { joint, torque, start, end }));
+    }
+    pushes
 }
 
 /// Where the study says, else on the reference.

@@ -12,17 +12,30 @@ pub(crate) struct Drive {
     /// `ω` \[rad/s\]; `None`: infinite.
     rate: Option<f64>,
     demand: f64,
+    /// Most that the demand changes from one interval to the next; infinite: no limit.
+    step: f64,
     /// Torque at the start of the interval minus the demand.
     gap: f64,
 }
 
 impl Drive {
     pub(crate) fn new(bandwidth_hz: Option<f64>) -> Self {
-        Self { rate: bandwidth_hz.map(|f| f * core::f64::consts::TAU), demand: 0.0, gap: 0.0 }
+        let rate = bandwidth_hz.map(|f| f * core::f64::consts::TAU);
+        Self { rate, demand: 0.0, step: f64::INFINITY, gap: 0.0 }
+    }
+
+    /// The same drive, its demand changing by no more than `step` \[N·m\] per interval.
+    pub(crate) fn with_step(self, step: f64) -> Self {
+        Self { step, ..self }
     }
 
     /// Takes a new demand at the start of an interval.
     pub(crate) fn demand(&mut self, demand: f64) {
+        let demand = if (demand - self.demand).abs() > self.step {
+            self.demand + self.step.copysign(demand - self.demand)
+        } else {
+            demand
+        };
         self.gap = if self.rate.is_some() { self.gap + self.demand - demand } else { 0.0 };
         self.demand = demand;
     }

@@ -1,6 +1,7 @@
 //! Friction torque of a joint, as a function of its velocity.
 
 use phihat_model::Sigmoid;
+use phihat_study::{Fault, FaultKind};
 
 /// Velocity at which the regularised Coulomb law reaches 1/√2 of its level \[rad/s\].
 ///
@@ -36,6 +37,39 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// This friction under those faults of joint `i` that are chosen.
+    pub(super) fn faulty(
+        self,
+        faults: &[Fault],
+        i: usize,
+        chosen: impl Fn(&Fault) -> bool,
+    ) -> Self {
+        let mut friction = self;
+        for fault in faults.iter().filter(|fault| fault.concerns(i) && chosen(fault)) {
+            match fault.kind {
+                FaultKind::Friction => friction = friction.times(fault.size),
+                FaultKind::Brake => friction.coulomb += fault.size,
+                _ => {}
+            }
+        }
+        friction
+    }
+
+    /// The stiffest that it becomes under faults of joint `i`.
+    pub(super) fn worst(self, faults: &[Fault], i: usize) -> Self {
+        self.faulty(faults, i, |fault| fault.kind == FaultKind::Brake || fault.size > 1.0)
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self {
+            viscous: self.viscous * factor,
+            coulomb: self.coulomb * factor,
+            sigmoid: self
+                .sigmoid
+                .map(|law| Sigmoid { amplitude_nm: law.amplitude_nm * factor, ..law }),
+        }
+    }
+
     #[allow(
         clippy::imprecise_flops,
         reason = "hypot guards against overflow, at ten times the cost"

@@ -1,0 +1,51 @@
+//! Bodies that the arm carries, for a while or for the whole run.
+
+use phihat_model::{Body, Model, Workspace};
+use phihat_study::{FaultKind, Study};
+
+use super::build::{loaded_model, payload_body};
+use crate::error::SimError;
+
+/// The rigid-body models of a run, one after the other.
+///
+/// A body picked up moves as the arm does: no impact. Dropping one leaves all velocities as they are.
+#[derive(Debug)]
+pub(super) struct Carried {
+    /// From when on \[s\]; the first is there from the start.
+    stages: Vec<(f64, Model, Workspace<f64>)>,
+    at: usize,
+}
+
+impl Carried {
+    pub(super) fn new(study: &Study) -> Result<Self, SimError> {
+        let loads: Vec<_> = study.faults.iter().filter(|f| f.kind == FaultKind::Payload).collect();
+        let mut times = vec![0.0];
+        times.extend(loads.iter().flat_map(|f| [f.start, f.start + f.duration]));
+        times.retain(|t| t.is_finite());
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let stage = |t: f64| {
+            let mut model = loaded_model(study)?;
+            for load in loads.iter().filter(|load| load.active(t) && load.size > 0.0) {
+                let body = Body { mass: load.size, com: [0.0; 3], inertia: [0.0; 6] };
+                model = payload_body(model, &study.robot.tip, &body)?;
+            }
+            let workspace = Workspace::new(&model);
+            Ok((t, model, workspace))
+        };
+        Ok(Self { stages: times.into_iter().map(stage).collect::<Result<_, _>>()?, at: 0 })
+    }
+
+    /// Goes on to what is carried at time `t` \[s\].
+    pub(super) fn go_to(&mut self, t: f64) {
+        while self.stages.get(self.at + 1).is_some_and(|(from, ..)| *from <= t) {
+            self.at += 1;
+        }
+    }
+
+    /// The model in force.
+    pub(super) fn model(&mut self) -> (&Model, &mut Workspace<f64>) {
+        let (_, model, workspace) = &mut self.stages[self.at];
+        (model, workspace)
+    }
+}

@@ -1,0 +1,250 @@
+//! From the plant's state to the message that the controller gets.
+
+use core::f64::consts::{PI, TAU};
+use std::collections::VecDeque;
+
+use phihat::Measurement;
+use phihat_model::JointKind;
+use phihat_study::{Fault, FaultKind, Study, TorqueSource, VelocitySource};
+
+use super::loss::Loss;
+use super::noise::{Effect, Noise};
+use super::plant::Plant;
+use super::sensor::Sensor;
+use crate::sample::Sample;
+
+/// All sensors, and the way of their messages.
+#[derive(Debug)]
+pub(super) struct Sensing {
+    sensors: Vec<Sensor>,
+    errors: Option<Errors>,
+    faults: Vec<Fault>,
+    torque: TorqueSource,
+    wrapped: Vec<usize>,
+    /// Messages on their way, where they take time.
+    way: Option<VecDeque<Sample>>,
+    loss: Option<Loss>,
+    fresh: Sample,
+    pub(super) sample: Sample,
+}
+
+/// Random and constant errors.
+#[derive(Debug)]
+struct Errors {
+    joints: Vec<JointErrors>,
+    jitter: f64,
+    age: Noise,
+}
+
+#[derive(Debug)]
+struct JointErrors {
+    bias: f64,
+    position: (f64, Noise),
+    velocity: (f64, Noise),
+    torque: (f64, Noise),
+    fault: Noise,
+}
+
+impl Sensing {
+    pub(super) fn new(study: &Study) -> Self {
+        let n = study.robot.joints.len();
+        let period = study.control.period_ns as f64 * 1e-9;
+        let asked = &study.sensor;
+        let sensor = |i: usize| {
+            let bits = asked.encoder_bits.as_ref().map(|bits| bits[i]);
+            Sensor::new(bits, asked.velocity, asked.velocity_filter_hz, period)
+        };
+        let empty = Sample { joints: vec![Measurement::default(); n], ..Sample::default() };
+        let kinds = (FaultKind::SampleLoss, Effect::SampleLoss, Effect::FaultSampleLoss);
+        let turns = |i: &usize| study.robot.joints[*i].kind != JointKind::Prismatic;
+        Self {
+            sensors: (0..n).map(sensor).collect(),
+            errors: Errors::new(study),
+            faults: study.faults.iter().filter(|f| of_sensor(f.kind)).cloned().collect(),
+            torque: asked.torque,
+            wrapped: (0..n).filter(|i| asked.wrap && turns(i)).collect(),
+            way: (asked.delay_samples > 0)
+                .then(|| VecDeque::with_capacity(asked.delay_samples as usize + 1)),
+            loss: Loss::new(study.world.network.sample, &study.faults, kinds, study.seed),
+            fresh: empty.clone(),
+            sample: empty,
+        }
+        .delayed_by(asked.delay_samples)
+    }
+
+    /// Room for messages on their way: as if the driver had been running before the start.
+    fn delayed_by(mut self, samples: u32) -> Self {
+        if let Some(way) = &mut self.way {
+            let before = |k: u32| Sample { sequence: u64::from(k), ..self.sample.clone() };
+            way.extend((0..samples).map(before));
+        }
+        self
+    }
+
+    /// What the controller gets at sample `k`, time `t_ns`. `told`: the torques the drives were told.
+    pub(super) fn sense(&mut self, k: u64, t_ns: u64, plant: &Plant, told: &[f64]) -> &Sample {
+        let t = t_ns as f64 * 1e-9;
+        let ahead = self.way.as_ref().map_or(0, |way| way.len() as u64);
+        self.fresh.sequence = k + ahead;
+        self.fresh.t_ns = t_ns;
+        let age = self.errors.as_ref().map_or(0.0, |errors| errors.age(k));
+        if age > 0.0 {
+            self.fresh.t_ns = t_ns.saturating_sub(nanoseconds(age));
+        }
+        for i in 0..self.sensors.len() {
+            self.fresh.joints[i] = self.measure(i, (k, t, age), plant, told[i]);
+        }
+        if !self.faults.is_empty() {
+            self.spoil(k, t);
+        }
+        let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t));
+        match &mut self.way {
+            None if lost => {}
+            None => core::mem::swap(&mut self.sample, &mut self.fresh),
+            Some(way) => {
+                if k == 0 {
+                    for message in way.iter_mut() {
+                        message.joints.clone_from(&self.fresh.joints);
+                    }
+                }
+                way.push_back(self.fresh.clone());
+                if let Some(arrived) = way.pop_front().filter(|_| !lost) {
+                    self.sample = arrived;
+                }
+            }
+        }
+        &self.sample
+    }
+
+    fn measure(
+        &mut self,
+        i: usize,
+        (k, t, age): (u64, f64, f64),
+        plant: &Plant,
+        told: f64,
+    ) -> Measurement<f64> {
+        let (mut q, mut dq) = (plant.q[i], plant.dq[i]);
+        let mut tau_applied = match self.torque {
+            TorqueSource::Applied => plant.tau_mean[i],
+            TorqueSource::Demanded => told,
+        };
+        if let Some(errors) = &self.errors {
+            if age > 0.0 {
+                q -= age * (dq - 0.5 * age * plant.ddq[i]);
+                dq -= age * plant.ddq[i];
+            }
+            let own = &errors.joints[i];
+            q += own.bias + own.position.0 * own.position.1.normal(k);
+            dq += own.velocity.0 * own.velocity.1.normal(k);
+            tau_applied += own.torque.0 * own.torque.1.normal(k);
+            for fault in self.faults.iter().filter(|f| f.concerns(i) && f.active(t)) {
+                match fault.kind {
+                    FaultKind::SensorBias => q += fault.size,
+                    FaultKind::SensorNoise => q += fault.size * own.fault.normal(k),
+                    _ => {}
+                }
+            }
+        }
+        let (mut q, dq) = self.sensors[i].sense(q, dq);
+        if self.wrapped.contains(&i) {
+            q = wrap(q);
+        }
+        Measurement { q, dq, tau_applied }
+    }
+
+    /// What the faults do to a whole message.
+    fn spoil(&mut self, k: u64, t: f64) {
+        for fault in self.faults.iter().filter(|fault| fault.active(t)) {
+            let concerned = self.fresh.joints.iter_mut().zip(&self.sample.joints).enumerate();
+            let concerned = concerned.filter(|(i, _)| fault.concerns(*i));
+            match fault.kind {
+                FaultKind::SensorFreeze if k > 0 => concerned.for_each(|(_, (new, old))| {
+                    (new.q, new.dq) = (old.q, old.dq);
+                }),
+                FaultKind::SensorNan => concerned.for_each(|(_, (new, _))| {
+                    (new.q, new.dq) = (f64::NAN, f64::NAN);
+                }),
+                FaultKind::JointOrder => {
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "a whole number from 1 to 100"
+                    )]
+                    let places = fault.size as usize % self.fresh.joints.len();
+                    self.fresh.joints.rotate_left(places);
+                }
+                FaultKind::ClockJump => self.fresh.t_ns += nanoseconds(fault.size),
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Errors {
+    /// `None` where nothing random or constant is added.
+    fn new(study: &Study) -> Option<Self> {
+        let asked = &study.sensor;
+        let lists = [
+            &asked.position_noise,
+            &asked.position_bias,
+            &asked.velocity_noise,
+            &asked.torque_noise,
+        ];
+        let kinds = [FaultKind::SensorBias, FaultKind::SensorNoise];
+        let faulty = study.faults.iter().any(|fault| kinds.contains(&fault.kind));
+        let stated = lists.iter().any(|list| list.iter().any(|x| x.abs() > 0.0));
+        if !(stated || faulty || asked.jitter > 0.0) {
+            return None;
+        }
+        let joint = |i: usize| {
+            let noise = |effect| Noise::new(study.seed, effect, i);
+            let measured = asked.velocity == VelocitySource::Measured;
+            JointErrors {
+                bias: asked.position_bias[i],
+                position: (asked.position_noise[i], noise(Effect::Position)),
+                velocity: (
+                    if measured { asked.velocity_noise[i] } else { 0.0 },
+                    noise(Effect::Velocity),
+                ),
+                torque: (asked.torque_noise[i], noise(Effect::Torque)),
+                fault: noise(Effect::FaultNoise),
+            }
+        };
+        Some(Self {
+            joints: (0..study.robot.joints.len()).map(joint).collect(),
+            jitter: asked.jitter,
+            age: Noise::new(study.seed, Effect::Jitter, 0),
+        })
+    }
+
+    /// How much earlier sample `k` is taken \[s\].
+    fn age(&self, k: u64) -> f64 {
+        if k == 0 { 0.0 } else { self.jitter * self.age.uniform(k) }
+    }
+}
+
+fn of_sensor(kind: FaultKind) -> bool {
+    matches!(
+        kind,
+        FaultKind::SensorFreeze
+            | FaultKind::SensorNan
+            | FaultKind::SensorBias
+            | FaultKind::SensorNoise
+            | FaultKind::JointOrder
+            | FaultKind::ClockJump
+    )
+}
+
+/// Into `[−π, π)`.
+fn wrap(q: f64) -> f64 {
+    q - TAU * ((q + PI) / TAU).floor()
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a moderate positive number"
+)]
+fn nanoseconds(t: f64) -> u64 {
+    (t * 1e9).round() as u64
+}

@@ -1,0 +1,275 @@
+//! The format of what the arm meets: `[world]` and `[[fault]]`.
+
+use crate::fault;
+use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::keys::{ROBOT_OR_NONE, TIME, per_joint, table};
+
+pub(crate) static WORLD: Section = Section {
+    path: "world",
+    doc: "What the arm meets. The controller knows none of it.",
+    keys: &[
+        Key {
+            name: "gravity_m_s2",
+            unit: "m/s²",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(100.0) },
+            need: Need::Numbers(&[0.0, 0.0, -9.81]),
+            doc: "Gravity in the frame of the robot's base.",
+        },
+        Key {
+            name: "friction",
+            unit: "",
+            shape: Shape::Word(ROBOT_OR_NONE),
+            need: Need::Word("robot"),
+            doc: "Whether the friction in the robot's description acts.",
+        },
+        Key {
+            name: "coulomb_extra_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Number(0.0),
+            doc: "Coulomb friction on top.",
+        },
+        Key {
+            name: "viscous_extra_nm_s_rad",
+            unit: "N·m·s/rad",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Number(0.0),
+            doc: "Viscous friction on top.",
+        },
+        Key {
+            name: "drive_bandwidth_hz",
+            unit: "Hz",
+            shape: Shape::PerJoint(Bounds::positive(1e5), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "Bandwidth of the drive's torque loop; `\"none\"`: torque acts at once, `\"robot\"` \
+                  takes the robot's.",
+        },
+        Key {
+            name: "substeps",
+            unit: "",
+            shape: Shape::Number(Bounds::integers(1.0, 1000.0)),
+            need: Need::Count(1),
+            doc: "Integration steps per control sample.",
+        },
+        table("drive", Need::Optional("perfect drives"), &DRIVE, "Imperfections of the drives."),
+        table("network", Need::Optional("nothing is lost"), &NETWORK, "Messages that get lost."),
+        table("payload", Need::Optional("none"), &PAYLOAD, "A body welded to a frame."),
+        Key {
+            name: "push",
+            unit: "",
+            shape: Shape::Tables(&PUSH, 1000),
+            need: Need::Optional("no push"),
+            doc: "External torques, each a `[[world.push]]`.",
+        },
+    ],
+};
+
+static PAYLOAD: Section = Section {
+    path: "world.payload",
+    doc: "A rigid body welded to a frame of the robot.",
+    keys: &[
+        Key {
+            name: "frame",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the robot's tip"),
+            doc: "Frame (link) it is welded to.",
+        },
+        Key {
+            name: "mass_kg",
+            unit: "kg",
+            shape: Shape::Number(Bounds::positive(1000.0)),
+            need: Need::Required,
+            doc: "Mass.",
+        },
+        Key {
+            name: "com_m",
+            unit: "m",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(10.0) },
+            need: Need::Numbers(&[0.0, 0.0, 0.0]),
+            doc: "Centre of mass in that frame.",
+        },
+        Key {
+            name: "inertia_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::List { min: 6, max: 6, bounds: Bounds::within(1e4) },
+            need: Need::Numbers(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            doc: "Inertia about the centre of mass, `[xx, xy, xz, yy, yz, zz]`, axes as the frame's; \
+                  the default is a point mass. Must be that of a body: no principal moment above the \
+                  sum of the other two.",
+        },
+    ],
+};
+
+static PUSH: Section = Section {
+    path: "world.push",
+    doc: "A constant external torque on one joint for a while.",
+    keys: &[
+        Key {
+            name: "joint",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Required,
+            doc: "Joint name.",
+        },
+        Key {
+            name: "torque_nm",
+            unit: "N·m",
+            shape: Shape::Number(Bounds::within(1e5)),
+            need: Need::Required,
+            doc: "Torque, positive along the joint's axis.",
+        },
+        Key {
+            name: "start_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Required,
+            doc: "When it begins; before the end of the run.",
+        },
+        Key {
+            name: "duration_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(86_400.0)),
+            need: Need::Required,
+            doc: "How long it lasts.",
+        },
+    ],
+};
+
+static DRIVE: Section = Section {
+    path: "world.drive",
+    doc: "What a drive makes of the torque it is told, on top of its bandwidth: \
+          τ = gain·demand·(1 + ripple·sin(n·q)) + cogging·sin(n·q), within its limits.",
+    keys: &[
+        Key {
+            name: "gain",
+            unit: "",
+            shape: Shape::PerJoint(Bounds::within(10.0), &[]),
+            need: Need::Number(1.0),
+            doc: "Torque that acts per torque told: 0.5 weak, 0 dead, −1 wired the wrong way round.",
+        },
+        per_joint(
+            "gain_error",
+            "",
+            Bounds::closed(0.0, 1.0),
+            "Largest relative error of the gain; each joint's own is drawn once, uniformly.",
+        ),
+        per_joint(
+            "gain_drift_per_s",
+            "1/s",
+            Bounds::within(10.0),
+            "Relative change of the gain per second.",
+        ),
+        per_joint(
+            "ripple",
+            "",
+            Bounds::closed(0.0, 1.0),
+            "Amplitude of the torque ripple, relative to the torque.",
+        ),
+        per_joint(
+            "cogging_nm",
+            "N·m",
+            Bounds::closed(0.0, 1e4),
+            "Amplitude of the cogging torque.",
+        ),
+        Key {
+            name: "ripple_per_turn",
+            unit: "1/turn",
+            shape: Shape::PerJoint(Bounds::integers(1.0, 10_000.0), &[]),
+            need: Need::Count(12),
+            doc: "Periods of ripple and cogging over one turn of the joint, n.",
+        },
+        Key {
+            name: "torque_max_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::positive(1e5), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "The most torque that the drive gives, whatever it is told.",
+        },
+        Key {
+            name: "torque_rate_max_nm_s",
+            unit: "N·m/s",
+            shape: Shape::PerJoint(Bounds::positive(1e9), ROBOT_OR_NONE),
+            need: Need::Word("none"),
+            doc: "The fastest that the drive changes its torque.",
+        },
+        Key {
+            name: "no_load_speed_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &["none"]),
+            need: Need::Word("none"),
+            doc: "Speed at which the torque in the direction of motion has fallen, linearly, from \
+                  `torque_max_nm` to nothing.",
+        },
+    ],
+};
+
+static NETWORK: Section = Section {
+    path: "world.network",
+    doc: "Messages between robot and controller that get lost or come late. The drives keep the last \
+          torque they were told; the controller sees the last measurements again, with their sequence \
+          number and time stamp.",
+    keys: &[
+        probability("command_loss", "Share of commands that are lost, or come late."),
+        burst("command_burst_samples"),
+        probability("sample_loss", "Share of measurements that are lost, or come late."),
+        burst("sample_burst_samples"),
+    ],
+};
+
+const fn probability(name: &'static str, doc: &'static str) -> Key {
+    let shape = Shape::Number(Bounds::closed(0.0, 0.9));
+    Key { name, unit: "", shape, need: Need::Number(0.0), doc }
+}
+
+const fn burst(name: &'static str) -> Key {
+    Key {
+        name,
+        unit: "samples",
+        shape: Shape::Number(Bounds::closed(1.0, 1000.0)),
+        need: Need::Optional("losses are independent"),
+        doc: "Mean length of a run of losses.",
+    }
+}
+
+pub(crate) static FAULT: Section = Section {
+    path: "fault",
+    doc: "Something goes wrong for a while.",
+    keys: &[
+        Key {
+            name: "kind",
+            unit: "",
+            shape: Shape::Word(fault::WORDS),
+            need: Need::Required,
+            doc: fault::DOC,
+        },
+        Key {
+            name: "start_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Required,
+            doc: "When it begins; before the end of the run.",
+        },
+        Key {
+            name: "duration_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(86_400.0)),
+            need: Need::Optional("to the end of the run"),
+            doc: "How long it lasts.",
+        },
+        Key {
+            name: "joint",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("every joint"),
+            doc: "The joint it is about.",
+        },
+        Key {
+            name: "size",
+            unit: "as `kind` says",
+            shape: Shape::Number(Bounds::within(1e5)),
+            need: Need::Optional("1, or required where `kind` states a unit or a factor"),
+            doc: "How badly.",
+        },
+    ],
+};
