@@ -9,6 +9,7 @@
 )]
 
 mod design;
+mod export;
 mod failure;
 mod files;
 mod record;
@@ -50,6 +51,7 @@ enum Verb {
     Run(run::Run),
     Design(design::Design),
     Verify(verify::Verify),
+    Export(export::Export),
     Simulate(simulate::Simulate),
     Report(report::Report),
     Robots(robots::Robots),
@@ -69,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Run(run) => run.execute(),
         Verb::Design(design) => design.execute(),
         Verb::Verify(verify) => verify.execute(),
+        Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Robots(robots) => robots.execute(),

@@ -12,7 +12,7 @@ use support::{folder, json, phihat};
 fn examples_of_every_help_work_as_typed() {
     let folder = folder("help");
     let mut examples = 0;
-    for verb in ["", "run", "design", "verify", "simulate", "report", "robots"] {
+    for verb in ["", "run", "design", "verify", "export", "simulate", "report", "robots"] {
         let arguments: Vec<&str> = [verb, "--help"].into_iter().filter(|a| !a.is_empty()).collect();
         let help = phihat(&folder, &arguments);
         assert_eq!(help.code, 0);
@@ -56,7 +56,21 @@ fn bad_inputs_give_one_error_and_leave_nothing() {
     let nan = file("nan.toml", good.replace("duration_s = 7.0", "duration_s = nan"));
     let order =
         file("order.toml", good.replace("inertia_kg_m2 = [0.42,", "inertia_kg_m2 = [-0.42,"));
+    let joint = r#"{"name": "elbow", "inertia_kg_m2": 1.0, "kp_per_s2": 9.0, "kd_per_s": 6.0, "a": [25.0, 10.0]}"#;
+    let second = file(
+        "second.json",
+        format!(
+            r#"{{"format": "phihat-gains", "version": 1, "study": "s", "study_sha256": "0", "rate_hz": 1000.0,
+                "method": "typed", "joints": [{joint}]}}"#
+        ),
+    );
     let cases: Vec<(Vec<&str>, Vec<String>)> = vec![
+        (
+            vec!["export", &second, "--format", "ros", "--out", "out"],
+            vec!["second.json".to_owned(), "elbow".into(), "order 2".into(), "c-header".into()],
+        ),
+        (vec!["export", "none.json", "--format", "csv"], vec!["none.json".to_owned()]),
+        (vec!["export", &second, "--format", "matlab"], vec!["c-header".to_owned()]),
         (vec!["run", "studies/nothing.toml"], vec!["studies/nothing.toml".to_owned()]),
         (
             vec!["run", &unit],

@@ -12,6 +12,7 @@ mod arm;
 mod certificate;
 pub mod claims;
 mod designer;
+pub mod export;
 mod gains;
 mod phi;
 mod quick;

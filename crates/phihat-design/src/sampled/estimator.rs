@@ -40,6 +40,17 @@ pub(crate) fn sampled_coefficients(a: &[f64], period: f64) -> Vec<f64> {
     characteristic_polynomial(&e)
 }
 
+/// `α_0 … α_{m−1}` of (T5), in SI units.
+pub(crate) fn estimator_coefficients(a: &[f64], period: f64) -> Vec<f64> {
+    let mut scaled = sampled_coefficients(a, period);
+    let mut factor = 1.0;
+    for entry in scaled.iter_mut().rev() {
+        factor *= period;
+        *entry /= factor;
+    }
+    scaled
+}
+
 /// `c_0 … c_{n−1}` of `det(w − E) = w^n + c_{n−1} w^{n−1} + … + c_0`.
 fn characteristic_polynomial(e: &DMatrix<f64>) -> Vec<f64> {
     let n = e.nrows();

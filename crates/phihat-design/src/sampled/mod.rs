@@ -26,6 +26,7 @@ mod open_loop;
 mod peak;
 mod polynomial;
 mod reading;
+mod reference;
 mod refutation;
 mod response;
 mod riccati;
@@ -35,6 +36,8 @@ mod step;
 mod varying;
 mod window;
 
+pub(crate) use estimator::estimator_coefficients;
+
 pub use bode::{Bode, bode};
 pub use margins::{Margins, ModulusMargin};
 pub use model::{LoopForm, LoopModel, LoopVelocity};
@@ -42,6 +45,7 @@ pub use noise::TorqueNoise;
 pub use open_loop::OpenLoop;
 pub use peak::SampledPeaks;
 pub use reading::ReadingError;
+pub use reference::ReferenceError;
 pub use state_matrix::{Reaction, StateMatrix};
 pub use step::LargestStep;
 pub use varying::VaryingWindow;

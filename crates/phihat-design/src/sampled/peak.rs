@@ -213,7 +213,7 @@ fn mean_of_line(a: f64, b: f64) -> f64 {
 }
 
 /// Mean of `|·|` along a parabola, by Simpson; at most the largest of the three where it changes sign.
-fn mean_of_parabola(a: f64, middle: f64, b: f64) -> f64 {
+pub(super) fn mean_of_parabola(a: f64, middle: f64, b: f64) -> f64 {
     if a * middle > 0.0 && middle * b > 0.0 {
         (a + 4.0 * middle + b).abs() / 6.0
     } else {

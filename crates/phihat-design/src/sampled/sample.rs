@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::estimator::sampled_coefficients;
+use super::estimator::estimator_coefficients;
 use super::model::{Drive, LoopForm, LoopModel, LoopVelocity};
 use super::open_loop::literal_factors;
 use crate::JointRecord;
@@ -92,13 +92,8 @@ pub(crate) struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     pub(crate) fn new(gains: &'a JointRecord, model: &'a LoopModel, mu: f64) -> Self {
-        let mut alpha = sampled_coefficients(&gains.a, model.period_s);
+        let mut alpha = estimator_coefficients(&gains.a, model.period_s);
         alpha.reverse();
-        let mut power = 1.0;
-        for entry in &mut alpha {
-            power *= model.period_s;
-            *entry /= power;
-        }
         let layout = Layout::new(gains.a.len(), model);
         let factors = literal_factors(gains);
         Self { gains, model, mu, layout, alpha, factors, drive: model.drive() }

@@ -1,0 +1,48 @@
+//! The gains as a table.
+
+use super::number::exact;
+use super::{notes, period};
+use crate::gains::Gains;
+use crate::sampled::estimator_coefficients;
+
+pub(super) fn text(gains: &Gains) -> String {
+    let order = gains.joints.iter().map(|joint| joint.a.len()).max().unwrap_or(0);
+    let mut lines = notes::origin(gains);
+    lines.push(String::new());
+    lines.extend(notes::law(gains));
+    lines.extend(notes::pid_section(gains));
+    let mut text = notes::commented("#", &lines);
+    let mut header: Vec<String> =
+        ["joint", "inertia_kg_m2", "kp_per_s2", "kd_per_s", "order"].map(str::to_owned).into();
+    header.extend((0..order).map(|i| format!("a_{i}")));
+    header.extend((0..order).map(|i| format!("alpha_{i}")));
+    header.extend(["p_nm_per_rad", "i_nm_per_rad_s", "d_nm_s_per_rad"].map(str::to_owned));
+    header.extend(["torque_max_nm", "error_bound_rad"].map(str::to_owned));
+    text += &(header.join(",") + "\n");
+    let pids = notes::pids(gains);
+    for (j, joint) in gains.joints.iter().enumerate() {
+        let alpha = estimator_coefficients(&joint.a, period(gains));
+        let mut row = vec![field(&joint.name)];
+        row.extend([joint.inertia_kg_m2, joint.kp_per_s2, joint.kd_per_s].map(exact));
+        row.push(joint.a.len().to_string());
+        let padded = |values: &[f64], i: usize| values.get(i).copied().map_or(String::new(), exact);
+        row.extend((0..order).map(|i| padded(&joint.a, i)));
+        row.extend((0..order).map(|i| padded(&alpha, i)));
+        let pid = pids.as_ref().and_then(|pids| pids.get(j));
+        row.extend(pid.map_or([const { String::new() }; 3], |g| [g.p, g.i, g.d].map(exact)));
+        let claims = gains.certificate.as_ref().and_then(|c| c.joints.get(j));
+        let limit = claims.and_then(|claims| claims.limits.0);
+        let bound = claims.and_then(|claims| claims.bounds).map(|bounds| bounds.error_rad);
+        row.extend([limit, bound].map(|value| value.map_or(String::new(), exact)));
+        text += &(row.join(",") + "\n");
+    }
+    text
+}
+
+fn field(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r', '#']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,126 @@
+//! The law of order 1 as a PID, and what can be claimed of it.
+
+use crate::arm::ArmInertia;
+use crate::certificate::{Bounds, JointCertificate, RATIOS, inside};
+use crate::claims::Refutation;
+use crate::gains::{Gains, JointRecord};
+use crate::sampled::{
+    InertiaWindow, LoopForm, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
+};
+
+/// The gains of one joint as a PID on `e = q − q_d`.
+///
+/// # Law
+///
+/// ```text
+/// τ = M̄ q̈_d − p e − i ∫e − d ė,   p = M̄(K_p + a_0 K_d),   i = M̄ a_0 K_p,   d = M̄(K_d + a_0)          (E1)
+/// ```
+///
+/// (T1) with the literal `φ̂ = −M̄ (a_0 ė + a_0 K_d e + a_0 K_p ∫e)` of order 1, multiplied out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pid {
+    /// `p` \[N·m/rad\].
+    pub p: f64,
+    /// `i` \[N·m/(rad·s)\].
+    pub i: f64,
+    /// `d` \[N·m·s/rad\].
+    pub d: f64,
+}
+
+impl Pid {
+    /// `None` unless the order is 1.
+    pub fn of(record: &JointRecord) -> Option<Self> {
+        let [a0] = record.a[..] else { return None };
+        let (inertia, kp, kd) = (record.inertia_kg_m2, record.kp_per_s2, record.kd_per_s);
+        Some(Self { p: inertia * (kp + a0 * kd), i: inertia * a0 * kp, d: inertia * (kd + a0) })
+    }
+}
+
+/// What holds for one joint under (E1), with the loop, arm and `φ` of its certificate.
+///
+/// # Claim
+///
+/// Stable for the arm's inertia. From rest on the reference, `|e| ≤ bounds`, and in addition the error that the
+/// reference's own motion costs, with or without `M̄ q̈_d`; `|i ∫e| ≤ integral_nm` from `φ`, held over each sample.
+///
+/// # Not claimed
+///
+/// While a clamp acts, and until its effect has died out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PidClaims {
+    /// The certificate's loop, in literal form.
+    pub model: LoopModel,
+    /// Its inertia window.
+    pub window: InertiaWindow,
+    /// Its margins over the arm's range.
+    pub margins: Margins,
+    /// Bounds on `e` and `ė` from `φ` and encoder; `None`: `φ` is not known.
+    pub bounds: Option<Bounds>,
+    /// Largest integral term \[N·m\]; `None`: the size of `φ` is not known.
+    pub integral_nm: Option<f64>,
+    /// What the reference's motion adds, with the acceleration fed forward.
+    pub forwarded: ReferenceError,
+    /// The same without.
+    pub bare: ReferenceError,
+}
+
+impl PidClaims {
+    /// For every joint of certified gains of order 1; empty without a certificate or for other orders.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the arm is not inside the PID's own window.
+    pub fn of(gains: &Gains) -> Result<Vec<Self>, Refutation> {
+        let Some(certificate) = &gains.certificate else { return Ok(Vec::new()) };
+        let joints = gains.joints.iter().zip(&certificate.joints);
+        if gains.joints.iter().any(|joint| joint.a.len() != 1) {
+            return Ok(Vec::new());
+        }
+        joints.map(|(record, joint)| Self::find(record, joint, &certificate.arm)).collect()
+    }
+
+    /// Finds the claims; the window is proved by zero exclusion.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the arm is not inside the PID's own window.
+    pub fn find(
+        record: &JointRecord,
+        joint: &JointCertificate,
+        arm: &ArmInertia,
+    ) -> Result<Self, Refutation> {
+        let named = |mut why: Refutation| {
+            why.claim = format!("{}: {}", record.name, why.claim);
+            why
+        };
+        let model = LoopModel { form: LoopForm::Literal, ..joint.model };
+        let window = InertiaWindow::find(record, &model).map_err(named)?;
+        window.verify(record, &model).map_err(named)?;
+        inside(&window, arm, 1.0).map_err(named)?;
+        let range = (arm.low, arm.high);
+        let peaks = SampledPeaks::find(record, &model, range, RATIOS).map_err(named)?;
+        let quantum = joint.noise.as_ref().map(|n| n.quantum_rad);
+        let reading = quantum.map(|_| ReadingError::find(record, &model, range, RATIOS));
+        let reading = reading.transpose().map_err(named)?;
+        let inertia = record.inertia_kg_m2;
+        let bounds = joint
+            .phi
+            .as_ref()
+            .map(|phi| Bounds::of(inertia, &peaks, reading.as_ref(), quantum.unwrap_or(0.0), phi));
+        let size = joint.phi.as_ref().and_then(|phi| phi.size_nm);
+        let reference = |forward: bool| {
+            ReferenceError::find(record, &model, forward, range, RATIOS).map_err(named)
+        };
+        Ok(Self {
+            model,
+            window,
+            margins: Margins::find(record, &model, range).map_err(named)?,
+            bounds,
+            integral_nm: Pid::of(record)
+                .zip(size)
+                .map(|(pid, s)| pid.i * peaks.jump[0] * s / inertia),
+            forwarded: reference(true)?,
+            bare: reference(false)?,
+        })
+    }
+}

@@ -1,0 +1,173 @@
+//! What the reference's own motion costs: the part of the error that no unknown torque causes.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::model::LoopModel;
+use super::peak::mean_of_parabola;
+use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::response::{Horizon, ratios, sweep};
+use super::state_matrix::StateMatrix;
+use crate::JointRecord;
+use crate::claims::Refutation;
+
+const CLAIM: &str = "reference error";
+
+/// An error that stays under a constant acceleration of 1 rad/s² is none below this \[rad/(rad/s²)\].
+const NONE: f64 = 1e-12;
+
+/// Peak-to-peak gains from the reference's acceleration and jerk to `e`, worst over inertia ratios.
+///
+/// A velocity that is filtered or differenced is late, and so is a torque behind a delay or a drive: following
+/// an accelerated reference costs an error even where `φ` is zero. Without the feed-forward `M̄ q̈_d`, all of
+/// that torque has to be found by the estimator. `φ` is what is asked for along the reference,
+/// `τ(q_d, q̇_d, q̈_d) − M̄ q̈_d`, so that `(M − M̄) q̈_d` counts there and not here.
+///
+/// # Claim
+///
+/// From rest on the reference, at every sample, and in addition to what `φ` and the encoder cause:
+///
+/// ```text
+/// |e| ≤ acceleration max|q̈_d|    (q̈_d held over each sample interval)
+/// |e| ≤ jerk max|q⃛_d|            (q̈_d continuous, q̈_d(0) = 0)                                  (S2)
+/// ```
+///
+/// # Method
+///
+/// With the reference state `r = (q_d, q̇_d, q̈_d)`, `r_{k+1} = Φ r_k`, and `x_{k+1} = A x_k + R r_k` (in which
+/// `(1 − μ) q̈_d` stands for what `φ` has of it), the loop would follow along `x = S r` where `SΦ = AS + R`; what
+/// a jerk adds to `x − S r` dies out by `A`.
+///
+/// # Evidence
+///
+/// L1 norms with their tails bounded, computed again by [`Self::verify`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceError {
+    /// Whether `M̄ q̈_d` is fed forward.
+    pub feed_forward: bool,
+    /// Inertia ratios tried.
+    pub mu: Vec<f64>,
+    /// From `q̈_d` to `e` \[rad/(rad/s²)\].
+    pub acceleration: f64,
+    /// From the jerk to `e` \[rad/(rad/s³)\]; `None`: a constant acceleration leaves an error that stays.
+    pub jerk: Option<f64>,
+}
+
+impl ReferenceError {
+    /// Computes them at `count` ratios from `low` to `high`.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is unstable at one of them.
+    pub fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        feed_forward: bool,
+        (low, high): (f64, f64),
+        count: u32,
+    ) -> Result<Self, Refutation> {
+        Self::over(gains, model, feed_forward, ratios(low, high, count).collect())
+    }
+
+    fn over(
+        gains: &JointRecord,
+        model: &LoopModel,
+        feed_forward: bool,
+        mu: Vec<f64>,
+    ) -> Result<Self, Refutation> {
+        plausible(CLAIM, gains)?;
+        plausible_loop(CLAIM, model)?;
+        plausible_ratios(CLAIM, &mu)?;
+        let (mut acceleration, mut jerk) = (0.0_f64, Some(0.0_f64));
+        for ratio in &mu {
+            let matrix = StateMatrix::new(gains, model, *ratio);
+            let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", *ratio, 1.0);
+            let following = Following::of(&matrix, feed_forward).ok_or_else(unstable)?;
+            let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
+            acceleration = acceleration.max(following.acceleration(horizon));
+            jerk = jerk.zip(following.jerk(horizon)).map(|(a, b)| a.max(b));
+        }
+        Ok(Self { feed_forward, mu, acceleration, jerk })
+    }
+
+    /// Computes the norms again: the gains must not be smaller.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the gain.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let again = Self::over(gains, model, self.feed_forward, self.mu.clone())?;
+        let slack = 1.0 + 1e-9;
+        let claimed = self.acceleration * slack;
+        at_most(CLAIM, "‖e ← q̈_d‖₁ ≤ claimed", again.acceleration, claimed)?;
+        let unbounded = f64::INFINITY;
+        let claimed = self.jerk.unwrap_or(unbounded) * slack;
+        at_most(CLAIM, "‖e ← q⃛_d‖₁ ≤ claimed", again.jerk.unwrap_or(unbounded), claimed)
+    }
+}
+
+/// The state that follows a reference: columns for `q_d`, `q̇_d`, `q̈_d`.
+struct Following<'a> {
+    a: &'a DMatrix<f64>,
+    period: f64,
+    /// `(μ − 1)/μ`, and what one unit of velocity is: the inertia's share that `φ` bears.
+    borne: (f64, f64),
+    /// `R` of `q̈_d`.
+    forward: DVector<f64>,
+    s: [DVector<f64>; 3],
+}
+
+impl<'a> Following<'a> {
+    fn of(matrix: &'a StateMatrix, feed_forward: bool) -> Option<Self> {
+        let (a, t) = (matrix.matrix(), matrix.period());
+        let n = a.nrows();
+        let back = (DMatrix::identity(n, n) - a).lu();
+        let [position, velocity, acceleration] = matrix.reference();
+        let fed = if feed_forward { 1.0 } else { 0.0 };
+        let forward = &acceleration.drives * fed - matrix.disturbance() * (matrix.mu() - 1.0);
+        let s0 = back.solve(&position.drives)?;
+        let s1 = back.solve(&(&velocity.drives - &s0 * t))?;
+        let s2 = back.solve(&(&forward - &s1 * t - &s0 * (0.5 * t * t)))?;
+        let borne = ((matrix.mu() - 1.0) / matrix.mu(), matrix.unit());
+        Some(Self { a, period: t, borne, forward, s: [s0, s1, s2] })
+    }
+
+    /// `Σ_j |c A^j b|`, and its tail, over whatever `b` gives for each `c A^j`.
+    fn sum(&self, horizon: Horizon, size: f64, mut of: impl FnMut(&DVector<f64>) -> f64) -> f64 {
+        let mut row = DVector::zeros(self.a.nrows());
+        row[0] = 1.0;
+        let mut total = 0.0;
+        let rows = sweep(self.a, row, horizon, |row| total += of(row));
+        total + horizon.tail(rows, size)
+    }
+
+    fn acceleration(&self, horizon: Horizon) -> f64 {
+        let t = self.period;
+        let [s0, s1, _] = &self.s;
+        let leaves = &self.forward - s1 * t - s0 * (0.5 * t * t);
+        self.sum(horizon, leaves.amax(), |row| row.dot(&leaves).abs())
+    }
+
+    /// A jerk at the share `1 − u` of an interval adds `(T²u²/2, Tu, 1)` to `r`: a parabola in `u`.
+    fn jerk(&self, horizon: Horizon) -> Option<f64> {
+        let [s0, s1, s2] = &self.s;
+        if s2[0].abs() > NONE {
+            return None;
+        }
+        let t = self.period;
+        let (share, unit) = self.borne;
+        let at = |u: f64| {
+            let mut leaves = s0 * (0.5 * t * t * u * u) + s1 * (t * u) + s2;
+            leaves[0] -= share * 0.5 * t * t * u * u;
+            leaves[1] -= share * t * u / unit;
+            leaves
+        };
+        let (late, middle, early) = (at(0.0), at(0.5), at(1.0));
+        let size = late.amax().max(middle.amax()).max(early.amax());
+        let mean = |row: &DVector<f64>| {
+            t * mean_of_parabola(row.dot(&early), row.dot(&middle), row.dot(&late))
+        };
+        Some(self.sum(horizon, t * size, mean))
+    }
+}
