@@ -37,9 +37,9 @@ pub(crate) struct RunArguments {
 /// A study and its gains, ready to run.
 #[derive(Debug)]
 pub struct Session {
-    study: Study,
+    study: Box<Study>,
     gains: Gains,
-    simulation: Simulation,
+    simulation: Box<Simulation>,
     command: String,
     warnings: Vec<String>,
 }
@@ -48,7 +48,7 @@ pub struct Session {
 #[derive(Debug)]
 pub struct Done {
     /// What was run.
-    pub study: Study,
+    pub study: Box<Study>,
     /// The gains that ran.
     pub gains: Gains,
     /// Where the run came from.
@@ -64,7 +64,7 @@ pub struct Done {
 impl RunArguments {
     /// Reads and checks everything; nothing is written before all of it fits.
     pub(crate) fn open(&self) -> Result<(Session, PathBuf), Failure> {
-        let study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        let study = Box::new(Study::read(&self.study).map_err(|e| Failure::study(&e))?);
         let gains = match &self.gains {
             Some(file) => {
                 let gains = Gains::from_json(&files::read(file)?);
@@ -87,7 +87,7 @@ impl Session {
     /// [`Failure`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
     /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
     pub fn new(
-        study: Study,
+        study: Box<Study>,
         path: &Path,
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
@@ -121,6 +121,7 @@ impl Session {
             warnings.push(format!("run uncertified: {why}"));
         }
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
+        let simulation = Box::new(simulation);
         Ok(Self { study, gains: chosen, simulation, command, warnings })
     }
 

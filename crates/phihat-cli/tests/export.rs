@@ -1,5 +1,5 @@
 //! `phihat export` writes to the terminal or to a file, the same text, and says in it whether anything is certified.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 mod support;
 
