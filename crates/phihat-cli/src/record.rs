@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use phihat::Form;
 use phihat_design::{Gains, Outcome, arm_inside_window, requested_gains};
 use phihat_report::{Record, RunInfo};
-use phihat_sim::{Divergence, Metrics, Simulation, Trace};
+use phihat_sim::{Abort, Divergence, Metrics, Simulation, Trace};
 use phihat_study::{LawForm, Study};
 use serde_json::json;
 
@@ -59,6 +59,8 @@ pub struct Done {
     pub metrics: Metrics,
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
+    /// Set when the robot's torque interface stopped the run.
+    pub abort: Option<Abort>,
 }
 
 impl RunArguments {
@@ -120,13 +122,17 @@ impl Session {
             command += " --uncertified";
             warnings.push(format!("run uncertified: {why}"));
         }
+        let forecast = phihat_sim::forecast(&study).map_err(|e| Failure::at(path, e))?;
+        warnings.extend(forecast.into_iter().map(|line| format!("forecast: {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
         let simulation = Box::new(simulation);
         Ok(Self { study, gains: chosen, simulation, command, warnings })
     }
 
-    /// Runs the loop behind a progress bar and writes its record.
+    /// Runs the loop behind a progress bar and writes its record. What the robot's torque interface will
+    /// not bear is said before.
     pub(crate) fn simulate(self, folder: &Path) -> Result<Done, Failure> {
+        self.warnings.iter().filter(|w| w.starts_with("forecast:")).for_each(|w| eprintln!("{w}"));
         let bar = ProgressBar::new(self.simulation.samples());
         if let Ok(style) = ProgressStyle::with_template(
             "simulating {wide_bar} {percent:>3} % · {elapsed} of about {duration}",
@@ -143,7 +149,9 @@ impl Session {
     pub fn run(self, progress: impl FnMut(u64)) -> Done {
         let outcome = self.simulation.run(progress);
         let metrics = Metrics::of(&outcome.trace, &self.study);
-        let run = run_info(&self.study, (self.command, self.warnings), outcome.divergence.as_ref());
+        let mut warnings = self.warnings;
+        warnings.extend(outcome.abort.as_ref().map(table::abort));
+        let run = run_info(&self.study, (self.command, warnings), outcome.divergence.as_ref());
         Done {
             study: self.study,
             gains: self.gains,
@@ -151,6 +159,7 @@ impl Session {
             trace: outcome.trace,
             metrics,
             divergence: outcome.divergence,
+            abort: outcome.abort,
         }
     }
 }
@@ -194,25 +203,32 @@ impl Done {
     /// Tells what came out; the exit code says whether it is within spec.
     pub(crate) fn print(&self, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
         let diverged = self.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
+        let stopped = self.abort.as_ref().map(|a| {
+            json!({ "t_s": a.t, "interface": a.interface, "joint": a.joint, "reason": a.reason })
+        });
         if as_json {
             let document = json!({
                 "study": self.study.name,
                 "folder": folder,
                 "report": report,
                 "diverged": diverged,
+                "stopped": stopped,
                 "metrics": self.metrics,
             });
             println!("{document:#}");
         } else {
             println!("{} · {}", self.study.name, self.study.title);
             println!("{}", table::metrics(&self.metrics));
-            println!("{}", table::verdict(&self.metrics, self.divergence.as_ref()));
+            match &self.abort {
+                Some(abort) => println!("{}", table::abort(abort)),
+                None => println!("{}", table::verdict(&self.metrics, self.divergence.as_ref())),
+            }
             match report {
                 Some(page) => println!("report: {}", page.display()),
                 None => println!("trace: {}", folder.join("trace.csv").display()),
             }
         }
-        let good = self.divergence.is_none() && self.metrics.within_spec;
+        let good = self.divergence.is_none() && self.abort.is_none() && self.metrics.within_spec;
         if good { ExitCode::SUCCESS } else { ExitCode::from(1) }
     }
 }

@@ -4,7 +4,7 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use phihat_design::{Certificate, Gains, Infeasible};
 use phihat_model::{InertiaRange, Robot};
-use phihat_sim::{Divergence, JointMetrics, Metrics};
+use phihat_sim::{Abort, Divergence, JointMetrics, Metrics};
 use phihat_study::{Study, VelocitySource};
 
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.
@@ -157,6 +157,15 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
     }
 }
 
+/// One sentence.
+pub(crate) fn abort(abort: &Abort) -> String {
+    let on = abort.joint.as_ref().map_or_else(String::new, |joint| format!(" on {joint}"));
+    format!(
+        "STOPPED by the robot ({}) at t = {:.3} s{on}: {}",
+        abort.interface, abort.t, abort.reason
+    )
+}
+
 /// What was in the world, for the report.
 pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
     let world = &study.world;
@@ -192,7 +201,27 @@ pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
     if let Some(filter) = study.sensor.velocity_filter_hz {
         lines.push(("velocity filter".to_owned(), format!("first order, {filter} Hz")));
     }
+    lines.extend(trouble(study));
     lines.push(("plant".to_owned(), format!("RK4, {} step(s) per sample", world.substeps)));
+    lines
+}
+
+/// The torque interface and what goes wrong.
+fn trouble(study: &Study) -> Vec<(String, String)> {
+    let profile = &study.interface.profile;
+    let interface = format!("{}: {}", profile.name, profile.description);
+    let mut lines = vec![("torque interface".to_owned(), interface)];
+    for fault in &study.faults {
+        let joint = fault.joint.map_or("", |joint| study.robot.joints[joint].name.as_str());
+        let until = if fault.duration.is_finite() {
+            format!("for {} s", fault.duration)
+        } else {
+            "to the end".to_owned()
+        };
+        let what =
+            format!("{} {}, from t = {} s {until}", fault.size, fault.kind.unit(), fault.start);
+        lines.push((format!("fault {} {joint}", fault.kind.word()), what.replace(" ,", ",")));
+    }
     lines
 }
 

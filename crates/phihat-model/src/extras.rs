@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::RobotError;
+use crate::profile::Profile;
 use crate::robot::{Friction, Robot, Sigmoid};
 
 /// Largest file that is read \[bytes\].
@@ -29,6 +30,7 @@ struct File {
     limits: Option<Limits>,
     drive: Option<Drive>,
     encoder: Option<Encoder>,
+    profile: Option<ProfileKey>,
     #[serde(default)]
     poses: BTreeMap<String, Vec<f64>>,
 }
@@ -81,6 +83,12 @@ struct Encoder {
     source: Option<String>,
 }
 
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProfileKey {
+    name: String,
+}
+
 /// Path of the URDF that the TOML file at `path` names: beside or below it.
 pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathBuf> {
     let file = parse(text, origin)?;
@@ -117,6 +125,10 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
     let stated = |(section, source): (&str, Option<String>)| Some((section.to_owned(), source?));
     robot.sources = sources.into_iter().filter_map(stated).collect();
     lists.set_joints(&mut robot, &file)?;
+    if let Some(profile) = file.profile {
+        robot.sources.insert("profile".to_owned(), Profile::named(&profile.name)?.source);
+        robot.profile = profile.name;
+    }
     Ok(Robot {
         name: file.name,
         description: file.description,

@@ -26,6 +26,8 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Name of the frame that does the work; without a TOML file, the last that the last joint moves.
     pub tip: String,
+    /// Name of the torque interface it has: see [`Profile`](crate::Profile).
+    pub profile: String,
     /// Named postures \[rad, m for prismatic joints\].
     pub poses: BTreeMap<String, Vec<f64>>,
     /// What is odd about the description but does not prevent its use.
@@ -210,6 +212,7 @@ impl Robot {
             model: read.model,
             joints: read.joints,
             tip,
+            profile: "ideal".to_owned(),
             poses: BTreeMap::new(),
             warnings: read.warnings,
         };

@@ -1,7 +1,7 @@
 //! The control side: from what was sensed to the torque that is asked for.
 
 use phihat::{Command, JointGains, JointState, Limits, Reference, update_joints};
-use phihat_study::Study;
+use phihat_study::{Interface, Study};
 
 use crate::error::SimError;
 use crate::motion::Motion;
@@ -13,6 +13,8 @@ pub(crate) struct ControlSide {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     motion: Motion,
+    /// Whether the next command must be zero: the robot's start rule.
+    starts: bool,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
 }
@@ -29,6 +31,7 @@ impl ControlSide {
             gains: limited(study, gains)?,
             states: vec![JointState::new(); n],
             motion,
+            starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
             references: vec![Reference::default(); n],
             commands: vec![Command::default(); n],
         })
@@ -41,7 +44,7 @@ impl ControlSide {
             let [q, dq, ddq] = self.motion.at(i, t);
             *reference = Reference { q, dq, ddq };
         }
-        if !runs {
+        if !runs || core::mem::take(&mut self.starts) {
             return;
         }
         update_joints(
@@ -63,11 +66,25 @@ fn limited(study: &Study, gains: &[JointGains<f64>]) -> Result<Vec<JointGains<f6
     let period = study.control.period_ns as f64 * 1e-9;
     let per = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map(|v| v[i]);
     let with = |(i, gains): (usize, &JointGains<f64>)| {
-        let torque = per(&study.control.torque_max, i);
-        let rate = per(&study.control.torque_rate_max, i);
+        let mut torque = per(&study.control.torque_max, i);
+        let mut rate = per(&study.control.torque_rate_max, i);
+        let Interface { profile, kept } = &*study.interface;
+        if *kept {
+            let most = study.robot.joints[i].torque_max.filter(|_| profile.clamps_torque);
+            torque = smaller(torque, most);
+            rate = smaller(rate, profile.torque_rate_max);
+        }
         let limits = Limits::new(torque, rate, period)
             .map_err(|e| SimError::Limit(format!("{}: {e}", study.robot.joints[i].name)))?;
         Ok(gains.with_limits(limits))
     };
     gains.iter().enumerate().map(with).collect()
+}
+
+/// The smaller of two limits, where there are two.
+fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
 }

@@ -66,7 +66,8 @@ impl Metrics {
         let first = trace.index_at(settle_s);
         let joint = |(i, joint): (usize, &JointTrace)| joint_metrics(joint, study, i, first);
         let joints: Vec<_> = trace.joints.iter().enumerate().map(joint).collect();
-        let complete = first < trace.len();
+        let wanted = crate::simulation::samples(study.duration, study.control.period_ns);
+        let complete = first < trace.len() && trace.len() as u64 >= wanted;
         Self {
             duration_s: trace.len() as f64 * trace.period_ns as f64 * 1e-9,
             settle_s,

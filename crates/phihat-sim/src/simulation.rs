@@ -7,7 +7,7 @@ use crate::control::ControlSide;
 use crate::error::SimError;
 use crate::motion::Motion;
 use crate::trace::Trace;
-use crate::world::World;
+use crate::world::{Abort, World};
 
 /// Beyond this |q| \[rad or m\] or |q̇| \[rad/s or m/s\] a run has diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -28,6 +28,8 @@ pub struct Outcome {
     pub trace: Trace,
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
+    /// Set when the robot's interface stopped the run.
+    pub abort: Option<Abort>,
     /// Largest |torque| that each drive was told \[N·m\]: what reached it, after delay and losses.
     pub told_max: Vec<f64>,
     /// Largest change of it from one sample to the next \[N·m\].
@@ -46,7 +48,7 @@ pub struct Outcome {
 #[derive(Debug)]
 pub struct Simulation {
     control: ControlSide,
-    world: World,
+    world: Box<World>,
     names: Vec<String>,
     period_ns: u64,
     samples: u64,
@@ -66,7 +68,7 @@ impl Simulation {
             return Err(SimError::JointCount { gains: gains.len(), robot: n });
         }
         let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
-        let world = World::new(study, &motion)?;
+        let world = Box::new(World::new(study, &motion)?);
         Ok(Self {
             control: ControlSide::new(study, gains, motion)?,
             world,
@@ -81,7 +83,7 @@ impl Simulation {
         self.samples
     }
 
-    /// Runs to the end, or until the arm diverges. `progress` is told how many samples are done, about a
+    /// Runs to the end, or until the arm diverges or the robot stops. `progress` is told how many samples are done, about a
     /// hundred times.
     pub fn run(mut self, mut progress: impl FnMut(u64)) -> Outcome {
         let mut trace = Trace::new(&self.names, self.period_ns, self.samples);
@@ -98,6 +100,9 @@ impl Simulation {
                 let divergence = Some(Divergence { t, joint: self.names[joint].clone() });
                 return self.outcome(trace, divergence);
             }
+            if self.world.path.abort.is_some() {
+                break;
+            }
             if (k + 1) % stride == 0 {
                 progress(k + 1);
             }
@@ -108,7 +113,13 @@ impl Simulation {
 
     fn outcome(self, trace: Trace, divergence: Option<Divergence>) -> Outcome {
         let path = self.world.path;
-        Outcome { trace, divergence, told_max: path.told_max, told_step_max: path.step_max }
+        Outcome {
+            trace,
+            divergence,
+            abort: path.abort,
+            told_max: path.told_max,
+            told_step_max: path.step_max,
+        }
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.

@@ -10,6 +10,8 @@ use crate::simulation::Outcome;
 pub struct Survival {
     /// Whether the arm stayed finite and within every plausible bound to the end.
     pub finite: bool,
+    /// Why the robot's interface stopped the run, if it did.
+    pub stopped: Option<String>,
     /// Largest |e| of any joint from the first fault on \[rad\]; of the whole run where there is none.
     pub error_max_rad: f64,
     /// Largest |e| of any joint over the last tenth of the run \[rad\].
@@ -44,6 +46,7 @@ impl Survival {
         };
         Self {
             finite: outcome.divergence.is_none(),
+            stopped: outcome.abort.as_ref().map(|abort| abort.reason.clone()),
             error_max_rad: worst(first, |joint| &joint.e),
             error_end_rad: worst(last, |joint| &joint.e),
             velocity_max_rad_s: worst(first, |joint| &joint.dq),

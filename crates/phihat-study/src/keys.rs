@@ -1,6 +1,7 @@
 //! The format of a study, all but `[reference]`: every key with unit, range, default and meaning.
 
 use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::profile::PROFILE;
 use crate::reference_keys::KINDS;
 use crate::world_keys::{FAULT, WORLD};
 
@@ -54,6 +55,7 @@ pub(crate) static STUDY: Section = Section {
         table("loop", Need::Optional("1 kHz, no delay"), &LOOP, "The control loop."),
         table("sensor", Need::Optional("exact sensors"), &SENSOR, "What the controller sees."),
         table("world", Need::Optional("gravity and friction"), &WORLD, "What the arm meets."),
+        table("profile", Need::Optional("bare drives"), &PROFILE, "The robot's torque interface."),
         Key {
             name: "fault",
             unit: "",

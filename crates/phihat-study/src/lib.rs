@@ -25,6 +25,7 @@ mod manual;
 mod node;
 mod payload;
 mod per_joint;
+mod profile;
 mod read;
 mod reference;
 mod reference_keys;

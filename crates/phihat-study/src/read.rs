@@ -15,7 +15,7 @@ use crate::node::Node;
 use crate::reference::Run;
 use crate::source::Source;
 use crate::study::Study;
-use crate::{control, design, fault, gains, reference, spec, world};
+use crate::{control, design, fault, gains, profile, reference, spec, world};
 
 /// Largest study \[byte\].
 const BYTES_MAX: usize = 1 << 20;
@@ -88,6 +88,7 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         control: control::read(&top.child("loop"), &arm, period_ns)?,
         sensor: control::read_sensor(&top.child("sensor"), &arm, rate)?,
         world: world::read(top, &arm, duration)?,
+        interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),
         faults: fault::read(top, &arm, duration)?,
         reference: reference::read(&top.child("reference"), &arm, run)?,
         robot: arm.robot,

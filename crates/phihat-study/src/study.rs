@@ -1,6 +1,6 @@
 //! The study's nouns as plain data: SI units, one entry per joint in the robot's order.
 
-use phihat_model::Robot;
+use phihat_model::{Profile, Robot};
 
 use crate::Fault;
 
@@ -33,6 +33,8 @@ pub struct Study {
     pub sensor: Sensor,
     /// The world the arm meets.
     pub world: World,
+    /// The robot's torque interface.
+    pub interface: Box<Interface>,
     /// What goes wrong for a while.
     pub faults: Vec<Fault>,
     /// What the arm shall do.
@@ -170,6 +172,15 @@ pub struct Sensor {
     pub wrap: bool,
 }
 
+/// `[profile]`: the robot's torque interface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface {
+    /// What it adds, and on what it stops.
+    pub profile: Profile,
+    /// Whether the controller keeps its limits and its start rule.
+    pub kept: bool,
+}
+
 /// Where the law's applied torque comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TorqueSource {
@@ -234,7 +245,7 @@ pub struct World {
     /// Bandwidth of the drive's torque loop \[Hz\] per joint; `None`: torque acts at once.
     pub drive_bandwidth_hz: Option<Vec<f64>>,
     /// Imperfections of the drives; `None`: none.
-    pub drive: Option<Drive>,
+    pub drive: Option<Box<Drive>>,
     /// Messages that get lost.
     pub network: Network,
     /// Body welded to a frame, unknown to the controller.

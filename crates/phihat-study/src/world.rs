@@ -18,7 +18,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, St
         extra_coulomb: joints.numbers(&node, "coulomb_extra_nm")?,
         extra_viscous: joints.numbers(&node, "viscous_extra_nm_s_rad")?,
         drive_bandwidth_hz: limits(&node, arm, "drive_bandwidth_hz", drives)?,
-        drive: drive(&node.child("drive"), arm)?,
+        drive: drive(&node.child("drive"), arm)?.map(Box::new),
         network: network(&node.child("network"))?,
         payload: payload::read(&node.child("payload"), arm)?,
         pushes: pushes.iter().map(|node| push(node, arm, duration)).collect::<Result<_, _>>()?,

@@ -48,19 +48,25 @@ pub(super) fn payload_body(model: Model, frame: &str, body: &Body) -> Result<Mod
     model.with_payload(found, body).map_err(|e| SimError::Payload(e.to_string()))
 }
 
+/// The friction of the robot's description, whether or not it acts in the study.
+pub(super) fn frictions_of_robot(study: &Study) -> Vec<Friction> {
+    let of = |joint: &phihat_model::Joint| {
+        let own = &joint.friction;
+        Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
+    };
+    study.robot.joints.iter().map(of).collect()
+}
+
 pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
-    let of = |(i, joint): (usize, &phihat_model::Joint)| {
-        let mut friction = if study.world.robot_friction {
-            let own = &joint.friction;
-            Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
-        } else {
-            Friction::default()
-        };
+    let mut frictions = frictions_of_robot(study);
+    if !study.world.robot_friction {
+        frictions.fill(Friction::default());
+    }
+    for (i, friction) in frictions.iter_mut().enumerate() {
         friction.coulomb += study.world.extra_coulomb[i];
         friction.viscous += study.world.extra_viscous[i];
-        friction
-    };
-    study.robot.joints.iter().enumerate().map(of).collect()
+    }
+    frictions
 }
 
 fn pushes(study: &Study) -> Vec<Push> {

@@ -2,6 +2,7 @@
 
 mod build;
 mod drive;
+mod firmware;
 mod friction;
 mod loss;
 mod noise;
@@ -13,6 +14,7 @@ mod sensor;
 mod shape;
 
 pub(crate) use build::{frictions, loaded_model};
+pub use firmware::Abort;
 pub use friction::{COULOMB_VELOCITY, Friction};
 
 use phihat_study::Study;
@@ -30,6 +32,9 @@ pub(crate) struct World {
     sensing: Sensing,
     pub(crate) path: CommandPath,
     pub(crate) plant: Plant,
+    /// What the robot adds by itself, and the whole that its drives shall give \[N·m\].
+    added: Vec<f64>,
+    demand: Vec<f64>,
     period: f64,
     substeps: u32,
 }
@@ -47,6 +52,8 @@ impl World {
         Ok(Self {
             sensing: Sensing::new(study),
             path: CommandPath::new(study)?,
+            added: vec![0.0; plant.q.len()],
+            demand: Vec::with_capacity(plant.q.len()),
             plant,
             period,
             substeps: study.world.substeps,
@@ -66,6 +73,14 @@ impl World {
     /// Takes the torque asked for at sample `k`, time `t` \[s\], and goes on to the next sample.
     pub(crate) fn advance(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         self.path.pass(k, t, torque);
-        self.plant.advance(t, self.period, self.substeps, &self.path.told);
+        let Some(added) = self.path.added(&self.plant.q, &self.plant.dq) else {
+            return self.plant.advance(t, self.period, self.substeps, &self.path.told);
+        };
+        self.added.copy_from_slice(added);
+        self.demand.clear();
+        let whole = self.path.told.iter().zip(&self.added).map(|(told, added)| told + added);
+        self.demand.extend(whole);
+        self.plant.advance(t, self.period, self.substeps, &self.demand);
+        self.plant.deduct(&self.added);
     }
 }

@@ -3,16 +3,21 @@
 use phihat::Delay;
 use phihat_study::{Fault, FaultKind, Study};
 
+use super::firmware::{Abort, Firmware};
 use super::loss::Loss;
 use super::noise::Effect;
 use crate::error::SimError;
 
-/// Transport delay, and commands that get lost; the drives keep the last one.
+/// Commands that get lost (the drives keep the last one), the robot's interface, and transport delay.
 #[derive(Debug)]
 pub(crate) struct CommandPath {
     delays: Vec<Delay<f64>>,
     loss: Option<Loss>,
     stops: Vec<Fault>,
+    firmware: Option<Firmware>,
+    /// Set once the robot has stopped.
+    pub(crate) abort: Option<Abort>,
+    arrived: Vec<f64>,
     /// What was last sent and got through.
     sent: Vec<f64>,
     /// What the drives are told over the current interval \[N·m\].
@@ -33,7 +38,10 @@ impl CommandPath {
             delays: vec![delay; zero.len()],
             loss: Loss::new(study.world.network.command, &study.faults, kinds, study.seed),
             stops: study.faults.iter().filter(stop).cloned().collect(),
+            firmware: Firmware::new(study),
+            abort: None,
             sent: zero.clone(),
+            arrived: zero.clone(),
             told: zero.clone(),
             told_max: zero.clone(),
             step_max: zero,
@@ -48,8 +56,22 @@ impl CommandPath {
     /// Takes the command of sample `k`; leaves `told`.
     pub(super) fn pass(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t));
-        if !lost && self.controller_runs(t) {
-            self.sent.iter_mut().zip(torque).for_each(|(sent, torque)| *sent = torque);
+        let arrives = !lost && self.controller_runs(t);
+        match &mut self.firmware {
+            _ if self.abort.is_some() => {}
+            None if arrives => {
+                self.sent.iter_mut().zip(torque).for_each(|(sent, torque)| *sent = torque);
+            }
+            None => {}
+            Some(firmware) => {
+                self.arrived.clear();
+                self.arrived.extend(torque);
+                match firmware.receive(t, arrives.then_some(&mut self.arrived)) {
+                    Ok(()) if arrives => self.sent.copy_from_slice(&self.arrived),
+                    Ok(()) => {}
+                    Err(abort) => self.abort = Some(abort),
+                }
+            }
         }
         for i in 0..self.sent.len() {
             let told = self.delays[i].pass(self.sent[i]);
@@ -58,6 +80,15 @@ impl CommandPath {
             self.told_max[i] = larger(self.told_max[i], told.abs());
             self.step_max[i] = larger(self.step_max[i], step);
         }
+    }
+}
+
+impl CommandPath {
+    /// What the robot adds to `told` at a state of the arm, if it adds anything.
+    pub(super) fn added(&mut self, q: &[f64], dq: &[f64]) -> Option<&[f64]> {
+        let firmware = self.firmware.as_mut()?;
+        firmware.add(q, dq);
+        Some(&firmware.added)
     }
 }
 

@@ -177,6 +177,15 @@ impl Plant {
         }
     }
 
+    /// Takes what the robot added by itself out of the last interval's torques: the controller knows
+    /// nothing of it, and `φ` lacks it.
+    pub(super) fn deduct(&mut self, added: &[f64]) {
+        for (i, added) in added.iter().enumerate() {
+            self.tau_start[i] -= added;
+            self.tau_mean[i] -= added;
+        }
+    }
+
     /// RK4 steps per `period` that friction's stiffness asks for at this pose, and the joint that asks.
     ///
     /// `λ = (dτ_f/dv)/J`, `J = 1/(M⁻¹)_ii`; RK4 is stable for `λ h < 2.78`, used up to 2.
