@@ -188,6 +188,14 @@ pub enum Gain {
     TorqueMax,
     /// A torque-rate limit.
     TorqueRateMax,
+    /// A velocity limit.
+    VelocityMax,
+    /// An acceleration limit.
+    AccelerationMax,
+    /// A jerk limit.
+    JerkMax,
+    /// The bandwidth of a velocity filter.
+    VelocityFilter,
 }
 
 impl fmt::Display for Gain {
@@ -200,6 +208,10 @@ impl fmt::Display for Gain {
             Self::Period => f.write_str("period [s]"),
             Self::TorqueMax => f.write_str("torque limit [N m]"),
             Self::TorqueRateMax => f.write_str("torque-rate limit [N m/s]"),
+            Self::VelocityMax => f.write_str("velocity limit [rad/s]"),
+            Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
+            Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
+            Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
         }
     }
 }

@@ -51,14 +51,27 @@ pub struct Status {
 pub struct JointState<R> {
     /// Observer: `φ̂_0, φ̂_1, …, φ̂_{m−1}`, estimates of `φ` and its time derivatives \[N·m/s^j\].
     /// Literal: `∫e, ∬e, …` \[rad·s^j\]. Unused entries are zero.
-    memory: [R; ORDER_MAX],
+    pub(crate) memory: [R; ORDER_MAX],
+    /// Literal: what rounding left out of the integrals, so that 1e9 samples later they still count.
+    carry: [R; ORDER_MAX],
     /// Velocity at the last sample.
     dq: R,
     /// `φ̂` at the last sample.
-    phi_hat: R,
+    pub(crate) phi_hat: R,
     /// The last torque commanded.
-    tau: R,
+    pub(crate) tau: R,
     started: bool,
+}
+
+/// The time between two samples, as the estimator takes it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Interval<R> {
+    /// Length of one step \[s\].
+    pub(crate) step: R,
+    /// How many steps make the interval; 0: the interval cannot be trusted, nothing is integrated.
+    pub(crate) parts: u8,
+    /// `1/parts`.
+    pub(crate) share: R,
 }
 
 impl<R: Real> JointState<R> {
@@ -135,17 +148,13 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
-        let mut next = match self.form {
-            Form::Observer => self.observe(state, measurement),
-            Form::Literal => self.integrate(state, measurement, reference),
-        };
+        let mut next = self.estimate(state, measurement, reference, self.nominal());
         let demand = self.outer_loop(measurement, reference) + next.phi_hat;
         if !demand.is_finite() {
             return state.hold();
         }
         let limited = self.limits.apply(demand, state.tau);
         next.tau = limited.tau;
-        next.started = true;
         *state = next;
         let status = Status {
             saturated: limited.over_torque,
@@ -188,26 +197,53 @@ impl<R: Real> JointGains<R> {
         true
     }
 
+    /// One whole sample period.
+    pub(crate) fn nominal(&self) -> Interval<R> {
+        Interval { step: self.period, parts: 1, share: R::from_f64(1.0) }
+    }
+
+    /// The estimator over the interval that ends at this sample; the torque is left as it was.
+    pub(crate) fn estimate(
+        &self,
+        state: &JointState<R>,
+        measurement: &Measurement<R>,
+        reference: &Reference<R>,
+        interval: Interval<R>,
+    ) -> JointState<R> {
+        let mut next = match self.form {
+            Form::Observer => self.observe(state, measurement, interval),
+            Form::Literal => self.integrate(state, measurement, reference, interval),
+        };
+        next.started = true;
+        next
+    }
+
     /// `M̄ (q̈_d − K_d ė − K_p e)`.
-    fn outer_loop(&self, measurement: &Measurement<R>, reference: &Reference<R>) -> R {
+    pub(crate) fn outer_loop(&self, measurement: &Measurement<R>, reference: &Reference<R>) -> R {
         let e = measurement.q - reference.q;
         let de = measurement.dq - reference.dq;
         self.inertia * (reference.ddq - self.kd * de - self.kp * e)
     }
 
     /// (T4): advances the observer over the interval that ends at this sample.
-    fn observe(&self, state: &JointState<R>, measurement: &Measurement<R>) -> JointState<R> {
+    fn observe(
+        &self,
+        state: &JointState<R>,
+        measurement: &Measurement<R>,
+        interval: Interval<R>,
+    ) -> JointState<R> {
         let mut next = *state;
         if state.started {
-            let [phi_hat, ..] = state.memory;
-            let innovation = self.period * (measurement.tau_applied - phi_hat)
-                - self.inertia * (measurement.dq - state.dq);
-            let [_, d1, d2, d3] = state.memory;
-            let derivatives = [d1, d2, d3, R::ZERO];
-            for ((entry, alpha), derivative) in
-                next.memory.iter_mut().zip(&self.alpha).zip(derivatives)
-            {
-                *entry += self.period * derivative + *alpha * innovation;
+            let momentum = self.inertia * (measurement.dq - state.dq) * interval.share;
+            for _ in 0..interval.parts {
+                let [phi_hat, d1, d2, d3] = next.memory;
+                let innovation = interval.step * (measurement.tau_applied - phi_hat) - momentum;
+                let derivatives = [d1, d2, d3, R::ZERO];
+                for ((entry, alpha), derivative) in
+                    next.memory.iter_mut().zip(&self.alpha).zip(derivatives)
+                {
+                    *entry += interval.step * derivative + *alpha * innovation;
+                }
             }
         }
         next.dq = measurement.dq;
@@ -221,15 +257,23 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         measurement: &Measurement<R>,
         reference: &Reference<R>,
+        interval: Interval<R>,
     ) -> JointState<R> {
         let mut next = *state;
         let e = measurement.q - reference.q;
         let de = measurement.dq - reference.dq;
         if state.started {
-            let mut below = e;
-            for integral in next.memory.iter_mut().take(self.order) {
-                *integral += self.period * below;
-                below = *integral;
+            for _ in 0..interval.parts {
+                let mut below = e;
+                let sums = next.memory.iter_mut().zip(&mut next.carry);
+                for (integral, carry) in sums.take(self.order) {
+                    // Kahan's sum.
+                    let increment = interval.step * below - *carry;
+                    let sum = *integral + increment;
+                    *carry = (sum - *integral) - increment;
+                    *integral = sum;
+                    below = sum;
+                }
             }
         }
         next.phi_hat = -(self.inertia * self.weigh(&next.memory, e, de));
@@ -252,6 +296,7 @@ impl<R: Real> JointGains<R> {
         reference: &Reference<R>,
         wanted: R,
     ) {
+        next.carry = [R::ZERO; ORDER_MAX];
         let Some(highest) = next.memory.iter_mut().take(self.order).last() else { return };
         if *highest == R::ZERO {
             // The order rises: what the lower integrals held belongs into the new highest one, or

@@ -12,6 +12,10 @@
 //!   owned by the caller. [`JointGains::update`]: the only verb of the hot path.
 //! - [`Controller`]: an array of joints for a robot; [`update_joints`] for a number known at run time.
 //! - [`Limits`], [`Delay`]: torque and torque-rate limits that report what they did; transport delay.
+//! - [`Supervisor`]: what a real arm needs around it: a guard for bad, late and lost samples, joint limits,
+//!   modes with a latched safe stop, bumpless starts. [`supervise`] for a number of joints known at run time.
+//! - At the boundary: [`JointMap`] binds joints by name, [`Unwrap`] undoes the wrap of continuous joints,
+//!   [`VelocityFilter`] differences positions, [`Shaper`] limits references, [`Log`] never blocks.
 //!
 //! # Real time
 //!
@@ -29,16 +33,33 @@ mod controller;
 mod delay;
 mod gains;
 mod joint;
+mod joint_map;
 mod limits;
+mod log;
 mod real;
 mod sampled;
+mod shaper;
+mod supervisor;
+mod unwrap;
+mod velocity;
 
 pub use controller::{Controller, update_joints};
 pub use delay::{DELAY_MAX, Delay, DelayTooLong};
 pub use gains::{Form, Gain, GainError, JointDesign, JointGains};
 pub use joint::{Command, JointState, Measurement, Reference, Status};
+pub use joint_map::{JointMap, JointMapError, order_hash};
 pub use limits::Limits;
+pub use log::Log;
 pub use real::Real;
+pub use shaper::{MotionLimits, Shaper};
+pub use supervisor::{
+    Action, Answer, ArmRules, ArmState, Events, Fault, Funnel, JointMemory, JointOptions,
+    JointRange, JointRules, Mode, ModeEvents, ModeRequest, OptionError, Options, Refusal, Report,
+    Request, Sample, Schedule, Stamp, Supervisor, SupervisorState, Transition, next_mode,
+    supervise,
+};
+pub use unwrap::Unwrap;
+pub use velocity::{VelocityFilter, VelocityState};
 
 /// The README's example, run as a test.
 #[cfg(doctest)]

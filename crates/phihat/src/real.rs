@@ -32,6 +32,22 @@ pub trait Real:
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
+    /// Magnitude below which a state is taken as zero, far above the subnormal range: arithmetic on
+    /// subnormal numbers is slow on many processors.
+    const TINY: Self;
+    /// `|self|`.
+    #[must_use]
+    fn abs(self) -> Self;
+    /// `√self`, within one unit in the last place; zero for negative arguments and NaN.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// `self`, or zero when it is smaller than [`Self::TINY`].
+    #[must_use]
+    fn snap(self) -> Self {
+        if self < Self::TINY && self > -Self::TINY { Self::ZERO } else { self }
+    }
+
     /// Whether every value is finite, without a branch: 0·x is 0 for finite x and NaN otherwise.
     fn all_finite<const N: usize>(values: [Self; N]) -> bool {
         let mut sum = Self::ZERO;
@@ -67,6 +83,21 @@ impl Real for f32 {
     fn is_finite(self) -> bool {
         self.is_finite()
     }
+    const TINY: Self = 1e-30;
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    fn sqrt(self) -> Self {
+        if !(self > Self::TINY && self.is_finite()) {
+            return Self::ZERO;
+        }
+        // Halving the exponent is within 4 %; each step of Newton's doubles the digits.
+        let mut root = Self::from_bits((self.to_bits() >> 1) + 0x1fbd_1df5);
+        for _ in 0..3 {
+            root = 0.5 * (root + self / root);
+        }
+        root
+    }
 }
 
 impl Real for f64 {
@@ -76,5 +107,20 @@ impl Real for f64 {
     }
     fn is_finite(self) -> bool {
         self.is_finite()
+    }
+    const TINY: Self = 1e-150;
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    fn sqrt(self) -> Self {
+        if !(self > Self::TINY && self.is_finite()) {
+            return Self::ZERO;
+        }
+        // Halving the exponent is within 4 %; each step of Newton's doubles the digits.
+        let mut root = Self::from_bits((self.to_bits() >> 1) + 0x1ff7_a3be_a91d_9b1b);
+        for _ in 0..4 {
+            root = 0.5 * (root + self / root);
+        }
+        root
     }
 }

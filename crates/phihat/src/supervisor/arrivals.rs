@@ -1,0 +1,107 @@
+//! Is this sample new, and how long is it since the last one?
+
+use crate::joint::Interval;
+use crate::{Events, Real};
+
+/// When and as which a sample was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stamp {
+    /// Counts samples; where there is no such number, the time stamp does.
+    pub sequence: u64,
+    /// When it was taken \[ns\], by a monotonic clock.
+    pub t_ns: u64,
+}
+
+/// What counts as fresh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ArrivalRules {
+    pub(crate) period_ns: u64,
+    pub(crate) age_max_ns: u64,
+    pub(crate) window: u64,
+}
+
+/// What is remembered of the samples before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Arrivals {
+    pub(crate) last: Option<Stamp>,
+    /// Missed in a row.
+    pub(crate) misses: u32,
+    /// Of these, the ones that came but could not be believed, in a row.
+    pub(crate) bad: u32,
+    /// One bit per sample, the latest lowest: 1 = missed.
+    pub(crate) history: u64,
+}
+
+/// A sample's stamp, judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Arrival {
+    pub(crate) fresh: bool,
+    /// Time since the last fresh sample, where it can be integrated over.
+    pub(crate) elapsed_ns: Option<u64>,
+    pub(crate) events: Events,
+}
+
+impl Arrivals {
+    /// Judges a stamp. `resync`: nothing depends on the order of samples now, any number is a new start.
+    pub(crate) fn judge(
+        &self,
+        rules: &ArrivalRules,
+        now_ns: u64,
+        stamp: Stamp,
+        resync: bool,
+    ) -> Arrival {
+        let refuse = |events| Arrival { fresh: false, elapsed_ns: None, events };
+        if now_ns.saturating_sub(stamp.t_ns) > rules.age_max_ns {
+            return refuse(Events::AGED);
+        }
+        let Some(last) = self.last else {
+            return Arrival { fresh: true, elapsed_ns: None, events: Events::NONE };
+        };
+        let advance = stamp.sequence.wrapping_sub(last.sequence);
+        if advance == 0 {
+            return refuse(Events::DUPLICATE);
+        }
+        if advance > rules.window && !resync {
+            return refuse(Events::REORDERED);
+        }
+        let elapsed = stamp.t_ns.checked_sub(last.t_ns).filter(|elapsed| {
+            advance <= rules.window && *elapsed > 0 && *elapsed <= rules.period_ns.saturating_mul(3)
+        });
+        let events = Events::TIME_JUMP.when(elapsed.is_none());
+        Arrival { fresh: true, elapsed_ns: elapsed, events }
+    }
+
+    pub(crate) fn took(&mut self, stamp: Stamp) {
+        self.last = Some(stamp);
+        self.misses = 0;
+        self.bad = 0;
+        self.history <<= 1;
+    }
+
+    pub(crate) fn missed(&mut self, bad: bool) {
+        self.misses = self.misses.saturating_add(1);
+        self.bad = if bad { self.bad.saturating_add(1) } else { self.bad };
+        self.history = (self.history << 1) | 1;
+    }
+}
+
+/// The interval for the estimator: one step up to 1.5 periods, two up to 2.5, three up to 3. With the
+/// coefficients of the nominal period that keeps its sampled poles inside the unit circle.
+pub(crate) fn interval<R: Real>(
+    elapsed_ns: Option<u64>,
+    period_ns: u64,
+    nominal: Interval<R>,
+) -> Interval<R> {
+    let Some(elapsed) = elapsed_ns else { return Interval { parts: 0, ..nominal } };
+    if elapsed == period_ns {
+        return nominal;
+    }
+    let (parts, share) = if elapsed * 2 <= period_ns * 3 {
+        (1, 1.0)
+    } else if elapsed * 2 <= period_ns * 5 {
+        (2, 0.5)
+    } else {
+        (3, 1.0 / 3.0)
+    };
+    Interval { step: R::from_f64(elapsed as f64 * 1e-9 * share), parts, share: R::from_f64(share) }
+}

@@ -1,0 +1,116 @@
+//! What a supervised arm remembers between samples; owned by the caller.
+
+use super::arrivals::Arrivals;
+use super::blend::{Blend, fade};
+use super::monitor::{Actuation, Frozen, Oscillation};
+use crate::{Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
+
+/// The arm's part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ArmState {
+    pub(crate) arrivals: Arrivals,
+    pub(crate) mode: Mode,
+    pub(crate) request: ModeRequest,
+    pub(crate) fault: Option<(Fault, usize)>,
+    /// What the law noticed at the last sample.
+    pub(crate) pending: Option<(Fault, usize)>,
+    /// Samples since the mode was entered.
+    pub(crate) in_mode: u32,
+    /// Samples since the law took over.
+    pub(crate) engaged: u32,
+    /// Samples since the reference began to blend.
+    pub(crate) blending: u32,
+    /// Samples in a row that the mismatch is settled, and disturbed.
+    pub(crate) settled: u32,
+    pub(crate) disturbed: u32,
+    /// The running gains are in force, not the start gains.
+    pub(crate) raised: bool,
+    /// References refused in a row.
+    pub(crate) bad_references: u32,
+}
+
+impl ArmState {
+    /// Idle, with nothing known.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The mode.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Whether torque does not do what it says, so that no feedback helps.
+    pub(crate) fn misdriven(&self) -> bool {
+        matches!(self.fault, Some((Fault::Actuation, _)))
+    }
+
+    /// Whether velocity feedback may be what shakes the arm.
+    pub(crate) fn shaking(&self) -> bool {
+        matches!(self.fault, Some((Fault::Oscillation, _)))
+    }
+}
+
+/// One joint's part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointMemory<R> {
+    pub(crate) law: JointState<R>,
+    /// The last sample believed.
+    pub(crate) measured: Measurement<R>,
+    /// The reference in force: shaped and blended.
+    pub(crate) reference: Reference<R>,
+    /// The caller's last finite reference.
+    pub(crate) asked: Reference<R>,
+    /// The pose that is held.
+    pub(crate) home: R,
+    /// The torque that is held when the law does not run.
+    pub(crate) held: R,
+    pub(crate) blend: Blend<R>,
+    /// Torque that is faded out, and for how many samples already.
+    offset: R,
+    offset_age: u32,
+    /// Mean mismatch `φ − φ̂`.
+    pub(crate) mismatch: R,
+    /// Width of the funnel above its final one; negative: the estimator has taken over.
+    pub(crate) funnel: R,
+    pub(crate) funnel_settled: u32,
+    pub(crate) frozen: Frozen<R>,
+    pub(crate) oscillation: Oscillation<R>,
+    pub(crate) actuation: Actuation<R>,
+}
+
+impl<R: Real> JointMemory<R> {
+    /// Nothing known.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The reference in force at the last sample: shaped and blended.
+    pub fn reference(&self) -> &Reference<R> {
+        &self.reference
+    }
+
+    /// The last torque commanded \[N·m\].
+    pub fn tau(&self) -> R {
+        self.law.tau
+    }
+
+    /// Starts to fade a torque out.
+    pub(crate) fn fade_out(&mut self, torque: R) {
+        self.offset = torque;
+        self.offset_age = 0;
+    }
+
+    /// What is left of it at this sample; `rate` is the share per sample.
+    pub(crate) fn fading(&mut self, rate: R) -> R {
+        let progress = R::from_f64(f64::from(self.offset_age)) * rate;
+        if progress < R::from_f64(1.0) {
+            self.offset_age = self.offset_age.saturating_add(1);
+            self.offset * fade(progress)
+        } else {
+            R::ZERO
+        }
+    }
+}

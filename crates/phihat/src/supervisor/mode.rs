@@ -1,0 +1,162 @@
+//! The modes of an arm, and the only way from one to another.
+
+/// What an arm does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Mode {
+    /// No torque. The brakes are on, or the robot holds itself.
+    #[default]
+    Idle,
+    /// Ready: the pose is known and at rest; the held torque and damping act.
+    Armed,
+    /// The law holds a pose.
+    Holding,
+    /// The law follows the reference.
+    Tracking,
+    /// Latched: integrals frozen; held torque and damping, then the brakes. Left by an explicit request.
+    SafeStop,
+}
+
+/// What the caller wants at this sample: a level, not an edge, except that [`Self::Arm`] counts only when it
+/// is new, so that nothing moves again by itself after a stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum ModeRequest {
+    /// No torque; from [`Mode::Armed`] and [`Mode::SafeStop`] only.
+    #[default]
+    Idle,
+    /// Get ready; from [`Mode::Idle`] and [`Mode::SafeStop`].
+    Arm,
+    /// Hold the pose.
+    Hold,
+    /// Follow the reference; from [`Mode::Holding`].
+    Track,
+    /// Safe stop; always granted while torque is on.
+    Stop,
+}
+
+/// What [`next_mode`] looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "a set of independent facts")]
+pub struct ModeEvents {
+    /// What the caller wants.
+    pub request: ModeRequest,
+    /// Whether it wanted something else at the sample before.
+    pub request_is_new: bool,
+    /// Something is wrong at this sample.
+    pub fault: bool,
+    /// This sample is fresh and plausible.
+    pub fresh: bool,
+    /// Every joint is at rest.
+    pub at_rest: bool,
+    /// The reference starts near the pose.
+    pub start_matches: bool,
+}
+
+/// What entering a mode asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Action {
+    /// Nothing changes.
+    #[default]
+    None,
+    /// Take the measured pose as home; the held torque, or the preset, becomes `φ̂`.
+    Capture,
+    /// Start the law on the captured pose.
+    Engage,
+    /// Blend from the held pose to the reference.
+    Follow,
+    /// Blend from the reference to a pose that is reached without a jolt.
+    Settle,
+    /// Freeze the integrals, latch.
+    Freeze,
+    /// Torque off.
+    Release,
+}
+
+/// Why a request is not granted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// Arm first.
+    NotArmed,
+    /// Hold first.
+    NotHolding,
+    /// Stop first: torque is not switched off under a moving arm.
+    NotStopped,
+    /// Already past that.
+    AlreadyActive,
+    /// After a stop, ask for [`ModeRequest::Arm`]; the stop stays latched until then.
+    Latched,
+    /// [`ModeRequest::Arm`] was already there before: release it and ask again.
+    NotNew,
+    /// Something is wrong still.
+    Fault,
+    /// There is no fresh sample.
+    NotFresh,
+    /// The arm moves.
+    NotAtRest,
+    /// The reference is too far from the pose.
+    StartMismatch,
+}
+
+/// The answer of [`next_mode`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Transition {
+    /// The mode from now on.
+    pub mode: Mode,
+    /// What entering it asks for.
+    pub action: Action,
+    /// Why the request was not granted, if it was not.
+    pub refusal: Option<Refusal>,
+}
+
+/// The mode machine: a pure function. A fault or a stop wins over everything; every other way is one step.
+#[must_use]
+pub fn next_mode(mode: Mode, events: ModeEvents) -> Transition {
+    let go = |mode, action| Transition { mode, action, refusal: None };
+    let stay = Transition { mode, action: Action::None, refusal: None };
+    let refuse = |why| Transition { refusal: Some(why), ..stay };
+    let active = matches!(mode, Mode::Armed | Mode::Holding | Mode::Tracking);
+    if active && (events.fault || events.request == ModeRequest::Stop) {
+        return go(Mode::SafeStop, Action::Freeze);
+    }
+    match (mode, events.request) {
+        (_, ModeRequest::Stop)
+        | (Mode::Idle, ModeRequest::Idle)
+        | (Mode::Armed, ModeRequest::Arm)
+        | (Mode::Holding, ModeRequest::Hold)
+        | (Mode::Tracking, ModeRequest::Track) => stay,
+        (Mode::Idle | Mode::SafeStop, ModeRequest::Arm) => match blocked(mode, events) {
+            Some(why) => refuse(why),
+            None => go(Mode::Armed, Action::Capture),
+        },
+        (Mode::Idle, ModeRequest::Hold | ModeRequest::Track) => refuse(Refusal::NotArmed),
+        (Mode::SafeStop, ModeRequest::Hold | ModeRequest::Track) => refuse(Refusal::Latched),
+        (Mode::Armed | Mode::SafeStop, ModeRequest::Idle) => go(Mode::Idle, Action::Release),
+        (Mode::Armed, ModeRequest::Track) => refuse(Refusal::NotHolding),
+        (Mode::Armed, ModeRequest::Hold) if events.fresh => go(Mode::Holding, Action::Engage),
+        (Mode::Armed, ModeRequest::Hold) => refuse(Refusal::NotFresh),
+        (Mode::Holding, ModeRequest::Track) if !events.fresh => refuse(Refusal::NotFresh),
+        (Mode::Holding, ModeRequest::Track) if !events.start_matches => {
+            refuse(Refusal::StartMismatch)
+        }
+        (Mode::Holding, ModeRequest::Track) => go(Mode::Tracking, Action::Follow),
+        (Mode::Tracking, ModeRequest::Hold) => go(Mode::Holding, Action::Settle),
+        (Mode::Holding | Mode::Tracking, ModeRequest::Idle) => refuse(Refusal::NotStopped),
+        (Mode::Holding | Mode::Tracking, ModeRequest::Arm) => refuse(Refusal::AlreadyActive),
+    }
+}
+
+/// What stands in the way of arming.
+fn blocked(mode: Mode, events: ModeEvents) -> Option<Refusal> {
+    // From idle a caller may ask until the arm is ready; after a stop it has to ask anew.
+    if mode == Mode::SafeStop && !events.request_is_new {
+        Some(Refusal::NotNew)
+    } else if events.fault {
+        Some(Refusal::Fault)
+    } else if !events.fresh {
+        Some(Refusal::NotFresh)
+    } else if !events.at_rest {
+        Some(Refusal::NotAtRest)
+    } else {
+        None
+    }
+}

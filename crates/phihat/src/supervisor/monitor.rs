@@ -1,0 +1,96 @@
+//! Watches one joint for what no guard of a single value can see.
+
+use crate::Real;
+
+/// A position that does not change while the joint moves.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Frozen<R> {
+    same: u32,
+    travel: R,
+}
+
+impl<R: Real> Frozen<R> {
+    /// Takes a step in position and the distance it should have been; `true` when the sensor is frozen.
+    pub(crate) fn take(&mut self, step: R, expected: R, travel_max: R) -> bool {
+        if step == R::ZERO {
+            self.same = self.same.saturating_add(1);
+            self.travel += expected.abs();
+        } else {
+            *self = Self::default();
+        }
+        self.same >= 5 && self.travel > travel_max
+    }
+}
+
+/// Oscillation of the torque demand near the sample rate: what a joint does that is lighter than its window.
+///
+/// # Method
+///
+/// The second difference of the demand damps what moves slowly by `(2π f T)²` and keeps what alternates. Its
+/// mean square over some 16 samples must exceed the threshold, for 8 samples, while it changes sign at
+/// least five times in 32: one blow does not.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Oscillation<R> {
+    last: [R; 2],
+    mean_square: R,
+    signs: u32,
+    hot: u32,
+}
+
+impl<R: Real> Oscillation<R> {
+    /// Takes a torque demand; `true` when it oscillates beyond the threshold, squared.
+    pub(crate) fn take(&mut self, demand: R, threshold_squared: R) -> bool {
+        let [one, two] = self.last;
+        let second = demand - R::from_f64(2.0) * one + two;
+        self.last = [demand, one];
+        self.mean_square = (self.mean_square
+            + R::from_f64(1.0 / 16.0) * (second * second - self.mean_square))
+            .snap();
+        self.signs = (self.signs << 1) | u32::from(second > R::ZERO);
+        let changes = ((self.signs ^ (self.signs >> 1)) & 0x7fff_ffff).count_ones();
+        let hot = self.mean_square > threshold_squared && changes >= 5;
+        self.hot = if hot { self.hot.saturating_add(1) } else { 0 };
+        self.hot >= 8
+    }
+
+    /// Starts anew from a demand that stands still.
+    pub(crate) fn restart(demand: R) -> Self {
+        Self { last: [demand, demand], ..Self::default() }
+    }
+}
+
+/// Does the joint accelerate the way the torque pushes?
+///
+/// # Method
+///
+/// Torque and velocity step are freed of their means and correlated over some 32 samples: for an inertia
+/// `M`, `Σxy = (T/M) Σx²`. A negative correlation is a wrong sign, one near zero a dead drive or a brake.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Actuation<R> {
+    torque: R,
+    step: R,
+    both: R,
+    square: R,
+    suspicion: u32,
+}
+
+impl<R: Real> Actuation<R> {
+    /// Takes a torque and the velocity step it made; `gain` is `T/M` of the heaviest plausible joint,
+    /// `excitation` the mean square of torque that is needed for a judgement. `true`: it does not.
+    pub(crate) fn take(&mut self, torque: R, step: R, gain: R, excitation: R) -> bool {
+        let rate = R::from_f64(1.0 / 32.0);
+        let (x, y) = (torque - self.torque, step - self.step);
+        self.torque += rate * x;
+        self.step += rate * y;
+        self.both = (self.both + rate * (x * y - self.both)).snap();
+        self.square = (self.square + rate * (x * x - self.square)).snap();
+        let wrong = self.square > excitation && self.both < gain * self.square;
+        self.suspicion = if wrong { self.suspicion.saturating_add(1) } else { 0 };
+        self.suspicion >= 5
+    }
+
+    /// Starts anew from a torque that stands still.
+    pub(crate) fn restart(torque: R) -> Self {
+        Self { torque, ..Self::default() }
+    }
+}

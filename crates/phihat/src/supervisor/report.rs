@@ -1,0 +1,161 @@
+//! What a sample brought: values, never a panic and never a log line.
+
+use core::ops::{BitOr, BitOrAssign};
+
+use crate::{Mode, Refusal};
+
+/// A set of things that happened at a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub struct Events(u32);
+
+macro_rules! events {
+    ($($(#[doc = $text:literal])* $name:ident = $bit:literal, $word:literal;)*) => {
+        impl Events {
+            $($(#[doc = $text])* pub const $name: Self = Self(1 << $bit);)*
+            /// Every event with its name in files.
+            pub const ALL: &'static [(Self, &'static str)] = &[$((Self::$name, $word)),*];
+        }
+    };
+}
+
+events! {
+    /// No fresh, plausible sample: torque is held, then faded to `φ̂`.
+    MISSED = 0, "missed";
+    /// The sequence number was there before.
+    DUPLICATE = 1, "duplicate";
+    /// The sequence number is older than, or implausibly far from, the last one.
+    REORDERED = 2, "reordered";
+    /// The sample is older than the age limit.
+    AGED = 3, "aged";
+    /// The time since the last sample is zero, negative or beyond three periods: nothing is integrated.
+    TIME_JUMP = 4, "time-jump";
+    /// A measured value is not finite, or the number of joints is wrong.
+    NOT_FINITE = 5, "not-finite";
+    /// A position step or a velocity is beyond what the joint can do.
+    IMPLAUSIBLE = 6, "implausible";
+    /// The reference is not finite, or the number of joints is wrong: the last one is held.
+    REFERENCE_REFUSED = 7, "reference-refused";
+    /// A torque limit acted.
+    SATURATED = 8, "saturated";
+    /// A torque-rate limit acted.
+    RATE_LIMITED = 9, "rate-limited";
+    /// A soft joint limit acted on torque, integral or reference.
+    RANGE = 10, "range";
+    /// The reference governor changed the reference.
+    SHAPED = 11, "shaped";
+    /// The funnel acts in place of the estimator.
+    FUNNEL = 12, "funnel";
+    /// An error left the funnel.
+    FUNNEL_LEFT = 13, "funnel-left";
+    /// The schedule went from the start gains to the running gains.
+    RAISED = 14, "raised";
+    /// The schedule went back to the start gains.
+    LOWERED = 15, "lowered";
+    /// The integral dead zone holds an estimate.
+    DEAD_ZONE = 16, "dead-zone";
+    /// A request was not granted; see [`Report::refusal`].
+    REFUSED = 17, "refused";
+    /// The estimator has taken over from a funnel.
+    FUNNEL_OVER = 18, "funnel-over";
+}
+
+impl Events {
+    /// Nothing happened.
+    pub const NONE: Self = Self(0);
+
+    /// Whether all of `other` are in the set.
+    pub fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether the set is empty.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The set as bits, for records.
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// `self` if `condition`, else nothing.
+    pub(crate) fn when(self, condition: bool) -> Self {
+        if condition { self } else { Self::NONE }
+    }
+}
+
+impl BitOr for Events {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitOrAssign for Events {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+/// Why the arm stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Too many samples in a row were missed.
+    LinkLost,
+    /// Too many of the last 64 samples were missed.
+    LinkQuality,
+    /// Samples came, but not finite or not plausible, several times in a row.
+    BadSample,
+    /// The reference was not finite, several times in a row.
+    BadReference,
+    /// A position does not change while the joint moves.
+    Frozen,
+    /// A joint is beyond its range.
+    JointLimit,
+    /// The tracking error is beyond its bound.
+    TrackingError,
+    /// The torque demand oscillates near the sample rate.
+    Oscillation,
+    /// At first motion the joint does not accelerate the way the torque pushes.
+    Actuation,
+    /// The law's torque was not finite.
+    NotFinite,
+}
+
+impl Fault {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LinkLost => "link-lost",
+            Self::LinkQuality => "link-quality",
+            Self::BadSample => "bad-sample",
+            Self::BadReference => "bad-reference",
+            Self::Frozen => "frozen-sensor",
+            Self::JointLimit => "joint-limit",
+            Self::TrackingError => "tracking-error",
+            Self::Oscillation => "oscillation",
+            Self::Actuation => "actuation",
+            Self::NotFinite => "not-finite",
+        }
+    }
+}
+
+/// What a sample brought, next to the torques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Report {
+    /// The mode from this sample on.
+    pub mode: Mode,
+    /// What stopped the arm, and the joint (0 where it is the whole arm); kept until it is armed again.
+    pub fault: Option<(Fault, usize)>,
+    /// Why the request was not granted.
+    pub refusal: Option<Refusal>,
+    /// What happened.
+    pub events: Events,
+    /// The brakes should be closed.
+    pub brake: bool,
+    /// Samples missed in a row.
+    pub misses: u32,
+    /// Samples missed of the last 64.
+    pub lost: u32,
+}

@@ -1,0 +1,105 @@
+//! One joint when the law does not run: waiting, held, free; and what stops it.
+
+use super::follow::JointNews;
+use super::memory::{ArmState, JointMemory};
+use super::options::{ArmRules, JointRules};
+use crate::{Command, Fault, JointState, Measurement, Mode, Real, Status};
+
+/// How a joint rests.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rest<R> {
+    /// Share of `K_d` that damps.
+    damping: R,
+    /// Share of the held torque that is still there.
+    held: R,
+}
+
+impl<R: Real> ArmRules<R> {
+    /// How joints rest at this sample: the torque fades where there is no measurement for long, and goes at
+    /// once where the drive does not do what it is told.
+    pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
+        let one = R::from_f64(1.0);
+        let mut rest = Rest { damping: self.stop_damping, held: one };
+        if !fresh || state.shaking() || state.misdriven() {
+            rest.damping = R::ZERO;
+        }
+        if state.mode == Mode::SafeStop && state.misdriven() {
+            rest.held = R::ZERO;
+        } else if state.mode == Mode::SafeStop && state.arrivals.misses >= self.stop_samples {
+            let late = state.in_mode.saturating_sub(self.stop_samples_max);
+            let gone = R::from_f64(f64::from(late)) * self.blend_rate;
+            rest.held = if gone < one { one - gone } else { R::ZERO };
+        }
+        rest
+    }
+}
+
+impl<R: Real> JointRules<R> {
+    /// What this joint's sample says about faults.
+    pub(crate) fn watch(
+        &self,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        period: R,
+        law: bool,
+    ) -> Option<Fault> {
+        if self.range.as_ref().is_some_and(|range| range.left(m.q)) {
+            return Some(Fault::JointLimit);
+        }
+        if !law {
+            return None;
+        }
+        if (m.q - memory.reference.q).abs() > self.error_max {
+            return Some(Fault::TrackingError);
+        }
+        let asked = R::from_f64(0.2) * memory.reference.dq.abs();
+        let speed = if m.dq.abs() > asked { m.dq.abs() } else { asked };
+        let step = m.q - memory.measured.q;
+        memory.frozen.take(step, speed * period, self.frozen_travel).then_some(Fault::Frozen)
+    }
+
+    /// No fresh sample: the last torque, or after a while `φ̂` alone.
+    pub(crate) fn wait(&self, memory: &mut JointMemory<R>, long: bool) -> (Command<R>, JointNews) {
+        let mut news = JointNews::default();
+        let held = memory.law.hold();
+        if !long {
+            return (held, news);
+        }
+        let feedback = memory.law.tau - memory.law.phi_hat;
+        let demand = memory.law.phi_hat + R::from_f64(0.8) * feedback;
+        let (law, measured) = (memory.law, memory.measured);
+        let mut command = self.out(memory, law, &measured, demand, &mut news);
+        command.status.refused = true;
+        (command, news)
+    }
+
+    /// The held torque, damped.
+    pub(crate) fn rest(
+        &self,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        rest: &Rest<R>,
+    ) -> (Command<R>, JointNews) {
+        let mut news = JointNews::default();
+        let mut next = memory.law;
+        next.phi_hat = memory.held * rest.held;
+        let damping = self.gains.inertia * self.gains.kd * rest.damping;
+        let demand = next.phi_hat - damping * m.dq;
+        (self.out(memory, next, m, demand, &mut news), news)
+    }
+
+    /// No torque, as fast as the rate limit allows; nothing is remembered but that.
+    pub(crate) fn free(
+        &self,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+    ) -> (Command<R>, JointNews) {
+        let limited = self.gains.limits.apply(R::ZERO, memory.law.tau);
+        memory.law = JointState::new();
+        memory.law.tau = limited.tau;
+        memory.home = m.q;
+        memory.reference.q = m.q;
+        let status = Status { rate_limited: limited.over_rate, ..Status::default() };
+        (Command { tau: limited.tau, phi_hat: R::ZERO, status }, JointNews::default())
+    }
+}

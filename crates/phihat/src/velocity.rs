@@ -1,0 +1,61 @@
+//! Velocity when only position is measured.
+
+use crate::sampled::sampled_coefficients;
+use crate::{Gain, GainError, Real};
+
+/// Differenced position behind a first-order low-pass.
+///
+/// # Law
+///
+/// ```text
+/// v_k = (q_k − q_{k−1})/Δt
+/// y_k = y_{k−1} + (1 − e^{−2πf T})(v_k − y_{k−1})
+/// ```
+///
+/// The design's model of the sampled loop has this very filter (`[sensor] velocity = "differenced"`,
+/// `velocity_filter_hz`), so that what it does to the inertia window is part of the certificate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityFilter<R> {
+    gain: R,
+}
+
+/// What [`VelocityFilter`] remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VelocityState<R> {
+    last: Option<(R, R)>,
+}
+
+impl<R: Real> VelocityFilter<R> {
+    /// A filter of a bandwidth \[Hz\] at a sample period \[s\]; `None`: differences only.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError::NotPositive`] when the bandwidth or the period is not positive and finite.
+    pub fn new(bandwidth_hz: Option<f64>, period: f64) -> Result<Self, GainError> {
+        let positive = |gain: Gain, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(value)
+            } else {
+                Err(GainError::NotPositive { gain, value })
+            }
+        };
+        positive(Gain::Period, period)?;
+        let Some(bandwidth) = bandwidth_hz else { return Ok(Self { gain: R::from_f64(1.0) }) };
+        let rate = core::f64::consts::TAU * positive(Gain::VelocityFilter, bandwidth)?;
+        let [alpha, ..] = sampled_coefficients(&[rate], period);
+        Ok(Self { gain: R::from_f64(alpha * period) })
+    }
+
+    /// Velocity at a position measured `interval` seconds after the last one. The first answer is zero.
+    pub fn estimate(&self, state: &mut VelocityState<R>, q: R, interval: R) -> R {
+        let velocity = match state.last {
+            Some((before, filtered)) if interval > R::ZERO => {
+                (filtered + self.gain * ((q - before) / interval - filtered)).snap()
+            }
+            Some((_, filtered)) => filtered,
+            None => R::ZERO,
+        };
+        state.last = Some((q, velocity));
+        velocity
+    }
+}
