@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
-use phihat_design::{Gains, Infeasible, Outcome, Phi};
-use phihat_sim::Demand;
-use phihat_study::Study;
+use clap::{Args, ValueEnum};
+use phihat_design::{Gains, Infeasible, Outcome};
+use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::{files, table};
+use crate::{files, knowledge, table};
 
 /// Find gains that keep a study's specification, and prove what can be proved about them.
 ///
@@ -27,14 +26,30 @@ pub(crate) struct Design {
     /// Where to write the gains [default: out/STUDY/gains.json].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// How, in place of what the study says: proved to keep the specification, or the paper's own recipe, whose
+    /// certificate says what holds.
+    #[arg(long, value_enum)]
+    method: Option<Method>,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Method {
+    Ours,
+    Paper,
+}
+
 impl Design {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        let mut study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        if let Some(method) = self.method {
+            study.design.method = match method {
+                Method::Ours => DesignMethod::Ours,
+                Method::Paper => DesignMethod::Paper,
+            };
+        }
         match designed(&study, &self.study)? {
             Outcome::Designed(gains) => self.write(&study, &gains),
             Outcome::Infeasible(no) => Ok(self.refuse(&no)),
@@ -53,6 +68,7 @@ impl Design {
             println!("{:#}", json!({ "outcome": "designed", "file": path, "gains": gains }));
         } else {
             println!("{}", table::gains(gains));
+            println!("{}", gains.method);
             if let Some(certificate) = &gains.certificate {
                 println!("{}", table::certificate(certificate));
             }
@@ -71,29 +87,11 @@ impl Design {
     }
 }
 
-/// Designs gains for a study; `φ` as typed in the study, else along its reference.
+/// Designs gains for a study, from what it knows of its arm and of `φ`.
 ///
 /// # Errors
 ///
 /// [`Failure`]: the design cannot begin. That no gains exist is an [`Outcome`].
 pub fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
-    let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
-    let phi = |joint: usize, inertia: f64| {
-        if let Some((rate, jump)) = &study.design.phi {
-            return Phi {
-                source: "typed in the study".to_owned(),
-                size_nm: None,
-                rate_nm_s: rate[joint],
-                jump_nm: jump[joint],
-            };
-        }
-        let along = demand.phi(joint, inertia);
-        Phi {
-            source: "inverse dynamics along the reference, with and without payload".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-        }
-    };
-    phihat_design::design(study, &phi).map_err(|e| Failure::at(path, e))
+    knowledge::designed(study, &knowledge::arm(study, path)?, path)
 }

@@ -12,6 +12,7 @@ mod design;
 mod export;
 mod failure;
 mod files;
+mod knowledge;
 mod record;
 mod report;
 mod robots;

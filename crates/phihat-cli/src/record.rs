@@ -5,15 +5,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat::Form;
-use phihat_design::{Gains, Outcome, arm_inside_window, requested_gains};
+use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
 use phihat_report::{Record, RunInfo};
 use phihat_sim::{Abort, Divergence, Metrics, Simulation, Trace};
 use phihat_study::{LawForm, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::{files, table};
+use crate::{files, knowledge, table};
 
 /// What `run` and `simulate` are told.
 #[derive(Debug, Args)]
@@ -89,11 +88,12 @@ impl Session {
     /// [`Failure`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
     /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
     pub fn new(
-        study: Box<Study>,
+        mut study: Box<Study>,
         path: &Path,
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, Failure> {
+        let arm = knowledge::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
         let chosen = match (gains, requested_gains(&study)) {
@@ -103,18 +103,18 @@ impl Session {
                 given
             }
             (None, Some(stated)) => stated,
-            (None, None) => designed_gains(&study, path)?,
+            (None, None) => designed_gains(&study, &arm, path)?,
         };
-        let form = match study.control.form {
-            LawForm::Observer => Form::Observer,
-            LawForm::Literal => Form::Literal,
-        };
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        knowledge::take_filter_of(&mut study, &chosen)?;
         let law = chosen
-            .joint_gains(&names, study.control.period_ns, form)
+            .joint_gains(
+                &knowledge::names(&study),
+                study.control.period_ns,
+                knowledge::form(&study),
+            )
             .map_err(|e| Failure::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
-        if let Err(why) = arm_inside_window(&study, &chosen) {
+        if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
             if !uncertified {
                 let help = "a run with --uncertified shows what happens, and is marked";
                 return Err(Failure::at(source, format!("not armed: {why}\n  = help: {help}")));
@@ -234,8 +234,8 @@ impl Done {
 }
 
 /// Gains for a study that leaves them to the design.
-fn designed_gains(study: &Study, path: &Path) -> Result<Gains, Failure> {
-    match crate::design::designed(study, path)? {
+fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Failure> {
+    match knowledge::designed(study, arm, path)? {
         Outcome::Designed(gains) => Ok(*gains),
         Outcome::Infeasible(no) => Err(Failure::at(path, table::infeasible(&no))),
         _ => Err(Failure::plain("an outcome that this version does not know")),

@@ -69,3 +69,38 @@ fn what_cannot_be_had_is_told_with_what_can() {
     assert_eq!(answer.code, 2);
     assert!(answer.err.contains("studies/first.toml"), "{}", answer.err);
 }
+
+#[test]
+fn the_papers_recipe_says_what_holds_and_does_not_arm() {
+    let folder = folder("paper");
+    let study = "studies/paper_recipe.toml";
+    let answer = json(&folder, &["design", study, "--json"]);
+    assert_eq!(answer["outcome"], "designed");
+    let file = answer["file"].as_str().unwrap();
+    // (44), corrected, by hand: K̃ = 2φ/ė, K_p = 2φ/(K̃ ∫e), c = φ/(K̃ e), K_d = c + √(c² + 2K_p); a settling time of
+    // 0.3 s of a critically damped pair asks for ω = 5.834/0.3.
+    let joint = &answer["gains"]["joints"][0];
+    let gain = |key: &str| joint[key].as_f64().unwrap();
+    let (e, integral, de) = (0.02, 0.005, 0.2);
+    let kp: f64 = de / integral;
+    let c = de / (2.0 * e);
+    let (least, w) = (c + (c * c + 2.0 * kp).sqrt(), 5.834 / 0.3);
+    assert!((gain("kp_per_s2") / kp.max(w * w) - 1.0).abs() < 1e-3, "{joint}");
+    assert!((gain("kd_per_s") / least.max(2.0 * w) - 1.0).abs() < 1e-3, "{joint}");
+    assert_eq!(joint["inertia_kg_m2"], 1.0);
+    let a = joint["a"][0].as_f64().unwrap();
+    assert!(a >= 4.0 * gain("kp_per_s2").sqrt() * 0.999, "{joint}");
+    let claims = &answer["gains"]["certificate"]["joints"][0];
+    assert!(claims["refused"][0]["inequality"].as_str().unwrap().contains("window.low"));
+    assert!(claims["bounds"].is_null() && !claims["iss"].is_null());
+    let verified = phihat(&folder, &["verify", file]);
+    assert_eq!(verified.code, 1);
+    assert!(verified.out.contains("REFUSED: joint1: inertia window"), "{}", verified.out);
+    let run = phihat(&folder, &["simulate", study, "--gains", file]);
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("not armed"), "{}", run.err);
+    // Our method on the same study: it arms.
+    let ours = json(&folder, &["design", study, "--method", "ours", "--json"]);
+    assert_eq!(ours["outcome"], "designed", "{ours:#}");
+    assert_eq!(json(&folder, &["verify", ours["file"].as_str().unwrap(), "--json"])["holds"], true);
+}

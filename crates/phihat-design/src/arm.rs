@@ -2,9 +2,11 @@
 
 use nalgebra::DMatrix;
 use phihat_model::{Body, Model, Workspace};
-use phihat_study::Study;
+use phihat_study::{InertiaSource, Study};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use crate::trace::InertiaEstimate;
 
 /// Postures looked at per payload.
 const POSTURES: u32 = 1500;
@@ -18,10 +20,13 @@ const POSTURES: u32 = 1500;
 ///
 /// # Not claimed
 ///
-/// Postures between those tried. With a typed interval per joint: coupling between joints.
+/// Postures between those tried. With an interval per joint, typed or estimated: coupling between joints. An
+/// estimate from a trace is not a proof.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmInertia {
+    /// Kind of knowledge.
+    pub basis: ArmBasis,
     /// Where the range comes from, in words.
     pub source: String,
     /// Nominal inertia `M̄` \[kg·m²\] per joint that the range is measured in.
@@ -30,6 +35,18 @@ pub struct ArmInertia {
     pub low: f64,
     /// Largest eigenvalue.
     pub high: f64,
+}
+
+/// What the range of inertia rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmBasis {
+    /// Postures of a robot's description.
+    Postures,
+    /// An interval per joint, typed.
+    Typed,
+    /// An interval per joint, estimated from a recorded trace.
+    Trace,
 }
 
 /// Why the range cannot be found.
@@ -42,85 +59,137 @@ pub enum ArmError {
     /// A mass matrix is not positive definite.
     #[error("the mass matrix of the robot has an eigenvalue of {0} at some posture")]
     Mass(f64),
+    /// The study wants an estimate from a trace that was not given.
+    #[error("design.inertia_from is \"trace\": the trace's estimate is missing")]
+    NoEstimate,
+}
+
+/// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    basis: ArmBasis,
+    source: String,
+    knowledge: Knowledge,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Knowledge {
+    /// `M(q)` at every posture, with every payload.
+    Matrices(Vec<DMatrix<f64>>),
+    /// Low and high \[kg·m²\] per joint.
+    Intervals(Vec<f64>, Vec<f64>),
+}
+
+impl Arm {
+    /// A study's arm, from its robot's postures or the intervals it types.
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError`]; an estimate from a trace is made by [`Self::estimated`].
+    pub fn of(study: &Study) -> Result<Self, ArmError> {
+        match &study.design.inertia {
+            InertiaSource::Robot => Self::sampled(study),
+            InertiaSource::Typed { low, high } => Ok(Self {
+                basis: ArmBasis::Typed,
+                source: "an interval per joint typed in the study; coupling is not in it".into(),
+                knowledge: Knowledge::Intervals(low.clone(), high.clone()),
+            }),
+            InertiaSource::Trace(_) => Err(ArmError::NoEstimate),
+        }
+    }
+
+    /// An arm known by what a trace shows of it.
+    pub fn estimated(estimates: &[InertiaEstimate]) -> Self {
+        let windows = estimates.iter().map(|e| e.windows).min().unwrap_or(0);
+        Self {
+            basis: ArmBasis::Trace,
+            source: format!(
+                "ESTIMATE from a recorded trace, not a proof: regression over {windows} or more windows per \
+                 joint, ± 3 standard errors; coupling is not in it"
+            ),
+            knowledge: Knowledge::Intervals(
+                estimates.iter().map(|e| e.low_kg_m2).collect(),
+                estimates.iter().map(|e| e.high_kg_m2).collect(),
+            ),
+        }
+    }
+
+    fn sampled(study: &Study) -> Result<Self, ArmError> {
+        Ok(Self {
+            basis: ArmBasis::Postures,
+            source: format!(
+                "{POSTURES} postures inside the joint limits of {}, rotors included, payload 0 and {} kg",
+                study.robot.name,
+                heaviest(study)
+            ),
+            knowledge: Knowledge::Matrices(mass_matrices(study)?),
+        })
+    }
+
+    /// The geometric mean of each joint's own range \[kg·m²\]: a good nominal inertia.
+    pub fn nominal(&self) -> Vec<f64> {
+        match &self.knowledge {
+            Knowledge::Intervals(low, high) => {
+                low.iter().zip(high).map(|(l, h)| (l * h).sqrt()).collect()
+            }
+            Knowledge::Matrices(matrices) => {
+                let n = matrices.first().map_or(0, DMatrix::nrows);
+                let mean = |i: usize| {
+                    let diagonal = || matrices.iter().map(|m| m[(i, i)]);
+                    let low = diagonal().fold(f64::INFINITY, f64::min);
+                    (low * diagonal().fold(0.0, f64::max)).sqrt()
+                };
+                (0..n).map(mean).collect()
+            }
+        }
+    }
+
+    /// The range of inertia, measured in given nominal inertias \[kg·m²\].
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError::Mass`].
+    pub fn against(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
+        let (low, high) = match &self.knowledge {
+            Knowledge::Intervals(low, high) => (
+                low.iter().zip(&nominal).map(|(l, m)| l / m).fold(f64::INFINITY, f64::min),
+                high.iter().zip(&nominal).map(|(h, m)| h / m).fold(0.0, f64::max),
+            ),
+            Knowledge::Matrices(matrices) => eigenvalues(matrices, &nominal),
+        };
+        if low.is_nan() || low <= 0.0 {
+            return Err(ArmError::Mass(low));
+        }
+        let (basis, source) = (self.basis, self.source.clone());
+        Ok(ArmInertia { basis, source, nominal_kg_m2: nominal, low, high })
+    }
 }
 
 impl ArmInertia {
-    /// The range of a study's arm, measured in the geometric mean of each joint's own range.
-    ///
-    /// # Errors
-    ///
-    /// [`ArmError`].
-    pub fn of(study: &Study) -> Result<Self, ArmError> {
-        if let Some((low, high)) = &study.design.inertia {
-            let nominal: Vec<f64> = low.iter().zip(high).map(|(l, h)| (l * h).sqrt()).collect();
-            return Ok(Self::typed(low, high, nominal));
-        }
-        let matrices = mass_matrices(study)?;
-        let n = study.robot.joints.len();
-        let diagonal = |i: usize| matrices.iter().map(move |m| m[(i, i)]);
-        let nominal = (0..n)
-            .map(|i| {
-                let low = diagonal(i).fold(f64::INFINITY, f64::min);
-                (low * diagonal(i).fold(0.0, f64::max)).sqrt()
-            })
-            .collect();
-        Self::measured(study, &matrices, nominal)
-    }
-
-    /// The range of a study's arm, measured in given nominal inertias.
-    ///
-    /// # Errors
-    ///
-    /// [`ArmError`].
-    pub fn against(study: &Study, nominal: Vec<f64>) -> Result<Self, ArmError> {
-        match &study.design.inertia {
-            Some((low, high)) => Ok(Self::typed(low, high, nominal)),
-            None => Self::measured(study, &mass_matrices(study)?, nominal),
-        }
-    }
-
     /// The same arm measured in `scale` times the nominal inertias.
     #[must_use]
     pub fn scaled(&self, scale: f64) -> Self {
         Self {
-            source: self.source.clone(),
             nominal_kg_m2: self.nominal_kg_m2.iter().map(|m| m * scale).collect(),
             low: self.low / scale,
             high: self.high / scale,
+            ..self.clone()
         }
     }
+}
 
-    fn typed(low: &[f64], high: &[f64], nominal: Vec<f64>) -> Self {
-        let least = low.iter().zip(&nominal).map(|(l, m)| l / m).fold(f64::INFINITY, f64::min);
-        let most = high.iter().zip(&nominal).map(|(h, m)| h / m).fold(0.0, f64::max);
-        let source = "an interval per joint typed in the study; coupling is not in it".to_owned();
-        Self { source, nominal_kg_m2: nominal, low: least, high: most }
+/// Smallest and largest eigenvalue of all `M̄^{-1/2} M M̄^{-1/2}`.
+fn eigenvalues(matrices: &[DMatrix<f64>], nominal: &[f64]) -> (f64, f64) {
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    for matrix in matrices {
+        let n = matrix.nrows();
+        let scaled =
+            DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (nominal[i] * nominal[j]).sqrt());
+        let eigenvalues = scaled.symmetric_eigenvalues();
+        low = low.min(eigenvalues.min());
+        high = high.max(eigenvalues.max());
     }
-
-    fn measured(
-        study: &Study,
-        matrices: &[DMatrix<f64>],
-        nominal: Vec<f64>,
-    ) -> Result<Self, ArmError> {
-        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-        for matrix in matrices {
-            let n = matrix.nrows();
-            let scaled =
-                DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (nominal[i] * nominal[j]).sqrt());
-            let eigenvalues = scaled.symmetric_eigenvalues();
-            low = low.min(eigenvalues.min());
-            high = high.max(eigenvalues.max());
-        }
-        if low.is_nan() || low <= 0.0 {
-            return Err(ArmError::Mass(low));
-        }
-        let heaviest = heaviest(study);
-        let source = format!(
-            "{} postures inside the joint limits of {}, rotors included, payload 0 and {heaviest} kg",
-            POSTURES, study.robot.name
-        );
-        Ok(Self { source, nominal_kg_m2: nominal, low, high })
-    }
+    (low, high)
 }
 
 /// The design's payload, or the study's own if that is heavier.
@@ -131,19 +200,16 @@ fn heaviest(study: &Study) -> f64 {
 /// `M(q)` at every posture, without and with the heaviest payload.
 fn mass_matrices(study: &Study) -> Result<Vec<DMatrix<f64>>, ArmError> {
     let bare = study.robot.plant_model();
+    let with = |frame: &str, body: &Body| {
+        bare.clone().with_payload_on(frame, body).map_err(|e| ArmError::Payload(e.to_string()))
+    };
     let mut models = vec![bare.clone()];
-    let refuse = |why: String| ArmError::Payload(why);
     if study.design.payload_max > 0.0 {
-        let tip = bare.frame(&study.robot.tip);
-        let tip = tip.ok_or_else(|| refuse(format!("no frame {}", study.robot.tip)))?;
         let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
-        models.push(bare.clone().with_payload(tip, &body).map_err(|e| refuse(e.to_string()))?);
+        models.push(with(&study.robot.tip, &body)?);
     }
     if let Some(own) = &study.world.payload {
-        let frame = bare.frame(&own.frame);
-        let frame = frame.ok_or_else(|| refuse(format!("no frame {}", own.frame)))?;
-        let body = Body { mass: own.mass, com: own.com, inertia: own.inertia };
-        models.push(bare.with_payload(frame, &body).map_err(|e| refuse(e.to_string()))?);
+        models.push(with(&own.frame, &own.body())?);
     }
     Ok(models.iter().flat_map(|model| sampled(model, study)).collect())
 }

@@ -45,6 +45,9 @@ pub struct Gains {
     pub rate_hz: f64,
     /// How they were found, in words: for people.
     pub method: String,
+    /// Cut-off of the velocity's low-pass \[Hz\] where the design chose it; `None`: the study's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_filter_hz: Option<f64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
     /// What is claimed about them, with its evidence.

@@ -18,12 +18,14 @@ mod phi;
 mod quick;
 mod request;
 pub mod sampled;
+mod trace;
 mod trade_off;
 
-pub use arm::{ArmError, ArmInertia};
+pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
 pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
 pub use designer::{Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
-pub use phi::Phi;
+pub use phi::{Phi, PhiBasis};
 pub use request::requested_gains;
+pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
 pub use trade_off::TradeOff;

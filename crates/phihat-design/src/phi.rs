@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Phi {
+    /// Kind of knowledge.
+    pub basis: PhiBasis,
     /// Where they come from, in words.
     pub source: String,
     /// Largest |φ| \[N·m\]; `None`: not known, or not needed.
@@ -14,6 +16,20 @@ pub struct Phi {
     pub rate_nm_s: f64,
     /// Largest size of the part that jumps \[N·m\].
     pub jump_nm: f64,
+}
+
+/// What bounds on `φ` rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PhiBasis {
+    /// Typed by the user.
+    Typed,
+    /// Inverse dynamics along the reference.
+    Reference,
+    /// A simulation of the closed loop.
+    Simulation,
+    /// A recorded trace.
+    Trace,
 }
 
 impl Phi {

@@ -15,12 +15,12 @@ const DEAD: f64 = 1e-4;
 const QUIET: usize = 64;
 
 /// Peak-to-peak gains at one inertia ratio, in units of `M̄`; a few per mille low.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Quick {
-    /// From `φ/M̄` to `e`, `ė`.
-    pub(crate) jump: [f64; 2],
-    /// From `φ̇/M̄` to `e`, `ė`.
-    pub(crate) ramp: [f64; 2],
+    /// From `φ/M̄` to `∫e`, `e`, `ė`.
+    pub(crate) jump: [f64; 3],
+    /// From `φ̇/M̄` to the same; `None`: grows without bound.
+    pub(crate) ramp: [Option<f64>; 3],
     /// From the encoder's error to `e`, `ė`.
     pub(crate) reading: [f64; 2],
     /// From the encoder's error to the change of torque per sample, over `M̄`.
@@ -31,36 +31,40 @@ impl Quick {
     /// `None` when a response does not die.
     pub(crate) fn at(law: &JointRecord, model: &LoopModel, mu: f64) -> Option<Self> {
         let matrix = StateMatrix::new(law, model, mu);
-        let mut quick = Self::default();
-        let mut sums = [0.0; 2];
-        let unit = matrix.unit();
+        let (unit, period) = (matrix.unit(), model.period_s);
+        let (mut jump, mut ramp, mut sums) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        let mut integral = 0.0;
         walk(&matrix, matrix.disturbance(), |x| {
-            for (i, value) in [x[0], unit * x[1]].into_iter().enumerate() {
-                quick.jump[i] += value.abs();
+            integral += period * x[0];
+            for (i, value) in [integral, x[0], unit * x[1]].into_iter().enumerate() {
+                jump[i] += value.abs();
                 sums[i] += value;
-                quick.ramp[i] += sums[i].abs() * model.period_s;
+                ramp[i] += sums[i].abs() * period;
             }
         })?;
         let encoder = matrix.encoder();
         let mut last = encoder.direct;
-        quick.change = last.abs();
+        let (mut change, mut reading) = (last.abs(), [0.0; 2]);
         walk(&matrix, &encoder.drives, |x| {
-            quick.reading[0] += x[0].abs();
-            quick.reading[1] += (unit * x[1]).abs();
+            reading[0] += x[0].abs();
+            reading[1] += (unit * x[1]).abs();
             let torque = (&encoder.state * x)[0];
-            quick.change += (torque - last).abs();
+            change += (torque - last).abs();
             last = torque;
         })?;
-        Some(quick)
+        let lasting = model.servo_type(law.a.len()) >= 2;
+        let ramp = [lasting.then_some(ramp[0]), Some(ramp[1]), Some(ramp[2])];
+        Some(Self { jump, ramp, reading, change })
     }
 
     /// The larger of each.
     pub(crate) fn worse(self, other: Self) -> Self {
-        let two = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+        let larger = |a: [f64; 3], b: [f64; 3]| core::array::from_fn(|i| a[i].max(b[i]));
+        let both = |i: usize| self.ramp[i].zip(other.ramp[i]).map(|(a, b)| a.max(b));
         Self {
-            jump: two(self.jump, other.jump),
-            ramp: two(self.ramp, other.ramp),
-            reading: two(self.reading, other.reading),
+            jump: larger(self.jump, other.jump),
+            ramp: core::array::from_fn(both),
+            reading: core::array::from_fn(|i| self.reading[i].max(other.reading[i])),
             change: self.change.max(other.change),
         }
     }

@@ -41,6 +41,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         study_sha256: study.sha256.clone(),
         rate_hz: 1e9 / study.control.period_ns as f64,
         method: method.to_owned(),
+        velocity_filter_hz: None,
         joints: study.robot.joints.iter().enumerate().map(joint).collect(),
         certificate: None,
         trade_off: Vec::new(),

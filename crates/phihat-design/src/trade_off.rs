@@ -26,7 +26,8 @@ pub(crate) fn worth_measuring<'a>(laws: impl Iterator<Item = (f64, &'a Quick)>) 
     let mut kept: Vec<[f64; 3]> = Vec::new();
     let mut indices = Vec::new();
     for (index, (scale, quick)) in laws.enumerate() {
-        let own = [quick.jump[0] / scale, quick.ramp[0] / scale, quick.reading[0]];
+        let ramp = quick.ramp[1].unwrap_or(f64::INFINITY);
+        let own = [quick.jump[1] / scale, ramp / scale, quick.reading[0]];
         let beaten = kept.iter().any(|other| other.iter().zip(own).all(|(o, own)| *o <= own));
         if !beaten {
             kept.push(own);

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use phihat::{Form, JointState, Measurement, Reference};
 use phihat_design::export::{PidClaims, Target, export};
-use phihat_design::{Gains, Outcome, Phi, design, requested_gains};
+use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, design, requested_gains};
 use phihat_study::Study;
 use yaml_rust2::{Yaml, YamlLoader};
 
@@ -29,12 +29,14 @@ fn study(order: u32, rest: &str) -> Study {
 
 fn designed(order: u32, rest: &str) -> Gains {
     let phi = |_: usize, _: f64| Phi {
+        basis: PhiBasis::Typed,
         source: "typed".to_owned(),
         size_nm: Some(6.0),
         rate_nm_s: 8.0,
         jump_nm: 0.1,
     };
-    match design(&study(order, rest), &phi).unwrap() {
+    let study = study(order, rest);
+    match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         other => panic!("{other:?}"),
     }
@@ -215,7 +217,7 @@ fn the_clamps_are_the_torque_limit_or_what_phi_asks_for() {
     let mut free = limited.clone();
     for joint in &mut free.certificate.as_mut().unwrap().joints {
         joint.limits = (None, None);
-        joint.step.step_rad = None;
+        joint.step.as_mut().unwrap().step_rad = None;
     }
     let claims = PidClaims::of(&free).unwrap();
     for (pid, claim) in pids(&export(&free, Target::Ros).unwrap(), &names).iter().zip(&claims) {
@@ -241,7 +243,7 @@ fn what_ros_cannot_run_is_refused() {
     let why = export(&odd, Target::Ros).unwrap_err().to_string();
     assert!(why.contains("rate_hz") && why.contains("whole"), "{why}");
     let mut forged = designed(1, "");
-    forged.certificate.as_mut().unwrap().joints[1].window.high *= 1.3;
+    forged.certificate.as_mut().unwrap().joints[1].window.as_mut().unwrap().high *= 1.3;
     let why = export(&forged, Target::Csv).unwrap_err().to_string();
     assert!(why.contains("refuted") && why.contains("window"), "{why}");
     let mut none = uncertified("[60.0]");

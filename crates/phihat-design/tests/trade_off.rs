@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use phihat_design::{Gains, Outcome, Phi, TradeOff, design};
+use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, TradeOff, design};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -25,13 +25,14 @@ fn designed(error: f64, encoder: &str) -> Gains {
     let phi = |joint: usize, inertia: f64| {
         let along = demand.phi(joint, inertia);
         Phi {
+            basis: PhiBasis::Reference,
             source: "along the reference".to_owned(),
             size_nm: Some(along.size),
             rate_nm_s: along.rate,
             jump_nm: along.jump,
         }
     };
-    match design(&study, &phi).unwrap() {
+    match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         other => panic!("{other:?}"),
     }

@@ -138,6 +138,20 @@ impl Model {
         Ok(self)
     }
 
+    /// The same for a frame by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::Payload`] if there is no such frame, or no rigid body is like that.
+    pub fn with_payload_on(self, frame: &str, body: &Body) -> Result<Self, ModelError> {
+        let unknown = || ModelError::Payload {
+            frame: frame.to_owned(),
+            why: "there is no frame of this name".to_owned(),
+        };
+        let seat = self.frame(frame).ok_or_else(unknown)?;
+        self.with_payload(seat, body)
+    }
+
     /// The ten dynamic parameters of each joint's body, fixed links merged, in the axes of the
     /// joint's child link: `m, m·cx, m·cy, m·cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz`, the inertia about
     /// the link's origin.

@@ -21,6 +21,9 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
             "in units of M̄, was found between " (number(low)) " and " (number(high)) " (" (line(&certificate.arm.source))
             "); it must stay inside each joint's window by a factor of " (stated(certificate.window_margin)) "."
         }
+        @if let Some(why) = certificate.refused() {
+            p { strong { "These gains do not arm: " } (line(&why.to_string())) }
+        }
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
         @if let Some(joint) = certificate.joints.first() { (weights(joint)) }
@@ -55,7 +58,7 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                         td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) }
                         td { @if holds { "yes" } @else { "no" } }
                     } @else {
-                        td colspan="6" { "no bound: φ is not known" }
+                        td colspan="6" { @if claim.phi.is_none() { "no bound: φ is not known" } @else { "no bound: see above" } }
                     }
                 } } }
             }
@@ -80,12 +83,19 @@ fn stability(certificate: &Certificate) -> Markup {
                 } }
                 tbody { @for joint in &certificate.joints { tr {
                     th scope="row" { (line(&joint.name)) }
-                    td { (number(joint.window.low)) " … " (number(joint.window.high)) }
-                    td { (number(joint.margins.gain_down)) " … " (number(joint.margins.gain_up)) }
-                    td { (number(joint.margins.phase_deg)) }
-                    td { (number(joint.margins.delay_s * MILLI)) }
-                    td { (number(joint.margins.modulus)) }
-                    td { (joint.noise.as_ref().map_or("–".to_owned(), |n| number(n.change_max_nm))) }
+                    @match &joint.window {
+                        Some(window) => td { (number(window.low)) " … " (number(window.high)) },
+                        None => td { "unstable" },
+                    }
+                    @if let Some(margins) = &joint.margins {
+                        td { (number(margins.gain_down)) " … " (number(margins.gain_up)) }
+                        td { (number(margins.phase_deg)) }
+                        td { (number(margins.delay_s * MILLI)) }
+                        td { (number(margins.modulus)) }
+                        td { (joint.noise.as_ref().map_or("–".to_owned(), |n| number(n.change_max_nm))) }
+                    } @else {
+                        td colspan="5" { "none over the arm's range" }
+                    }
                 } } }
             }
         }

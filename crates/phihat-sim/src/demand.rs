@@ -5,9 +5,9 @@ use phihat_study::Study;
 
 use crate::error::SimError;
 use crate::motion::Motion;
-use crate::world::{frictions, loaded_model};
+use crate::world::{frictions, loaded, loaded_model};
 
-/// Bounds on one joint's `φ = τ − M̄ q̈` along a reference, in its steady part.
+/// Bounds on one joint's `φ = τ − M̄ q̈` in the steady part of a reference or a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhiAlong {
     /// Largest |φ| \[N·m\], jumps included.
@@ -40,6 +40,24 @@ pub struct Demand {
     /// `ddq[joint][sample]`.
     ddq: Vec<Vec<f64>>,
     jumps: Vec<f64>,
+}
+
+impl PhiAlong {
+    /// The larger of each bound.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            size: self.size.max(other.size),
+            rate: self.rate.max(other.rate),
+            jump: self.jump.max(other.jump),
+        }
+    }
+
+    /// Every bound times a factor.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self { size: self.size * factor, rate: self.rate * factor, jump: self.jump * factor }
+    }
 }
 
 impl Demand {
@@ -91,12 +109,10 @@ fn times(study: &Study, period: f64) -> Vec<f64> {
     (0..samples).map(|k| k as f64 * period).filter(|t| *t >= study.spec.settle).collect()
 }
 
+/// A point mass at the tip.
 fn heavy(model: Model, study: &Study) -> Result<Model, SimError> {
-    let tip = model
-        .frame(&study.robot.tip)
-        .ok_or_else(|| SimError::Payload(format!("no frame named {}", study.robot.tip)))?;
     let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
-    model.with_payload(tip, &body).map_err(|e| SimError::Payload(e.to_string()))
+    loaded(model, &study.robot.tip, &body)
 }
 
 /// `[joint][sample]`: rigid-body torque and smooth friction along the reference.

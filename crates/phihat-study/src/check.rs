@@ -93,16 +93,16 @@ fn check_value(
 ) -> Result<(), StudyError> {
     match (shape, value.get_ref()) {
         (Shape::Text, DeValue::String(text)) => check_text(source, path, value, text),
-        (Shape::Word(words) | Shape::PerJoint(_, words), DeValue::String(word))
-            if !words.is_empty() =>
-        {
-            check_word(source, words, path, value, word)
-        }
+        (
+            Shape::Word(words) | Shape::PerJoint(_, words) | Shape::NumberOrWord(_, words),
+            DeValue::String(word),
+        ) if !words.is_empty() => check_word(source, words, path, value, word),
         (Shape::Flag, DeValue::Boolean(_)) => Ok(()),
-        (Shape::Number(bounds), _) => check_number(source, *bounds, path, value),
-        (Shape::PerJoint(bounds, _), DeValue::Integer(_) | DeValue::Float(_)) => {
-            check_number(source, *bounds, path, value)
-        }
+        (Shape::Number(bounds), _)
+        | (
+            Shape::PerJoint(bounds, _) | Shape::NumberOrWord(bounds, _),
+            DeValue::Integer(_) | DeValue::Float(_),
+        ) => check_number(source, *bounds, path, value),
         (Shape::PerJoint(bounds, _), DeValue::Array(items)) => items
             .iter()
             .enumerate()
@@ -262,6 +262,7 @@ fn expected(shape: &Shape) -> String {
         Shape::Flag => "true or false".into(),
         Shape::Number(bounds) if bounds.integer => "an integer".into(),
         Shape::Number(_) => "a number".into(),
+        Shape::NumberOrWord(_, words) => format!("a number or \"{}\"", words.join("\", \"")),
         Shape::List { .. } => "an array of numbers".into(),
         Shape::Points { .. } => "an array of points [x, y, z]".into(),
         Shape::PerJoint(_, words) => {

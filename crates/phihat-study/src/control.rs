@@ -43,6 +43,7 @@ pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Senso
     let bits = arm.robot.joints.iter().map(|joint| joint.encoder_bits);
     let key = "encoder_bits";
     let filter = node.number_if("velocity_filter_hz");
+    let designed = node.text("velocity_filter_hz") == Some("design");
     if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
         let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
         return Err(node.error(Kind::OutOfRange, "velocity_filter_hz", message));
@@ -65,6 +66,7 @@ pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Senso
         jitter: jitter(node, rate)?,
         delay_samples: node.small_count("sample_delay_samples")?,
         wrap: node.flag("wrap")?,
+        velocity_filter_designed: designed,
     })
 }
 

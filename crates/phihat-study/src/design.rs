@@ -1,28 +1,86 @@
 //! `[design]`: what gains shall be found from.
 
+use std::path::Path;
+
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::per_joint::Joints;
-use crate::study::DesignRequest;
+use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource};
 
-pub(crate) fn read(node: &Node<'_>, joints: &Joints) -> Result<DesignRequest, StudyError> {
-    let inertia = pair(node, joints, "inertia_low_kg_m2", "inertia_high_kg_m2")?;
-    if let Some((low, high)) = &inertia
-        && let Some(j) = (0..low.len()).find(|&j| low[j] > high[j])
-    {
-        let message = format!("{} kg·m² is above inertia_high_kg_m2 = {}", low[j], high[j]);
-        let joint = (j, joints.names[j].as_str());
-        return Err(node.error_at(Kind::Conflict, "inertia_low_kg_m2", joint, message));
-    }
+/// Reads `[design]`; the trace it names is relative to `base`.
+pub(crate) fn read(
+    node: &Node<'_>,
+    joints: &Joints,
+    base: &Path,
+) -> Result<DesignRequest, StudyError> {
     Ok(DesignRequest {
+        method: match node.word("method")? {
+            "paper" => DesignMethod::Paper,
+            _ => DesignMethod::Ours,
+        },
         orders: orders(node)?,
         payload_max: node.number("payload_max_kg")?,
-        inertia,
+        inertia: inertia(node, joints, base)?,
         window_margin: node.number("window_margin")?,
         modulus_min: node.number("modulus_margin_min")?,
         torque_step_max: joints.numbers_if(node, "torque_step_max_nm")?,
-        phi: pair(node, joints, "phi_rate_max_nm_s", "phi_jump_max_nm")?,
+        phi: phi(node, joints, base)?,
+        phi_margin: node.number("phi_margin")?,
         settling_time: node.number_if("settling_time_s"),
+        rise_time: node.number_if("rise_time_s"),
+        paper: paper(&node.child("paper"), joints)?,
+    })
+}
+
+fn inertia(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<InertiaSource, StudyError> {
+    let (first, second) = ("inertia_low_kg_m2", "inertia_high_kg_m2");
+    let typed = pair(node, joints, first, second)?;
+    if let Some((low, high)) = &typed
+        && let Some(j) = (0..low.len()).find(|&j| low[j] > high[j])
+    {
+        let message = format!("{} kg·m² is above {second} = {}", low[j], high[j]);
+        let joint = (j, joints.names[j].as_str());
+        return Err(node.error_at(Kind::Conflict, first, joint, message));
+    }
+    match (node.text("inertia_from"), typed) {
+        (None | Some("typed"), Some((low, high))) => Ok(InertiaSource::Typed { low, high }),
+        (Some("typed"), None) => Err(node.missing(first)),
+        (Some(word), Some(_)) => Err(unused(node, first, "inertia_from", word)),
+        (Some("trace"), None) => Ok(InertiaSource::Trace(trace(node, base)?)),
+        (_, None) => Ok(InertiaSource::Robot),
+    }
+}
+
+fn phi(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<PhiSource, StudyError> {
+    let (first, second) = ("phi_rate_max_nm_s", "phi_jump_max_nm");
+    match (node.text("phi_from"), pair(node, joints, first, second)?) {
+        (None | Some("typed"), Some((rate, jump))) => Ok(PhiSource::Typed { rate, jump }),
+        (Some("typed"), None) => Err(node.missing(first)),
+        (Some(word), Some(_)) => Err(unused(node, first, "phi_from", word)),
+        (Some("trace"), None) => Ok(PhiSource::Trace(trace(node, base)?)),
+        (Some("simulation"), None) => Ok(PhiSource::Simulation),
+        (_, None) => Ok(PhiSource::Reference),
+    }
+}
+
+fn trace(node: &Node<'_>, base: &Path) -> Result<std::path::PathBuf, StudyError> {
+    Ok(base.join(node.word("trace")?))
+}
+
+/// A typed value that another source makes void.
+fn unused(node: &Node<'_>, key: &str, source: &str, word: &str) -> StudyError {
+    node.error(Kind::Conflict, key, format!("typed, while {source} is \"{word}\""))
+        .with_help("keep one of them")
+}
+
+fn paper(node: &Node<'_>, joints: &Joints) -> Result<PaperRequest, StudyError> {
+    Ok(PaperRequest {
+        phi_max: node.number_if("phi_max"),
+        integrals_max: node.list("integrals_max").unwrap_or_default(),
+        feedback: node.flag("feedback")?,
+        damping: node.number("damping")?,
+        estimator_factor: node.number("estimator_factor")?,
+        inertia: joints.numbers(node, "inertia_kg_m2")?,
     })
 }
 

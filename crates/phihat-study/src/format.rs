@@ -38,6 +38,8 @@ pub(crate) enum Shape {
     /// `true` or `false`.
     Flag,
     Number(Bounds),
+    /// A number, or one of these words.
+    NumberOrWord(Bounds, &'static [&'static str]),
     /// An array of numbers with `min` to `max` entries.
     List {
         min: usize,

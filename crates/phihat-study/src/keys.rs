@@ -1,5 +1,6 @@
-//! The format of a study, all but `[reference]`: every key with unit, range, default and meaning.
+//! The format of a study, all but `[design]` and `[reference]`: every key with unit, range, default and meaning.
 
+use crate::design_keys::DESIGN;
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::profile::PROFILE;
 use crate::reference_keys::KINDS;
@@ -157,85 +158,6 @@ static SPEC: Section = Section {
     ],
 };
 
-static DESIGN: Section = Section {
-    path: "design",
-    doc: "For `phihat design`: what is known of the arm and of its load, and what the gains must keep. \
-          A study needs `[gains]` or `[design]`; `[gains]` wins where both are there.",
-    keys: &[
-        Key {
-            name: "orders",
-            unit: "",
-            shape: Shape::List { min: 1, max: 4, bounds: Bounds::integers(1.0, 4.0) },
-            need: Need::Numbers(&[1.0, 2.0]),
-            doc: "Estimator orders to try.",
-        },
-        Key {
-            name: "payload_max_kg",
-            unit: "kg",
-            shape: Shape::Number(Bounds::closed(0.0, 1e4)),
-            need: Need::Number(0.0),
-            doc: "Heaviest body at the robot's tip that the gains must bear, besides none.",
-        },
-        Key {
-            name: "inertia_low_kg_m2",
-            unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
-            need: Need::Optional("found from the robot's description"),
-            doc: "Smallest inertia of each joint, rotor included, typed in place of a description.",
-        },
-        Key {
-            name: "inertia_high_kg_m2",
-            unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
-            need: Need::Optional("found from the robot's description"),
-            doc: "Largest inertia of each joint; together with `inertia_low_kg_m2`.",
-        },
-        Key {
-            name: "window_margin",
-            unit: "",
-            shape: Shape::Number(Bounds::closed(1.0, 10.0)),
-            need: Need::Number(1.2),
-            doc: "Factor by which the arm's inertia must stay inside the loop's window, at both ends.",
-        },
-        Key {
-            name: "modulus_margin_min",
-            unit: "",
-            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
-            need: Need::Number(0.3),
-            doc: "Smallest distance of the sampled loop from −1, over the arm's range of inertia: 0.3 \
-                  allows no resonance above 3.3 times, and implies 17° of phase.",
-        },
-        Key {
-            name: "torque_step_max_nm",
-            unit: "N·m",
-            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
-            need: Need::Optional("the torque-rate limit per sample, if there is one"),
-            doc: "Largest change of torque per sample that encoder steps may cause, guaranteed.",
-        },
-        Key {
-            name: "phi_rate_max_nm_s",
-            unit: "N·m/s",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e7), &[]),
-            need: Need::Optional("found along the reference"),
-            doc: "Largest rate of the smooth part of the unknown dynamics φ.",
-        },
-        Key {
-            name: "phi_jump_max_nm",
-            unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e5), &[]),
-            need: Need::Optional("found along the reference"),
-            doc: "Largest size of the part of φ that jumps (dry friction); with `phi_rate_max_nm_s`.",
-        },
-        Key {
-            name: "settling_time_s",
-            unit: "s",
-            shape: Shape::Number(Bounds::positive(1e3)),
-            need: Need::Optional("no requirement"),
-            doc: "Largest 2 % settling time of the outer loop.",
-        },
-    ],
-};
-
 const BY_COEFFICIENTS: Need = Need::Optional("stated by coefficients");
 const BY_BANDWIDTHS: Need = Need::Optional("stated by bandwidths");
 
@@ -379,9 +301,10 @@ static SENSOR: Section = Section {
         Key {
             name: "velocity_filter_hz",
             unit: "Hz",
-            shape: Shape::Number(Bounds::positive(1e5)),
+            shape: Shape::NumberOrWord(Bounds::positive(1e5), &["design"]),
             need: Need::Optional("no filter"),
-            doc: "Cut-off of a first-order low-pass on the velocity; at most half of `rate_hz`.",
+            doc: "Cut-off of a first-order low-pass on the velocity; at most half of `rate_hz`. \
+                  `\"design\"`: `phihat design` chooses it, and gains.json carries it.",
         },
         Key {
             name: "torque",

@@ -16,6 +16,7 @@ mod cartesian;
 mod check;
 mod control;
 mod design;
+mod design_keys;
 mod error;
 mod fault;
 mod format;

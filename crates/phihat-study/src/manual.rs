@@ -66,6 +66,9 @@ fn value(shape: &Shape) -> String {
         Shape::Word(words) => words_of(words),
         Shape::Flag => "`true`, `false`".into(),
         Shape::Number(bounds) => number(*bounds),
+        Shape::NumberOrWord(bounds, words) => {
+            format!("{}; or {}", number(*bounds), words_of(words))
+        }
         Shape::List { min, max, bounds } if min == max => format!("{min} numbers, {bounds}"),
         Shape::List { min, max, bounds } => format!("{min} to {max} numbers, {bounds}"),
         Shape::Points { min, max, bounds } => format!("{min} to {max} points, {bounds}"),

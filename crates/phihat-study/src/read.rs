@@ -75,6 +75,15 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
     let rate = top.child("loop").number("rate_hz")?;
     let arm = Arm::read(&top.child("robot"), base)?;
     let run = Run { duration, rate, base };
+    let gains = stated_gains(top, &arm, rate)?;
+    let sensor = control::read_sensor(&top.child("sensor"), &arm, rate)?;
+    if sensor.velocity_filter_designed && gains.is_some() {
+        let message = "left to the design, while the study states its [gains]";
+        let node = top.child("sensor");
+        return Err(node
+            .error(Kind::Conflict, "velocity_filter_hz", message)
+            .with_help("give a cut-off, or leave the gains to `[design]`"));
+    }
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -83,10 +92,10 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         seed: top.count("seed")?,
         duration,
         spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
-        gains: stated_gains(top, &arm, rate)?,
-        design: design::read(&top.child("design"), &arm.joints)?,
+        gains,
+        design: design::read(&top.child("design"), &arm.joints, base)?,
         control: control::read(&top.child("loop"), &arm, period_ns)?,
-        sensor: control::read_sensor(&top.child("sensor"), &arm, rate)?,
+        sensor,
         world: world::read(top, &arm, duration)?,
         interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),
         faults: fault::read(top, &arm, duration)?,

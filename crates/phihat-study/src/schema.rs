@@ -58,6 +58,9 @@ fn shape(shape: &'static Shape) -> Value {
         Shape::Word(words) => json!({ "enum": words }),
         Shape::Flag => json!({ "type": "boolean" }),
         Shape::Number(bounds) => number(*bounds),
+        Shape::NumberOrWord(bounds, words) => {
+            json!({ "anyOf": [number(*bounds), { "enum": words }] })
+        }
         Shape::List { min, max, bounds } => {
             json!({ "type": "array", "minItems": min, "maxItems": max, "items": number(*bounds) })
         }

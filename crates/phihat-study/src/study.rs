@@ -1,6 +1,8 @@
 //! The study's nouns as plain data: SI units, one entry per joint in the robot's order.
 
-use phihat_model::{Profile, Robot};
+use std::path::PathBuf;
+
+use phihat_model::{Body, Profile, Robot};
 
 use crate::Fault;
 
@@ -57,22 +59,90 @@ pub struct Spec {
 /// `[design]`: what gains shall be found from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRequest {
+    /// How they are found.
+    pub method: DesignMethod,
     /// Estimator orders to try, ascending.
     pub orders: Vec<usize>,
     /// Heaviest body at the tip \[kg\].
     pub payload_max: f64,
-    /// Typed range of each joint's inertia \[kg·m²\], low and high.
-    pub inertia: Option<(Vec<f64>, Vec<f64>)>,
+    /// What is known of the arm's inertia.
+    pub inertia: InertiaSource,
     /// Factor by which the arm's inertia must stay inside the window, at both ends.
     pub window_margin: f64,
     /// Smallest modulus margin over the arm's range of inertia.
     pub modulus_min: f64,
     /// Largest change of torque per sample that encoder steps may cause \[N·m\] per joint.
     pub torque_step_max: Option<Vec<f64>>,
-    /// Typed `φ`: largest rate of its smooth part \[N·m/s\], largest size of its jumps \[N·m\].
-    pub phi: Option<(Vec<f64>, Vec<f64>)>,
+    /// What is known of φ.
+    pub phi: PhiSource,
+    /// Factor on bounds on φ that a simulation or a trace showed.
+    pub phi_margin: f64,
     /// Largest 2 % settling time of the outer loop \[s\].
     pub settling_time: Option<f64>,
+    /// Largest rise time of the outer loop, 10 % to 90 % \[s\].
+    pub rise_time: Option<f64>,
+    /// What the paper's recipe needs besides.
+    pub paper: PaperRequest,
+}
+
+/// How gains are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DesignMethod {
+    /// Proved to keep the specification, with the least torque noise.
+    Ours,
+    /// The paper's recipe to the letter.
+    Paper,
+}
+
+/// Where the range of the arm's inertia comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum InertiaSource {
+    /// Postures of the robot's description.
+    Robot,
+    /// Typed range of each joint \[kg·m²\].
+    Typed {
+        /// Lower ends.
+        low: Vec<f64>,
+        /// Upper ends.
+        high: Vec<f64>,
+    },
+    /// An estimate from a recorded trace.
+    Trace(PathBuf),
+}
+
+/// Where the bounds on φ come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PhiSource {
+    /// Inverse dynamics along the reference.
+    Reference,
+    /// Typed.
+    Typed {
+        /// Largest rate of the smooth part \[N·m/s\] per joint.
+        rate: Vec<f64>,
+        /// Largest size of the jumps \[N·m\] per joint.
+        jump: Vec<f64>,
+    },
+    /// A simulation of the closed loop.
+    Simulation,
+    /// A recorded trace.
+    Trace(PathBuf),
+}
+
+/// `[design.paper]`: what the paper's recipe needs besides `[spec]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaperRequest {
+    /// `φ_max` for unit inertia \[rad/s²\]; `None`: from what is known of φ.
+    pub phi_max: Option<f64>,
+    /// Largest repeated integrals of the error beyond `∫e`: `∬e, ∭e, …`.
+    pub integrals_max: Vec<f64>,
+    /// Whether `xᵀSBBᵀSx` counts.
+    pub feedback: bool,
+    /// `ζ` of the outer loop.
+    pub damping: f64,
+    /// How much faster than the outer loop the estimator is at least.
+    pub estimator_factor: f64,
+    /// `M̄` \[kg·m²\] per joint.
+    pub inertia: Vec<f64>,
 }
 
 /// `[gains]`: what the study says about them.
@@ -152,8 +222,10 @@ pub struct Sensor {
     pub encoder_bits: Option<Vec<u32>>,
     /// Velocity source.
     pub velocity: VelocitySource,
-    /// First-order low-pass on the velocity \[Hz\]; `None`: none.
+    /// First-order low-pass on the velocity \[Hz\]; `None`: none, or left to the design.
     pub velocity_filter_hz: Option<f64>,
+    /// Whether the low-pass is left to the design: its cut-off then comes with the gains.
+    pub velocity_filter_designed: bool,
     /// Which torque the law is fed.
     pub torque: TorqueSource,
     /// White noise on the position \[rad\] per joint, standard deviation.
@@ -269,6 +341,13 @@ pub struct Payload {
     pub com: [f64; 3],
     /// Inertia about the centre of mass `xx, xy, xz, yy, yz, zz` \[kg·m²\].
     pub inertia: [f64; 6],
+}
+
+impl Payload {
+    /// The body itself, in the axes of its frame.
+    pub fn body(&self) -> Body {
+        Body { mass: self.mass, com: self.com, inertia: self.inertia }
+    }
 }
 
 /// A constant external torque on one joint for a while.

@@ -129,6 +129,15 @@ pub struct Refutation {
     pub right: f64,
 }
 
+impl Refutation {
+    /// The same about a joint.
+    #[must_use]
+    pub fn on(mut self, joint: &str) -> Self {
+        self.claim = format!("{joint}: {}", self.claim);
+        self
+    }
+}
+
 impl fmt::Display for Refutation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { claim, inequality, left, right } = self;

@@ -68,11 +68,16 @@ pub fn is_symmetric(x: &Matrix, n: usize) -> bool {
 ///
 /// Scaling rows and columns by a diagonal matrix changes nothing, so gains of very different size do no harm.
 pub fn failing_pivot(x: &Matrix) -> Option<(usize, f64, f64)> {
+    failing_pivot_above(x, PIVOT_SHARE)
+}
+
+/// The same where a pivot counts above another share of its diagonal entry.
+pub fn failing_pivot_above(x: &Matrix, share: f64) -> Option<(usize, f64, f64)> {
     let n = x.len();
     let (mut l, mut d) = (identity(n), vec![0.0; n]);
     for j in 0..n {
         d[j] = x[j][j] - (0..j).map(|k| l[j][k] * l[j][k] * d[k]).sum::<f64>();
-        let least = PIVOT_SHARE * x[j][j].abs();
+        let least = share * x[j][j].abs();
         // A NaN is not greater than anything.
         let positive = d[j] > least;
         if !positive {

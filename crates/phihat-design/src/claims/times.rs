@@ -34,7 +34,12 @@ pub fn from_rise_time(time_s: f64, damping: f64) -> (f64, f64) {
 
 /// `a_0 … a_{m−1}` of `(s + factor·√K_p)^m`; the paper asks for a factor of 3 to 5.
 pub fn estimator(order: usize, kp: f64, factor: f64) -> Vec<f64> {
-    let pole = [factor * kp.sqrt(), 1.0];
+    estimator_at(order, factor * kp.sqrt())
+}
+
+/// `a_0 … a_{m−1}` of `(s + w)^m`.
+pub fn estimator_at(order: usize, w: f64) -> Vec<f64> {
+    let pole = [w, 1.0];
     let mut a = (0..order).fold(vec![1.0], |p, _| polynomial::product(&p, &pole));
     a.pop();
     a

@@ -47,12 +47,10 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
         lines.extend(arm(certificate));
         let bound = |joint: &JointCertificate| {
             let error = joint.bounds.map_or("not known (no phi)".to_owned(), |b| up(b.error_rad));
-            let (name, window) = (line(&joint.name), joint.window);
-            format!(
-                "  {name}: window of mu {} .. {}, |e| <= {error} rad",
-                up(window.low),
-                down(window.high)
-            )
+            let window = joint.window.map_or("none".to_owned(), |window| {
+                format!("{} .. {}", up(window.low), down(window.high))
+            });
+            format!("  {}: window of mu {window}, |e| <= {error} rad", line(&joint.name))
         };
         lines.extend(certificate.joints.iter().map(bound));
         lines.extend(certificate.joints.first().map(|joint| assumed(&joint.model)));

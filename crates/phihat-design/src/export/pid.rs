@@ -1,7 +1,6 @@
 //! The law of order 1 as a PID, and what can be claimed of it.
 
-use crate::arm::ArmInertia;
-use crate::certificate::{Bounds, JointCertificate, RATIOS, inside};
+use crate::certificate::{Bounds, Certificate, Evidence, JointCertificate, RATIOS, inside};
 use crate::claims::Refutation;
 use crate::gains::{Gains, JointRecord};
 use crate::sampled::{
@@ -76,7 +75,7 @@ impl PidClaims {
         if gains.joints.iter().any(|joint| joint.a.len() != 1) {
             return Ok(Vec::new());
         }
-        joints.map(|(record, joint)| Self::find(record, joint, &certificate.arm)).collect()
+        joints.map(|(record, joint)| Self::find(record, joint, certificate)).collect()
     }
 
     /// Finds the claims; the window is proved by zero exclusion.
@@ -87,8 +86,9 @@ impl PidClaims {
     pub fn find(
         record: &JointRecord,
         joint: &JointCertificate,
-        arm: &ArmInertia,
+        whole: &Certificate,
     ) -> Result<Self, Refutation> {
+        let arm = &whole.arm;
         let named = |mut why: Refutation| {
             why.claim = format!("{}: {}", record.name, why.claim);
             why
@@ -103,10 +103,10 @@ impl PidClaims {
         let reading = quantum.map(|_| ReadingError::find(record, &model, range, RATIOS));
         let reading = reading.transpose().map_err(named)?;
         let inertia = record.inertia_kg_m2;
-        let bounds = joint
-            .phi
-            .as_ref()
-            .map(|phi| Bounds::of(inertia, &peaks, reading.as_ref(), quantum.unwrap_or(0.0), phi));
+        let bounds = joint.phi.as_ref().map(|phi| {
+            let (reading, quantum) = (reading.as_ref(), quantum.unwrap_or(0.0));
+            Evidence::new((record, &model), &peaks, reading, quantum, whole.duration_s).bounds(phi)
+        });
         let size = joint.phi.as_ref().and_then(|phi| phi.size_nm);
         let reference = |forward: bool| {
             ReferenceError::find(record, &model, forward, range, RATIOS).map_err(named)

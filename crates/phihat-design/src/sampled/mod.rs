@@ -16,7 +16,7 @@
 //! outside of this linear loop.
 
 mod bode;
-mod cholesky;
+mod common_form;
 mod estimator;
 mod exclusion;
 mod margins;
@@ -31,6 +31,7 @@ mod refutation;
 mod response;
 mod riccati;
 mod sample;
+mod sampled_varying;
 mod state_matrix;
 mod step;
 mod varying;
@@ -46,6 +47,7 @@ pub use open_loop::OpenLoop;
 pub use peak::SampledPeaks;
 pub use reading::ReadingError;
 pub use reference::ReferenceError;
+pub use sampled_varying::SampledVarying;
 pub use state_matrix::{Reaction, StateMatrix};
 pub use step::LargestStep;
 pub use varying::VaryingWindow;

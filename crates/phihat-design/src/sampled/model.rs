@@ -5,6 +5,8 @@ use core::f64::consts::TAU;
 use phihat_study::{LawForm, Study, VelocitySource};
 use serde::{Deserialize, Serialize};
 
+use crate::gains::Gains;
+
 /// Which form of the law runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -67,6 +69,15 @@ impl LoopModel {
             },
             drive_bandwidth_hz: drives.and_then(|d| d.get(joint)).copied(),
         }
+    }
+
+    /// The same with the velocity filter that gains carry, where the study leaves it to them.
+    #[must_use]
+    pub fn with_filter_of(mut self, gains: &Gains, study: &Study) -> Self {
+        if study.sensor.velocity_filter_designed {
+            self.velocity_filter_hz = gains.velocity_filter_hz;
+        }
+        self
     }
 
     /// The filter's gain per sample, `1 − e^{−2πfT}`; 1 without a filter.

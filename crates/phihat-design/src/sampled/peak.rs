@@ -20,10 +20,11 @@ const CLAIM: &str = "sampled peak gains";
 ///
 /// ```text
 /// |x_i| ≤ jump_i max|φ|/M̄          |x_i| ≤ ramp_i max|φ̇|/M̄      (φ continuous, φ(0) = 0)        (S1)
+/// |x_i| ≤ bend_i max|φ̈|/M̄                                        (φ(0) = φ̇(0) = 0)
 /// ```
 ///
-/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e` with `φ` held over each sample interval
-/// (and steps of at most `φ̇ T`). For `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling,
+/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e`, and for `bend`, with `φ` held over each sample
+/// interval (steps of at most `φ̇ T`, that differ by at most `φ̈ T²`). For `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling,
 /// friction, load; the part `(M − M̄)q̈` is in the loop already. `∫e` is `T Σ e_k`.
 ///
 /// # Evidence
@@ -46,6 +47,8 @@ pub struct SampledPeaks {
     pub jump: [f64; 3],
     /// Gains from `φ̇/M̄` \[rad/s³\]; `None`: a lasting ramp makes `∫e` grow without bound.
     pub ramp: [Option<f64>; 3],
+    /// Gains from `φ̈/M̄` \[rad/s⁴\]; `None`: a lasting parabola makes the error grow without bound.
+    pub bend: [Option<f64>; 3],
 }
 
 impl SampledPeaks {
@@ -76,11 +79,13 @@ impl SampledPeaks {
         plausible(CLAIM, gains)?;
         plausible_loop(CLAIM, model)?;
         plausible_ratios(CLAIM, &mu)?;
-        let mut worst = Self { mu: Vec::new(), jump: [0.0; 3], ramp: [Some(0.0); 3] };
+        let none = [Some(0.0); 3];
+        let mut worst = Self { mu: Vec::new(), jump: [0.0; 3], ramp: none, bend: none };
         for mu in &mu {
             let matrix = StateMatrix::new(gains, model, *mu);
-            let one = Norms::new(&matrix, model.servo_type(gains.a.len()))?;
+            let one = Norms::new(&matrix, model, gains.a.len())?;
             for i in 0..3 {
+                worst.bend[i] = worst.bend[i].zip(one.bend[i]).map(|(a, b)| a.max(b));
                 worst.jump[i] = worst.jump[i].max(one.jump[i]);
                 worst.ramp[i] = worst.ramp[i].zip(one.ramp[i]).map(|(a, b)| a.max(b));
             }
@@ -103,6 +108,9 @@ impl SampledPeaks {
             let unbounded = f64::INFINITY;
             let found = again.ramp[i].unwrap_or(unbounded);
             at_most(CLAIM, &inequality, found, self.ramp[i].unwrap_or(unbounded) * slack)?;
+            let inequality = format!("‖{name} ← φ̈‖₁ ≤ claimed");
+            let found = again.bend[i].unwrap_or(unbounded);
+            at_most(CLAIM, &inequality, found, self.bend[i].unwrap_or(unbounded) * slack)?;
         }
         Ok(())
     }
@@ -112,10 +120,12 @@ impl SampledPeaks {
 struct Norms {
     jump: [f64; 3],
     ramp: [Option<f64>; 3],
+    bend: [Option<f64>; 3],
 }
 
 impl Norms {
-    fn new(matrix: &StateMatrix, servo_type: usize) -> Result<Self, Refutation> {
+    fn new(matrix: &StateMatrix, model: &LoopModel, order: usize) -> Result<Self, Refutation> {
+        let servo_type = model.servo_type(order);
         let a = matrix.matrix();
         let n = a.nrows();
         let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", matrix.mu(), 1.0);
@@ -134,6 +144,16 @@ impl Norms {
             ramp[0] = Some(rest(&integral)?);
         }
         let norms = Sums { matrix, horizon };
+        // The loop's answer to a ramp dies out where it is of a type high enough; the velocity's at the
+        // samples, where the torque is held too.
+        let dies = [servo_type >= 3, servo_type >= 2, model.drive_bandwidth_hz.is_none()];
+        let period = matrix.period();
+        let mut bend = [None; 3];
+        for i in 0..3 {
+            if let (true, Some(row)) = (dies[i], &ramp[i]) {
+                bend[i] = Some(norms.held(rest(&a.tr_mul(row))?, period * period));
+            }
+        }
         let rows = [integral, position, velocity];
         let [integral, position, velocity] = rows;
         let jump = [norms.held(integral, 1.0), norms.jump(position), norms.jump(velocity)];
@@ -143,7 +163,7 @@ impl Norms {
             position.map(|later| norms.ramp(later)),
             velocity.map(|later| norms.ramp(later)),
         ];
-        Ok(Self { jump, ramp })
+        Ok(Self { jump, ramp, bend })
     }
 }
 

@@ -1,18 +1,15 @@
 //! Inertia that changes while the arm moves: one quadratic form for a whole range.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::cholesky::least_pivot;
+use super::common_form::{definite, exists, first_proved, widest};
 use super::refutation::{plausible, refuse};
-use super::riccati;
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::claims::matrix::is_symmetric;
 
 const CLAIM: &str = "varying inertia";
-
-/// Pivots must exceed this share of their diagonal entry: rounding of a 6 × 6 product.
-const PIVOT_SHARE: f64 = 1e-12;
 
 /// A range of inertia ratios through which the arm may move, at any speed.
 ///
@@ -58,37 +55,24 @@ impl VaryingWindow {
     ///
     /// # Method
     ///
-    /// `A_1 = A_2 − b cᵀ`. With `A_2ᵀP + PA_2 + ½(Pb − c)(Pb − c)ᵀ + εI = 0` both inequalities hold; `ε` is lowered
-    /// until the Riccati equation has a solution that survives [`Self::verify`].
+    /// A Riccati equation for the two ends, which differ by rank one.
     ///
     /// # Errors
     ///
     /// [`Refutation`] when there is no such `P`, or none was found.
     pub fn find(gains: &JointRecord, (low, high): (f64, f64)) -> Result<Self, Refutation> {
         plausible(CLAIM, gains)?;
-        common_form_exists(gains, low, high)?;
         let rate_per_s = rate(gains);
-        let slow = matrix(gains, rate_per_s, 1.0 / high);
-        let n = slow.nrows();
+        let [fast, slow] = [low, high].map(|mu| matrix(gains, rate_per_s, 1.0 / mu));
+        exists(CLAIM, &fast, &slow)?;
         let k = coefficients(gains, rate_per_s);
-        let c = DMatrix::from_fn(n, 1, |i, _| (1.0 / low - 1.0 / high) * k[i]);
-        let b = DMatrix::from_fn(n, 1, |i, _| if i + 1 == n { 1.0 } else { 0.0 });
-        let shifted = &slow - &b * c.transpose() * 0.5;
-        let mut last = refuse(CLAIM, "the Riccati equation has a solution", 0.0, 1.0);
-        for step in 1..12 {
-            let margin = DMatrix::identity(n, n) * 10.0_f64.powi(-step);
-            let q = &c * c.transpose() * 0.5 + margin;
-            let Some(p) = riccati::solve(&shifted, &(&b * b.transpose() * 0.5), &q) else {
-                continue;
-            };
-            let p = p.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let n = k.len();
+        let c = DVector::from_fn(n, |i, _| (1.0 / low - 1.0 / high) * k[i]);
+        let b = DVector::from_fn(n, |i, _| if i + 1 == n { 1.0 } else { 0.0 });
+        first_proved(CLAIM, &slow, (&b, &c), |p| {
             let found = Self { low, high, rate_per_s, p };
-            match found.verify(gains) {
-                Ok(()) => return Ok(found),
-                Err(why) => last = why,
-            }
-        }
-        Err(last)
+            found.verify(gains).map(|()| found)
+        })
     }
 
     /// The widest range that begins at `low`, up to `highest`, found to a part in a thousand.
@@ -123,29 +107,15 @@ impl VaryingWindow {
     pub fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
         plausible(CLAIM, gains)?;
         let n = gains.a.len() + 2;
-        let fails = |what: &str, left| Err(refuse(CLAIM, what, left, PIVOT_SHARE));
-        let symmetric = (0..n).all(|i| {
-            self.p.get(i).is_some_and(|row| {
-                row.len() == n && (0..i).all(|j| (row[j] - self.p[j][i]).abs() <= 0.0)
-            })
-        });
-        if self.p.len() != n || !symmetric {
-            return fails("P = Pᵀ, of size m + 2", 0.0);
+        if !is_symmetric(&self.p, n) {
+            return Err(refuse(CLAIM, "P = Pᵀ, of size m + 2", 0.0, 1.0));
         }
         if !(0.0 < self.low && self.low <= self.high && self.rate_per_s > 0.0) {
-            return fails("0 < low ≤ high", self.high - self.low);
+            return Err(refuse(CLAIM, "0 < low ≤ high", self.low, self.high));
         }
-        let definite = |what: &str, matrix: &[Vec<f64>]| {
-            let least = least_pivot(matrix);
-            if least > PIVOT_SHARE { Ok(()) } else { fails(what, least) }
-        };
-        definite("P ≻ 0", &self.p)?;
-        for (what, mu) in
-            [("−(AᵀP + PA) ≻ 0 at low", self.low), ("−(AᵀP + PA) ≻ 0 at high", self.high)]
-        {
-            definite(what, &self.falls(gains, mu))?;
-        }
-        Ok(())
+        definite(CLAIM, "P ≻ 0", &self.p)?;
+        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at low", &self.falls(gains, self.low))?;
+        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at high", &self.falls(gains, self.high))
     }
 
     /// `−(AᵀP + PA)` at one ratio, written out for (V1).
@@ -189,48 +159,4 @@ fn matrix(gains: &JointRecord, rate: f64, lambda: f64) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| {
         if i + 1 == n { -lambda * k[j] } else { f64::from(u8::from(j == i + 1)) }
     })
-}
-
-/// The test of King and Nathanson, by eigenvalues: quick, and not trusted.
-fn common_form_exists(gains: &JointRecord, low: f64, high: f64) -> Result<(), Refutation> {
-    let rate = rate(gains);
-    let [fast, slow] = [low, high].map(|mu| matrix(gains, rate, 1.0 / mu));
-    for (what, a) in [("A(low) is Hurwitz", &fast), ("A(high) is Hurwitz", &slow)] {
-        let worst = a.complex_eigenvalues().iter().fold(f64::NEG_INFINITY, |w, z| z.re.max(w));
-        if worst.is_nan() || worst >= 0.0 {
-            return Err(refuse(CLAIM, what, worst, 0.0));
-        }
-    }
-    for z in (&fast * &slow).complex_eigenvalues().iter() {
-        if z.re < 0.0 && z.im.abs() < 1e-9 * z.re.abs() {
-            let what = "A(low)A(high) has no negative real eigenvalue";
-            return Err(refuse(CLAIM, what, z.re, 0.0));
-        }
-    }
-    Ok(())
-}
-
-fn widest(
-    highest: f64,
-    find: impl Fn(f64) -> Result<VaryingWindow, Refutation>,
-) -> Result<VaryingWindow, Refutation> {
-    if let Ok(found) = find(highest) {
-        return Ok(found);
-    }
-    let mut best = find(1.0 + 1e-6)?;
-    let (mut low, mut high) = (1.0_f64, highest);
-    for _ in 0..40 {
-        if high / low < 1.001 {
-            break;
-        }
-        let middle = (low * high).sqrt();
-        match find(middle) {
-            Ok(found) => {
-                best = found;
-                low = middle;
-            }
-            Err(_) => high = middle,
-        }
-    }
-    Ok(best)
 }

@@ -180,6 +180,7 @@ fn gains(joints: usize) -> Gains {
         study: "figure-of-eight".into(),
         study_sha256: "0123456789abcdef".repeat(4),
         rate_hz: 1000.0,
+        velocity_filter_hz: None,
         method: "bandwidths stated in the study".into(),
         joints: (0..joints).map(joint).collect(),
         certificate: None,

@@ -34,18 +34,18 @@ fn of_plant(kind: FaultKind) -> bool {
     matches!(kind, DriveGain | DriveLimit | Friction | Brake)
 }
 
+/// The plant with the study's payload, under its gravity.
 pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
     let model = study.robot.plant_model().with_gravity(study.world.gravity);
-    let Some(payload) = &study.world.payload else { return Ok(model) };
-    let body = Body { mass: payload.mass, com: payload.com, inertia: payload.inertia };
-    payload_body(model, &payload.frame, &body)
+    match &study.world.payload {
+        Some(payload) => loaded(model, &payload.frame, &payload.body()),
+        None => Ok(model),
+    }
 }
 
 /// The model with a body welded to a frame.
-pub(super) fn payload_body(model: Model, frame: &str, body: &Body) -> Result<Model, SimError> {
-    let found =
-        model.frame(frame).ok_or_else(|| SimError::Payload(format!("no frame named {frame}")))?;
-    model.with_payload(found, body).map_err(|e| SimError::Payload(e.to_string()))
+pub(crate) fn loaded(model: Model, frame: &str, body: &Body) -> Result<Model, SimError> {
+    model.with_payload_on(frame, body).map_err(|e| SimError::Payload(e.to_string()))
 }
 
 /// The friction of the robot's description, whether or not it acts in the study.

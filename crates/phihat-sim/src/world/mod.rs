@@ -13,7 +13,7 @@ mod sensing;
 mod sensor;
 mod shape;
 
-pub(crate) use build::{frictions, loaded_model};
+pub(crate) use build::{frictions, loaded, loaded_model};
 pub use firmware::Abort;
 pub use friction::{COULOMB_VELOCITY, Friction};
 

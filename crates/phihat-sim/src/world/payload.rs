@@ -3,7 +3,7 @@
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::{FaultKind, Study};
 
-use super::build::{loaded_model, payload_body};
+use super::build::{loaded, loaded_model};
 use crate::error::SimError;
 
 /// The rigid-body models of a run, one after the other.
@@ -28,7 +28,7 @@ impl Carried {
             let mut model = loaded_model(study)?;
             for load in loads.iter().filter(|load| load.active(t) && load.size > 0.0) {
                 let body = Body { mass: load.size, com: [0.0; 3], inertia: [0.0; 6] };
-                model = payload_body(model, &study.robot.tip, &body)?;
+                model = loaded(model, &study.robot.tip, &body)?;
             }
             let workspace = Workspace::new(&model);
             Ok((t, model, workspace))

@@ -1,0 +1,195 @@
+//! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
+
+use std::fs::File;
+use std::path::Path;
+
+use phihat::Form;
+use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
+use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
+use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
+
+use crate::failure::Failure;
+
+/// How often the allowed error is doubled to find gains for a first simulation.
+const DOUBLINGS: u32 = 12;
+
+/// The arm, from whatever the study knows it by.
+pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
+    let InertiaSource::Trace(file) = &study.design.inertia else {
+        return Arm::of(study).map_err(|e| Failure::at(path, e));
+    };
+    let trace = recorded(study, file)?;
+    let signals = trace.joints.iter().map(|joint| JointSignals {
+        name: &joint.name,
+        q: &joint.q,
+        dq: &joint.dq,
+        ddq: &joint.ddq,
+        tau: &joint.tau_applied,
+    });
+    let signals: Vec<_> = signals.collect();
+    let estimates = estimate_inertia(&signals, trace.period_ns);
+    estimates.map(|found| Arm::estimated(&found)).map_err(|e| Failure::at(file, e))
+}
+
+/// Designs gains for a study, with `φ` from the source it names.
+pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, Failure> {
+    let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+        design(study, arm, phi).map_err(|e| Failure::at(path, e))
+    };
+    match &study.design.phi {
+        PhiSource::Typed { rate, jump } => made(study, &|joint, _| Phi {
+            basis: PhiBasis::Typed,
+            source: "typed in the study".to_owned(),
+            size_nm: None,
+            rate_nm_s: rate[joint],
+            jump_nm: jump[joint],
+        }),
+        PhiSource::Trace(file) => {
+            let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let source = format!("recorded in {name}, times {}", study.design.phi_margin);
+            made(study, &|joint, inertia| {
+                let seen = seen.phi(joint, inertia).times(study.design.phi_margin);
+                bounds(PhiBasis::Trace, &source, seen)
+            })
+        }
+        PhiSource::Simulation => {
+            let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
+            simulated(study, &demand, &made)
+        }
+        PhiSource::Reference => {
+            let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
+            made(study, &|joint, inertia| along(&demand, joint, inertia))
+        }
+    }
+}
+
+type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome, Failure>;
+
+/// `φ` from the closed loop: simulated with gains for `φ` along the reference, designed, simulated again, and
+/// designed once more if the second run asks for more than the first one allowed.
+fn simulated(study: &Study, demand: &Demand, make: Make<'_>) -> Result<Outcome, Failure> {
+    let margin = study.design.phi_margin;
+    let Some(first) = first_gains(study, demand, make)? else {
+        return make(study, &|joint, inertia| along(demand, joint, inertia));
+    };
+    let mut seen = vec![run(study, &first)?];
+    for round in 1..=2 {
+        let source = format!(
+            "{round} simulation(s) of the closed loop, times {margin}; another run may show more"
+        );
+        let phi = |joint: usize, inertia: f64| {
+            let all = seen.iter().map(|seen| seen.phi(joint, inertia)).reduce(PhiAlong::or);
+            let all = all.unwrap_or(PhiAlong { size: 0.0, rate: 0.0, jump: 0.0 }).times(margin);
+            bounds(PhiBasis::Simulation, &source, all)
+        };
+        let outcome = make(study, &phi)?;
+        let Outcome::Designed(gains) = &outcome else { return Ok(outcome) };
+        let again = run(study, gains)?;
+        let kept = gains.joints.iter().enumerate().all(|(joint, record)| {
+            let (allowed, found) =
+                (phi(joint, record.inertia_kg_m2), again.phi(joint, record.inertia_kg_m2));
+            found.rate <= allowed.rate_nm_s && found.jump <= allowed.jump_nm
+        });
+        if kept {
+            return Ok(outcome);
+        }
+        seen.push(again);
+    }
+    Err(Failure::plain(
+        "two rounds of simulation and design do not agree on φ: raise design.phi_margin, or use design.phi_from = \
+         \"reference\"",
+    ))
+}
+
+/// Gains for a first simulation: for `φ` along the reference, the allowed error doubled until there are some.
+fn first_gains(
+    study: &Study,
+    demand: &Demand,
+    make: Make<'_>,
+) -> Result<Option<Box<Gains>>, Failure> {
+    let mut easier = study.clone();
+    for _ in 0..DOUBLINGS {
+        let outcome = make(&easier, &|joint, inertia| along(demand, joint, inertia))?;
+        if let Outcome::Designed(gains) = outcome {
+            return Ok(Some(gains));
+        }
+        let spec = &mut easier.spec;
+        let bounds =
+            [&mut spec.error_max, &mut spec.velocity_error_max, &mut spec.error_integral_max];
+        bounds.into_iter().flatten().flatten().for_each(|bound| *bound *= 2.0);
+    }
+    Ok(None)
+}
+
+/// What a run with some gains shows of `φ`.
+fn run(study: &Study, gains: &Gains) -> Result<Observed, Failure> {
+    let mut study = study.clone();
+    take_filter_of(&mut study, gains)?;
+    let law = gains
+        .joint_gains(&names(&study), study.control.period_ns, form(&study))
+        .map_err(Failure::plain)?;
+    let simulation = Simulation::new(&study, &law).map_err(Failure::plain)?;
+    let outcome = simulation.run(|_| ());
+    if let Some(d) = outcome.divergence {
+        let why = format!("the simulation for φ diverged at t = {} s on joint {}", d.t, d.joint);
+        return Err(Failure::plain(why));
+    }
+    Ok(Observed::of(&outcome.trace, study.spec.settle))
+}
+
+/// Gives a study the velocity filter that gains carry, where it leaves that to the design.
+pub(crate) fn take_filter_of(study: &mut Study, gains: &Gains) -> Result<(), Failure> {
+    if study.sensor.velocity_filter_designed {
+        if gains.velocity_filter_hz.is_none() {
+            return Err(Failure::plain(
+                "the study leaves sensor.velocity_filter_hz to the design, and the gains carry none",
+            ));
+        }
+        study.sensor.velocity_filter_hz = gains.velocity_filter_hz;
+    }
+    Ok(())
+}
+
+pub(crate) fn names(study: &Study) -> Vec<String> {
+    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+}
+
+pub(crate) fn form(study: &Study) -> Form {
+    match study.control.form {
+        LawForm::Observer => Form::Observer,
+        LawForm::Literal => Form::Literal,
+    }
+}
+
+fn along(demand: &Demand, joint: usize, inertia: f64) -> Phi {
+    let source = "inverse dynamics along the reference, with and without payload";
+    bounds(PhiBasis::Reference, source, demand.phi(joint, inertia))
+}
+
+fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
+    Phi {
+        basis,
+        source: source.to_owned(),
+        size_nm: Some(phi.size),
+        rate_nm_s: phi.rate,
+        jump_nm: phi.jump,
+    }
+}
+
+/// A recorded trace of the study's arm.
+fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
+    let open = File::open(file).map_err(|e| Failure::at(file, format!("cannot be read: {e}")))?;
+    let trace = Trace::read_csv(std::io::BufReader::new(open)).map_err(|e| Failure::at(file, e))?;
+    let found: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let expected = names(study);
+    if found != expected {
+        let (found, expected) = (found.join(", "), expected.join(", "));
+        return Err(Failure::at(file, format!("joints {found}; the study's arm has {expected}")));
+    }
+    if trace.len() < 2 || trace.index_at(study.spec.settle) + 2 > trace.len() {
+        let settle = study.spec.settle;
+        return Err(Failure::at(file, format!("the trace ends before spec.settle_s = {settle} s")));
+    }
+    Ok(trace)
+}

@@ -1,0 +1,126 @@
+//! Gains, what is claimed about them, and why there are none.
+
+use comfy_table::Table;
+use phihat_design::{Certificate, Gains, Infeasible, JointCertificate};
+
+use super::{MILLI, align, plain_table};
+
+/// One row of gains per joint.
+pub(crate) fn gains(gains: &Gains) -> Table {
+    let mut table =
+        plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", "a_0 … a_(m−1)"]);
+    for joint in &gains.joints {
+        let a: Vec<String> = joint.a.iter().map(|a| format!("{a:.1}")).collect();
+        table.add_row([
+            joint.name.clone(),
+            format!("{:.4}", joint.inertia_kg_m2),
+            format!("{:.1}", joint.kp_per_s2),
+            format!("{:.2}", joint.kd_per_s),
+            joint.a.len().to_string(),
+            a.join(", "),
+        ]);
+    }
+    align(&mut table);
+    table
+}
+
+/// What is claimed, one row per joint; what is refused, below.
+pub(crate) fn certificate(certificate: &Certificate) -> String {
+    let mut table = plain_table([
+        "joint",
+        "bound |e|\nmrad",
+        "bound |ė|\nmrad/s",
+        "bound |∫e|\nmrad·s",
+        "window\nμ",
+        "gain margin\n÷ … ×",
+        "phase\n°",
+        "delay\nms",
+        "modulus",
+        "|Δτ| from encoder\nN·m, rms / bound",
+        "largest step\nmrad",
+    ]);
+    for joint in &certificate.joints {
+        table.add_row(row(joint));
+    }
+    align(&mut table);
+    let arm = &certificate.arm;
+    let range = format!("the arm's inertia: μ = {:.3} … {:.3}", arm.low, arm.high);
+    let mut lines = vec![table.to_string()];
+    match certificate.refused() {
+        None => lines.push(format!(
+            "{range}, inside every window by a factor of {} at both ends",
+            certificate.window_margin
+        )),
+        Some(why) => lines.push(format!("{range}; these gains do NOT arm: {why}")),
+    }
+    lines.push(format!("({})", arm.source));
+    if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
+        lines.push(format!("φ: {}", phi.source));
+    }
+    lines.extend(certificate.joints.first().map(law));
+    lines.join("\n")
+}
+
+fn row(joint: &JointCertificate) -> Vec<String> {
+    let none = || "–".to_owned();
+    let milli = |value: Option<f64>, decimals: usize| {
+        value.map_or_else(none, |v| format!("{:.*}", decimals, v * MILLI))
+    };
+    let margins = joint.margins.as_ref();
+    let noise = joint.noise.as_ref();
+    vec![
+        joint.name.clone(),
+        milli(joint.bounds.map(|b| b.error_rad), 3),
+        milli(joint.bounds.map(|b| b.velocity_error_rad_s), 1),
+        milli(joint.bounds.and_then(|b| b.integral_rad_s), 2),
+        joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
+        margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),
+        margins.map_or_else(none, |m| format!("{:.0}", m.phase_deg)),
+        milli(margins.map(|m| m.delay_s), 1),
+        margins.map_or_else(none, |m| format!("{:.2}", m.modulus)),
+        noise.map_or_else(none, |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm)),
+        milli(joint.step.as_ref().and_then(|s| s.step_rad), 2),
+    ]
+}
+
+/// What the law that the joints share is optimal for, and how fast its inertia may vary.
+fn law(joint: &JointCertificate) -> String {
+    let gamma = joint.attenuation.gamma_return_difference;
+    let optimal = gamma.map_or_else(
+        || "no H-infinity level: the return difference fails".to_owned(),
+        |gamma| format!("inverse optimal for every H-infinity level γ > {gamma:.4}"),
+    );
+    let paper = format!(
+        "the paper's (40), per unit of φ/M̄: |x| ≤ {:.4} as printed, which is no bound; {:.4} holds in the end",
+        joint.paper.printed, joint.paper.corrected
+    );
+    let varying = joint.sampled_varying.as_ref().map_or_else(
+        || "no common quadratic form for inertia that varies from sample to sample".to_owned(),
+        |v| {
+            let (low, high) = (v.low, v.high);
+            format!("inertia may jump from sample to sample within μ = {low:.3} … {high:.3}")
+        },
+    );
+    [optimal, paper, varying].join("\n")
+}
+
+/// Why no gains keep every clause.
+pub(crate) fn infeasible(no: &Infeasible) -> String {
+    let mut lines = vec![format!(
+        "NO GAINS keep every clause: {} laws tried, with up to three nominal inertias each; {} keep the \
+         stability window and margin",
+        no.tried, no.stable
+    )];
+    for clause in &no.clauses {
+        let joint = clause.joint.as_ref().map_or_else(String::new, |j| format!(" on {j}"));
+        let possible = clause.possible.map_or_else(
+            || "no value alone makes it possible".to_owned(),
+            |value| format!("{value:.3e} is possible while all others stand"),
+        );
+        lines.push(format!("  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted));
+    }
+    lines.push(
+        "a higher loop rate, less delay or a slower velocity filter change what is possible".into(),
+    );
+    lines.join("\n")
+}

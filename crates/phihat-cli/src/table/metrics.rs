@@ -1,0 +1,151 @@
+//! What a run measured.
+
+use comfy_table::Table;
+use phihat_sim::{Abort, Divergence, JointMetrics, Metrics};
+
+use super::{MILLI, align, plain_table};
+
+/// A torque held at its limit may differ from it by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// One measured figure of every joint, and the bound it must keep, both in the unit of the heading.
+struct Column {
+    heading: &'static str,
+    unit: &'static str,
+    decimals: usize,
+    value: fn(&JointMetrics) -> f64,
+    bound: fn(&JointMetrics) -> Option<f64>,
+}
+
+const COLUMNS: [Column; 9] = [
+    Column::free("rms e", "mrad", 4, |j| j.error_rms_rad * MILLI),
+    Column {
+        heading: "max |e|",
+        unit: "mrad",
+        decimals: 3,
+        value: |j| j.error_steady_max_rad * MILLI,
+        bound: |j| j.error_spec_rad.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "max |∫e|",
+        unit: "mrad·s",
+        decimals: 3,
+        value: |j| j.error_integral_steady_max_rad_s * MILLI,
+        bound: |j| j.error_integral_spec_rad_s.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "max |ė|",
+        unit: "mrad/s",
+        decimals: 1,
+        value: |j| j.velocity_error_steady_max_rad_s * MILLI,
+        bound: |j| j.velocity_error_spec_rad_s.map(|b| b * MILLI),
+    },
+    Column {
+        heading: "peak |τ|",
+        unit: "N·m",
+        decimals: 1,
+        value: |j| j.tau_max_nm,
+        bound: |j| j.tau_limit_nm,
+    },
+    Column {
+        heading: "max |Δτ|",
+        unit: "N·m/sample",
+        decimals: 2,
+        value: |j| j.tau_step_max_nm,
+        bound: |j| j.tau_step_limit_nm,
+    },
+    Column::free("saturated", "samples", 0, |j| j.saturated_samples as f64),
+    Column::free("max |φ|", "N·m", 2, |j| j.phi_max_nm),
+    Column::free("max |φ−φ̂|", "N·m", 2, |j| j.phi_error_steady_max_nm),
+];
+
+impl Column {
+    const fn free(
+        heading: &'static str,
+        unit: &'static str,
+        decimals: usize,
+        value: fn(&JointMetrics) -> f64,
+    ) -> Self {
+        Self { heading, unit, decimals, value, bound: |_| None }
+    }
+
+    /// The bound, if all joints share one: it then stands in the heading.
+    fn shared(&self, joints: &[JointMetrics]) -> Option<f64> {
+        let first = (self.bound)(joints.first()?)?;
+        let same = |j: &JointMetrics| (self.bound)(j).map(f64::to_bits) == Some(first.to_bits());
+        joints.iter().all(same).then_some(first)
+    }
+
+    fn header(&self, shared: Option<f64>) -> String {
+        match shared {
+            Some(bound) => format!("{}\n{}\n≤ {}", self.heading, self.unit, short(bound)),
+            None => format!("{}\n{}", self.heading, self.unit),
+        }
+    }
+
+    fn cell(&self, joint: &JointMetrics, shared: bool) -> String {
+        let value = (self.value)(joint);
+        let figure = format!("{value:.*}", self.decimals);
+        match (self.bound)(joint) {
+            // NaN is no value within a bound.
+            Some(bound) if value.is_nan() || value > bound * (1.0 + ROUNDING) => {
+                format!("{figure} > {} !", short(bound))
+            }
+            Some(bound) if !shared => format!("{figure} ≤ {}", short(bound)),
+            _ => figure,
+        }
+    }
+}
+
+/// At most six digits, no trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// One row per joint. "Steady" figures are those after the start-up; a `!` marks a bound exceeded.
+pub(crate) fn metrics(metrics: &Metrics) -> Table {
+    let joints = &metrics.joints;
+    let shared: Vec<Option<f64>> = COLUMNS.iter().map(|c| c.shared(joints)).collect();
+    let headers = COLUMNS.iter().zip(&shared).map(|(c, s)| c.header(*s));
+    let headers: Vec<String> = std::iter::once("joint".to_owned()).chain(headers).collect();
+    let mut table = plain_table(headers);
+    for joint in joints {
+        let cells = COLUMNS.iter().zip(&shared).map(|(c, s)| c.cell(joint, s.is_some()));
+        table.add_row(std::iter::once(joint.name.clone()).chain(cells));
+    }
+    align(&mut table);
+    table
+}
+
+/// One sentence.
+pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> String {
+    if let Some(d) = divergence {
+        return format!("DIVERGED at t = {:.3} s on joint {}; the run was stopped", d.t, d.joint);
+    }
+    let stated = metrics.joints.iter().any(|j| {
+        j.error_spec_rad.is_some()
+            || j.error_integral_spec_rad_s.is_some()
+            || j.velocity_error_spec_rad_s.is_some()
+    });
+    let steady = format!("after the first {} s", metrics.settle_s);
+    if !stated {
+        return format!("the study states no bound; maxima are taken {steady}");
+    }
+    let beyond: Vec<&str> =
+        metrics.joints.iter().filter(|j| !j.within_spec()).map(|j| j.name.as_str()).collect();
+    if metrics.within_spec {
+        format!("within spec on all {} joints {steady}", metrics.joints.len())
+    } else {
+        format!("OUT OF SPEC on {} {steady}", beyond.join(", "))
+    }
+}
+
+/// One sentence.
+pub(crate) fn abort(abort: &Abort) -> String {
+    let on = abort.joint.as_ref().map_or_else(String::new, |joint| format!(" on {joint}"));
+    format!(
+        "STOPPED by the robot ({}) at t = {:.3} s{on}: {}",
+        abort.interface, abort.t, abort.reason
+    )
+}

@@ -1,0 +1,34 @@
+//! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
+
+mod design;
+mod metrics;
+mod robots;
+mod world;
+
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+pub(crate) use design::{certificate, gains, infeasible};
+pub(crate) use metrics::{abort, metrics, verdict};
+pub(crate) use robots::{joints, robots};
+pub(crate) use world::world;
+
+/// Thousandths, for reading: mrad, mrad·s, mrad/s.
+const MILLI: f64 = 1e3;
+
+fn plain_table<T: Into<comfy_table::Row>>(headers: T) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_header(headers);
+    table
+}
+
+/// Figures to the right, names to the left, one space around.
+fn align(table: &mut Table) {
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 1));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+}

@@ -1,0 +1,79 @@
+//! Whether gains may run on an arm at all.
+
+use phihat_study::Study;
+
+use crate::arm::{Arm, ArmInertia};
+use crate::claims::law::holds;
+use crate::claims::{Law, Refutation};
+use crate::gains::Gains;
+use crate::sampled::{InertiaWindow, LoopModel};
+
+/// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
+/// loop's window of every joint.
+///
+/// # Errors
+///
+/// The [`Refutation`] that forbids it.
+pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), Refutation> {
+    shared_law(gains)?;
+    let nominal = gains.joints.iter().map(|j| j.inertia_kg_m2).collect();
+    let unknown = |why: crate::ArmError| Refutation {
+        claim: "inertia window".to_owned(),
+        inequality: format!("the arm's inertia is known ({why})"),
+        left: 0.0,
+        right: 0.0,
+    };
+    let arm = arm.against(nominal).map_err(unknown)?;
+    for (i, record) in gains.joints.iter().enumerate() {
+        let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
+        InertiaWindow::find(record, &model)
+            .and_then(|window| inside(&window, &arm, 1.0))
+            .map_err(|why| why.on(&record.name))?;
+    }
+    Ok(())
+}
+
+/// The eigenvalue argument for a coupled arm needs one law for all joints.
+pub(super) fn shared_law(gains: &Gains) -> Result<(), Refutation> {
+    let Some(first) = gains.joints.first() else { return Ok(()) };
+    let law = Law::from(first);
+    for joint in &gains.joints {
+        let same = Law::from(joint) == law;
+        let claim = format!("{}: inertia window of the arm", joint.name);
+        let inequality = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
+        holds(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;
+    }
+    Ok(())
+}
+
+/// Whether an arm's range, widened by the margin, lies inside a window.
+pub(crate) fn inside(
+    window: &InertiaWindow,
+    arm: &ArmInertia,
+    margin: f64,
+) -> Result<(), Refutation> {
+    let (low, high) = (arm.low / margin, arm.high * margin);
+    let claim = "inertia window";
+    let lower = format!("window.low ≤ arm.low/{margin}");
+    holds(claim, &lower, window.low, low, window.low <= low)?;
+    let upper = format!("{margin}·arm.high ≤ window.high");
+    holds(claim, &upper, high, window.high, high <= window.high)
+}
+
+/// Whether a claim was made over the arm's whole range.
+pub(super) fn covers(
+    claim: &str,
+    (low, high): (f64, f64),
+    arm: &ArmInertia,
+) -> Result<(), Refutation> {
+    let slack = 1.0 + 1e-9;
+    holds(claim, "from ≤ arm.low", low, arm.low, low <= arm.low * slack)?;
+    holds(claim, "arm.high ≤ to", arm.high, high, arm.high <= high * slack)
+}
+
+/// The same for a list of ratios that were tried.
+pub(super) fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
+    let low = mu.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = mu.iter().copied().fold(0.0, f64::max);
+    covers(claim, (low, high), arm)
+}

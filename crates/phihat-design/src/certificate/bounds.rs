@@ -1,0 +1,128 @@
+//! What peak-to-peak gains and a known `φ` say about one joint's error.
+
+use serde::{Deserialize, Serialize};
+
+use super::JointCertificate;
+use crate::claims::Refutation;
+use crate::claims::law::holds;
+use crate::gains::JointRecord;
+use crate::phi::Phi;
+use crate::sampled::{LoopForm, LoopModel, LoopVelocity, ReadingError, SampledPeaks};
+
+const CLAIM: &str = "error bound";
+
+/// Guaranteed bounds on one joint's steady error.
+///
+/// # Claim
+///
+/// ```text
+/// |e|, |ė| ≤ (ramp |φ̇_smooth| + jump |φ_jump|)/M̄ + reading Δ/2
+/// |∫e|     ≤ the same with its own gains + (t + T) · reading Δ/2 + t · K_d T² |φ̇|/(12 K_p low M̄)
+/// ```
+///
+/// A constant misreading of the encoder is a constant error, so `∫e` grows with the time `t` of the run; the last
+/// term is what a `φ` that varies within the sample intervals adds where the observer reads a true velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// `|e|` \[rad\].
+    pub error_rad: f64,
+    /// `|ė|` \[rad/s\].
+    pub velocity_error_rad_s: f64,
+    /// `|∫e|` \[rad·s\], for a run as long as the certificate says; `None`: grows without bound.
+    pub integral_rad_s: Option<f64>,
+}
+
+/// What bounds are made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Evidence<'a> {
+    pub(crate) record: &'a JointRecord,
+    pub(crate) model: &'a LoopModel,
+    /// Gains from `φ/M̄` to `∫e, e, ė`.
+    pub(crate) jump: [f64; 3],
+    /// Gains from `φ̇/M̄`.
+    pub(crate) ramp: [Option<f64>; 3],
+    /// Gains from the encoder's error to `e`, `ė`.
+    pub(crate) reading: [f64; 2],
+    pub(crate) quantum: f64,
+    /// Smallest inertia ratio.
+    pub(crate) low: f64,
+    /// Length of the run \[s\].
+    pub(crate) duration: f64,
+}
+
+impl<'a> Evidence<'a> {
+    pub(crate) fn new(
+        (record, model): (&'a JointRecord, &'a LoopModel),
+        peaks: &SampledPeaks,
+        reading: Option<&ReadingError>,
+        quantum: f64,
+        duration: f64,
+    ) -> Self {
+        Self {
+            record,
+            model,
+            jump: peaks.jump,
+            ramp: peaks.ramp,
+            reading: reading.map_or([0.0; 2], |r| [r.error, r.velocity_per_s]),
+            quantum,
+            low: peaks.mu.iter().copied().fold(f64::INFINITY, f64::min),
+            duration,
+        }
+    }
+
+    pub(crate) fn bounds(&self, phi: &Phi) -> Bounds {
+        let inertia = self.record.inertia_kg_m2;
+        let half = 0.5 * self.quantum;
+        let state = |i: usize| phi.bound(self.jump[i], self.ramp[i]) / inertia;
+        let error_rad = state(1) + self.reading[0] * half;
+        let period = self.model.period_s;
+        let within = if self.model.form == LoopForm::Observer
+            && self.model.velocity == LoopVelocity::Measured
+        {
+            let lag = self.record.kd_per_s / self.record.kp_per_s2;
+            lag * period * period * phi.rate_nm_s / (12.0 * self.low * inertia)
+        } else {
+            0.0
+        };
+        // The trapezoid of the run's record and the sum of the claim differ by half a sample at each end.
+        let integral =
+            state(0) + self.duration * (self.reading[0] * half + within) + period * error_rad;
+        Bounds {
+            error_rad,
+            velocity_error_rad_s: state(2) + self.reading[1] * half,
+            integral_rad_s: integral.is_finite().then_some(integral),
+        }
+    }
+}
+
+impl JointCertificate {
+    /// The bounds must not be below what gains and `φ` give.
+    pub(super) fn verify_bounds(
+        &self,
+        record: &JointRecord,
+        duration: f64,
+    ) -> Result<(), Refutation> {
+        let (Some(bounds), Some(phi)) = (&self.bounds, &self.phi) else {
+            let neither = self.bounds.is_none();
+            return holds(CLAIM, "a bound needs a φ to be a bound for", 1.0, 0.0, neither);
+        };
+        let Some(peaks) = &self.sampled else {
+            return holds(CLAIM, "a bound needs peak gains", 1.0, 0.0, false);
+        };
+        let read = self.reading.is_some() == self.noise.is_some();
+        holds(CLAIM, "reading error and torque noise go together", 0.0, 0.0, read)?;
+        let quantum = self.noise.as_ref().map_or(0.0, |n| n.quantum_rad);
+        let loop_ = (record, &self.model);
+        let evidence = Evidence::new(loop_, peaks, self.reading.as_ref(), quantum, duration);
+        let least = evidence.bounds(phi);
+        let enough = |what: &str, least: f64, claimed: f64| {
+            let claimed = claimed * (1.0 + 1e-9);
+            holds(CLAIM, &format!("gains × φ ≤ claimed |{what}|"), least, claimed, least <= claimed)
+        };
+        enough("e", least.error_rad, bounds.error_rad)?;
+        enough("ė", least.velocity_error_rad_s, bounds.velocity_error_rad_s)?;
+        let Some(claimed) = bounds.integral_rad_s else { return Ok(()) };
+        enough("∫e", least.integral_rad_s.unwrap_or(f64::INFINITY), claimed)
+    }
+}

@@ -1,0 +1,156 @@
+//! Finding every claim about one joint; what cannot be claimed is told with its inequality.
+
+use super::bounds::Evidence;
+use super::{JointCertificate, RATIOS, inside};
+use crate::arm::ArmInertia;
+use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakGains, Refutation};
+use crate::gains::JointRecord;
+use crate::phi::Phi;
+use crate::sampled::{
+    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, SampledPeaks, SampledVarying,
+    TorqueNoise, VaryingWindow,
+};
+
+/// What is claimed whatever the nominal inertia: joints with the same law in the same loop share it.
+#[derive(Debug, Clone)]
+pub(super) struct Shared {
+    model: LoopModel,
+    window: Option<InertiaWindow>,
+    varying: Option<VaryingWindow>,
+    sampled_varying: Option<SampledVarying>,
+    attenuation: Attenuation,
+    optimality: Option<Optimality>,
+    iss: Iss,
+    norm: NormH,
+    peaks: PeakGains,
+    over: Option<OverRange>,
+    refused: Vec<Refutation>,
+}
+
+/// Claims over the arm's range of inertia.
+#[derive(Debug, Clone)]
+struct OverRange {
+    margins: Margins,
+    sampled: SampledPeaks,
+    reading: Option<ReadingError>,
+}
+
+impl Shared {
+    /// About one law in one loop, over an arm's range.
+    pub(super) fn find(
+        record: &JointRecord,
+        model: LoopModel,
+        (arm, margin): (&ArmInertia, f64),
+        encoder: bool,
+    ) -> Result<Self, Refutation> {
+        let law = Law::from(record);
+        let range = (arm.low, arm.high);
+        let attenuation = Attenuation::of(&law)?;
+        let optimality = attenuation.k_tilde().map(|k| Optimality::at(&law, k)).transpose()?;
+        let certified = optimality.as_ref().and_then(Optimality::certified);
+        let iss = certified.map_or_else(|| Iss::of_loop(&law), |c| Iss::of(&law, c))?;
+        let mut refused = Vec::new();
+        let window = kept(InertiaWindow::find(record, &model), &mut refused);
+        let over = window.and_then(|window| {
+            let within = inside(&window, arm, margin);
+            let over = within.and_then(|()| OverRange::find(record, &model, range, encoder));
+            kept(over, &mut refused)
+        });
+        Ok(Self {
+            varying: VaryingWindow::find(record, range)
+                .or_else(|_| VaryingWindow::widest_around(record, 1.0, arm.high / arm.low))
+                .ok(),
+            sampled_varying: SampledVarying::find(record, &model, range)
+                .or_else(|_| SampledVarying::widest_within(record, &model, range))
+                .ok(),
+            norm: NormH::of(&law, 1.0)?,
+            peaks: PeakGains::of(&law, 1.0)?,
+            model,
+            window,
+            attenuation,
+            optimality,
+            iss,
+            over,
+            refused,
+        })
+    }
+
+    pub(super) fn model(&self) -> &LoopModel {
+        &self.model
+    }
+}
+
+impl OverRange {
+    fn find(
+        record: &JointRecord,
+        model: &LoopModel,
+        range: (f64, f64),
+        encoder: bool,
+    ) -> Result<Self, Refutation> {
+        Ok(Self {
+            margins: Margins::find(record, model, range)?,
+            sampled: SampledPeaks::find(record, model, range, RATIOS)?,
+            reading: encoder
+                .then(|| ReadingError::find(record, model, range, RATIOS))
+                .transpose()?,
+        })
+    }
+}
+
+/// What one joint adds: its inertia, encoder, limits, and what its `φ` may be.
+pub(super) struct Context<'a> {
+    pub(super) record: &'a JointRecord,
+    pub(super) arm: &'a ArmInertia,
+    /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\].
+    pub(super) limits: (Option<f64>, Option<f64>),
+    pub(super) quantum: Option<f64>,
+    /// Length of the run \[s\].
+    pub(super) duration: f64,
+}
+
+impl Context<'_> {
+    pub(super) fn claims(
+        &self,
+        shared: &Shared,
+        phi: Option<Phi>,
+    ) -> Result<JointCertificate, Refutation> {
+        let Self { record, arm, .. } = self;
+        let shared = shared.clone();
+        let (model, range) = (shared.model, (arm.low, arm.high));
+        let over = shared.over;
+        let bounds = over.as_ref().zip(phi.as_ref()).map(|(over, phi)| {
+            let (reading, quantum) = (over.reading.as_ref(), self.quantum.unwrap_or(0.0));
+            let loop_ = (*record, &model);
+            Evidence::new(loop_, &over.sampled, reading, quantum, self.duration).bounds(phi)
+        });
+        let noise = |quantum| TorqueNoise::find(record, &model, quantum, range, RATIOS);
+        let step = |_: &OverRange| LargestStep::find(record, &model, self.limits, range, RATIOS);
+        Ok(JointCertificate {
+            name: record.name.clone(),
+            model,
+            window: shared.window,
+            varying: shared.varying,
+            sampled_varying: shared.sampled_varying,
+            attenuation: shared.attenuation,
+            optimality: shared.optimality,
+            paper: PaperRadius::of(&shared.iss),
+            iss: shared.iss,
+            norm: shared.norm,
+            peaks: shared.peaks,
+            margins: over.as_ref().map(|o| o.margins),
+            noise: over.as_ref().and(self.quantum).map(noise).transpose()?,
+            step: over.as_ref().map(step).transpose()?,
+            reading: over.as_ref().and_then(|o| o.reading.clone()),
+            sampled: over.map(|o| o.sampled),
+            limits: self.limits,
+            phi,
+            bounds,
+            refused: shared.refused,
+        })
+    }
+}
+
+/// The claim, or its refusal among the refused.
+fn kept<T>(found: Result<T, Refutation>, refused: &mut Vec<Refutation>) -> Option<T> {
+    found.map_err(|why| refused.push(why)).ok()
+}

@@ -1,0 +1,54 @@
+//! Why no gains keep every clause, and what would be possible.
+
+use serde::{Deserialize, Serialize};
+
+use super::search::Search;
+use super::verdict::{KEYS, Nearest};
+
+/// Why no gains keep every clause.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Infeasible {
+    /// The clauses in the way, each with the nearest value that is possible if all others stand.
+    pub clauses: Vec<Clause>,
+    /// How many laws were looked at.
+    pub tried: u32,
+    /// Of these, each with up to three nominal inertias, how many keep window and modulus margin.
+    pub stable: u32,
+}
+
+/// One clause of the specification.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Clause {
+    /// Its key in the study.
+    pub key: String,
+    /// The joint that decides; `None`: the arm.
+    pub joint: Option<String>,
+    /// What the study asks for.
+    pub wanted: f64,
+    /// The nearest value that is possible while all other clauses stand; `None`: none is.
+    pub possible: Option<f64>,
+}
+
+impl Search<'_> {
+    /// The clauses in the way.
+    pub(super) fn clauses(&self, nearest: &Nearest) -> Vec<Clause> {
+        let Some(any) = nearest.any else {
+            let wanted = self.study.design.window_margin;
+            let key = "design.window_margin".to_owned();
+            return vec![Clause { key, joint: None, wanted, possible: None }];
+        };
+        let clause = |i: usize| {
+            let found = nearest.alone[i];
+            // The error is always told, were it only for the joint that decides.
+            let (share, joint) = found.or((i == 0).then_some(any))?;
+            let wanted = self.limit(i)?.get(joint).copied()?;
+            Some(Clause {
+                key: KEYS[i].to_owned(),
+                joint: Some(self.study.robot.joints[joint].name.clone()),
+                wanted,
+                possible: found.map(|_| wanted * share),
+            })
+        };
+        (0..KEYS.len()).filter_map(clause).collect()
+    }
+}

@@ -1,0 +1,184 @@
+//! The format of `[design]`.
+
+use crate::format::{Bounds, Key, Need, Section, Shape};
+
+pub(crate) static DESIGN: Section = Section {
+    path: "design",
+    doc: "For `phihat design`: what is known of the arm and of its load, and what the gains must keep. \
+          A study needs `[gains]` or `[design]`; `[gains]` wins where both are there.",
+    keys: &[
+        Key {
+            name: "method",
+            unit: "",
+            shape: Shape::Word(&["ours", "paper"]),
+            need: Need::Word("ours"),
+            doc: "`ours`: gains that keep the specification, proved, with the least torque noise. \
+                  `paper`: the paper's own recipe to the letter; see `[design.paper]`.",
+        },
+        Key {
+            name: "orders",
+            unit: "",
+            shape: Shape::List { min: 1, max: 4, bounds: Bounds::integers(1.0, 4.0) },
+            need: Need::Numbers(&[1.0, 2.0]),
+            doc: "Estimator orders to try; the paper's method takes the smallest.",
+        },
+        Key {
+            name: "payload_max_kg",
+            unit: "kg",
+            shape: Shape::Number(Bounds::closed(0.0, 1e4)),
+            need: Need::Number(0.0),
+            doc: "Heaviest body at the robot's tip that the gains must bear, besides none.",
+        },
+        Key {
+            name: "inertia_from",
+            unit: "",
+            shape: Shape::Word(&["robot", "typed", "trace"]),
+            need: Need::Optional("`typed` where it is typed, else `robot`"),
+            doc: "Where the range of inertia comes from: postures of the robot's description, the two keys \
+                  below, or an estimate from the recorded `trace`, which is not a proof.",
+        },
+        Key {
+            name: "inertia_low_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            need: Need::Optional("found from the robot's description"),
+            doc: "Smallest inertia of each joint, rotor included, typed in place of a description.",
+        },
+        Key {
+            name: "inertia_high_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            need: Need::Optional("found from the robot's description"),
+            doc: "Largest inertia of each joint; together with `inertia_low_kg_m2`.",
+        },
+        Key {
+            name: "window_margin",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(1.0, 10.0)),
+            need: Need::Number(1.2),
+            doc: "Factor by which the arm's inertia must stay inside the loop's window, at both ends.",
+        },
+        Key {
+            name: "modulus_margin_min",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
+            need: Need::Number(0.3),
+            doc: "Smallest distance of the sampled loop from −1, over the arm's range of inertia: 0.3 \
+                  allows no resonance above 3.3 times, and implies 17° of phase.",
+        },
+        Key {
+            name: "torque_step_max_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            need: Need::Optional("the torque-rate limit per sample, if there is one"),
+            doc: "Largest change of torque per sample that encoder steps may cause, guaranteed.",
+        },
+        Key {
+            name: "phi_from",
+            unit: "",
+            shape: Shape::Word(&["reference", "typed", "simulation", "trace"]),
+            need: Need::Optional("`typed` where it is typed, else `reference`"),
+            doc: "Where the bounds on φ come from: inverse dynamics along the reference, the two keys below, \
+                  a simulation of the closed loop, or the recorded `trace`.",
+        },
+        Key {
+            name: "phi_rate_max_nm_s",
+            unit: "N·m/s",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e7), &[]),
+            need: Need::Optional("found along the reference"),
+            doc: "Largest rate of the smooth part of the unknown dynamics φ.",
+        },
+        Key {
+            name: "phi_jump_max_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e5), &[]),
+            need: Need::Optional("found along the reference"),
+            doc: "Largest size of the part of φ that jumps (dry friction); with `phi_rate_max_nm_s`.",
+        },
+        Key {
+            name: "phi_margin",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(1.0, 100.0)),
+            need: Need::Number(1.2),
+            doc: "Factor on bounds on φ that were seen in a simulation or a trace: another run may ask for more.",
+        },
+        Key {
+            name: "trace",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("no recorded trace"),
+            doc: "A trace.csv of this arm, relative to the study, for `phi_from` and `inertia_from`.",
+        },
+        Key {
+            name: "settling_time_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(1e3)),
+            need: Need::Optional("no requirement"),
+            doc: "Largest 2 % settling time of the outer loop.",
+        },
+        Key {
+            name: "rise_time_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(1e3)),
+            need: Need::Optional("no requirement"),
+            doc: "Largest rise time of the outer loop, 10 % to 90 %.",
+        },
+        Key {
+            name: "paper",
+            unit: "",
+            shape: Shape::Table(&PAPER),
+            need: Need::Optional("the defaults below"),
+            doc: "For `method = \"paper\"`.",
+        },
+    ],
+};
+
+static PAPER: Section = Section {
+    path: "design.paper",
+    doc: "What the paper's recipe needs besides `[spec]`, whose `error_integral_max_rad_s`, `error_max_rad` and \
+          `velocity_error_max_rad_s` it starts from.",
+    keys: &[
+        Key {
+            name: "phi_max",
+            unit: "rad/s²",
+            shape: Shape::Number(Bounds::positive(1e6)),
+            need: Need::Optional("the largest φ over M̄ of any joint, from `phi_from`"),
+            doc: "φ_max for unit inertia.",
+        },
+        Key {
+            name: "integrals_max",
+            unit: "rad·s^k",
+            shape: Shape::List { min: 1, max: 3, bounds: Bounds::positive(1e6) },
+            need: Need::Optional("order 1 needs none"),
+            doc: "Largest repeated integrals of the error beyond ∫e, `[∬e, ∭e, …]`: m − 1 of them.",
+        },
+        Key {
+            name: "feedback",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(false),
+            doc: "Whether xᵀSBBᵀSx counts in (44): the paper's columns (B), without it its columns (A).",
+        },
+        Key {
+            name: "damping",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(0.1, 10.0)),
+            need: Need::Number(1.0),
+            doc: "ζ of the outer loop that a settling or rise time is turned into.",
+        },
+        Key {
+            name: "estimator_factor",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(1.0, 20.0)),
+            need: Need::Number(4.0),
+            doc: "How much faster than the outer loop the estimator is at least; the paper asks for 3 to 5.",
+        },
+        Key {
+            name: "inertia_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            need: Need::Number(1.0),
+            doc: "M̄; the paper has 1 on every joint.",
+        },
+    ],
+};
