@@ -87,7 +87,7 @@ fn main_job(root: &Path) -> Result<(), String> {
     cargo(root, &["phihat", "run", "studies/first.toml"])
 }
 
-/// The two reports of [`main_job`], and those with hostile names, in headless Chromium.
+/// The two reports of [`main_job`], a certified one, and those with hostile names, in headless Chromium.
 fn browser(root: &Path) -> Result<(), String> {
     if Command::new("chromium").arg("--version").output().is_err() {
         println!("installing chromium");
@@ -102,7 +102,10 @@ fn browser(root: &Path) -> Result<(), String> {
     if !["panda", "first"].iter().all(|study| Path::new(&page(study)).exists()) {
         main_job(root)?;
     }
-    command(&folder, "node", &["check.mjs", &page("panda"), &page("first")])?;
+    // A report with a certificate and its figures.
+    cargo(root, &["phihat", "run", "studies/panda_design.toml"])?;
+    let pages = ["panda", "first", "panda_design"].map(page);
+    command(&folder, "node", &["check.mjs", &pages[0], &pages[1], &pages[2]])?;
     let hostile = root.join("target/hostile").display().to_string();
     let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];
     cargo(root, &[&demo[..], &[&hostile, "hostile"]].concat())?;

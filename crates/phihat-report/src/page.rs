@@ -2,7 +2,7 @@
 
 use crate::certificate::certificate;
 use crate::chart::DRAWABLE_MAX;
-use crate::figure::figures;
+use crate::figure::run_figures;
 use crate::number::stated;
 use crate::payload::{buckets, payload};
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
@@ -153,7 +153,7 @@ fn plots(record: &Record<'_>) -> Markup {
             div id="cards" {}
         }
         section.static aria-labelledby="plots" {
-            @for figure in figures(record) { figure { (PreEscaped(&figure.svg)) } }
+            @for figure in run_figures(record) { figure { (PreEscaped(&figure.svg)) } }
         }
         p.hint {
             "Drawn from " (samples) " samples per signal. Start-up and steady part are each cut into " (stretches)

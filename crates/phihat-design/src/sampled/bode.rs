@@ -24,6 +24,8 @@ pub struct Bode {
     pub sensitivity: Vec<f64>,
     /// `|e/φ|` \[rad/(N·m)\], φ held over each interval.
     pub error_per_phi: Vec<f64>,
+    /// Phase of `e/φ` \[rad\], continuous.
+    pub error_phase_rad: Vec<f64>,
 }
 
 /// Computes `count` points from `lowest_hz` up.
@@ -37,22 +39,30 @@ pub fn bode(gains: &JointRecord, model: &LoopModel, mu: f64, lowest_hz: f64, cou
         loop_phase_rad: Vec::new(),
         sensitivity: Vec::new(),
         error_per_phi: Vec::new(),
+        error_phase_rad: Vec::new(),
     };
-    let mut last: Option<(Complex<f64>, f64)> = None;
+    let (mut of_loop, mut of_error) = (None, None);
     for k in 0..count {
         let share = f64::from(k) / f64::from(count.max(2) - 1);
         let hz = lowest_hz * (highest / lowest_hz).powf(share);
         let theta = PI * hz / highest;
         let value = open.at_angle(theta) / mu;
-        let phase = last.map_or(value.arg(), |(before, phase)| phase + (value / before).arg());
-        last = Some((value, phase));
+        let error = error(&matrix, theta);
         bode.frequency_hz.push(hz);
         bode.loop_gain.push(value.norm());
-        bode.loop_phase_rad.push(phase);
+        bode.loop_phase_rad.push(turned(&mut of_loop, value));
         bode.sensitivity.push(1.0 / (value + 1.0).norm());
-        bode.error_per_phi.push(error(&matrix, theta).norm() / gains.inertia_kg_m2);
+        bode.error_per_phi.push(error.norm() / gains.inertia_kg_m2);
+        bode.error_phase_rad.push(turned(&mut of_error, error));
     }
     bode
+}
+
+/// The argument of a value, continued from the one before.
+fn turned(last: &mut Option<(Complex<f64>, f64)>, value: Complex<f64>) -> f64 {
+    let phase = last.map_or(value.arg(), |(before, phase)| phase + (value / before).arg());
+    *last = Some((value, phase));
+    phase
 }
 
 /// `(e^{jθ} − A)⁻¹ b`, its first entry; zero should the loop have a pole there.

@@ -9,7 +9,10 @@ use plotters::prelude::*;
 use std::ops::Range;
 
 mod axis;
+mod claims;
 mod panel;
+
+pub(crate) use claims::claim_figures;
 
 /// One figure of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,8 +35,13 @@ const TITLE: u32 = 62;
 /// Stretches kept per panel: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
 
-/// Every figure of a record, in the order of the page.
+/// Every figure of a record: those of the run, and those of what was proved about its gains.
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
+    run_figures(record).into_iter().chain(claim_figures(record)).collect()
+}
+
+/// The figures of the run, in the order of the page.
+pub(crate) fn run_figures(record: &Record<'_>) -> Vec<Figure> {
     let (t, settle) = (times(record), settle_index(record));
     let settle_s = record.metrics.settle_s;
     let mut figures = vec![];

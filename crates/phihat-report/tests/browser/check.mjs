@@ -59,6 +59,10 @@ async function looks(browser, file) {
     const found = await canvases(page);
     check(name, `${view}: at least six plots`, found.all >= 6, JSON.stringify(found));
     check(name, `${view}: every canvas is drawn`, found.all === found.drawn, JSON.stringify(found));
+    const claims = await page.locator(".claim svg[role=img]").evaluateAll((all) => all.map((svg) => svg.getBoundingClientRect()));
+    const certified = (await page.locator("#certificate").count()) === 1;
+    check(name, `${view}: a certificate brings its figures`, certified ? claims.length >= 2 : claims.length === 0, `${claims.length}`);
+    check(name, `${view}: they fill the page and keep inside`, claims.every((box) => box.width > 250 && box.left >= 0 && box.right <= options.viewport.width && box.height > 80));
     check(name, `${view}: static figures are hidden`, !(await page.locator(".static").isVisible()));
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
@@ -127,6 +131,7 @@ async function works(browser, file) {
 
   await page.emulateMedia({ media: "print" });
   check(name, "print: static figures are shown", await page.locator(".static").isVisible());
+  check(name, "print: figures of the claims are shown", (await page.locator(".claim svg").evaluateAll((all) => all.every((svg) => svg.checkVisibility()))));
   check(name, "print: plots are hidden", !(await page.locator(".interactive").isVisible()));
   check(name, "print: the study is shown", await page.locator("#study ~ details pre").first().isVisible());
   if (shots) await page.pdf({ path: `${shots}/${name}.pdf`, preferCSSPageSize: true });

@@ -1,0 +1,146 @@
+//! The figures of the claims show the certificate's numbers. Wrong if a bar, a point or a unit were not the one of the
+//! data, or if a file with nonsense in it broke the page.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "in a test a panic is the report")]
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use phihat_design::{Gains, Outcome, Phi, design};
+use phihat_report::{figures, page};
+use phihat_study::Study;
+use roxmltree::Document;
+
+mod support;
+use support::{Fixture, fixture};
+
+/// Designed once: it takes a second.
+fn certified() -> Gains {
+    static GAINS: OnceLock<Gains> = OnceLock::new();
+    GAINS.get_or_init(designed).clone()
+}
+
+fn designed() -> Gains {
+    let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 4e-3\n[design]\n\
+                inertia_low_kg_m2 = [0.2, 0.1, 0.02]\ninertia_high_kg_m2 = [0.5, 0.3, 0.05]\n[sensor]\n\
+                encoder_bits = 18\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n";
+    let study =
+        Study::from_text(text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let phi = |_: usize, _: f64| Phi {
+        source: "typed".to_owned(),
+        size_nm: None,
+        rate_nm_s: 5.0,
+        jump_nm: 0.1,
+    };
+    match design(&study, &phi).unwrap() {
+        Outcome::Designed(gains) => *gains,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn with(gains: Gains) -> Fixture {
+    let mut fixture = fixture(3, 600);
+    fixture.gains = gains;
+    fixture
+}
+
+fn svg(fixture: &Fixture, name: &str) -> Option<String> {
+    figures(&fixture.record()).into_iter().find(|f| f.name == name).map(|f| f.svg)
+}
+
+fn words(svg: &str) -> String {
+    let document = Document::parse(svg).unwrap();
+    document
+        .descendants()
+        .filter(roxmltree::Node::is_text)
+        .filter_map(|n| n.text())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Left edge and width of every rectangle of a colour.
+fn bars(svg: &str, fill: &str) -> Vec<(f64, f64)> {
+    let document = Document::parse(svg).unwrap();
+    let rectangles = document.descendants().filter(|n| n.attribute("fill") == Some(fill));
+    let number =
+        |n: roxmltree::Node<'_, '_>, key: &str| n.attribute(key).unwrap().parse::<f64>().unwrap();
+    rectangles
+        .filter(|n| n.has_tag_name("rect"))
+        .map(|n| (number(n, "x"), number(n, "width")))
+        .collect()
+}
+
+#[test]
+fn bars_are_the_windows_and_the_ranges() {
+    let fixture = with(certified());
+    let certificate = fixture.gains.certificate.as_ref().unwrap();
+    let drawn = svg(&fixture, "inertia-window").unwrap();
+    let (windows, arms) = (bars(&drawn, "#A8D6F0"), bars(&drawn, "#0072B2"));
+    assert_eq!((windows.len(), arms.len()), (3, 3));
+    let first = &fixture.gains.joints[0];
+    let window = &certificate.joints[0].window;
+    let per_e = windows[0].1 / (window.high / window.low).ln();
+    for (j, joint) in fixture.gains.joints.iter().enumerate() {
+        let shift = per_e * (joint.inertia_kg_m2 / first.inertia_kg_m2).ln();
+        assert!((windows[j].0 - windows[0].0 - shift).abs() < 3.0, "joint {j}: window");
+        let inside = per_e * (certificate.arm.low / window.low).ln();
+        assert!((arms[j].0 - windows[j].0 - inside).abs() < 3.0, "joint {j}: low end of the arm");
+        let width = per_e * (certificate.arm.high / certificate.arm.low).ln();
+        assert!((arms[j].1 - width).abs() < 3.0, "joint {j}: width of the arm");
+        assert!(words(&drawn).contains(&joint.name));
+    }
+    assert!(words(&drawn).contains("kg·m²"));
+}
+
+#[test]
+fn every_point_of_the_trade_off_and_every_ratio_is_drawn() {
+    let fixture = with(certified());
+    let points = &fixture.gains.trade_off;
+    let drawn = svg(&fixture, "trade-off").unwrap();
+    let document = Document::parse(&drawn).unwrap();
+    let circles = document.descendants().filter(|n| n.has_tag_name("circle")).count();
+    let orders = |high: bool| usize::from(points.iter().any(|p| (p.order > 1) == high));
+    assert_eq!(circles, points.len() + 1 + orders(true) + orders(false));
+    assert!(words(&drawn).contains("these gains") && words(&drawn).contains("[N·m]"));
+    let bode = words(&svg(&fixture, "bode").unwrap());
+    for part in ["frequency [Hz]", "phase [°]", "|L/μ|", "mrad/(N·m)", "-180"] {
+        assert!(bode.contains(part), "{part}: {bode}");
+    }
+    assert_eq!(bode.matches("μ = ").count(), 3);
+    let html = page(&fixture.record());
+    assert_eq!(html.matches("class=\"claim\"").count(), 3);
+}
+
+#[test]
+fn nonsense_in_the_file_leaves_its_figure_out() {
+    assert_eq!(svg(&fixture(3, 600), "bode"), None);
+    let spoil: [fn(&mut Gains); 6] = [
+        |g| g.certificate.as_mut().unwrap().arm.low = -1.0,
+        |g| g.certificate.as_mut().unwrap().arm.high = f64::NAN,
+        |g| g.certificate.as_mut().unwrap().joints.clear(),
+        |g| g.joints.clear(),
+        |g| g.joints.iter_mut().for_each(|j| j.a = vec![f64::NAN; 9]),
+        |g| {
+            for joint in &mut g.certificate.as_mut().unwrap().joints {
+                joint.model.delay_samples = u32::MAX;
+            }
+            g.trade_off.iter_mut().for_each(|p| p.error_share = f64::INFINITY);
+        },
+    ];
+    for spoil in spoil {
+        let mut gains = certified();
+        spoil(&mut gains);
+        let fixture = with(gains);
+        assert!(page(&fixture.record()).contains("Certificate"));
+        assert_eq!(svg(&fixture, "bode"), None);
+    }
+}
+
+#[test]
+fn names_cannot_leave_a_figure() {
+    for payload in support::hostile::PAYLOADS {
+        let fixture = with(certified()).named(payload);
+        for figure in figures(&fixture.record()) {
+            Document::parse(&figure.svg).unwrap_or_else(|e| panic!("{}: {e}", figure.name));
+        }
+    }
+}
