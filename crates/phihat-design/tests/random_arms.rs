@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector};
 use phihat::{Delay, Form, JointGains, JointState, Measurement, Reference};
 use phihat_design::sampled::{InertiaWindow, LoopModel};
-use phihat_design::{Gains, JointRecord, arm_inside_window, requested_gains};
+use phihat_design::{Arm, Gains, JointRecord, arm_inside_window, requested_gains};
 use phihat_model::Workspace;
-use phihat_study::Study;
+use phihat_study::{InertiaSource, Study};
 use sampled_support::{Random, Rig, estimator};
 
 /// Samples per window of [`Rig::settles`]: growth is seen over as many again.
@@ -67,8 +67,9 @@ fn settles(record: &JointRecord, model: &LoopModel, mu: f64) -> bool {
 /// What the gate says of an arm whose every joint has an inertia in `M̄ [low, high]`.
 fn gate(study: &mut Study, gains: &Gains, (low, high): (f64, f64)) -> Result<(), String> {
     let scaled = |factor: f64| gains.joints.iter().map(|j| factor * j.inertia_kg_m2).collect();
-    study.design.inertia = Some((scaled(low), scaled(high)));
-    arm_inside_window(study, gains).map_err(|why| why.to_string())
+    study.design.inertia = InertiaSource::Typed { low: scaled(low), high: scaled(high) };
+    let arm = Arm::of(study).unwrap();
+    arm_inside_window(study, &arm, gains).map_err(|why| why.to_string())
 }
 
 #[test]
@@ -214,7 +215,7 @@ fn coupled_arms_that_are_armed_settle_in_every_posture() {
             let mean = masses.iter().map(|m| m[(i, i)].ln()).sum::<f64>() / 300.0;
             joint.inertia_kg_m2 = factor * mean.exp();
         }
-        if let Err(why) = arm_inside_window(&study, &gains) {
+        if let Err(why) = arm_inside_window(&study, &Arm::of(&study).unwrap(), &gains) {
             refused += 1;
             assert!(why.to_string().contains("inertia window"), "{why}");
             continue;

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use phihat_design::{Gains, Outcome, Phi, design};
+use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, design};
 use phihat_report::{figures, page};
 use phihat_study::Study;
 use roxmltree::Document;
@@ -26,12 +26,13 @@ fn designed() -> Gains {
     let study =
         Study::from_text(text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let phi = |_: usize, _: f64| Phi {
+        basis: PhiBasis::Typed,
         source: "typed".to_owned(),
         size_nm: None,
         rate_nm_s: 5.0,
         jump_nm: 0.1,
     };
-    match design(&study, &phi).unwrap() {
+    match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         other => panic!("{other:?}"),
     }
@@ -77,7 +78,7 @@ fn bars_are_the_windows_and_the_ranges() {
     let (windows, arms) = (bars(&drawn, "#A8D6F0"), bars(&drawn, "#0072B2"));
     assert_eq!((windows.len(), arms.len()), (3, 3));
     let first = &fixture.gains.joints[0];
-    let window = &certificate.joints[0].window;
+    let window = certificate.joints[0].window.unwrap();
     let per_e = windows[0].1 / (window.high / window.low).ln();
     for (j, joint) in fixture.gains.joints.iter().enumerate() {
         let shift = per_e * (joint.inertia_kg_m2 / first.inertia_kg_m2).ln();

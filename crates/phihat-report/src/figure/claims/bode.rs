@@ -36,16 +36,15 @@ struct Panel {
 
 /// For the joint with the smallest modulus margin; joints that share law and loop differ in `M̄` only.
 pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure> {
-    let margin = |j: &usize| certificate.joints[*j].margins.modulus;
-    let count = gains.joints.len().min(certificate.joints.len());
-    let joint = (0..count).min_by(|a, b| margin(a).total_cmp(&margin(b)))?;
-    let (record, claims) = (&gains.joints[joint], &certificate.joints[joint]);
+    let pairs = gains.joints.iter().zip(&certificate.joints);
+    let stable = pairs.filter_map(|(r, c)| c.margins.as_ref().map(|m| (m.modulus, r, c)));
+    let (_, record, claims) = stable.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let (low, high) = (certificate.arm.low, certificate.arm.high);
     if !(low > 0.0 && low <= high && high.is_finite()) {
         return None;
     }
     // A file may hold anything: what the claims about it refuse is not drawn.
-    claims.window.verify(record, &claims.model).ok()?;
+    claims.window?.verify(record, &claims.model).ok()?;
     let ratios = [low, (low * high).sqrt(), high];
     let mut curves = ratios.map(|mu| bode(record, &claims.model, mu, LOWEST, POINTS));
     for curve in &mut curves {

@@ -31,15 +31,16 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
     let joints = gains.joints.iter().zip(&certificate.joints);
     let row = |(joint, claim): (&phihat_design::JointRecord, &phihat_design::JointCertificate)| {
         let of = |mu: f64| mu * joint.inertia_kg_m2;
-        Row {
+        let window = claim.window?;
+        Some(Row {
             name: short(&joint.name, 24),
             nominal: of(1.0),
-            window: (of(claim.window.low), of(claim.window.high)),
+            window: (of(window.low), of(window.high)),
             range: (of(arm.low), of(arm.high)),
             reach: (of(arm.low / margin), of(arm.high * margin)),
-        }
+        })
     };
-    let rows: Vec<Row> = joints.map(row).collect();
+    let rows: Vec<Row> = joints.filter_map(row).collect();
     let ends = rows.iter().flat_map(|r| [r.window.0, r.window.1, r.reach.0, r.reach.1]);
     let x = decades(ends, 1.3)?;
     let count = u32::try_from(rows.len()).ok()?;
