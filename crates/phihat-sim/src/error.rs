@@ -27,12 +27,12 @@ pub enum SimError {
         /// What inverse kinematics said.
         reason: String,
     },
-    /// Friction is too stiff for the integration step.
+    /// Friction, a spring or a wall is too stiff for the integration step.
     #[error(
-        "world.substeps = {substeps} is too coarse for the friction of {joint}; {needed} or more are needed"
+        "world.substeps = {substeps} is too coarse for what is stiff on {joint}; {needed} or more are needed"
     )]
     TooStiff {
-        /// The joint whose friction it is.
+        /// The joint that it is on.
         joint: String,
         /// What the study asks for.
         substeps: u32,

@@ -60,8 +60,8 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SimError`]: joint counts differ, a Cartesian reference cannot be reached, friction is too stiff
-    /// for the step, or a payload or limit does not fit.
+    /// [`SimError`]: joint counts differ, a Cartesian reference cannot be reached, something is too
+    /// stiff for the step, or a payload or limit does not fit.
     pub fn new(study: &Study, gains: &[JointGains<f64>]) -> Result<Self, SimError> {
         let n = study.robot.joints.len();
         if gains.len() != n {

@@ -65,6 +65,7 @@ pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Senso
         torque_noise: arm.joints.numbers(node, "torque_noise_nm")?,
         jitter: jitter(node, rate)?,
         delay_samples: node.small_count("sample_delay_samples")?,
+        at_motor: node.word("encoder_at")? == "motor",
         wrap: node.flag("wrap")?,
         velocity_filter_designed: designed,
     })

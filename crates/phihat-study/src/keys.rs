@@ -354,6 +354,13 @@ static SENSOR: Section = Section {
             doc: "Measurements arrive so many samples late.",
         },
         Key {
+            name: "encoder_at",
+            unit: "",
+            shape: Shape::Word(&["link", "motor"]),
+            need: Need::Word("link"),
+            doc: "With an elastic transmission: on which side of it position and velocity are measured.",
+        },
+        Key {
             name: "wrap",
             unit: "",
             shape: Shape::Flag,

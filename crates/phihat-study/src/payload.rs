@@ -17,11 +17,19 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm) -> Result<Option<Payload>, StudyE
             .error(Kind::OutOfRange, "inertia_kg_m2", message)
             .with_help("the order is [xx, xy, xz, yy, yz, zz], about the centre of mass"));
     }
+    let (start, end) = (node.number("start_s")?, node.number_if("end_s").unwrap_or(f64::INFINITY));
+    if end <= start {
+        let message =
+            format!("dropped at {end} s, which is not after it is picked up at {start} s");
+        return Err(node.error(Kind::Conflict, "end_s", message));
+    }
     Ok(Some(Payload {
         frame: arm.frame(node, "frame")?,
         mass: node.number("mass_kg")?,
         com: node.numbers("com_m")?,
         inertia,
+        start,
+        end,
     }))
 }
 

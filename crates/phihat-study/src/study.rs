@@ -240,6 +240,8 @@ pub struct Sensor {
     pub jitter: f64,
     /// How late measurements arrive \[samples\], 0 … 8.
     pub delay_samples: u32,
+    /// Whether the motor's side of an elastic transmission is measured, not the link's.
+    pub at_motor: bool,
     /// Whether the position starts over at ±π.
     pub wrap: bool,
 }
@@ -316,6 +318,18 @@ pub struct World {
     pub extra_viscous: Vec<f64>,
     /// Bandwidth of the drive's torque loop \[Hz\] per joint; `None`: torque acts at once.
     pub drive_bandwidth_hz: Option<Vec<f64>>,
+    /// Friction at the start over friction of a warm joint, and the time constant of warming up \[s\].
+    pub warm_up: (f64, f64),
+    /// Dry friction that sticks; `None`: regularised.
+    pub stiction: Option<Stiction>,
+    /// Elastic transmissions; `None`: rigid.
+    pub flexibility: Option<Flexibility>,
+    /// Stops at the joints' position limits; `None`: none.
+    pub end_stops: Option<EndStops>,
+    /// Stiff planes.
+    pub walls: Vec<Wall>,
+    /// External forces.
+    pub forces: Vec<ToolForce>,
     /// Imperfections of the drives; `None`: none.
     pub drive: Option<Box<Drive>>,
     /// Messages that get lost.
@@ -330,6 +344,67 @@ pub struct World {
     pub start: Option<Start>,
 }
 
+/// `[world.stiction]`: dry friction as bristles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stiction {
+    /// Breakaway level over Coulomb level, per joint.
+    pub breakaway_ratio: Vec<f64>,
+    /// Speed over which the one falls to the other \[rad/s\] per joint.
+    pub stribeck_velocity: Vec<f64>,
+    /// Stiffness of the bristles \[N·m/rad\] per joint.
+    pub stiffness: Vec<f64>,
+    /// Damping of the bristles \[N·m·s/rad\] per joint.
+    pub damping: Vec<f64>,
+}
+
+/// `[world.flexibility]`: a spring between rotor and link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flexibility {
+    /// Stiffness \[N·m/rad\] per joint.
+    pub stiffness: Vec<f64>,
+    /// Damping \[N·m·s/rad\] per joint.
+    pub damping: Vec<f64>,
+    /// Play between the flanks, end to end \[rad\] per joint.
+    pub backlash: Vec<f64>,
+}
+
+/// `[world.end_stops]`: stiff stops at the position limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EndStops {
+    /// Stiffness \[N·m/rad\] per joint.
+    pub stiffness: Vec<f64>,
+    /// Damping \[N·m·s/rad\] per joint.
+    pub damping: Vec<f64>,
+}
+
+/// `[[world.wall]]`: a stiff plane that one frame can touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wall {
+    /// Frame (link) name.
+    pub frame: String,
+    /// A point of the plane \[m\].
+    pub point: [f64; 3],
+    /// Direction out of the wall, of length 1.
+    pub normal: [f64; 3],
+    /// Stiffness \[N/m\].
+    pub stiffness: f64,
+    /// Damping \[N·s/m\].
+    pub damping: f64,
+}
+
+/// `[[world.push]]` with `force_n`: a constant force at one frame for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToolForce {
+    /// Frame (link) name.
+    pub frame: String,
+    /// Force \[N\] at the frame's origin, base axes.
+    pub force: [f64; 3],
+    /// Start \[s\].
+    pub start: f64,
+    /// Duration \[s\].
+    pub duration: f64,
+}
+
 /// A rigid body welded to a frame of the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
@@ -341,6 +416,10 @@ pub struct Payload {
     pub com: [f64; 3],
     /// Inertia about the centre of mass `xx, xy, xz, yy, yz, zz` \[kg·m²\].
     pub inertia: [f64; 6],
+    /// When it is picked up \[s\].
+    pub start: f64,
+    /// When it is dropped \[s\]; infinite: never.
+    pub end: f64,
 }
 
 impl Payload {

@@ -5,19 +5,30 @@ use crate::control::limits;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload;
-use crate::study::{Drive, Loss, Network, Push, Start, World};
+use crate::per_joint::Joints;
+use crate::study::{
+    Drive, EndStops, Flexibility, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
+};
 
 pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, StudyError> {
     let node = top.child("world");
     let joints = &arm.joints;
     let drives = arm.robot.joints.iter().map(|joint| joint.drive_bandwidth_hz);
-    let pushes = node.children("push");
+    let (forces, pushes): (Vec<_>, Vec<_>) =
+        node.children("push").into_iter().partition(|node| node.has("force_n"));
+    let walls = node.children("wall");
     Ok(World {
         gravity: node.numbers("gravity_m_s2")?,
         robot_friction: node.word("friction")? == "robot",
         extra_coulomb: joints.numbers(&node, "coulomb_extra_nm")?,
         extra_viscous: joints.numbers(&node, "viscous_extra_nm_s_rad")?,
         drive_bandwidth_hz: limits(&node, arm, "drive_bandwidth_hz", drives)?,
+        warm_up: (node.number("friction_cold_factor")?, node.number("friction_warm_up_s")?),
+        stiction: stiction(&node.child("stiction"), joints)?,
+        flexibility: flexibility(&node.child("flexibility"), arm)?,
+        end_stops: end_stops(&node.child("end_stops"), joints)?,
+        walls: walls.iter().map(|node| wall(node, arm)).collect::<Result<_, _>>()?,
+        forces: forces.iter().map(|node| force(node, arm, duration)).collect::<Result<_, _>>()?,
         drive: drive(&node.child("drive"), arm)?.map(Box::new),
         network: network(&node.child("network"))?,
         payload: payload::read(&node.child("payload"), arm)?,
@@ -62,18 +73,93 @@ fn network(node: &Node<'_>) -> Result<Network, StudyError> {
     })
 }
 
-fn push(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<Push, StudyError> {
+/// When something begins: before the end of the run.
+fn begins(node: &Node<'_>, duration: f64) -> Result<f64, StudyError> {
     let start = node.number("start_s")?;
-    if start >= duration {
-        let message = format!("{start} s is not before the end of the run at {duration} s");
-        return Err(node.error(Kind::Conflict, "start_s", message));
+    if start < duration {
+        return Ok(start);
+    }
+    let message = format!("{start} s is not before the end of the run at {duration} s");
+    Err(node.error(Kind::Conflict, "start_s", message))
+}
+
+fn push(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<Push, StudyError> {
+    if node.has("frame") {
+        let message = "`frame` belongs to `force_n`, not to `torque_nm`";
+        return Err(node.error(Kind::Conflict, "frame", message));
     }
     Ok(Push {
         joint: arm.joints.known(node, "joint", node.word("joint")?)?,
         torque: node.number("torque_nm")?,
-        start,
+        start: begins(node, duration)?,
         duration: node.number("duration_s")?,
     })
+}
+
+fn force(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<ToolForce, StudyError> {
+    for key in ["joint", "torque_nm"] {
+        if node.has(key) {
+            let message = format!("`{key}` beside `force_n`: a push is a torque or a force");
+            return Err(node.error(Kind::Conflict, key, message));
+        }
+    }
+    Ok(ToolForce {
+        frame: arm.frame(node, "frame")?,
+        force: node.numbers("force_n")?,
+        start: begins(node, duration)?,
+        duration: node.number("duration_s")?,
+    })
+}
+
+fn wall(node: &Node<'_>, arm: &Arm) -> Result<Wall, StudyError> {
+    let normal: [f64; 3] = node.numbers("normal")?;
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length < 1e-9 {
+        return Err(node.error(Kind::OutOfRange, "normal", "the normal has no direction"));
+    }
+    Ok(Wall {
+        frame: arm.frame(node, "frame")?,
+        point: node.numbers("point_m")?,
+        normal: normal.map(|x| x / length),
+        stiffness: node.number("stiffness_n_m")?,
+        damping: node.number("damping_n_s_m")?,
+    })
+}
+
+fn stiction(node: &Node<'_>, joints: &Joints) -> Result<Option<Stiction>, StudyError> {
+    if !node.exists() {
+        return Ok(None);
+    }
+    Ok(Some(Stiction {
+        breakaway_ratio: joints.numbers(node, "breakaway_ratio")?,
+        stribeck_velocity: joints.numbers(node, "stribeck_velocity_rad_s")?,
+        stiffness: joints.numbers(node, "stiffness_nm_rad")?,
+        damping: joints.numbers(node, "damping_nm_s_rad")?,
+    }))
+}
+
+fn flexibility(node: &Node<'_>, arm: &Arm) -> Result<Option<Flexibility>, StudyError> {
+    if !node.exists() {
+        return Ok(None);
+    }
+    if let Some(joint) = arm.robot.joints.iter().find(|joint| joint.armature <= 0.0) {
+        let message =
+            format!("joint `{}` has no rotor inertia to stand behind a spring", joint.name);
+        return Err(node.error(Kind::Robot, "stiffness_nm_rad", message));
+    }
+    Ok(Some(Flexibility {
+        stiffness: arm.joints.numbers(node, "stiffness_nm_rad")?,
+        damping: arm.joints.numbers(node, "damping_nm_s_rad")?,
+        backlash: arm.joints.numbers(node, "backlash_rad")?,
+    }))
+}
+
+fn end_stops(node: &Node<'_>, joints: &Joints) -> Result<Option<EndStops>, StudyError> {
+    if !node.exists() {
+        return Ok(None);
+    }
+    let stiffness = joints.numbers(node, "stiffness_nm_rad")?;
+    Ok(Some(EndStops { stiffness, damping: joints.numbers(node, "damping_nm_s_rad")? }))
 }
 
 fn start(node: &Node<'_>, arm: &Arm) -> Result<Option<Start>, StudyError> {

@@ -51,6 +51,30 @@ pub(crate) static WORLD: Section = Section {
             need: Need::Count(1),
             doc: "Integration steps per control sample.",
         },
+        Key {
+            name: "friction_cold_factor",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(0.0, 100.0)),
+            need: Need::Number(1.0),
+            doc: "How many times its final value all friction is at the start, in a cold joint.",
+        },
+        Key {
+            name: "friction_warm_up_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(86_400.0)),
+            need: Need::Number(600.0),
+            doc: "Time constant of its warming up.",
+        },
+        table("stiction", Need::Optional("none"), &STICTION, "Static friction, with its bristles."),
+        table("flexibility", Need::Optional("rigid"), &FLEXIBILITY, "Elastic transmissions."),
+        table("end_stops", Need::Optional("none"), &END_STOPS, "What a joint meets at its limits."),
+        Key {
+            name: "wall",
+            unit: "",
+            shape: Shape::Tables(&WALL, 16),
+            need: Need::Optional("no wall"),
+            doc: "Stiff planes that the arm can touch, each a `[[world.wall]]`.",
+        },
         table("drive", Need::Optional("perfect drives"), &DRIVE, "Imperfections of the drives."),
         table("network", Need::Optional("nothing is lost"), &NETWORK, "Messages that get lost."),
         table("payload", Need::Optional("none"), &PAYLOAD, "A body welded to a frame."),
@@ -59,7 +83,7 @@ pub(crate) static WORLD: Section = Section {
             unit: "",
             shape: Shape::Tables(&PUSH, 1000),
             need: Need::Optional("no push"),
-            doc: "External torques, each a `[[world.push]]`.",
+            doc: "External torques and forces, each a `[[world.push]]`.",
         },
     ],
 };
@@ -98,26 +122,55 @@ static PAYLOAD: Section = Section {
                   the default is a point mass. Must be that of a body: no principal moment above the \
                   sum of the other two.",
         },
+        Key {
+            name: "start_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Number(0.0),
+            doc: "When it is picked up, moving as the arm does: no impact.",
+        },
+        Key {
+            name: "end_s",
+            unit: "s",
+            shape: Shape::Number(TIME),
+            need: Need::Optional("never"),
+            doc: "When it is dropped; after `start_s`.",
+        },
     ],
 };
 
 static PUSH: Section = Section {
     path: "world.push",
-    doc: "A constant external torque on one joint for a while.",
+    doc: "A constant external torque on one joint, or force at one frame, for a while: `joint` and \
+          `torque_nm`, or `force_n`.",
     keys: &[
         Key {
             name: "joint",
             unit: "",
             shape: Shape::Text,
-            need: Need::Required,
+            need: Need::Optional("`force_n` is given"),
             doc: "Joint name.",
         },
         Key {
             name: "torque_nm",
             unit: "N·m",
             shape: Shape::Number(Bounds::within(1e5)),
-            need: Need::Required,
+            need: Need::Optional("`force_n` is given"),
             doc: "Torque, positive along the joint's axis.",
+        },
+        Key {
+            name: "force_n",
+            unit: "N",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(1e6) },
+            need: Need::Optional("`torque_nm` is given"),
+            doc: "Force at the frame's origin, in the axes of the robot's base.",
+        },
+        Key {
+            name: "frame",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the robot's tip"),
+            doc: "Frame (link) that `force_n` acts on.",
         },
         Key {
             name: "start_s",
@@ -132,6 +185,131 @@ static PUSH: Section = Section {
             shape: Shape::Number(Bounds::positive(86_400.0)),
             need: Need::Required,
             doc: "How long it lasts.",
+        },
+    ],
+};
+
+static STICTION: Section = Section {
+    path: "world.stiction",
+    doc: "Dry friction as bristles (LuGre) in place of the regularised law: a joint sticks until the torque \
+          on it exceeds the breakaway level, then slides at the Coulomb level of the world's friction.",
+    keys: &[
+        Key {
+            name: "breakaway_ratio",
+            unit: "",
+            shape: Shape::PerJoint(Bounds::closed(1.0, 100.0), &[]),
+            need: Need::Number(1.5),
+            doc: "Breakaway level over Coulomb level.",
+        },
+        Key {
+            name: "stribeck_velocity_rad_s",
+            unit: "rad/s",
+            shape: Shape::PerJoint(Bounds::positive(100.0), &[]),
+            need: Need::Number(0.05),
+            doc: "Speed over which friction falls from the one to the other.",
+        },
+        Key {
+            name: "stiffness_nm_rad",
+            unit: "N·m/rad",
+            shape: Shape::PerJoint(Bounds::positive(1e9), &[]),
+            need: Need::Number(1e4),
+            doc: "Stiffness of the bristles: a joint that sticks gives way by torque over this.",
+        },
+        Key {
+            name: "damping_nm_s_rad",
+            unit: "N·m·s/rad",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e6), &[]),
+            need: Need::Number(20.0),
+            doc: "Damping of the bristles.",
+        },
+    ],
+};
+
+static FLEXIBILITY: Section = Section {
+    path: "world.flexibility",
+    doc: "Two masses per joint: the rotor, with drive and friction, and the link, joined by a spring. Every \
+          joint needs rotor inertia in the robot's description.",
+    keys: &[
+        Key {
+            name: "stiffness_nm_rad",
+            unit: "N·m/rad",
+            shape: Shape::PerJoint(Bounds::positive(1e9), &[]),
+            need: Need::Required,
+            doc: "Stiffness of the transmission.",
+        },
+        per_joint(
+            "damping_nm_s_rad",
+            "N·m·s/rad",
+            Bounds::closed(0.0, 1e6),
+            "Damping of the transmission.",
+        ),
+        per_joint(
+            "backlash_rad",
+            "rad",
+            Bounds::closed(0.0, 1.0),
+            "Play between the flanks, end to end.",
+        ),
+    ],
+};
+
+static END_STOPS: Section = Section {
+    path: "world.end_stops",
+    doc: "Stiff stops at the position limits of the robot's description.",
+    keys: &[
+        Key {
+            name: "stiffness_nm_rad",
+            unit: "N·m/rad",
+            shape: Shape::PerJoint(Bounds::positive(1e9), &[]),
+            need: Need::Required,
+            doc: "Stiffness.",
+        },
+        per_joint(
+            "damping_nm_s_rad",
+            "N·m·s/rad",
+            Bounds::closed(0.0, 1e6),
+            "Damping; a stop only ever pushes.",
+        ),
+    ],
+};
+
+static WALL: Section = Section {
+    path: "world.wall",
+    doc: "A stiff plane that one frame's origin can touch, without friction.",
+    keys: &[
+        Key {
+            name: "point_m",
+            unit: "m",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(100.0) },
+            need: Need::Required,
+            doc: "A point of the plane, in the robot's base frame.",
+        },
+        Key {
+            name: "normal",
+            unit: "",
+            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(1e6) },
+            need: Need::Required,
+            doc: "Direction out of the wall, towards the arm; of any length but 0.",
+        },
+        Key {
+            name: "stiffness_n_m",
+            unit: "N/m",
+            shape: Shape::Number(Bounds::positive(1e9)),
+            need: Need::Required,
+            doc: "Stiffness.",
+        },
+        Key {
+            name: "damping_n_s_m",
+            unit: "N·s/m",
+            shape: Shape::Number(Bounds::closed(0.0, 1e6)),
+            need: Need::Number(0.0),
+            doc: "Damping; a wall only ever pushes.",
+        },
+        Key {
+            name: "frame",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the robot's tip"),
+            doc: "Frame (link) whose origin touches it.",
         },
     ],
 };

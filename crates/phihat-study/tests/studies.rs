@@ -71,7 +71,14 @@ fn what_is_said_arrives() {
     assert_eq!(study.sensor.encoder_bits, Some(vec![18; 3]));
     assert_eq!(study.sensor.velocity, VelocitySource::Differenced);
     assert_eq!(study.world.extra_coulomb, [0.1; 3]);
-    let payload = Payload { frame: "tool".into(), mass: 0.3, com: [0.0; 3], inertia: [0.0; 6] };
+    let payload = Payload {
+        frame: "tool".into(),
+        mass: 0.3,
+        com: [0.0; 3],
+        inertia: [0.0; 6],
+        start: 0.0,
+        end: f64::INFINITY,
+    };
     assert_eq!(study.world.payload, Some(payload));
     let push = Push { joint: 1, torque: 3.0, start: 2.0, duration: 0.2 };
     assert_eq!(study.world.pushes, [push]);

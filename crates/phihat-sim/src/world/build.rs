@@ -3,11 +3,15 @@
 use phihat_model::{Body, Model};
 use phihat_study::{FaultKind, Study};
 
+use super::bristle::Bristle;
+use super::contact::Contacts;
 use super::drive::Drive;
+use super::forces::Push;
 use super::friction::Friction;
 use super::payload::Carried;
-use super::plant::{Parts, Plant, Push};
+use super::plant::{Parts, Plant};
 use super::shape::Shape;
+use super::spring::{EndStop, Transmission};
 use crate::error::SimError;
 use crate::motion::Motion;
 
@@ -18,10 +22,20 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
         let drive = Drive::new(study.world.drive_bandwidth_hz.as_ref().map(|hz| hz[i]));
         rate.map_or(drive, |rate| drive.with_step(rate[i] * period))
     };
+    let world = &study.world;
+    let n = study.robot.joints.len();
+    let mut carried = Carried::new(study)?;
+    let bristles = |stiction| (0..n).map(|i| Bristle::new(stiction, i)).collect();
     let parts = Parts {
-        carried: Carried::new(study)?,
+        contacts: Contacts::new(study, carried.model().0)?,
+        carried,
+        bristles: world.stiction.as_ref().map(bristles),
+        transmissions: world.flexibility.as_ref().map(|asked| Transmission::all(study, asked)),
+        stops: EndStop::all(study),
+        #[allow(clippy::float_cmp, reason = "exactly 1 as written: nothing warms up")]
+        warm_up: Some(world.warm_up).filter(|(cold, _)| *cold != 1.0),
         friction: frictions(study),
-        drives: (0..study.robot.joints.len()).map(drive).collect(),
+        drives: (0..n).map(drive).collect(),
         shapes: Shape::all(study),
         pushes: pushes(study),
         faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
@@ -34,7 +48,7 @@ fn of_plant(kind: FaultKind) -> bool {
     matches!(kind, DriveGain | DriveLimit | Friction | Brake)
 }
 
-/// The plant with the study's payload, under its gravity.
+/// The plant with the study's payload, whenever it is picked up, under its gravity.
 pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
     let model = study.robot.plant_model().with_gravity(study.world.gravity);
     match &study.world.payload {

@@ -25,7 +25,8 @@ pub const COULOMB_VELOCITY: f64 = 1e-3;
 ///
 /// # Not claimed
 ///
-/// The regularised law has no stiction: a loaded joint at rest creeps at a fraction of `v_c`.
+/// The regularised law has no stiction: a loaded joint at rest creeps at a fraction of `v_c`. A study that
+/// needs it has `[world.stiction]`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Friction {
     /// `b`.
@@ -60,7 +61,8 @@ impl Friction {
         self.faulty(faults, i, |fault| fault.kind == FaultKind::Brake || fault.size > 1.0)
     }
 
-    fn times(self, factor: f64) -> Self {
+    /// All of it, so many times.
+    pub(super) fn times(self, factor: f64) -> Self {
         Self {
             viscous: self.viscous * factor,
             coulomb: self.coulomb * factor,
@@ -84,6 +86,11 @@ impl Friction {
             torque += sigmoid.torque(v);
         }
         torque
+    }
+
+    /// `τ_f` without its Coulomb part.
+    pub(super) fn smooth(&self, v: f64) -> f64 {
+        self.viscous * v + self.sigmoid.as_ref().map_or(0.0, |law| law.torque(v))
     }
 
     /// Largest slope `dτ_f/dv` \[N·m·s/rad\]: what makes the differential equation stiff.

@@ -1,8 +1,11 @@
 //! The world side: command path → drives → plant → sensors.
 
+mod bristle;
 mod build;
+mod contact;
 mod drive;
 mod firmware;
+mod forces;
 mod friction;
 mod loss;
 mod noise;
@@ -12,6 +15,8 @@ mod plant;
 mod sensing;
 mod sensor;
 mod shape;
+mod spring;
+mod stiffness;
 
 pub(crate) use build::{frictions, loaded, loaded_model};
 pub use firmware::Abort;
@@ -52,8 +57,8 @@ impl World {
         Ok(Self {
             sensing: Sensing::new(study),
             path: CommandPath::new(study)?,
-            added: vec![0.0; plant.q.len()],
-            demand: Vec::with_capacity(plant.q.len()),
+            added: vec![0.0; study.robot.joints.len()],
+            demand: Vec::with_capacity(study.robot.joints.len()),
             plant,
             period,
             substeps: study.world.substeps,
@@ -73,7 +78,8 @@ impl World {
     /// Takes the torque asked for at sample `k`, time `t` \[s\], and goes on to the next sample.
     pub(crate) fn advance(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         self.path.pass(k, t, torque);
-        let Some(added) = self.path.added(&self.plant.q, &self.plant.dq) else {
+        let n = self.path.told.len();
+        let Some(added) = self.path.added(&self.plant.q[..n], &self.plant.dq[..n]) else {
             return self.plant.advance(t, self.period, self.substeps, &self.path.told);
         };
         self.added.copy_from_slice(added);

@@ -3,7 +3,7 @@
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::{FaultKind, Study};
 
-use super::build::{loaded, loaded_model};
+use super::build::loaded;
 use crate::error::SimError;
 
 /// The rigid-body models of a run, one after the other.
@@ -19,13 +19,22 @@ pub(super) struct Carried {
 impl Carried {
     pub(super) fn new(study: &Study) -> Result<Self, SimError> {
         let loads: Vec<_> = study.faults.iter().filter(|f| f.kind == FaultKind::Payload).collect();
+        let own = study.world.payload.as_ref();
         let mut times = vec![0.0];
+        times.extend(own.into_iter().flat_map(|body| [body.start, body.end]));
         times.extend(loads.iter().flat_map(|f| [f.start, f.start + f.duration]));
         times.retain(|t| t.is_finite());
         times.sort_by(f64::total_cmp);
         times.dedup();
         let stage = |t: f64| {
-            let mut model = loaded_model(study)?;
+            // With elastic transmissions, rotors are masses of their own.
+            let rigid = study.world.flexibility.is_none();
+            let robot = &study.robot;
+            let model = if rigid { robot.plant_model() } else { robot.model.clone() };
+            let mut model = model.with_gravity(study.world.gravity);
+            if let Some(body) = own.filter(|body| body.start <= t && t < body.end) {
+                model = loaded(model, &body.frame, &body.body())?;
+            }
             for load in loads.iter().filter(|load| load.active(t) && load.size > 0.0) {
                 let body = Body { mass: load.size, com: [0.0; 3], inertia: [0.0; 6] };
                 model = loaded(model, &study.robot.tip, &body)?;

@@ -1,101 +1,49 @@
-//! The arm that answers: rigid bodies, rotor inertia, friction, drives, pushes.
+//! The arm that answers: its state, and how it goes on.
 
 use phihat_study::Fault;
 
+use super::bristle::Bristle;
+use super::contact::Contacts;
 use super::drive::Drive;
+use super::forces::{Forces, Push};
 use super::friction::Friction;
 use super::payload::Carried;
 use super::shape::Shape;
-use crate::integrator::{Acceleration, Rk4};
-
-/// A constant external torque on a joint for a while.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Push {
-    pub(crate) joint: usize,
-    pub(crate) torque: f64,
-    pub(crate) start: f64,
-    pub(crate) end: f64,
-}
-
-/// Everything that turns torque into motion.
-///
-/// # Law
-///
-/// ```text
-/// M(q) q̈ + C(q, q̇) q̇ + g(q) = τ(t) − τ_f(q̇) + τ_push(t),   M with rotor inertia             (P1)
-/// ```
-#[derive(Debug)]
-pub(crate) struct Forces {
-    carried: Carried,
-    friction: Vec<Friction>,
-    drives: Vec<Drive>,
-    shapes: Option<Vec<Shape>>,
-    pushes: Vec<Push>,
-    /// Start of the current control interval \[s\].
-    interval: f64,
-    tau: Vec<f64>,
-    /// What shaped drives gave beyond what they meant to, summed with the integrator's weights, and how
-    /// often.
-    excess: Vec<f64>,
-    stage: usize,
-}
-
-/// Weights of the four stages of RK4.
-const STAGES: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-
-impl Acceleration for Forces {
-    fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]) {
-        let elapsed = t - self.interval;
-        match &self.shapes {
-            None => {
-                for (i, tau) in self.tau.iter_mut().enumerate() {
-                    *tau = self.drives[i].torque(elapsed) - self.friction[i].torque(dq[i]);
-                }
-            }
-            Some(shapes) => {
-                let weight = STAGES[self.stage % 4];
-                self.stage += 1;
-                for (i, tau) in self.tau.iter_mut().enumerate() {
-                    let meant = self.drives[i].torque(elapsed);
-                    let given = shapes[i].torque(meant, t, q[i], dq[i]);
-                    self.excess[i] += weight * (given - meant);
-                    *tau = given - self.friction[i].torque(dq[i]);
-                }
-            }
-        }
-        for push in &self.pushes {
-            if push.start <= t && t < push.end {
-                self.tau[push.joint] += push.torque;
-            }
-        }
-        let (model, workspace) = self.carried.model();
-        model.forward_dynamics(workspace, q, dq, &self.tau, ddq);
-    }
-}
+use super::spring::{EndStop, Transmission};
+use crate::integrator::Rk4;
 
 /// What a plant is made of.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) carried: Carried,
     pub(super) friction: Vec<Friction>,
+    pub(super) bristles: Option<Vec<Bristle>>,
     pub(super) drives: Vec<Drive>,
     pub(super) shapes: Option<Vec<Shape>>,
+    pub(super) transmissions: Option<Vec<Transmission>>,
+    pub(super) stops: Option<Vec<EndStop>>,
+    pub(super) contacts: Option<Contacts>,
     pub(super) pushes: Vec<Push>,
     /// Those that act on drives and friction.
     pub(super) faults: Vec<Fault>,
+    /// Friction of a cold joint over that of a warm one, and the time constant between \[s\].
+    pub(super) warm_up: Option<(f64, f64)>,
 }
 
 /// The plant and its state.
 #[derive(Debug)]
 pub(crate) struct Plant {
-    forces: Forces,
+    pub(super) forces: Forces,
     rk4: Rk4,
-    faults: Vec<Fault>,
+    pub(super) faults: Vec<Fault>,
+    pub(super) warm_up: Option<(f64, f64)>,
     /// Friction without faults.
-    healthy: Vec<Friction>,
+    pub(super) healthy: Vec<Friction>,
+    /// Positions of the links; with elastic transmissions, those of the rotors after them.
     pub(crate) q: Vec<f64>,
+    /// Likewise velocities.
     pub(crate) dq: Vec<f64>,
-    /// `q̈` at the start of the last interval.
+    /// `q̈` at the start of the last interval, likewise.
     pub(crate) ddq: Vec<f64>,
     /// Torque at the start of the last interval \[N·m\].
     pub(crate) tau_start: Vec<f64>,
@@ -105,38 +53,61 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
-    pub(super) fn new(parts: Parts, (q, dq): (Vec<f64>, Vec<f64>)) -> Self {
+    /// Starts at the links' positions and velocities; elastic transmissions start as bent as gravity has
+    /// them.
+    pub(super) fn new(parts: Parts, (mut q, mut dq): (Vec<f64>, Vec<f64>)) -> Self {
         let n = q.len();
         let zero = vec![0.0; n];
+        let mut carried = parts.carried;
+        if let Some(transmissions) = &parts.transmissions {
+            let mut gravity = zero.clone();
+            let (model, workspace) = carried.model();
+            model.bias(workspace, &q, &zero, &mut gravity);
+            let rotors = q.iter().zip(transmissions).zip(&gravity);
+            let rotors: Vec<f64> =
+                rotors.map(|((q, spring), tau)| q + spring.twist(*tau)).collect();
+            q.extend(rotors);
+            dq.extend_from_within(..);
+        }
+        let state = vec![0.0; q.len()];
         let forces = Forces {
-            carried: parts.carried,
+            carried,
             friction: parts.friction.clone(),
+            bristles: parts.bristles,
             drives: parts.drives,
             shapes: parts.shapes,
+            transmissions: parts.transmissions,
+            stops: parts.stops,
+            contacts: parts.contacts,
             pushes: parts.pushes,
             interval: 0.0,
+            step: 0.0,
             tau: zero.clone(),
             excess: zero.clone(),
             stage: 0,
         };
         Self {
             forces,
-            rk4: Rk4::new(n),
+            rk4: Rk4::new(q.len()),
             faults: parts.faults,
+            warm_up: parts.warm_up,
             healthy: parts.friction,
             q,
             dq,
-            ddq: zero.clone(),
+            ddq: state.clone(),
             tau_start: zero.clone(),
-            tau_mean: zero.clone(),
-            discarded: zero,
+            tau_mean: zero,
+            discarded: state,
         }
     }
 
-    /// Lets the faults of time `t` \[s\] act on drives and friction.
-    fn fault(&mut self, t: f64) {
-        for i in 0..self.q.len() {
-            self.forces.friction[i] = self.healthy[i].faulty(&self.faults, i, |f| f.active(t));
+    /// Lets faults and temperature of time `t` \[s\] act on drives and friction.
+    fn change(&mut self, t: f64) {
+        let warmth =
+            self.warm_up.map_or(1.0, |(cold, time)| 1.0 + (cold - 1.0) * libm::exp(-t / time));
+        for (i, friction) in self.forces.friction.iter_mut().enumerate() {
+            let warm = self.healthy[i].times(warmth);
+            *friction = warm.faulty(&self.faults, i, |fault| fault.active(t));
             if let Some(shapes) = &mut self.forces.shapes {
                 shapes[i].fault(&self.faults, i, t);
             }
@@ -147,16 +118,18 @@ impl Plant {
     pub(crate) fn advance(&mut self, t: f64, period: f64, substeps: u32, demand: &[f64]) {
         self.forces.interval = t;
         self.forces.carried.go_to(t);
-        if !self.faults.is_empty() {
-            self.fault(t);
+        if !self.faults.is_empty() || self.warm_up.is_some() {
+            self.change(t);
         }
         for (i, drive) in self.forces.drives.iter_mut().enumerate() {
             drive.demand(demand[i]);
             self.tau_start[i] = drive.torque(0.0);
         }
         if let Some(shapes) = &self.forces.shapes {
+            let rotors = self.q.len() - shapes.len();
             for (i, shape) in shapes.iter().enumerate() {
-                self.tau_start[i] = shape.torque(self.tau_start[i], t, self.q[i], self.dq[i]);
+                let (q, dq) = (self.q[rotors + i], self.dq[rotors + i]);
+                self.tau_start[i] = shape.torque(self.tau_start[i], t, q, dq);
                 self.forces.excess[i] = 0.0;
             }
             self.forces.stage = 0;
@@ -165,7 +138,9 @@ impl Plant {
         for step in 0..substeps {
             let first = if step == 0 { &mut self.ddq } else { &mut self.discarded };
             let start = t + f64::from(step) * h;
+            self.forces.begin(start, &self.dq);
             self.rk4.step(&mut self.forces, (start, h), &mut self.q, &mut self.dq, first);
+            self.forces.end(h, &self.dq);
         }
         for (i, drive) in self.forces.drives.iter_mut().enumerate() {
             self.tau_mean[i] = drive.finish(period);
@@ -184,37 +159,5 @@ impl Plant {
             self.tau_start[i] -= added;
             self.tau_mean[i] -= added;
         }
-    }
-
-    /// RK4 steps per `period` that friction's stiffness asks for at this pose, and the joint that asks.
-    ///
-    /// `λ = (dτ_f/dv)/J`, `J = 1/(M⁻¹)_ii`; RK4 is stable for `λ h < 2.78`, used up to 2.
-    pub(crate) fn steps_needed(&mut self, period: f64) -> (u32, usize) {
-        let n = self.q.len();
-        let mut worst = (1, 0);
-        let rest = vec![0.0; n];
-        let mut bias = vec![0.0; n];
-        let mut ddq = vec![0.0; n];
-        let forces = &mut self.forces;
-        let (model, workspace) = forces.carried.model();
-        model.forward_dynamics(workspace, &self.q, &rest, &rest, &mut bias);
-        for i in 0..n {
-            let mut unit = rest.clone();
-            unit[i] = 1.0;
-            model.forward_dynamics(workspace, &self.q, &rest, &unit, &mut ddq);
-            let worst_friction = self.healthy[i].worst(&self.faults, i);
-            let rate = worst_friction.stiffness() * (ddq[i] - bias[i]);
-            let needed = (rate * period / 2.0).ceil();
-            if needed > f64::from(worst.0) {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a positive whole number; saturates far beyond what a study may ask"
-                )]
-                let count = needed as u32;
-                worst = (count, i);
-            }
-        }
-        worst
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Sensing {
     errors: Option<Errors>,
     faults: Vec<Fault>,
     torque: TorqueSource,
+    /// Where the measured coordinates begin in the plant's state: its links, or its rotors.
+    side: usize,
     wrapped: Vec<usize>,
     /// Messages on their way, where they take time.
     way: Option<VecDeque<Sample>>,
@@ -62,6 +64,7 @@ impl Sensing {
             errors: Errors::new(study),
             faults: study.faults.iter().filter(|f| of_sensor(f.kind)).cloned().collect(),
             torque: asked.torque,
+            side: if asked.at_motor && study.world.flexibility.is_some() { n } else { 0 },
             wrapped: (0..n).filter(|i| asked.wrap && turns(i)).collect(),
             way: (asked.delay_samples > 0)
                 .then(|| VecDeque::with_capacity(asked.delay_samples as usize + 1)),
@@ -123,15 +126,16 @@ impl Sensing {
         plant: &Plant,
         told: f64,
     ) -> Measurement<f64> {
-        let (mut q, mut dq) = (plant.q[i], plant.dq[i]);
+        let at = self.side + i;
+        let (mut q, mut dq) = (plant.q[at], plant.dq[at]);
         let mut tau_applied = match self.torque {
             TorqueSource::Applied => plant.tau_mean[i],
             TorqueSource::Demanded => told,
         };
         if let Some(errors) = &self.errors {
             if age > 0.0 {
-                q -= age * (dq - 0.5 * age * plant.ddq[i]);
-                dq -= age * plant.ddq[i];
+                q -= age * (dq - 0.5 * age * plant.ddq[at]);
+                dq -= age * plant.ddq[at];
             }
             let own = &errors.joints[i];
             q += own.bias + own.position.0 * own.position.1.normal(k);
