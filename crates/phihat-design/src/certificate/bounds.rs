@@ -22,6 +22,11 @@ const CLAIM: &str = "error bound";
 ///
 /// A constant misreading of the encoder is a constant error, so `∫e` grows with the time `t` of the run; the last
 /// term is what a `φ` that varies within the sample intervals adds where the observer reads a true velocity.
+///
+/// # Not claimed
+///
+/// What the motion of the reference costs by itself, where velocity or torque come late:
+/// [`crate::sampled::ReferenceError`] comes on top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
