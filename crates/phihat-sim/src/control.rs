@@ -1,17 +1,20 @@
 //! The control side: from what was sensed to the torque that is asked for.
 
-use phihat::{Command, JointGains, JointState, Limits, Reference, update_joints};
+use phihat::{Command, JointGains, JointState, Limits, Reference, Report, update_joints};
 use phihat_study::{Interface, Study};
 
 use crate::error::SimError;
 use crate::motion::Motion;
 use crate::sample::Sample;
+use crate::supervision::Supervised;
 
 /// The law with its limits, and the reference it follows. It knows of the world what a [`Sample`] says.
 #[derive(Debug)]
 pub(crate) struct ControlSide {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
+    /// In place of the bare law, where the study says so.
+    supervised: Option<Box<Supervised>>,
     motion: Motion,
     /// Whether the next command must be zero: the robot's start rule.
     starts: bool,
@@ -27,8 +30,12 @@ impl ControlSide {
         motion: Motion,
     ) -> Result<Self, SimError> {
         let n = gains.len();
+        let gains = limited(study, gains)?;
+        let request = study.supervisor.as_deref();
+        let supervised = request.map(|request| Supervised::new(study, request, &gains));
         Ok(Self {
-            gains: limited(study, gains)?,
+            supervised: supervised.transpose()?.map(Box::new),
+            gains,
             states: vec![JointState::new(); n],
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
@@ -40,6 +47,15 @@ impl ControlSide {
     /// One control sample at time `t` \[s\]; leaves `references` and `commands`. A controller that does
     /// not run leaves the commands as they are.
     pub(crate) fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
+        if let Some(supervised) = &mut self.supervised {
+            // The reference waits where the arm does not track; the start rule is the first torque's.
+            let first = core::mem::take(&mut self.starts);
+            if runs && !first {
+                let answer = (&mut self.references[..], &mut self.commands[..]);
+                supervised.step(t, sample, &self.motion, answer);
+            }
+            return;
+        }
         for (i, reference) in self.references.iter_mut().enumerate() {
             let [q, dq, ddq] = self.motion.at(i, t);
             *reference = Reference { q, dq, ddq };
@@ -54,6 +70,11 @@ impl ControlSide {
             &self.references,
             &mut self.commands,
         );
+    }
+
+    /// What the supervisor did at the last sample.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        self.supervised.as_ref().map(|supervised| &supervised.report)
     }
 
     /// Nominal inertia of a joint \[kg·m²\].

@@ -48,4 +48,7 @@ pub enum SimError {
     /// A kind of reference that this version does not know.
     #[error("this kind of reference is not known to the simulator")]
     UnknownReference,
+    /// The options of the supervisor do not fit the gains.
+    #[error("supervisor: {0}")]
+    Supervisor(String),
 }

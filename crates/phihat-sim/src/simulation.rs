@@ -131,6 +131,9 @@ impl Simulation {
             let (reference, command) = (&self.control.references[i], &self.control.commands[i]);
             trace.answer(i, measurement, reference, command, acted);
         }
+        if let Some(report) = self.control.report() {
+            trace.supervision.get_or_insert_default().push(report);
+        }
     }
 
     fn diverged(&self) -> Option<usize> {

@@ -1,6 +1,6 @@
 //! The record of a run: every signal of every joint at every control sample.
 
-use phihat::{Command, Measurement, Reference};
+use phihat::{Command, Events, Fault, Measurement, Mode, Reference, Report};
 
 /// Signals of one joint, one entry per sample; all vectors have the same length.
 ///
@@ -55,6 +55,27 @@ pub struct Trace {
     pub t_ns: Vec<u64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointTrace>,
+    /// What the supervisor did, where the study has one.
+    pub supervision: Option<Supervision>,
+}
+
+/// What the supervisor of an arm did; one entry per sample.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Supervision {
+    /// The mode.
+    pub mode: Vec<Mode>,
+    /// What happened.
+    pub events: Vec<Events>,
+    /// What stopped the arm, until it is armed again.
+    pub fault: Vec<Option<Fault>>,
+}
+
+impl Supervision {
+    pub(crate) fn push(&mut self, report: &Report) {
+        self.mode.push(report.mode);
+        self.events.push(report.events);
+        self.fault.push(report.fault.map(|(fault, _)| fault));
+    }
 }
 
 impl Trace {
@@ -71,7 +92,7 @@ impl Trace {
             joint
         };
         let joints = names.iter().map(joint).collect();
-        Self { period_ns, t_ns: Vec::with_capacity(room), joints }
+        Self { period_ns, t_ns: Vec::with_capacity(room), joints, supervision: None }
     }
 
     /// Number of samples.

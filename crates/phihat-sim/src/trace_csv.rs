@@ -2,9 +2,10 @@
 
 use std::io::{Read, Write};
 
+use phihat::{Events, Fault, Mode};
 use thiserror::Error;
 
-use crate::trace::{COLUMNS, JointTrace, Trace};
+use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 
 /// Why a trace file cannot be read.
 #[derive(Debug, Error)]
@@ -46,7 +47,8 @@ pub enum TraceError {
 }
 
 impl Trace {
-    /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint.
+    /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint; with
+    /// `mode,events,fault` where there is a supervisor.
     /// Numbers are written so that they read back to the same bits.
     ///
     /// # Errors
@@ -54,7 +56,7 @@ impl Trace {
     /// The writer's.
     pub fn write_csv(&self, writer: impl Write) -> Result<(), TraceError> {
         let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(header())?;
+        csv.write_record(header(self.supervision.is_some()))?;
         let mut number = String::new();
         for k in 0..self.len() {
             let time = seconds(self.t_ns[k]);
@@ -71,6 +73,9 @@ impl Trace {
                 }
                 csv.write_field(flag(joint.saturated[k]))?;
                 csv.write_field(flag(joint.rate_limited[k]))?;
+                if let Some(supervision) = &self.supervision {
+                    supervision.write(&mut csv, k)?;
+                }
                 csv.write_record(None::<&[u8]>)?;
             }
         }
@@ -84,8 +89,9 @@ impl Trace {
     /// [`TraceError`], naming the line and the column.
     pub fn read_csv(reader: impl Read) -> Result<Self, TraceError> {
         let mut csv = csv::Reader::from_reader(reader);
-        check_header(csv.headers()?)?;
-        let mut trace = Self::default();
+        let supervised = check_header(csv.headers()?)?;
+        let supervision = supervised.then(Supervision::default);
+        let mut trace = Self { supervision, ..Self::default() };
         let mut record = csv::StringRecord::new();
         let mut slot = 0;
         while csv.read_record(&mut record)? {
@@ -93,6 +99,11 @@ impl Trace {
             let row = Row { line, record: &record };
             slot = trace.place(&row, slot)?;
             row.append(&mut trace.joints[slot])?;
+            if let Some(supervision) = trace.supervision.as_mut()
+                && supervision.mode.len() < trace.t_ns.len()
+            {
+                row.supervision(supervision)?;
+            }
         }
         if let Some(short) = trace.joints.iter().find(|j| j.q.len() != trace.len()) {
             let reason = format!("the last sample has no row for joint {}", short.name);
@@ -137,15 +148,21 @@ impl Trace {
     }
 }
 
-fn header() -> impl Iterator<Item = &'static str> {
+/// The columns of a supervised run.
+const SUPERVISION: [&str; 3] = ["mode", "events", "fault"];
+
+fn header(supervised: bool) -> impl Iterator<Item = &'static str> {
     ["t_s", "joint"]
         .into_iter()
         .chain(COLUMNS.iter().map(|c| c.name))
         .chain(["saturated", "rate_limited"])
+        .chain(SUPERVISION.into_iter().filter(move |_| supervised))
 }
 
-fn check_header(found: &csv::StringRecord) -> Result<(), TraceError> {
-    for (column, expected) in header().enumerate() {
+/// Whether the trace is that of a supervised run.
+fn check_header(found: &csv::StringRecord) -> Result<bool, TraceError> {
+    let supervised = found.get(COLUMNS.len() + 4) == Some(SUPERVISION[0]);
+    for (column, expected) in header(supervised).enumerate() {
         let name = found.get(column).unwrap_or("");
         if name != expected {
             return Err(TraceError::Header {
@@ -155,7 +172,16 @@ fn check_header(found: &csv::StringRecord) -> Result<(), TraceError> {
             });
         }
     }
-    Ok(())
+    Ok(supervised)
+}
+
+impl Supervision {
+    fn write(&self, csv: &mut csv::Writer<impl Write>, k: usize) -> Result<(), TraceError> {
+        csv.write_field(self.mode[k].name())?;
+        csv.write_field(self.events[k].names().collect::<Vec<_>>().join(" "))?;
+        csv.write_field(self.fault[k].map_or("", Fault::name))?;
+        Ok(())
+    }
 }
 
 /// Nanoseconds as decimal seconds, exactly.
@@ -209,6 +235,25 @@ impl Row<'_> {
         }
         joint.saturated.push(self.flag(COLUMNS.len() + 2, "saturated")?);
         joint.rate_limited.push(self.flag(COLUMNS.len() + 3, "rate_limited")?);
+        Ok(())
+    }
+
+    fn supervision(&self, into: &mut Supervision) -> Result<(), TraceError> {
+        let [mode, events, fault] = [4, 5, 6].map(|i| self.text(COLUMNS.len() + i));
+        let wrong = |name, value| self.wrong(name, value, "a word that phihat writes is expected");
+        let known = Mode::ALL.into_iter().find(|m| m.name() == mode);
+        into.mode.push(known.ok_or_else(|| wrong("mode", mode))?);
+        let mut set = Events::NONE;
+        for word in events.split(' ').filter(|word| !word.is_empty()) {
+            let known = Events::ALL.iter().find(|(_, name)| *name == word);
+            set |= known.ok_or_else(|| wrong("events", word))?.0;
+        }
+        into.events.push(set);
+        let known = Fault::ALL.into_iter().find(|f| f.name() == fault);
+        if known.is_none() && !fault.is_empty() {
+            return Err(wrong("fault", fault));
+        }
+        into.fault.push(known);
         Ok(())
     }
 

@@ -4,6 +4,7 @@ use crate::design_keys::DESIGN;
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::profile::PROFILE;
 use crate::reference_keys::KINDS;
+use crate::supervisor_keys::SUPERVISOR;
 use crate::world_keys::{FAULT, WORLD};
 
 pub(crate) const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
@@ -57,6 +58,12 @@ pub(crate) static STUDY: Section = Section {
         table("sensor", Need::Optional("exact sensors"), &SENSOR, "What the controller sees."),
         table("world", Need::Optional("gravity and friction"), &WORLD, "What the arm meets."),
         table("profile", Need::Optional("bare drives"), &PROFILE, "The robot's torque interface."),
+        table(
+            "supervisor",
+            Need::Optional("the law runs bare"),
+            &SUPERVISOR,
+            "Guard, limits and modes around the law.",
+        ),
         Key {
             name: "fault",
             unit: "",

@@ -15,7 +15,7 @@ use crate::node::Node;
 use crate::reference::Run;
 use crate::source::Source;
 use crate::study::Study;
-use crate::{control, design, fault, gains, profile, reference, spec, world};
+use crate::{control, design, fault, gains, profile, reference, spec, supervisor, world};
 
 /// Largest study \[byte\].
 const BYTES_MAX: usize = 1 << 20;
@@ -98,6 +98,7 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         sensor,
         world: world::read(top, &arm, duration)?,
         interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),
+        supervisor: supervisor::read(&top.child("supervisor"), &arm, duration)?,
         faults: fault::read(top, &arm, duration)?,
         reference: reference::read(&top.child("reference"), &arm, run)?,
         robot: arm.robot,

@@ -37,6 +37,8 @@ pub struct Study {
     pub world: World,
     /// The robot's torque interface.
     pub interface: Box<Interface>,
+    /// Guard, limits and modes around the law; `None`: the law runs bare.
+    pub supervisor: Option<Box<crate::SupervisorRequest>>,
     /// What goes wrong for a while.
     pub faults: Vec<Fault>,
     /// What the arm shall do.

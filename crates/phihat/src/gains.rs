@@ -125,6 +125,30 @@ impl<R: Real> JointGains<R> {
         Self { limits, ..self }
     }
 
+    /// The same gains with an estimator of first order, whose sampled pole is at the geometric mean of these:
+    /// for a start without peaking; see [`Schedule`](crate::Schedule). Gains of the literal form are left alone.
+    #[must_use]
+    pub fn first_order(self) -> Self {
+        if self.form == Form::Literal || self.order == 1 {
+            return self;
+        }
+        let Some(lowest) = self.alpha.get(self.order - 1).copied() else { return self };
+        // Newton's iteration for the m-th root, from above: the arithmetic mean.
+        let m = R::from_f64(self.order as f64);
+        let [highest, ..] = self.alpha;
+        let mut root = highest / m;
+        for _ in 0..60 {
+            let mut power = R::from_f64(1.0);
+            for _ in 1..self.order {
+                power = power * root;
+            }
+            root = root - (power * root - lowest) / (m * power);
+        }
+        let mut alpha = [R::ZERO; ORDER_MAX];
+        alpha[0] = root;
+        Self { order: 1, alpha, ..self }
+    }
+
     /// Order `m` of the estimator.
     pub fn order(&self) -> usize {
         self.order

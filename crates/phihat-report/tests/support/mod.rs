@@ -72,6 +72,7 @@ pub(crate) fn fixture(joints: usize, samples: usize) -> Fixture {
         study_text: STUDY.into(),
         gains: gains(joints),
         trace: Trace {
+            supervision: None,
             period_ns: 1_000_000,
             t_ns: (0..samples as u64).map(|k| k * 1_000_000).collect(),
             joints: traces,

@@ -65,7 +65,9 @@ impl Arrivals {
             return refuse(Events::REORDERED);
         }
         let elapsed = stamp.t_ns.checked_sub(last.t_ns).filter(|elapsed| {
-            advance <= rules.window && *elapsed > 0 && *elapsed <= rules.period_ns.saturating_mul(3)
+            advance <= rules.window
+                && elapsed.saturating_mul(20) >= rules.period_ns
+                && *elapsed <= rules.period_ns.saturating_mul(3)
         });
         let events = Events::TIME_JUMP.when(elapsed.is_none());
         Arrival { fresh: true, elapsed_ns: elapsed, events }

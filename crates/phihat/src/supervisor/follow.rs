@@ -66,6 +66,7 @@ impl<R: Real> JointRules<R> {
                 memory.blend = Blend::default();
                 memory.fade_out(R::ZERO);
                 memory.mismatch = R::ZERO;
+                memory.mismatch_square = R::ZERO;
                 memory.funnel_settled = 0;
                 memory.funnel = self.funnel.map_or(-R::from_f64(1.0), |f| f.excess);
                 let tau = memory.law.tau;
@@ -74,7 +75,8 @@ impl<R: Real> JointRules<R> {
                 self.in_force(false).resume(&mut memory.law, m, &here, memory.held);
                 memory.law.tau = tau;
                 memory.oscillation = Oscillation::restart(memory.held);
-                memory.actuation = Actuation::restart(m.tau_applied);
+                memory.steady = memory.held;
+                memory.actuation = Actuation::default();
             }
             Action::Follow => {
                 memory.blend = Blend::new(&memory.reference, &memory.asked, length);
@@ -158,8 +160,14 @@ impl<R: Real> JointRules<R> {
         self.learn(memory, gains, &before, m, now);
         let mut demand = gains.outer_loop(m, &reference) + next.phi_hat;
         demand = self.funnel(memory, gains, m, &reference, demand, now, &mut news.events);
+        if let Some([inertia, kd, kp]) = memory.before.take() {
+            let old = JointGains { inertia, kp, kd, ..*gains };
+            let left = memory.fading(now.blend_rate);
+            memory.fade_out(left + old.outer_loop(m, &reference) - gains.outer_loop(m, &reference));
+        }
         demand += memory.fading(now.blend_rate);
         news.oscillates = memory.oscillation.take(demand, self.oscillation);
+        memory.steady += R::from_f64(0.02) * (next.phi_hat - memory.steady);
         if now.first_motion {
             let step = m.dq - memory.measured.dq;
             let gain = R::from_f64(0.05) * gains.inertia_inverse * now.interval.step;
@@ -182,8 +190,11 @@ impl<R: Real> JointRules<R> {
         if self.start.is_some() && now.interval.parts > 0 {
             let rate = now.interval.share / now.interval.step;
             let phi = m.tau_applied - gains.inertia * (m.dq - memory.measured.dq) * rate;
+            let slow = R::from_f64(0.02);
             let news = (phi - before.phi_hat) - memory.mismatch;
-            memory.mismatch = (memory.mismatch + R::from_f64(0.02) * news).snap();
+            memory.mismatch = (memory.mismatch + slow * news).snap();
+            let more = memory.mismatch * memory.mismatch - memory.mismatch_square;
+            memory.mismatch_square = (memory.mismatch_square + slow * more).snap();
         }
     }
 
@@ -216,8 +227,7 @@ impl<R: Real> JointRules<R> {
         let g = if room * most > one { one / room } else { most };
         let demand = gains.inertia * (reference.ddq - g * (gains.kd * de + g * gains.kp * e));
         let narrow = memory.funnel < R::from_f64(0.05) * funnel.width;
-        let calm = narrow && share.abs() < R::from_f64(0.5);
-        memory.funnel_settled = if calm { memory.funnel_settled.saturating_add(1) } else { 0 };
+        memory.funnel_settled = if narrow { memory.funnel_settled.saturating_add(1) } else { 0 };
         if memory.funnel_settled >= now.dwell {
             // Handed over: what the law demands differently is faded out.
             memory.funnel = -one;
@@ -239,7 +249,10 @@ impl<R: Real> JointRules<R> {
         let mut demand = demand;
         if let Some(range) = &self.range {
             let law = (next.phi_hat, self.gains.inertia, self.gains.kd);
-            let (capped, acted) = range.cap(m.q, m.dq, law, demand);
+            let limits = &self.gains.limits;
+            // Time to shed one N·m, 0 without a rate limit.
+            let shed = self.gains.period / limits.step();
+            let (capped, acted) = range.cap(m.q, m.dq, law, (demand, memory.law.tau, shed));
             demand = capped;
             news.events |= Events::RANGE.when(acted);
         }
@@ -258,27 +271,27 @@ impl<R: Real> JointRules<R> {
         Command { tau: next.tau, phi_hat: next.phi_hat, status }
     }
 
-    /// Changes gains without a step in torque: the difference is faded out.
-    pub(crate) fn change(
-        memory: &mut JointMemory<R>,
-        from: &JointGains<R>,
-        to: &JointGains<R>,
-        blend_rate: R,
-    ) {
-        let left = memory.fading(blend_rate);
-        let (m, r) = (&memory.measured.clone(), &memory.reference.clone());
-        let tau = from.outer_loop(m, r) + memory.law.phi_hat;
+    /// Changes gains without a step in torque: what the new ones demand differently at the next sample is
+    /// faded out from there.
+    pub(crate) fn change(memory: &mut JointMemory<R>, from: &JointGains<R>, to: &JointGains<R>) {
         if to.form == Form::Observer && from.form == Form::Observer {
-            for entry in memory.law.memory.iter_mut().skip(to.order) {
-                *entry = R::ZERO;
+            // What a lower order does not have goes on for one sample more.
+            let mut above = R::ZERO;
+            for (j, entry) in memory.law.memory.iter_mut().enumerate().rev() {
+                if j >= to.order {
+                    above = *entry;
+                    *entry = R::ZERO;
+                } else if j + 1 == to.order {
+                    *entry += to.period * above;
+                }
             }
-            let new = to.outer_loop(m, r) + memory.law.phi_hat;
-            memory.fade_out(left + (tau - new));
+            memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
         } else {
+            let (m, r) = (memory.measured, memory.reference);
+            let tau = from.outer_loop(&m, &r) + memory.law.phi_hat;
             let last = memory.law.tau;
-            to.resume(&mut memory.law, m, r, tau);
+            to.resume(&mut memory.law, &m, &r, tau);
             memory.law.tau = last;
-            memory.fade_out(left);
         }
     }
 }

@@ -66,12 +66,17 @@ pub struct JointMemory<R> {
     pub(crate) home: R,
     /// The torque that is held when the law does not run.
     pub(crate) held: R,
+    /// `φ̂`, averaged over some 50 samples: what to hold when `φ̂` itself shakes.
+    pub(crate) steady: R,
     pub(crate) blend: Blend<R>,
+    /// `M̄, K_d, K_p` that were in force until this sample, when they have changed.
+    pub(crate) before: Option<[R; 3]>,
     /// Torque that is faded out, and for how many samples already.
     offset: R,
     offset_age: u32,
-    /// Mean mismatch `φ − φ̂`.
+    /// Mean mismatch `φ − φ̂`, and its mean square.
     pub(crate) mismatch: R,
+    pub(crate) mismatch_square: R,
     /// Width of the funnel above its final one; negative: the estimator has taken over.
     pub(crate) funnel: R,
     pub(crate) funnel_settled: u32,
@@ -95,6 +100,11 @@ impl<R: Real> JointMemory<R> {
     /// The last torque commanded \[N·m\].
     pub fn tau(&self) -> R {
         self.law.tau
+    }
+
+    /// The estimate `φ̂` \[N·m\].
+    pub fn phi_hat(&self) -> R {
+        self.law.phi_hat
     }
 
     /// Starts to fade a torque out.

@@ -158,7 +158,7 @@ impl<R: Real, const N: usize> Supervisor<R, N> {
         }
         let joints = self.joints.iter_mut().zip(&mut state.joints).zip(gains);
         for ((rule, memory), new) in joints {
-            rule.exchange(memory, new, state.arm.raised, self.arm.blend_rate);
+            rule.exchange(memory, new, state.arm.raised);
         }
         Ok(())
     }

@@ -16,6 +16,23 @@ pub enum Mode {
     SafeStop,
 }
 
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 5] =
+        [Self::Idle, Self::Armed, Self::Holding, Self::Tracking, Self::SafeStop];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Armed => "armed",
+            Self::Holding => "holding",
+            Self::Tracking => "tracking",
+            Self::SafeStop => "safe-stop",
+        }
+    }
+}
+
 /// What the caller wants at this sample: a level, not an edge, except that [`Self::Arm`] counts only when it
 /// is new, so that nothing moves again by itself after a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]

@@ -63,14 +63,17 @@ impl<R: Real> Oscillation<R> {
 ///
 /// # Method
 ///
-/// Torque and velocity step are freed of their means and correlated over some 32 samples: for an inertia
-/// `M`, `Σxy = (T/M) Σx²`. A negative correlation is a wrong sign, one near zero a dead drive or a brake.
+/// Covariance of torque and velocity step and variance of torque, since the start (over some 16 samples):
+/// under a constant load and an inertia `M` their ratio is `T/M`. A negative one is a wrong sign, one near
+/// zero a dead drive or a closed brake. Fifteen such samples in a row count: a load that sets in is seen as
+/// one for less.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Actuation<R> {
     torque: R,
     step: R,
     both: R,
     square: R,
+    count: u32,
     suspicion: u32,
 }
 
@@ -78,19 +81,16 @@ impl<R: Real> Actuation<R> {
     /// Takes a torque and the velocity step it made; `gain` is `T/M` of the heaviest plausible joint,
     /// `excitation` the mean square of torque that is needed for a judgement. `true`: it does not.
     pub(crate) fn take(&mut self, torque: R, step: R, gain: R, excitation: R) -> bool {
-        let rate = R::from_f64(1.0 / 32.0);
+        self.count = if self.count < 16 { self.count + 1 } else { 16 };
+        let rate = R::from_f64(1.0 / f64::from(self.count));
         let (x, y) = (torque - self.torque, step - self.step);
         self.torque += rate * x;
         self.step += rate * y;
-        self.both = (self.both + rate * (x * y - self.both)).snap();
-        self.square = (self.square + rate * (x * x - self.square)).snap();
+        let keep = R::from_f64(1.0) - rate;
+        self.both = (keep * (self.both + rate * x * y)).snap();
+        self.square = (keep * (self.square + rate * x * x)).snap();
         let wrong = self.square > excitation && self.both < gain * self.square;
         self.suspicion = if wrong { self.suspicion.saturating_add(1) } else { 0 };
-        self.suspicion >= 5
-    }
-
-    /// Starts anew from a torque that stands still.
-    pub(crate) fn restart(torque: R) -> Self {
-        Self { torque, ..Self::default() }
+        self.suspicion >= 15
     }
 }

@@ -41,8 +41,8 @@ pub struct Options {
 
 /// When the running gains replace the start gains, and when they give way again.
 ///
-/// The mismatch `φ − φ̂`, averaged over some 50 samples, must stay below `settled` in every joint for
-/// `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
+/// The mismatch `φ − φ̂`, averaged over some 50 samples, must stay below `settled` (root mean square) in every
+/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
 /// long the start gains come back. A change never steps the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Schedule {
@@ -116,8 +116,8 @@ pub struct JointOptions<R> {
 ///
 /// The bound on `g` keeps the derivative gain that of the full law, which the inertia window allows; so the
 /// funnel holds while `|φ| < M̄ g² K_p ψ` and the torque limit suffices, and leaving it is an event. The
-/// estimator listens meanwhile. Once ψ is close to its final value, `|e|` has been below half of it for 0.1 s
-/// the torque is blended over to the law.
+/// estimator listens meanwhile. 0.1 s after ψ has come close to its final value, the torque is blended over to
+/// the law, which takes the rest of the error away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Funnel {
     /// ψ at the start \[rad\].
@@ -407,11 +407,10 @@ impl<R: Real> JointRules<R> {
         memory: &mut JointMemory<R>,
         gains: JointGains<R>,
         raised: bool,
-        blend_rate: R,
     ) {
         let old = *self.in_force(raised);
         self.gains = gains;
-        Self::change(memory, &old, self.in_force(raised), blend_rate);
+        Self::change(memory, &old, self.in_force(raised));
     }
 }
 

@@ -63,19 +63,24 @@ impl<R: Real> RangeRules<R> {
     }
 
     /// A torque demand, with outward velocity capped by the braking distance; `true` when it was changed.
+    /// `law`: `φ̂`, `M̄`, `K_d`. `torque`: the demand, the last torque, and the time to shed one N·m of it.
     ///
     /// ```text
     /// upper side: τ ≤ φ̂ + M̄ (K_d (v − q̇) − b q̇/v),  v = √(2 b (q_max − q));  τ ≤ 0 at q_max
     /// ```
-    pub(crate) fn cap(&self, q: R, dq: R, law: (R, R, R), demand: R) -> (R, bool) {
+    ///
+    /// `q` and `q̇` are taken where they are once the torque has come down to braking at its rate limit.
+    pub(crate) fn cap(&self, q: R, dq: R, law: (R, R, R), torque: (R, R, R)) -> (R, bool) {
         let (phi_hat, inertia, kd) = law;
-        let above = self.ceiling(self.upper - q, dq, (phi_hat, inertia, kd));
+        let (demand, last, shed) = torque;
+        let above = self.ceiling(self.upper - q, dq, law, (last, shed));
         if let Some(ceiling) = above
             && demand > ceiling
         {
             return (ceiling, true);
         }
-        let below = self.ceiling(q - self.lower, -dq, (-phi_hat, inertia, kd));
+        let law = (-phi_hat, inertia, kd);
+        let below = self.ceiling(q - self.lower, -dq, law, (-last, shed));
         if let Some(ceiling) = below
             && -demand > ceiling
         {
@@ -85,20 +90,33 @@ impl<R: Real> RangeRules<R> {
     }
 
     /// Largest outward torque with `room` left, at an outward velocity.
-    fn ceiling(&self, room: R, outward: R, (phi_hat, inertia, kd): (R, R, R)) -> Option<R> {
-        let near =
-            room < self.soft || (outward > R::ZERO && outward * outward > self.braking * room);
+    fn ceiling(
+        &self,
+        room: R,
+        outward: R,
+        (phi_hat, inertia, kd): (R, R, R),
+        (last, shed): (R, R),
+    ) -> Option<R> {
+        // The acceleration that has to go first, and how long that takes.
+        let push = last - phi_hat;
+        let time = (push + inertia * self.braking) * shed;
+        let (mut left, mut speed) = (room, outward);
+        if time > R::ZERO {
+            let (now, drop) = (push / inertia, (push / inertia + self.braking) * time);
+            let (half, third) = (R::from_f64(0.5), R::from_f64(1.0 / 3.0));
+            speed = outward + time * (now - half * drop);
+            left = room - time * (outward + half * time * (now - third * drop));
+        }
+        let near = room < self.soft || (speed > R::ZERO && speed * speed > self.braking * left);
         if !near {
             return None;
         }
-        let two = R::from_f64(2.0);
-        let allowed = (two * self.braking * room).sqrt();
+        let allowed = (R::from_f64(2.0) * self.braking * left).sqrt();
         let mut deceleration = self.braking;
-        if outward < allowed {
-            deceleration =
-                if outward > R::ZERO { self.braking * (outward / allowed) } else { R::ZERO };
+        if speed < allowed {
+            deceleration = if speed > R::ZERO { self.braking * (speed / allowed) } else { R::ZERO };
         }
-        let ceiling = phi_hat + inertia * (kd * (allowed - outward) - deceleration);
+        let ceiling = phi_hat + inertia * (kd * (allowed - speed) - deceleration);
         Some(if room > R::ZERO || ceiling < R::ZERO { ceiling } else { R::ZERO })
     }
 }

@@ -27,7 +27,8 @@ events! {
     REORDERED = 2, "reordered";
     /// The sample is older than the age limit.
     AGED = 3, "aged";
-    /// The time since the last sample is zero, negative or beyond three periods: nothing is integrated.
+    /// The time since the last sample is negative, less than a twentieth of the period or beyond three: nothing
+    /// is integrated.
     TIME_JUMP = 4, "time-jump";
     /// A measured value is not finite, or the number of joints is wrong.
     NOT_FINITE = 5, "not-finite";
@@ -66,6 +67,11 @@ impl Events {
     /// Whether all of `other` are in the set.
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
+    }
+
+    /// The names of what is in the set, in the order of [`Self::ALL`].
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        Self::ALL.iter().filter(move |(event, _)| self.contains(*event)).map(|(_, name)| *name)
     }
 
     /// Whether the set is empty.
@@ -124,6 +130,20 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// Every fault.
+    pub const ALL: [Self; 10] = [
+        Self::LinkLost,
+        Self::LinkQuality,
+        Self::BadSample,
+        Self::BadReference,
+        Self::Frozen,
+        Self::JointLimit,
+        Self::TrackingError,
+        Self::Oscillation,
+        Self::Actuation,
+        Self::NotFinite,
+    ];
+
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -12,6 +12,8 @@ pub(crate) struct Rest<R> {
     damping: R,
     /// Share of the held torque that is still there.
     held: R,
+    /// `φ̂` itself shakes: hold its mean.
+    steady: bool,
 }
 
 impl<R: Real> ArmRules<R> {
@@ -19,10 +21,13 @@ impl<R: Real> ArmRules<R> {
     /// once where the drive does not do what it is told.
     pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
         let one = R::from_f64(1.0);
-        let mut rest = Rest { damping: self.stop_damping, held: one };
-        if !fresh || state.shaking() || state.misdriven() {
+        let mut rest = Rest { damping: self.stop_damping, held: one, steady: false };
+        if !fresh || state.misdriven() {
             rest.damping = R::ZERO;
+        } else if state.shaking() {
+            rest.damping = R::from_f64(0.25) * rest.damping;
         }
+        rest.steady = state.shaking();
         if state.mode == Mode::SafeStop && state.misdriven() {
             rest.held = R::ZERO;
         } else if state.mode == Mode::SafeStop && state.arrivals.misses >= self.stop_samples {
@@ -82,6 +87,9 @@ impl<R: Real> JointRules<R> {
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let mut next = memory.law;
+        if rest.steady {
+            memory.held = memory.steady;
+        }
         next.phi_hat = memory.held * rest.held;
         let damping = self.gains.inertia * self.gains.kd * rest.damping;
         let demand = next.phi_hat - damping * m.dq;

@@ -288,7 +288,7 @@ fn schedule<R: Real>(
     if !(law && fresh && rules.iter().any(|rule| rule.start.is_some())) {
         return;
     }
-    let within = |limit: R| memories.iter().all(|m| m.mismatch.abs() <= limit);
+    let within = |limit: R| memories.iter().all(|m| m.mismatch_square <= limit * limit);
     let (settled, disturbed) = (within(arm.settled), !within(arm.disturbed));
     state.settled = if settled { state.settled.saturating_add(1) } else { 0 };
     state.disturbed = if disturbed { state.disturbed.saturating_add(1) } else { 0 };
@@ -298,12 +298,7 @@ fn schedule<R: Real>(
         return;
     }
     for (rule, memory) in rules.iter().zip(memories) {
-        JointRules::change(
-            memory,
-            rule.in_force(state.raised),
-            rule.in_force(raise),
-            arm.blend_rate,
-        );
+        JointRules::change(memory, rule.in_force(state.raised), rule.in_force(raise));
     }
     state.raised = raise;
     state.settled = 0;

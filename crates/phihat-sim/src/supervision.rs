@@ -1,0 +1,154 @@
+//! The core's supervisor in the loop, as a study sets it up.
+
+use phihat::{
+    ArmRules, ArmState, Command, Funnel, JointGains, JointMemory, JointOptions, JointRange,
+    JointRules, Mode, ModeRequest, MotionLimits, Options, Reference, Report, Request, Schedule,
+    Stamp, supervise,
+};
+use phihat_study::{RequestedMode, Study, SupervisorRequest};
+
+use crate::error::SimError;
+use crate::motion::Motion;
+use crate::sample::Sample;
+
+/// A supervised arm and what is asked of it over time.
+#[derive(Debug)]
+pub(crate) struct Supervised {
+    rules: (ArmRules<f64>, Vec<JointRules<f64>>),
+    state: (ArmState, Vec<JointMemory<f64>>),
+    requests: Vec<(f64, RequestedMode)>,
+    preset: Option<Vec<f64>>,
+    period_ns: u64,
+    /// Time on the reference's clock \[ns\]: it runs while the arm tracks.
+    motion_ns: u64,
+    asked: Vec<Reference<f64>>,
+    pub(crate) report: Report,
+}
+
+impl Supervised {
+    pub(crate) fn new(
+        study: &Study,
+        request: &SupervisorRequest,
+        gains: &[JointGains<f64>],
+    ) -> Result<Self, SimError> {
+        let options = Options {
+            hold_samples: request.hold_samples,
+            stop_samples: request.stop_samples,
+            start_mismatch_max: request.start_mismatch_max,
+            blend_s: request.blend,
+            schedule: Schedule {
+                settled: request.settled,
+                disturbed: request.disturbed,
+                dwell_s: request.dwell,
+            },
+            ..Options::new(study.control.period_ns)
+        };
+        let refused = |e: phihat::OptionError| SimError::Supervisor(e.to_string());
+        let rule = |(i, gains): (usize, &JointGains<f64>)| {
+            JointRules::new(i, gains, &joint(study, request, gains, i), &options).map_err(refused)
+        };
+        let rules: Result<Vec<_>, _> = gains.iter().enumerate().map(rule).collect();
+        Ok(Self {
+            rules: (ArmRules::new(&options).map_err(refused)?, rules?),
+            state: (ArmState::new(), vec![JointMemory::new(); gains.len()]),
+            requests: request.requests.clone(),
+            preset: request.preset.clone(),
+            period_ns: study.control.period_ns,
+            motion_ns: 0,
+            asked: vec![Reference::default(); gains.len()],
+            report: Report::default(),
+        })
+    }
+
+    /// One sample at time `t` \[s\]; leaves the references in force and the commands.
+    pub(crate) fn step(
+        &mut self,
+        t: f64,
+        sample: &Sample,
+        motion: &Motion,
+        (references, commands): (&mut [Reference<f64>], &mut [Command<f64>]),
+    ) {
+        let at = self.motion_ns as f64 * 1e-9;
+        for (i, reference) in self.asked.iter_mut().enumerate() {
+            let [q, dq, ddq] = motion.at(i, at);
+            *reference = Reference { q, dq, ddq };
+        }
+        let request = Request {
+            mode: self.wanted(t),
+            references: &self.asked,
+            preset: self.preset.as_deref(),
+        };
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the study bounds the run to a day"
+        )]
+        let now_ns = (t * 1e9).round() as u64;
+        let stamp = Stamp { sequence: sample.sequence, t_ns: sample.t_ns };
+        let sample = phihat::Sample { stamp, now_ns, joints: &sample.joints };
+        let (arm, joints) = &self.rules;
+        let (state, memories) = &mut self.state;
+        self.report = supervise((arm, joints), (state, memories), &sample, &request, commands);
+        for (reference, memory) in references.iter_mut().zip(memories) {
+            *reference = *memory.reference();
+        }
+        if self.report.mode == Mode::Tracking {
+            self.motion_ns += self.period_ns;
+        }
+    }
+
+    /// What is asked for at time `t`: by default to arm, to hold and to track, one sample each.
+    fn wanted(&self, t: f64) -> ModeRequest {
+        if self.requests.is_empty() {
+            return match self.state.0.mode() {
+                Mode::Idle => ModeRequest::Arm,
+                Mode::Armed => ModeRequest::Hold,
+                _ => ModeRequest::Track,
+            };
+        }
+        let latest = self.requests.iter().rev().find(|(from, _)| *from <= t + 1e-12);
+        match latest.map(|(_, mode)| mode) {
+            None | Some(RequestedMode::Idle) => ModeRequest::Idle,
+            Some(RequestedMode::Arm) => ModeRequest::Arm,
+            Some(RequestedMode::Hold) => ModeRequest::Hold,
+            Some(RequestedMode::Track) => ModeRequest::Track,
+            Some(RequestedMode::Stop) => ModeRequest::Stop,
+        }
+    }
+}
+
+/// The options of one joint.
+fn joint(
+    study: &Study,
+    request: &SupervisorRequest,
+    gains: &JointGains<f64>,
+    i: usize,
+) -> JointOptions<f64> {
+    let per = |values: &Option<Vec<f64>>| values.as_ref().map(|v| v[i]);
+    let range = per(&request.soft_zone).zip(study.robot.joints[i].position);
+    JointOptions {
+        velocity_max: per(&request.velocity_max),
+        range: range.map(|(soft, (lower, upper))| JointRange {
+            lower,
+            upper,
+            soft,
+            braking: request.braking,
+        }),
+        error_max: per(&request.error_stop),
+        frozen_travel: per(&request.frozen_travel),
+        motion: request.motion.as_ref().map(|[velocity, acceleration, jerk]| MotionLimits {
+            velocity: velocity[i],
+            acceleration: acceleration[i],
+            jerk: jerk[i],
+        }),
+        dead_zone: per(&request.dead_zone),
+        funnel: request.funnel.as_ref().map(|[initial, last]| Funnel {
+            initial: initial[i],
+            r#final: last[i],
+            decay_s: request.funnel_decay,
+        }),
+        oscillation: per(&request.oscillation),
+        first_motion: per(&request.first_motion),
+        start: request.start_first_order.then(|| gains.first_order()),
+    }
+}
