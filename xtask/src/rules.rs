@@ -6,16 +6,25 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("phihat", &[]),
     ("phihat-model", &[]),
     ("phihat-study", &["phihat-model"]),
     ("phihat-design", &["phihat", "phihat-model", "phihat-study"]),
     ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
-    ("phihat-report", &["phihat-design", "phihat-sim"]),
+    ("phihat-campaign", &["phihat", "phihat-design", "phihat-sim", "phihat-study"]),
+    ("phihat-report", &["phihat-campaign", "phihat-design", "phihat-sim"]),
     (
         "phihat-cli",
-        &["phihat", "phihat-design", "phihat-model", "phihat-report", "phihat-sim", "phihat-study"],
+        &[
+            "phihat",
+            "phihat-campaign",
+            "phihat-design",
+            "phihat-model",
+            "phihat-report",
+            "phihat-sim",
+            "phihat-study",
+        ],
     ),
     ("phihat-c", &["phihat"]),
     (

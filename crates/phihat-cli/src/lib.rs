@@ -11,6 +11,7 @@
 mod design;
 mod export;
 mod failure;
+mod faults;
 mod files;
 mod knowledge;
 mod record;
@@ -54,6 +55,7 @@ enum Verb {
     Verify(verify::Verify),
     Export(export::Export),
     Simulate(simulate::Simulate),
+    Faults(faults::Faults),
     Report(report::Report),
     Robots(robots::Robots),
 }
@@ -74,6 +76,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Verify(verify) => verify.execute(),
         Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
+        Verb::Faults(faults) => faults.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Robots(robots) => robots.execute(),
     };

@@ -129,6 +129,11 @@ impl Session {
         Ok(Self { study, gains: chosen, simulation, command, warnings })
     }
 
+    /// The gains chosen.
+    pub(crate) fn into_gains(self) -> Gains {
+        self.gains
+    }
+
     /// Runs the loop behind a progress bar and writes its record. What the robot's torque interface will
     /// not bear is said before.
     pub(crate) fn simulate(self, folder: &Path) -> Result<Done, Failure> {

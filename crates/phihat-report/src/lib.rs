@@ -17,6 +17,7 @@
 mod certificate;
 mod chart;
 mod decimate;
+mod faults;
 mod figure;
 mod number;
 mod page;
@@ -28,6 +29,7 @@ mod table;
 mod text;
 mod verdict;
 
+pub use faults::faults_page;
 pub use figure::{Figure, figures};
 pub use page::page;
 pub use record::{Record, RunInfo};

@@ -10,12 +10,24 @@ const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
 /// Our script.
 pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
+const FAULTS_STYLE: &str = include_str!("../assets/faults.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
 /// The one style sheet.
 pub(crate) fn style() -> String {
     format!("{PLOT_STYLE}\n{PAGE_STYLE}")
+}
+
+/// The style sheet of a fault matrix.
+pub(crate) fn faults_style() -> String {
+    format!("{PAGE_STYLE}\n{FAULTS_STYLE}")
+}
+
+/// A page without scripts: nothing is loaded from anywhere, one style sheet runs by hash.
+pub(crate) fn still_policy(style: &str) -> String {
+    let style = hash(style);
+    format!("default-src 'none'; style-src '{style}'; base-uri 'none'; form-action 'none'")
 }
 
 /// Nothing is loaded from anywhere; scripts and styles run by hash only.

@@ -1,0 +1,467 @@
+//! What goes wrong in the matrix: one row per fault, with three severities and what must come of each.
+
+use serde::{Deserialize, Serialize};
+
+/// One fault of the matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fault {
+    /// Its name in runs and reports.
+    pub name: &'static str,
+    /// The failure mode it stands for (docs/reliability.md).
+    pub row: &'static str,
+    /// What happens, for people; the severity follows.
+    pub what: &'static str,
+    /// How a severity changes a study.
+    pub(crate) effect: Effect,
+    /// The three severities, mild to severe, in `unit`.
+    pub levels: [f64; 3],
+    /// The unit of the levels, for people.
+    pub unit: &'static str,
+    /// What must come of each severity.
+    pub bars: [Bar; 3],
+}
+
+/// What must come of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bar {
+    /// How the run must end.
+    pub end: End,
+    /// Largest excursion \[rad\]: the error while the arm follows, and how far outside of the planned path it
+    /// comes while it stops. `None`: listed, not judged.
+    pub excursion_rad: Option<f64>,
+    /// Latest time from the onset to the stop's reason \[ms\].
+    pub noticed_ms: Option<f64>,
+}
+
+/// How a run must end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// On the reference, without a stop.
+    Following,
+    /// In a safe stop.
+    Stopped,
+    /// In either way.
+    Either,
+}
+
+/// How a severity gets into a study.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Effect {
+    /// An entry `[[fault]]`.
+    Entry { kind: &'static str, size: Size, lasts: Lasts, on: On },
+    /// Another value of a key.
+    Key { path: &'static [&'static str], size: Size },
+}
+
+/// The size of a fault or the value of a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Size {
+    /// The kind has none.
+    None,
+    /// Always this.
+    Fixed(f64),
+    /// The level, as it is.
+    Level,
+    /// The level, as a whole number.
+    Whole,
+    /// The level, with a sign drawn for the run.
+    Signed,
+    /// The level times the joint's torque limit, with a sign drawn for the run.
+    TorqueSigned,
+    /// The level times the joint's torque limit.
+    Torque,
+    /// The level times the heaviest payload of the design.
+    Payload,
+    /// The level times the sample period.
+    Periods,
+}
+
+/// How long a fault lasts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Lasts {
+    /// So many seconds, at least one sample.
+    Seconds(f64),
+    /// The level, in seconds, at least one sample.
+    Level,
+    /// To the end of the run.
+    Rest,
+    /// From the start of the run to the onset, which is when it ends.
+    Before,
+}
+
+/// What a fault concerns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum On {
+    /// The whole arm.
+    Arm,
+    /// One joint, drawn for the run.
+    Joint,
+}
+
+const fn follows(excursion_rad: f64) -> Bar {
+    Bar { end: End::Following, excursion_rad: Some(excursion_rad), noticed_ms: None }
+}
+
+const fn stops(noticed_ms: f64, excursion_rad: f64) -> Bar {
+    Bar { end: End::Stopped, excursion_rad: Some(excursion_rad), noticed_ms: Some(noticed_ms) }
+}
+
+const fn either(excursion_rad: f64) -> Bar {
+    Bar { end: End::Either, excursion_rad: Some(excursion_rad), noticed_ms: None }
+}
+
+/// Whatever the fault makes of the arm is listed.
+const LISTED: Bar = Bar { end: End::Either, excursion_rad: None, noticed_ms: None };
+
+const fn entry(kind: &'static str, size: Size, lasts: Lasts, on: On) -> Effect {
+    Effect::Entry { kind, size, lasts, on }
+}
+
+const fn key(path: &'static [&'static str], size: Size) -> Effect {
+    Effect::Key { path, size }
+}
+
+/// All faults of the matrix.
+pub const FAULTS: &[Fault] = &[
+    Fault {
+        name: "nothing",
+        row: "F5",
+        what: "nothing goes wrong; encoder of so many bits",
+        effect: key(&["sensor", "encoder_bits"], Size::Whole),
+        levels: [24.0, 22.0, 20.0],
+        unit: "bit",
+        bars: [follows(0.004); 3],
+    },
+    Fault {
+        name: "torque_limit",
+        row: "F1",
+        what: "a joint's drive gives no more than this share of its torque for 0.2 s",
+        effect: entry("drive_limit", Size::Torque, Lasts::Seconds(0.2), On::Joint),
+        levels: [0.5, 0.2, 0.1],
+        unit: "τ_max",
+        bars: [either(0.1), either(0.3), either(0.5)],
+    },
+    Fault {
+        name: "rate_limit",
+        row: "F2",
+        what: "the controller may change the torque no faster than this",
+        effect: key(&["loop", "torque_rate_max_nm_s"], Size::Level),
+        levels: [800.0, 500.0, 300.0],
+        unit: "N·m/s",
+        bars: [follows(0.01), follows(0.01), either(0.02)],
+    },
+    Fault {
+        name: "coarse_encoder",
+        row: "F3",
+        what: "the encoder has so many bits",
+        effect: key(&["sensor", "encoder_bits"], Size::Whole),
+        levels: [18.0, 16.0, 14.0],
+        unit: "bit",
+        bars: [follows(0.006), follows(0.006), either(0.01)],
+    },
+    Fault {
+        name: "position_noise",
+        row: "F3",
+        what: "white noise of this standard deviation on a position, for the rest of the run",
+        effect: entry("sensor_noise", Size::Level, Lasts::Rest, On::Joint),
+        levels: [1e-6, 1e-5, 1e-4],
+        unit: "rad",
+        bars: [follows(0.006), follows(0.006), either(0.02)],
+    },
+    Fault {
+        name: "torque_noise",
+        row: "F3",
+        what: "white noise of this standard deviation on the torque that the law is fed",
+        effect: key(&["sensor", "torque_noise_nm"], Size::Level),
+        levels: [0.05, 0.2, 1.0],
+        unit: "N·m",
+        bars: [follows(0.006), follows(0.006), either(0.02)],
+    },
+    Fault {
+        name: "jitter",
+        row: "F4",
+        what: "samples are taken early by a random time up to this",
+        effect: key(&["sensor", "sample_jitter_s"], Size::Periods),
+        levels: [0.1, 0.5, 0.9],
+        unit: "periods",
+        bars: [follows(0.006), follows(0.008), follows(0.01)],
+    },
+    Fault {
+        name: "controller_stop",
+        row: "F4",
+        what: "the controller does not run for",
+        effect: entry("controller_stop", Size::None, Lasts::Level, On::Arm),
+        levels: [0.003, 0.01, 0.1],
+        unit: "s",
+        bars: [follows(0.01), either(0.02), either(0.1)],
+    },
+    Fault {
+        name: "commands_down",
+        row: "F4",
+        what: "no command gets through for",
+        effect: entry("command_loss", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        levels: [0.003, 0.01, 0.1],
+        unit: "s",
+        bars: [follows(0.01), either(0.02), either(0.1)],
+    },
+    Fault {
+        name: "freeze",
+        row: "F5",
+        what: "all positions and velocities freeze for",
+        effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Arm),
+        levels: [0.005, 0.02, 0.2],
+        unit: "s",
+        bars: [either(0.01), either(0.03), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "freeze_joint",
+        row: "F5",
+        what: "one joint's position and velocity freeze for",
+        effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Joint),
+        levels: [0.005, 0.02, 0.2],
+        unit: "s",
+        bars: [either(0.01), either(0.03), either(0.05)],
+    },
+    Fault {
+        name: "not_a_number",
+        row: "F6",
+        what: "all positions and velocities are not a number for",
+        effect: entry("sensor_nan", Size::None, Lasts::Level, On::Arm),
+        levels: [0.0, 0.005, 0.05],
+        unit: "s",
+        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "not_a_number_joint",
+        row: "F6",
+        what: "one joint's position and velocity are not a number for",
+        effect: entry("sensor_nan", Size::None, Lasts::Level, On::Joint),
+        levels: [0.0, 0.005, 0.05],
+        unit: "s",
+        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "huge_position",
+        row: "F6",
+        what: "a joint's position is off by 100 rad for",
+        effect: entry("sensor_bias", Size::Fixed(100.0), Lasts::Level, On::Joint),
+        levels: [0.0, 0.005, 0.05],
+        unit: "s",
+        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "wrong_order",
+        row: "F7",
+        what: "measurements arrive one joint off for",
+        effect: entry("joint_order", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        levels: [0.0, 0.005, 0.5],
+        unit: "s",
+        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "turn_off",
+        row: "F8",
+        what: "a joint's position is a whole turn off for",
+        effect: entry("sensor_bias", Size::Fixed(core::f64::consts::TAU), Lasts::Level, On::Joint),
+        levels: [0.0, 0.005, 0.5],
+        unit: "s",
+        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+    },
+    Fault {
+        name: "position_jump",
+        row: "F8",
+        what: "a joint's position is off, for the rest of the run, by",
+        effect: entry("sensor_bias", Size::Signed, Lasts::Rest, On::Joint),
+        levels: [0.001, 0.01, 0.1],
+        unit: "rad",
+        bars: [follows(0.006), either(0.05), either(0.2)],
+    },
+    Fault {
+        name: "payload_beyond",
+        row: "F11",
+        what: "a payload beyond the design's is picked up: so many times its heaviest",
+        effect: entry("payload", Size::Payload, Lasts::Rest, On::Arm),
+        levels: [1.2, 1.5, 2.0],
+        unit: "m_max",
+        bars: [either(0.1), either(0.15), either(0.2)],
+    },
+    Fault {
+        name: "payload_pick",
+        row: "F12",
+        what: "a payload is picked up: this share of the design's heaviest",
+        effect: entry("payload", Size::Payload, Lasts::Rest, On::Arm),
+        levels: [0.25, 0.5, 1.0],
+        unit: "m_max",
+        bars: [follows(0.03), follows(0.05), follows(0.1)],
+    },
+    Fault {
+        name: "payload_drop",
+        row: "F12",
+        what: "a payload is dropped: this share of the design's heaviest",
+        effect: entry("payload", Size::Payload, Lasts::Before, On::Arm),
+        levels: [0.25, 0.5, 1.0],
+        unit: "m_max",
+        bars: [follows(0.03), follows(0.05), follows(0.1)],
+    },
+    Fault {
+        name: "push",
+        row: "F12",
+        what: "something pushes a joint for 0.2 s with this share of its torque",
+        effect: entry("push", Size::TorqueSigned, Lasts::Seconds(0.2), On::Joint),
+        levels: [0.05, 0.1, 0.2],
+        unit: "τ_max",
+        bars: [follows(0.05), either(0.1), either(0.2)],
+    },
+    Fault {
+        name: "clock_ahead",
+        row: "F19",
+        what: "time stamps are ahead, for the rest of the run, by",
+        effect: entry("clock_jump", Size::Level, Lasts::Rest, On::Arm),
+        levels: [0.01, 1.0, 3600.0],
+        unit: "s",
+        bars: [follows(0.006), follows(0.006), follows(0.006)],
+    },
+    Fault {
+        name: "clock_back",
+        row: "F19",
+        what: "time stamps go back, at the onset, by",
+        effect: entry("clock_jump", Size::Level, Lasts::Before, On::Arm),
+        levels: [0.01, 1.0, 3600.0],
+        unit: "s",
+        bars: [follows(0.006), follows(0.006), follows(0.006)],
+    },
+    Fault {
+        name: "samples_lost",
+        row: "F20",
+        what: "samples are lost, for the rest of the run, with probability",
+        effect: entry("sample_loss", Size::Level, Lasts::Rest, On::Arm),
+        levels: [0.01, 0.1, 0.5],
+        unit: "",
+        bars: [follows(0.006), follows(0.01), either(0.03)],
+    },
+    Fault {
+        name: "samples_down",
+        row: "F20",
+        what: "no sample gets through for",
+        effect: entry("sample_loss", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        levels: [0.003, 0.01, 0.1],
+        unit: "s",
+        bars: [follows(0.01), either(0.02), stops(50.0, 0.05)],
+    },
+    Fault {
+        name: "commands_lost",
+        row: "F20",
+        what: "commands are lost, for the rest of the run, with probability",
+        effect: entry("command_loss", Size::Level, Lasts::Rest, On::Arm),
+        levels: [0.01, 0.1, 0.5],
+        unit: "",
+        bars: [follows(0.006), follows(0.01), either(0.03)],
+    },
+    Fault {
+        name: "drive_weak",
+        row: "F22",
+        what: "a drive gives, for the rest of the run, only this share of its torque",
+        effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
+        levels: [0.9, 0.7, 0.5],
+        unit: "",
+        bars: [follows(0.02), either(0.05), either(0.1)],
+    },
+    Fault {
+        name: "drive_strong",
+        row: "F22",
+        what: "a drive gives, for the rest of the run, so many times its torque",
+        effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
+        levels: [1.1, 1.3, 1.5],
+        unit: "",
+        bars: [follows(0.02), either(0.05), either(0.1)],
+    },
+    Fault {
+        name: "drive_dead",
+        row: "F22",
+        what: "a drive gives no torque for",
+        effect: entry("drive_gain", Size::Fixed(0.0), Lasts::Level, On::Joint),
+        levels: [0.005, 0.05, 1.0],
+        unit: "s",
+        bars: [either(0.02), either(0.1), LISTED],
+    },
+    Fault {
+        name: "drive_reversed",
+        row: "F22",
+        what: "a drive gives its torque the wrong way round for",
+        effect: entry("drive_gain", Size::Fixed(-1.0), Lasts::Level, On::Joint),
+        levels: [0.005, 0.05, 1.0],
+        unit: "s",
+        bars: [either(0.02), either(0.2), LISTED],
+    },
+    Fault {
+        name: "brake",
+        row: "F22",
+        what: "a brake drags, for the rest of the run, with this share of the joint's torque",
+        effect: entry("brake", Size::Torque, Lasts::Rest, On::Joint),
+        levels: [0.02, 0.1, 0.5],
+        unit: "τ_max",
+        bars: [follows(0.05), either(0.1), either(0.3)],
+    },
+    Fault {
+        name: "friction",
+        row: "F23",
+        what: "all friction is, for the rest of the run, so many times what it was",
+        effect: entry("friction", Size::Level, Lasts::Rest, On::Arm),
+        levels: [2.0, 5.0, 10.0],
+        unit: "",
+        bars: [follows(0.01), follows(0.02), either(0.05)],
+    },
+    Fault {
+        name: "drive_slow",
+        row: "F24",
+        what: "the drives' torque loops have this bandwidth",
+        effect: key(&["world", "drive_bandwidth_hz"], Size::Level),
+        levels: [300.0, 150.0, 80.0],
+        unit: "Hz",
+        bars: [follows(0.006), either(0.01), either(0.03)],
+    },
+    Fault {
+        name: "samples_late",
+        row: "F24",
+        what: "measurements arrive late by",
+        effect: key(&["sensor", "sample_delay_samples"], Size::Whole),
+        levels: [1.0, 2.0, 3.0],
+        unit: "samples",
+        bars: [follows(0.006), either(0.01), either(0.03)],
+    },
+    Fault {
+        name: "gain_error",
+        row: "F22",
+        what: "every drive's gain is off by a constant, drawn up to",
+        effect: key(&["world", "drive", "gain_error"], Size::Level),
+        levels: [0.02, 0.05, 0.1],
+        unit: "",
+        bars: [follows(0.006); 3],
+    },
+    Fault {
+        name: "ripple",
+        row: "F3",
+        what: "the drives' torque ripples over the turn by this share",
+        effect: key(&["world", "drive", "ripple"], Size::Level),
+        levels: [0.01, 0.03, 0.1],
+        unit: "",
+        bars: [follows(0.006), follows(0.006), follows(0.01)],
+    },
+];
+
+/// Severities of every fault.
+pub const SEVERITIES: usize = 3;
+
+#[cfg(test)]
+mod tests {
+    use super::{Effect, FAULTS};
+
+    #[test]
+    fn there_are_thirty_faults_and_each_has_its_own_name() {
+        let mut names: Vec<_> = FAULTS.iter().map(|fault| fault.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert!(names.len() == FAULTS.len() && names.len() > 30, "{}", names.len());
+    }
+}

@@ -1,0 +1,326 @@
+//! The matrix: arms × orders × faults × severities × seeds.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use phihat::Form;
+use phihat_design::{Gains, GainsError};
+use phihat_sim::{SimError, Simulation};
+use phihat_study::{LawForm, Study};
+use thiserror::Error;
+use toml::Table;
+
+use super::case::{Case, CaseName};
+use super::catalogue::{FAULTS, SEVERITIES};
+use super::change::{Draw, Units, change, set};
+use crate::hash::{share, short_hash};
+
+/// Raised when the same run would come out otherwise: journals of before are then done again.
+const EDITION: &str = "faults 1";
+
+/// An arm of the matrix: a study without faults.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// The study's name.
+    pub name: String,
+    /// The study's file.
+    pub path: PathBuf,
+    sha256: String,
+    table: Table,
+    /// The study and its gains, one pair for each order of the matrix.
+    pub(crate) orders: Vec<(usize, Study, Gains)>,
+}
+
+/// Which part of the matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    /// Estimator orders.
+    pub orders: Vec<usize>,
+    /// Seeds 1 to this.
+    pub seeds: u64,
+    /// Only runs whose name contains this.
+    pub only: Option<String>,
+}
+
+/// A fault matrix, ready to run.
+#[derive(Debug, Clone)]
+pub struct Matrix {
+    /// The arms.
+    pub arms: Vec<Arm>,
+    /// The runs, in the order of the answer.
+    pub cases: Vec<Case>,
+}
+
+/// Why a matrix cannot be made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FaultsError {
+    /// A study cannot be read, or not with the fault in it.
+    #[error("{0}")]
+    Study(String),
+    /// A study does not fit a fault matrix.
+    #[error("{}: {why}", path.display())]
+    Unfit {
+        /// The study.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// No run has such a name.
+    #[error(
+        "no run's name contains `{0}`; names are ARM/mORDER/FAULT/SEVERITY/SEED, as in panda/m2/freeze/3/1"
+    )]
+    Nothing(String),
+}
+
+/// Why a run cannot begin.
+#[derive(Debug, Error)]
+pub(crate) enum RunError {
+    #[error("{0}")]
+    Gains(#[from] GainsError),
+    #[error("{0}")]
+    Sim(#[from] SimError),
+}
+
+/// How the gains of a study are found that may run on its arm; the error is for people.
+pub type Choose<'a> = &'a dyn Fn(&Study, &Path) -> Result<Gains, String>;
+
+impl Matrix {
+    /// Reads the studies and finds the gains of every arm and order: those kept in `cache` if they were made
+    /// from this very study, else those that `choose` finds for the study with the order stated in it.
+    ///
+    /// # Errors
+    ///
+    /// [`FaultsError`]
+    pub fn new(
+        studies: &[PathBuf],
+        extent: &Extent,
+        cache: &Path,
+        choose: Choose<'_>,
+    ) -> Result<Self, FaultsError> {
+        let mut arms = Vec::new();
+        for path in studies {
+            let arm = Arm::read(path, &extent.orders, cache, choose)?;
+            if arms.iter().any(|other: &Arm| other.name == arm.name) {
+                let why = "another study of the matrix has the same name".to_owned();
+                return Err(FaultsError::Unfit { path: path.clone(), why });
+            }
+            arms.push(arm);
+        }
+        let mut matrix = Self { arms, cases: Vec::new() };
+        let only = extent.only.as_deref().unwrap_or_default();
+        for arm in 0..matrix.arms.len() {
+            for fault in FAULTS {
+                for &order in &extent.orders {
+                    for severity in 0..SEVERITIES {
+                        for seed in 1..=extent.seeds {
+                            let case = Case { arm, order, fault, severity, seed };
+                            if matrix.name(&case).to_string().contains(only) {
+                                matrix.cases.push(case);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        if matrix.cases.is_empty() {
+            return Err(FaultsError::Nothing(only.to_owned()));
+        }
+        Ok(matrix)
+    }
+
+    /// The name of a run.
+    pub fn name<'a>(&'a self, case: &'a Case) -> CaseName<'a> {
+        CaseName { case, arm: &self.arms[case.arm].name }
+    }
+
+    /// The gains that a run uses.
+    pub fn gains(&self, case: &Case) -> &Gains {
+        &self.base(case).2
+    }
+
+    /// The study that a run is: the arm's with one thing changed.
+    fn table(&self, case: &Case) -> Table {
+        let (_, study, _) = self.base(case);
+        let draw = self.draw(case);
+        let arm = &self.arms[case.arm];
+        let torque = study.control.torque_max.as_ref().map_or(0.0, |max| max[draw.joint]);
+        let units = Units { period: period(study), torque, payload: study.design.payload_max };
+        let joint = &study.robot.joints[draw.joint].name;
+        let mut table = with_order(&arm.table, case.order);
+        let seed = i64::try_from(case.seed).unwrap_or(i64::MAX);
+        set(&mut table, &["seed"], seed.into());
+        let title = format!(
+            "{}: {} {} {}",
+            self.name(case),
+            case.fault.what,
+            case.fault.levels[case.severity],
+            case.fault.unit
+        );
+        set(&mut table, &["title"], title.trim_end().into());
+        change(&mut table, (case.fault, case.severity), &draw, units, joint);
+        table
+    }
+
+    /// The id of a run: equal ids, equal outcomes.
+    pub fn id(&self, case: &Case) -> String {
+        let gains = self.gains(case).to_json().unwrap_or_default();
+        let version = env!("CARGO_PKG_VERSION");
+        short_hash(&[
+            EDITION,
+            version,
+            &self.name(case).to_string(),
+            &self.table(case).to_string(),
+            &gains,
+        ])
+    }
+
+    /// The study that a run is.
+    ///
+    /// Where a fault makes the world too stiff for the arm's integration steps, they are made shorter.
+    ///
+    /// # Errors
+    ///
+    /// [`FaultsError::Study`]: the arm's study does not bear the fault.
+    pub fn study(&self, case: &Case) -> Result<Study, FaultsError> {
+        let mut table = self.table(case);
+        let path = &self.arms[case.arm].path;
+        let mut study = read(&table.to_string(), path)?;
+        self.take_filter(case, &mut study);
+        if let Err(RunError::Sim(SimError::TooStiff { needed, .. })) = self.build(case, &study) {
+            set(&mut table, &["world", "substeps"], i64::from(needed).into());
+            study = read(&table.to_string(), path)?;
+        }
+        self.take_filter(case, &mut study);
+        Ok(study)
+    }
+
+    /// The velocity filter that the gains carry, where the study leaves it to the design.
+    fn take_filter(&self, case: &Case, study: &mut Study) {
+        if study.sensor.velocity_filter_designed {
+            study.sensor.velocity_filter_hz = self.gains(case).velocity_filter_hz;
+        }
+    }
+
+    /// The closed loop of a run.
+    pub(crate) fn build(&self, case: &Case, study: &Study) -> Result<Simulation, RunError> {
+        let form = match study.control.form {
+            LawForm::Observer => Form::Observer,
+            LawForm::Literal => Form::Literal,
+        };
+        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let gains = self.gains(case).joint_gains(&names, study.control.period_ns, form)?;
+        Ok(Simulation::new(study, &gains)?)
+    }
+
+    /// When a run's fault begins \[s\], and the joint drawn for it.
+    pub(crate) fn draw(&self, case: &Case) -> Draw {
+        let (_, study, _) = self.base(case);
+        let name = self.name(case).to_string();
+        let n = study.robot.joints.len();
+        let at = 0.1 + 0.3 * share(&name, "onset");
+        let period = period(study);
+        let sample =
+            ((study.spec.settle + at * (study.duration - study.spec.settle)) / period).round();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a share of a small number"
+        )]
+        let joint = (share(&name, "joint") * n as f64) as usize;
+        Draw {
+            // Between two samples: rounding cannot make it one sample longer.
+            onset: (sample - 0.5) * period,
+            joint: joint.min(n - 1),
+            sign: if share(&name, "sign") < 0.5 { 1.0 } else { -1.0 },
+        }
+    }
+
+    fn base(&self, case: &Case) -> &(usize, Study, Gains) {
+        let orders = &self.arms[case.arm].orders;
+        // Cases are made from these orders.
+        orders.iter().find(|(order, ..)| *order == case.order).unwrap_or(&orders[0])
+    }
+}
+
+impl Arm {
+    fn read(
+        path: &Path,
+        orders: &[usize],
+        cache: &Path,
+        choose: Choose<'_>,
+    ) -> Result<Self, FaultsError> {
+        let plain = Study::read(path).map_err(|e| FaultsError::Study(e.render()))?;
+        let unfit = |why: String| FaultsError::Unfit { path: path.to_owned(), why };
+        if plain.control.torque_max.is_none() {
+            let why = "a fault matrix needs torque limits: state loop.torque_max_nm";
+            return Err(unfit(why.to_owned()));
+        }
+        if !plain.faults.is_empty() {
+            let why = "the study has faults of its own: the matrix adds its own, one at a time";
+            return Err(unfit(why.to_owned()));
+        }
+        let table: Table = plain.text.parse().map_err(|e: toml::de::Error| unfit(e.to_string()))?;
+        let mut arm = Self {
+            name: plain.name,
+            path: path.to_owned(),
+            sha256: plain.sha256,
+            table,
+            orders: Vec::new(),
+        };
+        for &order in orders {
+            let study = read(&with_order(&arm.table, order).to_string(), path)?;
+            let kept = cache.join(format!("{}-m{order}.json", arm.name));
+            let gains = match cached(&kept, &study) {
+                Some(gains) => gains,
+                None => {
+                    choose(&study, path).map_err(|why| unfit(format!("order {order}: {why}")))?
+                }
+            };
+            arm.orders.push((order, study, gains));
+        }
+        Ok(arm)
+    }
+
+    pub(crate) fn record(&self) -> super::ArmRecord {
+        super::ArmRecord {
+            name: self.name.clone(),
+            study: self.path.display().to_string(),
+            study_sha256: self.sha256.clone(),
+        }
+    }
+
+    /// The gains of each order, with the file name they are kept under.
+    pub fn gains(&self) -> impl Iterator<Item = (String, &Gains)> {
+        self.orders.iter().map(|(order, _, gains)| (format!("{}-m{order}.json", self.name), gains))
+    }
+}
+
+/// The sample period \[s\].
+fn period(study: &Study) -> f64 {
+    study.control.period_ns as f64 * 1e-9
+}
+
+fn read(text: &str, path: &Path) -> Result<Study, FaultsError> {
+    let origin = path.display().to_string();
+    Study::from_text(text, &origin, path.parent().unwrap_or(Path::new("")))
+        .map_err(|e| FaultsError::Study(e.render()))
+}
+
+/// Gains made from this very study.
+fn cached(path: &Path, study: &Study) -> Option<Gains> {
+    let gains = Gains::from_json(&fs::read_to_string(path).ok()?).ok()?;
+    (gains.study_sha256 == study.sha256).then_some(gains)
+}
+
+/// The study with its estimator's order stated.
+fn with_order(table: &Table, order: usize) -> Table {
+    let mut table = table.clone();
+    let order = i64::try_from(order).unwrap_or(i64::MAX);
+    if table.contains_key("gains") {
+        set(&mut table, &["gains", "order"], order.into());
+    } else {
+        set(&mut table, &["design", "orders"], vec![order].into());
+    }
+    table
+}

@@ -1,0 +1,20 @@
+//! The fault matrix: faults × arms × orders × severities × seeds, each run against its bar.
+//!
+//! Every run is a study: the arm's own with one thing changed, so that `phihat run` repeats it. What goes
+//! wrong and what must come of it is one table, [`FAULTS`]; the onset, the joint and the sign of a run are
+//! drawn from its name.
+
+mod case;
+mod catalogue;
+mod cell;
+mod change;
+mod matrix;
+mod summary;
+
+pub use case::{Case, CaseName};
+pub use catalogue::{Bar, End, FAULTS, Fault, SEVERITIES};
+pub use cell::{Cell, STOP_SAMPLES};
+pub use matrix::{Arm, Choose, Extent, FaultsError, Matrix};
+pub use summary::{
+    ArmRecord, EXCURSION_SHARE, FORMAT, FaultRecord, Miss, RunRecord, Summary, Totals,
+};

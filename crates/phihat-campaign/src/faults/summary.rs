@@ -1,0 +1,227 @@
+//! The answer of a fault matrix: every run against its bar.
+
+use serde::{Deserialize, Serialize};
+
+use super::case::Case;
+use super::catalogue::{Bar, FAULTS};
+use super::cell::Cell;
+use super::matrix::Matrix;
+use crate::runner::Ended;
+
+/// What `format` says in every summary.
+pub const FORMAT: &str = "phihat-faults";
+
+/// Share of runs that must keep their excursion.
+pub const EXCURSION_SHARE: f64 = 0.99;
+
+/// The whole answer, `faults.json`: the same bytes for the same matrix, however it was run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Always `"phihat-faults"`.
+    pub format: String,
+    /// Version of phihat.
+    pub phihat_version: String,
+    /// The arms.
+    pub arms: Vec<ArmRecord>,
+    /// The faults of the matrix.
+    pub faults: Vec<FaultRecord>,
+    /// Every run.
+    pub runs: Vec<RunRecord>,
+    /// All of it in figures.
+    pub totals: Totals,
+}
+
+/// An arm of the matrix.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ArmRecord {
+    /// The study's name.
+    pub name: String,
+    /// The study's file, as it was named.
+    pub study: String,
+    /// SHA-256 of its text.
+    pub study_sha256: String,
+}
+
+/// A fault of the matrix.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FaultRecord {
+    /// Its name.
+    pub name: String,
+    /// The failure mode it stands for.
+    pub row: String,
+    /// What happens.
+    pub what: String,
+    /// The severities.
+    pub levels: Vec<f64>,
+    /// Their unit.
+    pub unit: String,
+    /// What must come of each.
+    pub bars: Vec<Bar>,
+}
+
+/// A run and its verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Its name.
+    pub name: String,
+    /// Its id in the journal.
+    pub id: String,
+    /// The arm's name.
+    pub arm: String,
+    /// The estimator's order.
+    pub order: usize,
+    /// The fault's name.
+    pub fault: String,
+    /// Severity, 1 to 3.
+    pub severity: usize,
+    /// Seed.
+    pub seed: u64,
+    /// What came of it.
+    pub ended: Ended<Cell>,
+    /// Bars that were missed, in words; empty: all kept.
+    pub missed: Vec<Miss>,
+}
+
+impl RunRecord {
+    /// What came of it; `None` if the program panicked.
+    pub fn cell(&self) -> Option<&Cell> {
+        match &self.ended {
+            Ended::With(cell) => Some(cell),
+            Ended::Panicked(_) => None,
+        }
+    }
+}
+
+/// A bar that a run can miss.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Miss {
+    /// The program panicked.
+    Panic,
+    /// The study cannot be run with the fault in it.
+    Refused,
+    /// Something was not finite, or the arm diverged.
+    NotFinite,
+    /// A drive was told more than the torque limit.
+    TorqueLimit,
+    /// A drive was told to change its torque faster than the rate limit.
+    RateLimit,
+    /// The excursion was larger than its bar.
+    Excursion,
+}
+
+impl Miss {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Panic => "the program panicked",
+            Self::Refused => "cannot be run",
+            Self::NotFinite => "not finite, or diverged",
+            Self::TorqueLimit => "beyond the torque limit",
+            Self::RateLimit => "beyond the torque-rate limit",
+            Self::Excursion => "excursion beyond its bar",
+        }
+    }
+}
+
+/// The matrix in figures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Totals {
+    /// All runs.
+    pub runs: usize,
+    /// Runs that kept every bar.
+    pub kept: usize,
+    /// Runs that panicked or could not be run.
+    pub panicked: usize,
+    /// Runs with something not finite.
+    pub not_finite: usize,
+    /// Runs beyond a torque or rate limit.
+    pub beyond_limits: usize,
+    /// Runs beyond their excursion's bar.
+    pub beyond_excursion: usize,
+    /// Whether the matrix as a whole is as it must be: nothing missed but the excursion of at most one run
+    /// in a hundred.
+    pub good: bool,
+}
+
+impl Summary {
+    /// The answer from every run's record, in the order of the matrix's cases.
+    pub fn new(matrix: &Matrix, ended: Vec<Ended<Cell>>) -> Self {
+        let runs: Vec<_> = matrix
+            .cases
+            .iter()
+            .zip(ended)
+            .map(|(case, ended)| record(matrix, case, ended))
+            .collect();
+        let used = |name: &str| matrix.cases.iter().any(|case| case.fault.name == name);
+        let fault = |fault: &super::Fault| FaultRecord {
+            name: fault.name.to_owned(),
+            row: fault.row.to_owned(),
+            what: fault.what.to_owned(),
+            levels: fault.levels.to_vec(),
+            unit: fault.unit.to_owned(),
+            bars: fault.bars.to_vec(),
+        };
+        Self {
+            format: FORMAT.to_owned(),
+            phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+            arms: matrix.arms.iter().map(super::Arm::record).collect(),
+            faults: FAULTS.iter().filter(|f| used(f.name)).map(fault).collect(),
+            totals: Totals::of(&runs),
+            runs,
+        }
+    }
+}
+
+fn record(matrix: &Matrix, case: &Case, ended: Ended<Cell>) -> RunRecord {
+    let missed = match &ended {
+        Ended::Panicked(_) => vec![Miss::Panic],
+        Ended::With(cell) => misses(cell, &case.fault.bars[case.severity]),
+    };
+    RunRecord {
+        name: matrix.name(case).to_string(),
+        id: matrix.id(case),
+        arm: matrix.arms[case.arm].name.clone(),
+        order: case.order,
+        fault: case.fault.name.to_owned(),
+        severity: case.severity + 1,
+        seed: case.seed,
+        ended,
+        missed,
+    }
+}
+
+/// What a run misses of its bar.
+fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
+    if cell.refused.is_some() {
+        return vec![Miss::Refused];
+    }
+    let beyond = bar.excursion_rad.is_some_and(|most| cell.excursion_rad > most);
+    let all = [
+        (Miss::NotFinite, !cell.finite),
+        (Miss::TorqueLimit, !cell.torque_kept),
+        (Miss::RateLimit, !cell.rate_kept),
+        (Miss::Excursion, beyond),
+    ];
+    all.into_iter().filter_map(|(miss, so)| so.then_some(miss)).collect()
+}
+
+impl Totals {
+    fn of(runs: &[RunRecord]) -> Self {
+        let count = |any: &[Miss]| {
+            runs.iter().filter(|run| run.missed.iter().any(|m| any.contains(m))).count()
+        };
+        let beyond_excursion = count(&[Miss::Excursion]);
+        let other = runs.iter().filter(|run| run.missed.iter().any(|m| *m != Miss::Excursion));
+        let inside = (runs.len() - beyond_excursion) as f64;
+        Self {
+            runs: runs.len(),
+            kept: runs.iter().filter(|run| run.missed.is_empty()).count(),
+            panicked: count(&[Miss::Panic, Miss::Refused]),
+            not_finite: count(&[Miss::NotFinite]),
+            beyond_limits: count(&[Miss::TorqueLimit, Miss::RateLimit]),
+            beyond_excursion,
+            good: other.count() == 0 && inside >= EXCURSION_SHARE * runs.len() as f64,
+        }
+    }
+}

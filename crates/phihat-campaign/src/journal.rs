@@ -1,0 +1,159 @@
+//! The journal of a campaign: one line per finished run, appended and never changed.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use thiserror::Error;
+
+use crate::hash::short_hash;
+
+/// An append-only file of JSON lines, each with a checksum, open for one process at a time.
+///
+/// A line is `{"id":…,"sum":…,"entry":…}`; `sum` is the head of the SHA-256 of id and entry. What a crash
+/// left half-written fails its checksum and is passed over, so that its run is simply done again.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    entries: BTreeMap<String, String>,
+    damaged: usize,
+}
+
+/// Why a journal cannot be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum JournalError {
+    /// Reading, writing or locking failed.
+    #[error("{}: {what}: {error}", path.display())]
+    Io {
+        /// The journal.
+        path: PathBuf,
+        /// What was being done.
+        what: &'static str,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// Another process writes to it.
+    #[error("{}: another campaign writes to this journal; wait for it, or choose another folder", .0.display())]
+    Busy(PathBuf),
+    /// An entry cannot be written as JSON.
+    #[error("the entry of run {id} cannot be written: {error}")]
+    Entry {
+        /// The run.
+        id: String,
+        /// Why.
+        error: serde_json::Error,
+    },
+}
+
+#[derive(Serialize)]
+struct Written<'a> {
+    id: &'a str,
+    sum: String,
+    entry: &'a RawValue,
+}
+
+#[derive(Deserialize)]
+struct Found {
+    id: String,
+    sum: String,
+    entry: Box<RawValue>,
+}
+
+impl Journal {
+    /// Opens a journal, or begins one, and reads what it holds.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`]: the file cannot be read or written, or another process has it open.
+    pub fn open(path: &Path) -> Result<Self, JournalError> {
+        let io = |what| move |error| JournalError::Io { path: path.to_owned(), what, error };
+        let mut options = OpenOptions::new();
+        let mut file = options
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(path)
+            .map_err(io("cannot be opened"))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(JournalError::Busy(path.to_owned())),
+            Err(TryLockError::Error(error)) => return Err(io("cannot be locked")(error)),
+        }
+        let mut bytes = Vec::new();
+        file.seek(SeekFrom::Start(0)).map_err(io("cannot be read"))?;
+        file.read_to_end(&mut bytes).map_err(io("cannot be read"))?;
+        let mut journal =
+            Self { path: path.to_owned(), file, entries: BTreeMap::new(), damaged: 0 };
+        for line in bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
+            match read_line(line) {
+                Some((id, entry)) => _ = journal.entries.insert(id, entry),
+                None => journal.damaged += 1,
+            }
+        }
+        if bytes.last().is_some_and(|&byte| byte != b'\n') {
+            // What a crash cut off must not swallow the next line.
+            journal.write(b"\n")?;
+        }
+        Ok(journal)
+    }
+
+    /// What is recorded of a run: its entry as the JSON text that was written.
+    pub fn entry(&self, id: &str) -> Option<&str> {
+        self.entries.get(id).map(String::as_str)
+    }
+
+    /// How many lines failed their checksum when the journal was opened.
+    pub fn damaged(&self) -> usize {
+        self.damaged
+    }
+
+    /// How many runs are recorded.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether no run is recorded.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Records a run; it is on the disk when this returns.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`]: the entry is no JSON, or the disk does not take it.
+    pub fn append(&mut self, id: &str, entry: &impl Serialize) -> Result<(), JournalError> {
+        let refuse = |error| JournalError::Entry { id: id.to_owned(), error };
+        let entry = serde_json::value::to_raw_value(entry).map_err(refuse)?;
+        let line = Written { id, sum: sum(id, entry.get()), entry: &entry };
+        let mut line = serde_json::to_vec(&line).map_err(refuse)?;
+        line.push(b'\n');
+        self.write(&line)?;
+        self.entries.insert(id.to_owned(), entry.get().to_owned());
+        Ok(())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
+        let written = self.file.write_all(bytes).and_then(|()| self.file.sync_data());
+        let what = "cannot be written";
+        written.map_err(|error| JournalError::Io { path: self.path.clone(), what, error })
+    }
+}
+
+/// Id and entry of a line, if its checksum is right.
+fn read_line(line: &[u8]) -> Option<(String, String)> {
+    let found: Found = serde_json::from_slice(line).ok()?;
+    let right = sum(&found.id, found.entry.get()) == found.sum;
+    right.then(|| (found.id, found.entry.get().to_owned()))
+}
+
+fn sum(id: &str, entry: &str) -> String {
+    let mut sum = short_hash(&[id, entry]);
+    sum.truncate(8);
+    sum
+}

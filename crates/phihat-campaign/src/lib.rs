@@ -1,0 +1,21 @@
+//! Many runs with one answer.
+//!
+//! A campaign is a list of runs, each with an id that stands for everything that decides its outcome, and a
+//! [`Journal`] of what is done. [`run_all`] does the rest on several threads; interrupt it at any instant and
+//! start it again, and the answer is the same, byte for byte.
+//!
+//! [`faults`] is the campaign that breaks everything an arm, its sensors, its drives and its network can
+//! break, and says what became of it.
+//!
+//! # Not claimed
+//!
+//! Runs are simulated. What no fault of the table does to the arm is not in the answer.
+#![forbid(unsafe_code)]
+
+pub mod faults;
+mod hash;
+mod journal;
+mod runner;
+
+pub use journal::{Journal, JournalError};
+pub use runner::{Ended, Progress, run_all};

@@ -1,0 +1,102 @@
+//! Many runs on several threads, each recorded as it ends.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::journal::{Journal, JournalError};
+
+/// What came of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ended<E> {
+    /// It ran to its end.
+    With(E),
+    /// It panicked, saying this. A panic is a fault of this program.
+    Panicked(String),
+}
+
+/// How far a campaign is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Runs that were in the journal already.
+    pub resumed: usize,
+    /// Runs recorded, those included.
+    pub done: usize,
+    /// All runs.
+    pub all: usize,
+}
+
+/// Does what a journal does not hold yet, and gives every run's record in the order of `ids`.
+///
+/// An id stands for all that decides a run's outcome: two runs with one id are one run. `work` gets a place
+/// in `ids` and must depend on nothing else, so that the answer is the same whatever the number of threads
+/// and however often the campaign was interrupted. Every record, fresh or resumed, is read back from the
+/// text in the journal.
+///
+/// # Errors
+///
+/// [`JournalError`] when the journal cannot be written: no further run is begun.
+pub fn run_all<E>(
+    ids: &[String],
+    journal: &mut Journal,
+    threads: usize,
+    work: &(impl Fn(usize) -> E + Sync),
+    mut progress: impl FnMut(Progress),
+) -> Result<Vec<Ended<E>>, JournalError>
+where
+    E: Serialize + DeserializeOwned + Send,
+{
+    let mut waiting: Vec<usize> = Vec::new();
+    for (place, id) in ids.iter().enumerate() {
+        if read::<E>(journal, id).is_none() && !waiting.iter().any(|&other| ids[other] == *id) {
+            waiting.push(place);
+        }
+    }
+    let all = ids.len();
+    let resumed = all - waiting.len();
+    progress(Progress { resumed, done: resumed, all });
+    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let (sender, receiver) = mpsc::channel();
+    thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, waiting.len().max(1)) {
+            let (sender, waiting, next, stop) = (sender.clone(), &waiting, &next, &stop);
+            scope.spawn(move || {
+                while !stop.load(Ordering::Relaxed)
+                    && let Some(&place) = waiting.get(next.fetch_add(1, Ordering::Relaxed))
+                    && sender.send((place, attempt(work, place))).is_ok()
+                {}
+            });
+        }
+        drop(sender);
+        for (done, (place, ended)) in (resumed + 1..).zip(&receiver) {
+            journal.append(&ids[place], &ended).inspect_err(|_| {
+                stop.store(true, Ordering::Relaxed);
+            })?;
+            progress(Progress { resumed, done, all });
+        }
+        Ok(())
+    })?;
+    Ok(ids.iter().filter_map(|id| read(journal, id)).collect())
+}
+
+/// A run's record; `None` when there is none, or it has another shape.
+fn read<E: DeserializeOwned>(journal: &Journal, id: &str) -> Option<Ended<E>> {
+    serde_json::from_str(journal.entry(id)?).ok()
+}
+
+fn attempt<E>(work: &(impl Fn(usize) -> E + Sync), place: usize) -> Ended<E> {
+    // What a panicking run leaves half-done is its own and goes with it.
+    match catch_unwind(AssertUnwindSafe(|| work(place))) {
+        Ok(entry) => Ended::With(entry),
+        Err(cause) => {
+            let text = cause.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| cause.downcast_ref::<&str>().copied());
+            Ended::Panicked(text.unwrap_or("a panic without words").to_owned())
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! `phihat faults`: everything that can break, broken, one run each; and what became of the arm.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::thread::available_parallelism;
+
+use clap::Args;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, Table};
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat_campaign::faults::{Case, Extent, Matrix, Summary};
+use phihat_campaign::{Journal, run_all};
+use phihat_design::Gains;
+use phihat_study::Study;
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::files;
+use crate::record::Session;
+use crate::report::write_report;
+
+/// Break everything an arm can meet, one fault at a time, and see what becomes of it.
+///
+/// Every run is the study with one fault of one severity: sensors, drives, network, clock, load, friction,
+/// limits. Writes journal.jsonl, faults.json and report.html to out/STUDY/faults/ (out/faults/ for several
+/// studies). An interrupted matrix goes on where it was.
+#[derive(Debug, Args)]
+#[command(after_help = "Exit code 1: a bar was missed.\n\nExamples:\n  \
+    phihat faults studies/panda_design.toml --quick\n  \
+    phihat faults studies/faults/*.toml\n  \
+    phihat faults studies/faults/panda.toml --only panda/m2/freeze/3/1 --trace")]
+#[allow(clippy::struct_excessive_bools, reason = "independent switches of a command line")]
+pub(crate) struct Faults {
+    /// The studies (TOML), one per arm; without faults of their own.
+    #[arg(required = true)]
+    studies: Vec<PathBuf>,
+    /// Estimator orders, each with its own gains.
+    #[arg(long, value_name = "M", value_delimiter = ',', default_value = "1,2")]
+    orders: Vec<usize>,
+    /// Seeds per fault and severity: onset, joint, sign and noise differ.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    seeds: u64,
+    /// One order, one seed.
+    #[arg(long)]
+    quick: bool,
+    /// Only runs whose name (ARM/mORDER/FAULT/SEVERITY/SEED) contains this.
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+    /// Keep study, trace and report of every run; for 20 runs at most.
+    #[arg(long)]
+    trace: bool,
+    /// Do every run again, whatever the journal holds.
+    #[arg(long)]
+    fresh: bool,
+    /// Runs at a time [default: one per core].
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Folder for the results.
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs whose traces are kept at most: some 3 MB each.
+const TRACES_MAX: usize = 20;
+
+impl Faults {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        if let Some(order) = self.orders.iter().find(|m| !(1..=phihat::ORDER_MAX).contains(*m)) {
+            let message = format!("--orders {order}: orders are 1 to {}", phihat::ORDER_MAX);
+            return Err(Failure::plain(message));
+        }
+        let folder = self.folder()?;
+        let mut extent =
+            Extent { orders: self.orders.clone(), seeds: self.seeds, only: self.only.clone() };
+        if self.quick {
+            extent.orders.truncate(1);
+            extent.seeds = 1;
+        }
+        let cache = folder.join("gains");
+        let matrix =
+            Matrix::new(&self.studies, &extent, &cache, &gains_of).map_err(Failure::plain)?;
+        if self.trace && matrix.cases.len() > TRACES_MAX {
+            let runs = matrix.cases.len();
+            let message = format!("--trace: {runs} runs; choose {TRACES_MAX} at most with --only");
+            return Err(Failure::plain(message));
+        }
+        files::make_folder(&cache)?;
+        for (name, gains) in matrix.arms.iter().flat_map(phihat_campaign::faults::Arm::gains) {
+            files::write(&cache.join(name), &gains.to_json().map_err(Failure::plain)?)?;
+        }
+        let summary = self.run(&matrix, &folder)?;
+        let page = folder.join("report.html");
+        let text = serde_json::to_string_pretty(&summary).map_err(Failure::plain)?;
+        files::write(&folder.join("faults.json"), &(text + "\n"))?;
+        files::write(&page, &phihat_report::faults_page(&summary, &self.command()))?;
+        if self.trace {
+            for case in &matrix.cases {
+                keep(&matrix, case, &folder)?;
+            }
+        }
+        self.tell(&summary, &folder, &page);
+        Ok(if summary.totals.good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// Where the results go.
+    fn folder(&self) -> Result<PathBuf, Failure> {
+        if let Some(folder) = &self.out {
+            return Ok(folder.clone());
+        }
+        match self.studies.as_slice() {
+            [one] => {
+                let study = Study::read(one).map_err(|e| Failure::study(&e))?;
+                Ok(Path::new("out").join(study.name).join("faults"))
+            }
+            _ => Ok(Path::new("out").join("faults")),
+        }
+    }
+
+    fn run(&self, matrix: &Matrix, folder: &Path) -> Result<Summary, Failure> {
+        let path = folder.join("journal.jsonl");
+        if self.fresh && path.exists() {
+            std::fs::remove_file(&path).map_err(|e| Failure::at(&path, e))?;
+        }
+        let mut journal = Journal::open(&path).map_err(Failure::plain)?;
+        if journal.damaged() > 0 {
+            eprintln!("{} damaged lines of {} are passed over", journal.damaged(), path.display());
+        }
+        let ids: Vec<String> = matrix.cases.iter().map(|case| matrix.id(case)).collect();
+        let cores = available_parallelism().map_or(1, usize::from);
+        let bar = ProgressBar::new(ids.len() as u64);
+        let template = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        let ended = run_all(
+            &ids,
+            &mut journal,
+            self.threads.unwrap_or(cores),
+            &|place| matrix.run(&matrix.cases[place]),
+            |progress| {
+                if progress.done == progress.resumed {
+                    // What was done before says nothing about the time left.
+                    bar.set_position(progress.done as u64);
+                    bar.reset_eta();
+                }
+                bar.set_position(progress.done as u64);
+            },
+        )
+        .map_err(Failure::plain)?;
+        bar.finish_and_clear();
+        Ok(Summary::new(matrix, ended))
+    }
+
+    /// The command that repeats one run of these studies, but for the run's name.
+    fn command(&self) -> String {
+        let studies: Vec<_> = self.studies.iter().map(|s| s.display().to_string()).collect();
+        let mut command = format!("phihat faults {}", studies.join(" "));
+        if let Some(folder) = &self.out {
+            command = format!("{command} --out {}", folder.display());
+        }
+        command
+    }
+
+    fn tell(&self, summary: &Summary, folder: &Path, page: &Path) {
+        if self.json {
+            let document = json!({
+                "folder": folder,
+                "report": page,
+                "totals": summary.totals,
+                "missed": summary.runs.iter().filter(|run| !run.missed.is_empty()).collect::<Vec<_>>(),
+            });
+            println!("{document:#}");
+        } else {
+            println!("{}", overview(summary));
+            println!("report: {}", page.display());
+        }
+    }
+}
+
+/// The gains that a study states, else designed ones; they may run on its arm.
+fn gains_of(study: &Study, path: &Path) -> Result<Gains, String> {
+    let session = Session::new(Box::new(study.clone()), path, None, false);
+    session.map(Session::into_gains).map_err(|e| e.to_string())
+}
+
+/// Repeats a run with everything it leaves: study, gains, trace, report.
+fn keep(matrix: &Matrix, case: &Case, folder: &Path) -> Result<(), Failure> {
+    let folder = folder.join("runs").join(matrix.name(case).to_string());
+    let study = Box::new(matrix.study(case).map_err(Failure::plain)?);
+    let gains = folder.join("gains.json");
+    let given = Some((matrix.gains(case).clone(), gains.as_path()));
+    let done = Session::new(study, &folder.join("study.toml"), given, true)?.simulate(&folder)?;
+    write_report(&done.record(), &folder.join("report.html"))?;
+    Ok(())
+}
+
+/// One line per fault, what each severity came to, and the totals.
+fn overview(summary: &Summary) -> String {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_header(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
+    for fault in &summary.faults {
+        let runs = || summary.runs.iter().filter(|run| run.fault == fault.name);
+        let level = |severity: usize| {
+            let of: Vec<_> = runs().filter(|run| run.severity == severity).collect();
+            let kept = of.iter().filter(|run| run.missed.is_empty()).count();
+            format!("{kept}/{}", of.len())
+        };
+        let worst = runs().filter_map(|run| run.cell()).map(|cell| cell.excursion_rad);
+        let worst = format!("{:.2} mrad", 1e3 * worst.fold(0.0, f64::max));
+        let name = fault.name.clone();
+        table.add_row([fault.row.clone(), name, level(1), level(2), level(3), worst]);
+    }
+    for column in table.column_iter_mut().skip(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let totals = &summary.totals;
+    let parts = [
+        ("panicked or could not run", totals.panicked),
+        ("not finite", totals.not_finite),
+        ("beyond a torque or rate limit", totals.beyond_limits),
+        ("beyond their excursion's bar", totals.beyond_excursion),
+    ];
+    let lines = parts.map(|(what, count)| format!("{what}: {count}"));
+    let kept = format!("runs that kept their bars: {} of {}", totals.kept, totals.runs);
+    format!("{table}\n{kept}\n{}", lines.join("\n"))
+}
