@@ -1,5 +1,7 @@
-//! The controller outside of Rust: C and C++ programs compiled, run, and watched by sanitizers and valgrind.
+//! phihat outside of Rust: C and C++ programs compiled, run, and watched by sanitizers and valgrind; the Python
+//! package built, installed, and tested.
 
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -9,8 +11,11 @@ use crate::test::command;
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
 
 /// Programs: source, and whether it takes the test vectors.
-const PROGRAMS: [(&str, bool); 2] =
-    [("crates/phihat-c/tests/vectors.c", true), ("examples/c/01_controller.c", false)];
+const PROGRAMS: [(&str, bool); 3] = [
+    ("crates/phihat-c/tests/vectors.c", true),
+    ("examples/c/01_controller.c", false),
+    ("examples/c/02_supervisor.c", false),
+];
 
 /// Builds the library, then every program as C99, as C++17 and under sanitizers, and runs them.
 pub(crate) fn c(root: &Path) -> Result<(), String> {
@@ -56,4 +61,65 @@ pub(crate) fn c(root: &Path) -> Result<(), String> {
         command(root, "valgrind", &[&valgrind[..], &[&plain], arguments].concat())?;
     }
     Ok(())
+}
+
+/// Builds the wheel into an environment of its own, then checks types, tests and examples.
+pub(crate) fn python(root: &Path) -> Result<(), String> {
+    let python = environment(root)?;
+    let package = root.join("crates/phihat-py");
+    let wheels = root.join("target/wheels");
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels).map_err(|e| e.to_string())?;
+    }
+    // The profile of the release build: what that has compiled is not compiled again.
+    let build = ["-m", "maturin", "build", "--release", "--quiet", "--out"];
+    let target = [&wheels.display().to_string(), "--interpreter", &python];
+    command(&package, &python, &[&build[..], &target].concat())?;
+    let found = files(&wheels, "whl")?;
+    let wheel = found.first().ok_or("maturin left no wheel")?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let over = ["--force-reinstall", "--no-deps", wheel];
+    command(root, &python, &[&install[..], &over].concat())?;
+    command(
+        &package,
+        &python,
+        &["-m", "mypy", "--strict", "--no-error-summary", "python", "tests"],
+    )?;
+    command(&package, &python, &["-m", "mypy.stubtest", "phihat._phihat"])?;
+    command(&package, &python, &["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "tests"])?;
+    for example in files(&root.join("examples/python"), "py")? {
+        println!("{example}");
+        command(root, &python, &[&example])?;
+    }
+    Ok(())
+}
+
+/// Python with all that the tests need, in `target/python`; made again when the list changes.
+fn environment(root: &Path) -> Result<String, String> {
+    let folder = root.join("target/python");
+    let python = folder.join("bin/python").display().to_string();
+    let list = root.join("crates/phihat-py/tests/requirements.txt");
+    let wanted = fs::read_to_string(&list).map_err(|e| format!("{}: {e}", list.display()))?;
+    let stamp = folder.join("installed.txt");
+    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(python);
+    }
+    println!("making {} with the packages of {}", folder.display(), list.display());
+    command(root, "python3", &["-m", "venv", "--clear", &folder.display().to_string()])?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
+    command(root, &python, &[&install[..], &[&list.display().to_string()]].concat())?;
+    fs::write(&stamp, wanted).map_err(|e| e.to_string())?;
+    Ok(python)
+}
+
+/// Files of a folder with an extension, sorted.
+fn files(folder: &Path, extension: &str) -> Result<Vec<String>, String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let paths = entries.filter_map(|entry| entry.ok().map(|e| e.path()));
+    let mut found: Vec<String> = paths
+        .filter(|path| path.extension().is_some_and(|e| e == extension))
+        .map(|path| path.display().to_string())
+        .collect();
+    found.sort();
+    Ok(found)
 }

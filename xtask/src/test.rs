@@ -9,7 +9,7 @@ use crate::{bindings, bless, rules};
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 14] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -29,6 +29,7 @@ const STEPS: [Step; 13] = [
     ("the README prints what is printed", bless::check),
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
+    ("Python", bindings::python),
 ];
 
 /// Runs every step, or those whose name contains an argument; stops at the first failure.

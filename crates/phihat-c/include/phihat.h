@@ -11,9 +11,12 @@
  * Every structure begins with its own size, set by the caller (`.size = sizeof(phihat_joint)`), so that
  * later versions can add members at the end. Every function answers a phihat_status.
  *
- * Real time: phihat_controller_create() allocates, phihat_controller_destroy() frees, nothing else
- * touches the heap, waits, or calls the system. Different controllers may be used by different threads;
- * one controller by one thread at a time.
+ * phihat_controller is the law and its limits. phihat_supervisor puts around it what a real arm needs: a
+ * guard for bad, late and lost samples, joint limits, modes with a latched safe stop, bumpless starts.
+ *
+ * Real time: the functions ..._create() allocate, ..._destroy() free, nothing else touches the heap, waits,
+ * or calls the system. Different handles may be used by different threads; one handle by one thread at a
+ * time.
  *
  * Not a safety function: research and engineering software, no replacement for an emergency stop.
  */
@@ -55,6 +58,56 @@
 #define PHIHAT_REFUSED 4
 
 /**
+ * Request: no torque; from armed and from a stop only.
+ */
+#define PHIHAT_REQUEST_IDLE 0
+
+/**
+ * Request: get ready; counts when it is new.
+ */
+#define PHIHAT_REQUEST_ARM 1
+
+/**
+ * Request: hold the pose.
+ */
+#define PHIHAT_REQUEST_HOLD 2
+
+/**
+ * Request: follow the reference.
+ */
+#define PHIHAT_REQUEST_TRACK 3
+
+/**
+ * Request: safe stop.
+ */
+#define PHIHAT_REQUEST_STOP 4
+
+/**
+ * Mode: no torque.
+ */
+#define PHIHAT_MODE_IDLE 0
+
+/**
+ * Mode: ready; the held torque and damping act.
+ */
+#define PHIHAT_MODE_ARMED 1
+
+/**
+ * Mode: the law holds a pose.
+ */
+#define PHIHAT_MODE_HOLDING 2
+
+/**
+ * Mode: the law follows the reference.
+ */
+#define PHIHAT_MODE_TRACKING 3
+
+/**
+ * Mode: latched; held torque and damping, then the brakes. Left by a new PHIHAT_REQUEST_ARM.
+ */
+#define PHIHAT_MODE_SAFE_STOP 4
+
+/**
  * What a call came to.
  */
 typedef enum phihat_status {
@@ -91,12 +144,21 @@ typedef enum phihat_status {
    * A mistake of this library: please report it.
    */
   PHIHAT_STATUS_INTERNAL = 7,
+  /**
+   * An option is not possible; phihat_error says which.
+   */
+  PHIHAT_STATUS_BAD_OPTION = 8,
 } phihat_status;
 
 /**
  * A controller for an arm: gains, what they remember, and room for one sample.
  */
 typedef struct phihat_controller phihat_controller;
+
+/**
+ * A controller under supervision, for an arm.
+ */
+typedef struct phihat_supervisor phihat_supervisor;
 
 /**
  * Gains and limits of one joint.
@@ -231,6 +293,202 @@ typedef struct phihat_command {
   uint32_t *flags;
 } phihat_command;
 
+/**
+ * What one joint is guarded by; phihat_guard_default() fills it with "nothing".
+ */
+typedef struct phihat_guard {
+  /**
+   * sizeof(phihat_guard).
+   */
+  size_t size;
+  /**
+   * Largest plausible speed [rad/s]; it bounds the step in position as well. INFINITY: not judged.
+   */
+  double velocity_max_rad_s;
+  /**
+   * Hard limits of the position [rad], beyond which the arm stops; -INFINITY and INFINITY: none.
+   */
+  double position_min_rad;
+  /**
+   * See position_min_rad; both or neither.
+   */
+  double position_max_rad;
+  /**
+   * Width of the soft zone inside of each hard limit [rad]; used where there are limits.
+   */
+  double position_soft_rad;
+  /**
+   * Deceleration that the joint can always afford near a limit [rad/s^2]; used where there are limits.
+   */
+  double braking_rad_s2;
+  /**
+   * Largest |e| while the law runs [rad]; beyond it the arm stops. INFINITY: not judged.
+   */
+  double error_max_rad;
+  /**
+   * A position that stands still while the joint should have moved this far is frozen [rad]. INFINITY:
+   * not judged.
+   */
+  double frozen_travel_rad;
+  /**
+   * Limits that every reference is shaped to [rad/s, rad/s^2, rad/s^3]; all INFINITY: it is taken as it
+   * is.
+   */
+  double reference_velocity_max_rad_s;
+  /**
+   * See reference_velocity_max_rad_s.
+   */
+  double reference_acceleration_max_rad_s2;
+  /**
+   * See reference_velocity_max_rad_s.
+   */
+  double reference_jerk_max_rad_s3;
+  /**
+   * Inside this |e|, with the reference at rest, the estimate is held [rad]; 0: never.
+   */
+  double dead_zone_rad;
+  /**
+   * Root mean square of the torque's second difference that counts as oscillation [N m]. INFINITY: not
+   * judged.
+   */
+  double oscillation_nm;
+  /**
+   * Torque variation that is enough to judge, at first motion, whether the joint goes the way the torque
+   * pushes [N m, root mean square]. INFINITY: not judged.
+   */
+  double first_motion_nm;
+} phihat_guard;
+
+/**
+ * How an arm is supervised; phihat_supervision_default() fills it.
+ */
+typedef struct phihat_supervision {
+  /**
+   * sizeof(phihat_supervision).
+   */
+  size_t size;
+  /**
+   * Time between samples [ns].
+   */
+  uint64_t period_ns;
+  /**
+   * Oldest usable sample [ns].
+   */
+  uint64_t age_max_ns;
+  /**
+   * Largest advance of the sequence number.
+   */
+  uint64_t sequence_window;
+  /**
+   * Samples missed in a row for which the last torque is held; then it fades to phi_hat.
+   */
+  uint32_t hold_samples;
+  /**
+   * Samples missed in a row that stop the arm.
+   */
+  uint32_t stop_samples;
+  /**
+   * Unbelievable samples in a row that stop the arm.
+   */
+  uint32_t bad_samples;
+  /**
+   * Samples missed of the last 64 that stop the arm.
+   */
+  uint32_t lost_max;
+  /**
+   * Largest speed that counts as rest [rad/s].
+   */
+  double rest_velocity_rad_s;
+  /**
+   * Largest distance between pose and reference at which tracking starts [rad].
+   */
+  double start_mismatch_max_rad;
+  /**
+   * How long a change of reference is blended over [s].
+   */
+  double blend_s;
+  /**
+   * Damping while armed and in a stop, as a share of K_d, 0 to 1.
+   */
+  double stop_damping;
+  /**
+   * After this time in a stop the brakes are asked for even if the arm still moves [s].
+   */
+  double stop_s;
+} phihat_supervision;
+
+/**
+ * Which sample it is, and what is asked.
+ */
+typedef struct phihat_request {
+  /**
+   * sizeof(phihat_request).
+   */
+  size_t size;
+  /**
+   * Number of the sample, counted by the robot; repeat the last one when none came.
+   */
+  uint64_t sequence;
+  /**
+   * When the sample was taken, by any clock that goes forward [ns].
+   */
+  uint64_t t_ns;
+  /**
+   * Now, by the same clock [ns].
+   */
+  uint64_t now_ns;
+  /**
+   * Torques that hold the arm [N m], heeded when it is armed; null: those of the last stop, or zero.
+   */
+  const double *preset;
+  /**
+   * PHIHAT_REQUEST_IDLE, _ARM, _HOLD, _TRACK or _STOP: a level, repeated at every sample.
+   */
+  uint32_t mode;
+} phihat_request;
+
+/**
+ * What a sample brought.
+ */
+typedef struct phihat_report {
+  /**
+   * sizeof(phihat_report).
+   */
+  size_t size;
+  /**
+   * Which joint the fault is about; SIZE_MAX without a fault.
+   */
+  size_t fault_joint;
+  /**
+   * What stopped the arm, kept until it is armed again, as in "link-lost"; null without a fault.
+   */
+  const char *fault;
+  /**
+   * Why the request was not granted, as in "not-at-rest"; null if it was.
+   */
+  const char *refusal;
+  /**
+   * PHIHAT_MODE_IDLE, _ARMED, _HOLDING, _TRACKING or _SAFE_STOP, from this sample on.
+   */
+  uint32_t mode;
+  /**
+   * Set of events; phihat_event_text() names each bit.
+   */
+  uint32_t events;
+  /**
+   * 1: the brakes should be closed.
+   */
+  uint32_t brake;
+  /**
+   * Samples missed in a row.
+   */
+  uint32_t misses;
+  /**
+   * Samples missed of the last 64.
+   */
+  uint32_t lost;
+} phihat_report;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -316,6 +574,75 @@ enum phihat_status phihat_controller_update(struct phihat_controller *controller
 enum phihat_status phihat_controller_resume(struct phihat_controller *controller,
                                             const struct phihat_sample *sample,
                                             const double *tau);
+
+/**
+ * Fills a phihat_guard with "nothing is judged"; set its size first.
+ *
+ * # Safety
+ *
+ * `guard` is null or points to a phihat_guard whose size is set.
+ */
+enum phihat_status phihat_guard_default(struct phihat_guard *guard);
+
+/**
+ * Fills a phihat_supervision with the defaults at a period [ns]; set its size first.
+ *
+ * # Safety
+ *
+ * `supervision` is null or points to a phihat_supervision whose size is set.
+ */
+enum phihat_status phihat_supervision_default(uint64_t period_ns,
+                                              struct phihat_supervision *supervision);
+
+/**
+ * Makes a supervised controller, idle. Allocates; not for the control loop.
+ *
+ * @param joints      Gains and limits, one per joint.
+ * @param guards      What each joint is guarded by, one per joint; null: as phihat_guard_default() says.
+ * @param count       Number of joints, at least 1.
+ * @param supervision How the arm is supervised.
+ * @param supervisor  Receives the handle; free it with phihat_supervisor_destroy().
+ * @param error       Receives what was wrong; set its size first. May be null.
+ *
+ * # Safety
+ *
+ * Every pointer is null or valid for what the header says of it.
+ */
+enum phihat_status phihat_supervisor_create(const struct phihat_joint *joints,
+                                            const struct phihat_guard *guards,
+                                            size_t count,
+                                            const struct phihat_supervision *supervision,
+                                            struct phihat_supervisor **supervisor,
+                                            struct phihat_error *error);
+
+/**
+ * Frees a supervised controller; null is allowed. The handle is gone afterwards.
+ *
+ * # Safety
+ *
+ * `supervisor` is null or came from phihat_supervisor_create() and was not freed before.
+ */
+void phihat_supervisor_destroy(struct phihat_supervisor *supervisor);
+
+/**
+ * Answers one period of the whole arm; call it once per period, whether a new sample came or not. Real time.
+ * Whatever the values, the torques are finite and within their limits, and what happened is in `report`.
+ * The arrays of sample and command may overlap.
+ *
+ * # Safety
+ *
+ * Every pointer is null or valid for what the header says of it.
+ */
+enum phihat_status phihat_supervisor_step(struct phihat_supervisor *supervisor,
+                                          const struct phihat_sample *sample,
+                                          const struct phihat_request *request,
+                                          const struct phihat_command *command,
+                                          struct phihat_report *report);
+
+/**
+ * Name of an event, of which `bit` is the place, from 0; null where there is none.
+ */
+const char *phihat_event_text(uint32_t bit);
 
 #ifdef __cplusplus
 }  // extern "C"

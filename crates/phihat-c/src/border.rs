@@ -37,6 +37,23 @@ pub(crate) unsafe fn element<'a, T>(first: *const T, index: usize) -> Result<&'a
     unsafe { structure(first.add(index)) }.map_err(|why| why.at(index))
 }
 
+/// Writes a structure whose size the caller has set.
+///
+/// # Safety
+///
+/// As for [`structure`], and it can be written to.
+pub(crate) unsafe fn write_structure<T>(at: *mut T, value: T) -> Status {
+    // SAFETY: the caller's.
+    match unsafe { structure(at.cast_const()) } {
+        Ok(_) => {
+            // SAFETY: checked just now.
+            unsafe { at.write(value) };
+            Status::Ok
+        }
+        Err(refusal) => refusal.status,
+    }
+}
+
 /// Refuses arrays that are missing.
 pub(crate) fn present<const N: usize>(arrays: [*const f64; N]) -> Result<(), Refusal> {
     if arrays.iter().any(|at| at.is_null()) {

@@ -58,7 +58,7 @@ pub unsafe extern "C" fn phihat_controller_create(
         for index in 0..count {
             // SAFETY: the caller's array has `count` elements.
             let joint = unsafe { element(joints, index) }?;
-            made.gains.push(gains(joint, index, period_s)?);
+            made.gains.push(checked_gains(joint, index, period_s)?);
         }
         made.states.resize(count, JointState::new());
         made.measurements.resize(count, Measurement::default());
@@ -130,22 +130,12 @@ pub unsafe extern "C" fn phihat_controller_update(
         let (c, sample, to) =
             unsafe { (handle(controller)?, structure(sample)?, structure(command)?) };
         // SAFETY: the caller's.
-        unsafe { c.take(sample) }?;
+        unsafe { copy_sample(sample, &mut c.measurements, &mut c.references) }?;
         present([to.tau.cast_const()])?;
         joints_match(c.gains.len(), to.joints)?;
         update_joints(&c.gains, &mut c.states, &c.measurements, &c.references, &mut c.commands);
-        for (i, answer) in c.commands.iter().enumerate() {
-            // SAFETY: not null where written to, and with one entry per joint.
-            unsafe {
-                to.tau.add(i).write(answer.tau);
-                if !to.phi_hat.is_null() {
-                    to.phi_hat.add(i).write(answer.phi_hat);
-                }
-                if !to.flags.is_null() {
-                    to.flags.add(i).write(flags(answer));
-                }
-            }
-        }
+        // SAFETY: not null where written to, and with one entry per joint.
+        unsafe { give(&c.commands, to) };
         let refused = c.commands.iter().any(|answer| answer.status.refused);
         Ok(if refused { Status::Refused } else { Status::Ok })
     };
@@ -170,7 +160,7 @@ pub unsafe extern "C" fn phihat_controller_resume(
         // SAFETY: the caller's.
         let (c, sample) = unsafe { (handle(controller)?, structure(sample)?) };
         // SAFETY: the caller's.
-        unsafe { c.take(sample) }?;
+        unsafe { copy_sample(sample, &mut c.measurements, &mut c.references) }?;
         present([tau])?;
         // All joints or none: tried on copies, which need no heap.
         for commit in [false, true] {
@@ -192,29 +182,50 @@ pub unsafe extern "C" fn phihat_controller_resume(
     unsafe { answer(core::ptr::null_mut(), call) }
 }
 
-impl phihat_controller {
-    /// Copies a sample in.
-    ///
-    /// # Safety
-    ///
-    /// The sample's arrays are null or have as many entries as it says.
-    unsafe fn take(&mut self, sample: &phihat_sample) -> Result<(), Refusal> {
-        let phihat_sample { q, dq, tau_applied, q_des, dq_des, ddq_des, .. } = *sample;
-        present([q, dq, tau_applied, q_des, dq_des, ddq_des])?;
-        joints_match(self.gains.len(), sample.joints)?;
-        let to = self.measurements.iter_mut().zip(&mut self.references);
-        for (i, (measurement, reference)) in to.enumerate() {
-            // SAFETY: not null, and with one entry per joint.
-            unsafe {
-                measurement.q = q.add(i).read();
-                measurement.dq = dq.add(i).read();
-                measurement.tau_applied = tau_applied.add(i).read();
-                reference.q = q_des.add(i).read();
-                reference.dq = dq_des.add(i).read();
-                reference.ddq = ddq_des.add(i).read();
+/// Copies a sample in.
+///
+/// # Safety
+///
+/// The sample's arrays are null or have as many entries as it says.
+pub(crate) unsafe fn copy_sample(
+    sample: &phihat_sample,
+    measurements: &mut [Measurement<f64>],
+    references: &mut [Reference<f64>],
+) -> Result<(), Refusal> {
+    let phihat_sample { q, dq, tau_applied, q_des, dq_des, ddq_des, .. } = *sample;
+    present([q, dq, tau_applied, q_des, dq_des, ddq_des])?;
+    joints_match(measurements.len(), sample.joints)?;
+    for (i, (measurement, reference)) in measurements.iter_mut().zip(references).enumerate() {
+        // SAFETY: not null, and with one entry per joint.
+        unsafe {
+            measurement.q = q.add(i).read();
+            measurement.dq = dq.add(i).read();
+            measurement.tau_applied = tau_applied.add(i).read();
+            reference.q = q_des.add(i).read();
+            reference.dq = dq_des.add(i).read();
+            reference.ddq = ddq_des.add(i).read();
+        }
+    }
+    Ok(())
+}
+
+/// Copies an answer out.
+///
+/// # Safety
+///
+/// `tau` is not null; what is not null has one entry per command.
+pub(crate) unsafe fn give(commands: &[Command<f64>], to: &phihat_command) {
+    for (i, answer) in commands.iter().enumerate() {
+        // SAFETY: the caller's.
+        unsafe {
+            to.tau.add(i).write(answer.tau);
+            if !to.phi_hat.is_null() {
+                to.phi_hat.add(i).write(answer.phi_hat);
+            }
+            if !to.flags.is_null() {
+                to.flags.add(i).write(flags(answer));
             }
         }
-        Ok(())
     }
 }
 
@@ -231,19 +242,23 @@ unsafe fn handle<'a>(
     living.ok_or_else(|| Refusal::new(Status::NullPointer, "the controller's handle is null"))
 }
 
-fn joints_match(own: usize, given: usize) -> Result<(), Refusal> {
+pub(crate) fn joints_match(own: usize, given: usize) -> Result<(), Refusal> {
     let why = "the number of joints is not that of the controller";
     if own == given { Ok(()) } else { Err(Refusal::new(Status::WrongJoints, why)) }
 }
 
-fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
+pub(crate) fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
     let mut vec = Vec::new();
     let short = |_| Refusal::new(Status::OutOfMemory, "there is no memory left");
     vec.try_reserve_exact(count).map_err(short)?;
     Ok(vec)
 }
 
-fn gains(joint: &phihat_joint, index: usize, period: f64) -> Result<JointGains<f64>, Refusal> {
+pub(crate) fn checked_gains(
+    joint: &phihat_joint,
+    index: usize,
+    period: f64,
+) -> Result<JointGains<f64>, Refusal> {
     let refuse = |error: GainError| Refusal::gain(index, error);
     let order = joint.order as usize;
     let a = joint.a.get(..order).ok_or_else(|| refuse(GainError::Order { order }))?;

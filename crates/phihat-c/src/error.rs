@@ -3,7 +3,7 @@
 use core::ffi::{CStr, c_char};
 use core::fmt::{self, Write};
 
-use phihat::{Gain, GainError};
+use phihat::{Gain, GainError, OptionError};
 
 /// What a call came to.
 #[repr(C)]
@@ -26,6 +26,8 @@ pub enum Status {
     OutOfMemory = 6,
     /// A mistake of this library: please report it.
     Internal = 7,
+    /// An option is not possible; phihat_error says which.
+    BadOption = 8,
 }
 
 /// What was wrong, for people and programs.
@@ -56,6 +58,7 @@ pub(crate) struct Refusal {
 enum Why {
     Text(&'static str),
     Gain(GainError),
+    Option(OptionError),
 }
 
 impl Refusal {
@@ -65,6 +68,10 @@ impl Refusal {
 
     pub(crate) fn gain(joint: usize, error: GainError) -> Self {
         Self { status: Status::BadGain, joint: Some(joint), why: Why::Gain(error) }
+    }
+
+    pub(crate) fn option(joint: Option<usize>, error: OptionError) -> Self {
+        Self { status: Status::BadOption, joint, why: Why::Option(error) }
     }
 
     pub(crate) fn at(self, joint: usize) -> Self {
@@ -85,11 +92,21 @@ impl Refusal {
         let _ = match (self.joint, self.why) {
             (Some(joint), Why::Text(why)) => write!(text, "joint {joint}: {why}"),
             (None, Why::Text(why)) => write!(text, "{why}"),
+            // These say the joint themselves.
+            (_, Why::Option(why)) => write!(text, "{why}"),
             (Some(joint), Why::Gain(why)) => write!(text, "joint {joint}: {why}"),
             (None, Why::Gain(why)) => write!(text, "{why}"),
         };
-        let Why::Gain(why) = self.why else { return error };
         let mut member = Line::new(&mut error.member);
+        let why = match self.why {
+            Why::Gain(why) => why,
+            Why::Option(OptionError::Value { option, value, .. }) => {
+                error.value = value;
+                let _ = member.write_str(option);
+                return error;
+            }
+            Why::Text(_) | Why::Option(_) => return error,
+        };
         let _ = match why {
             GainError::NotPositive { gain, value } => {
                 error.value = value;
@@ -146,6 +163,7 @@ pub extern "C" fn phihat_status_text(status: i32) -> *const c_char {
         5 => c"a gain or limit is not possible",
         6 => c"there is no memory left",
         7 => c"a mistake of the library",
+        8 => c"an option is not possible",
         _ => c"no status of this version",
     };
     text.as_ptr()

@@ -6,7 +6,7 @@
 //! # Guarantee
 //!
 //! - No panic crosses the border: it would become [`Status::Internal`].
-//! - Only [`phihat_controller_create`] allocates, only [`phihat_controller_destroy`] frees.
+//! - Only [`phihat_controller_create`] and [`phihat_supervisor_create`] allocate, only their counterparts free.
 //! - A call that does not answer [`Status::Ok`] or [`Status::Refused`] has written nothing but its
 //!   `phihat_error`.
 //!
@@ -14,11 +14,14 @@
 //!
 //! A pointer that is neither null nor valid cannot be told from a valid one.
 #![allow(unsafe_code, reason = "C hands over pointers; see the module's text")]
+#![allow(rustdoc::broken_intra_doc_links, reason = "texts of the C header: [s] is a unit")]
 #![allow(non_camel_case_types, reason = "these are names of the C header")]
 
 mod border;
 mod controller;
 mod error;
+mod guard;
+mod supervisor;
 mod types;
 
 pub use controller::{
@@ -27,6 +30,15 @@ pub use controller::{
     phihat_controller_update,
 };
 pub use error::{Status, phihat_error, phihat_status_text, phihat_version};
+pub use guard::{
+    phihat_guard, phihat_guard_default, phihat_supervision, phihat_supervision_default,
+};
+pub use supervisor::{
+    PHIHAT_MODE_ARMED, PHIHAT_MODE_HOLDING, PHIHAT_MODE_IDLE, PHIHAT_MODE_SAFE_STOP,
+    PHIHAT_MODE_TRACKING, PHIHAT_REQUEST_ARM, PHIHAT_REQUEST_HOLD, PHIHAT_REQUEST_IDLE,
+    PHIHAT_REQUEST_STOP, PHIHAT_REQUEST_TRACK, phihat_event_text, phihat_report, phihat_request,
+    phihat_supervisor, phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
+};
 pub use types::{
     PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_ORDER_MAX, PHIHAT_RATE_LIMITED,
     PHIHAT_REFUSED, PHIHAT_SATURATED, phihat_command, phihat_joint, phihat_sample,

@@ -6,7 +6,8 @@ use std::path::Path;
 fn the_header_is_current() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
-    let sources = ["types", "error", "controller"].map(|name| root.join(format!("src/{name}.rs")));
+    let sources = ["types", "error", "controller", "guard", "supervisor"]
+        .map(|name| root.join(format!("src/{name}.rs")));
     let mut builder = cbindgen::Builder::new().with_config(config);
     for source in sources {
         builder = builder.with_src(source);

@@ -1,5 +1,20 @@
-//! phihat for Python.
+//! The compiled half of the Python package `phihat`: it translates, and computes nothing.
+//!
+//! What a Python user reads is in `python/phihat/`; the types of this half are in `python/phihat/_phihat.pyi`.
 #![forbid(unsafe_code)]
+#![allow(rustdoc::broken_intra_doc_links, reason = "texts that Python shows: [s] is a unit")]
+#![allow(clippy::needless_pass_by_value, reason = "arguments of a Python function arrive by value")]
+
+mod arrays;
+mod controller;
+mod failure;
+mod gains;
+mod json;
+mod robot;
+mod run;
+mod study;
+
+use std::process::ExitCode;
 
 use pyo3::prelude::*;
 
@@ -7,11 +22,32 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _phihat {
     #[pymodule_export]
+    use super::command;
+    #[pymodule_export]
+    use super::controller::Controller;
+    #[pymodule_export]
+    use super::gains::Gains;
+    #[pymodule_export]
+    use super::robot::Robot;
+    #[pymodule_export]
+    use super::run::Trace;
+    #[pymodule_export]
+    use super::run::{design, simulate};
+    #[pymodule_export]
+    use super::study::study_document;
+    #[pymodule_export]
     use super::version;
 }
 
-/// Version.
+/// Version of the package.
 #[pyfunction]
 fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
+}
+
+/// The `phihat` command with these arguments, the program's name first; its exit code.
+#[pyfunction]
+fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {
+    let code = py.detach(|| phihat_cli::run(arguments.into_iter().map(Into::into)));
+    (0..=u8::MAX).find(|n| code == ExitCode::from(*n)).unwrap_or(2)
 }

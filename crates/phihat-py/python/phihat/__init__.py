@@ -1,0 +1,54 @@
+"""phihat controls a robot arm by torque without a model of it, with a guarantee on the joint error.
+
+>>> import phihat
+>>> gains = phihat.design("studies/panda_design.toml")     # for an error bound, with a certificate
+>>> gains.verify()                                          # anyone can check it again
+>>> trace = phihat.simulate("studies/panda_design.toml", gains=gains)
+>>> trace.within_spec
+True
+>>> controller = phihat.Controller(gains)                   # on the robot: one call per sample
+
+Everything is in SI units and radians; the error is measured minus desired, ``e = q - q_des``. Arrays have one
+entry per joint in the order of ``joint_names``.
+"""
+
+from ._errors import (
+    ArgumentError,
+    Error,
+    GainsError,
+    Infeasible,
+    Refuted,
+    RobotError,
+    SampleRefused,
+    StudyError,
+)
+from ._phihat import Controller, Gains, Robot
+from ._phihat import version as _version
+from ._crosscheck import Crosscheck, crosscheck
+from .study import Study, design, report, robots, simulate, verify
+from .trace import Trace
+
+__version__ = _version()
+
+__all__ = [
+    "ArgumentError",
+    "Controller",
+    "Crosscheck",
+    "Error",
+    "Gains",
+    "GainsError",
+    "Infeasible",
+    "Refuted",
+    "Robot",
+    "RobotError",
+    "SampleRefused",
+    "Study",
+    "StudyError",
+    "Trace",
+    "crosscheck",
+    "design",
+    "report",
+    "robots",
+    "simulate",
+    "verify",
+]

@@ -1,0 +1,14 @@
+"""phihat and MuJoCo: a robot out of any MuJoCo model, the controller on it, and our robots as MuJoCo models.
+
+Needs the package ``mujoco`` (``pip install 'phihat[mujoco]'``); tested with MuJoCo 4.0.
+
+- :func:`describe` writes the URDF that a design needs from a MuJoCo model's own numbers.
+- :func:`attach` runs the controller on a MuJoCo model.
+- :func:`build` makes a MuJoCo model of a :class:`phihat.Robot`: a second opinion on its dynamics.
+"""
+
+from ._attach import Attached, attach
+from ._build import build
+from ._describe import describe
+
+__all__ = ["Attached", "attach", "build", "describe"]

@@ -1,0 +1,103 @@
+"""The verbs: a study in, gains or a trace out."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _phihat
+from ._errors import ArgumentError
+from .trace import Trace
+
+Study = str | os.PathLike[str] | Mapping[str, Any]
+"""A study: the path of its file, or its document as nested dictionaries with the keys of docs/study.md.
+
+In a document numbers, sequences and NumPy arrays serve alike, and files are relative to the working directory.
+"""
+
+
+def design(study: Study, *, name: str = "python") -> _phihat.Gains:
+    """Find gains that keep a study's specification, with a certificate.
+
+    Args:
+        study: a study with ``spec`` and ``design``.
+        name: the study's name where it is a document, ``[a-z0-9_-]``.
+
+    Raises:
+        Infeasible: no gains keep every clause; its ``clauses`` say which, and what is possible.
+        StudyError: the study cannot be used.
+    """
+    path, document = _source(study)
+    return _phihat.design(path, document, name)
+
+
+def simulate(
+    study: Study,
+    *,
+    gains: _phihat.Gains | None = None,
+    uncertified: bool = False,
+    name: str = "python",
+) -> Trace:
+    """Run a study's closed loop; the same study gives the same trace, bit for bit.
+
+    Args:
+        study: a study with ``spec``, ``reference`` and either ``gains`` or ``design``.
+        gains: used in place of those the study states or asks for.
+        uncertified: run gains even where the arm's inertia is not inside their window; marked in the record.
+        name: the study's name where it is a document, ``[a-z0-9_-]``.
+
+    Raises:
+        StudyError, Error: the study cannot be used, or the gains may not run.
+    """
+    path, document = _source(study)
+    return Trace(_phihat.simulate(path, document, name, gains, uncertified))
+
+
+def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
+    """Check every claim of a certificate again, from the gains alone.
+
+    Raises:
+        Refuted: the first claim that does not hold, with both sides of its inequality.
+    """
+    if not isinstance(gains, _phihat.Gains):
+        gains = _phihat.Gains.from_file(gains)
+    gains.verify()
+
+
+def report(trace: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:
+    """Make the report of a recorded ``trace.csv`` again; returns its path."""
+    page = Path(path) if path is not None else Path(trace).with_name("report.html")
+    code = _phihat.command(["phihat", "report", os.fspath(trace), "--out", str(page)])
+    if code != 0:
+        raise ArgumentError(f"trace: {os.fspath(trace)}: no report; the reason is on stderr", field="trace")
+    return page
+
+
+def robots() -> list[str]:
+    """Names of the arms that come with phihat, for :meth:`Robot.from_name`."""
+    return _phihat.Robot.names_built_in()
+
+
+def _source(study: Study) -> tuple[str | None, str | None]:
+    """Path or JSON text, whichever a study is."""
+    if isinstance(study, Mapping):
+        return None, json.dumps(study, default=_plain)
+    if isinstance(study, (str, os.PathLike)):
+        return os.fspath(study), None
+    kind = type(study).__name__
+    limit = "a path or a dictionary"
+    raise ArgumentError(f"study: {kind}; it must be {limit}", field="study", value=study, limit=limit)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    kind = type(value).__name__
+    raise ArgumentError(f"study: a value of type {kind}; a study holds tables, lists, numbers, strings")

@@ -1,0 +1,181 @@
+"""What a run leaves: every signal of every joint at every sample."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _phihat
+from ._errors import ArgumentError, Error
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+SIGNALS = (
+    "q",
+    "dq",
+    "ddq",
+    "q_desired",
+    "dq_desired",
+    "ddq_desired",
+    "e",
+    "e_integral",
+    "de",
+    "q_measured",
+    "dq_measured",
+    "tau_command",
+    "tau_applied",
+    "phi",
+    "phi_hat",
+)
+"""Names of the signals; units as in docs, SI and radians."""
+
+FLAGS = ("saturated", "rate_limited")
+
+_LABELS = {
+    "q": "q [rad]",
+    "dq": "q̇ [rad/s]",
+    "ddq": "q̈ [rad/s²]",
+    "q_desired": "q_d [rad]",
+    "dq_desired": "q̇_d [rad/s]",
+    "ddq_desired": "q̈_d [rad/s²]",
+    "e": "e = q − q_d [rad]",
+    "e_integral": "∫e [rad·s]",
+    "de": "ė [rad/s]",
+    "q_measured": "q measured [rad]",
+    "dq_measured": "q̇ measured [rad/s]",
+    "tau_command": "τ command [N·m]",
+    "tau_applied": "τ applied [N·m]",
+    "phi": "φ [N·m]",
+    "phi_hat": "φ̂ [N·m]",
+}
+
+
+class Trace:
+    """The record of a run; ``trace["e"]`` is the position error, samples down and joints across.
+
+    Signals (:data:`SIGNALS`): ``q, dq, ddq`` as they truly are, ``q_desired, dq_desired, ddq_desired``, ``e, e_integral,
+    de`` (measured minus desired), ``q_measured, dq_measured`` as the controller saw them, ``tau_command``,
+    ``tau_applied`` (mean over the sample), ``phi`` and ``phi_hat``; flags: ``saturated``, ``rate_limited``.
+    """
+
+    def __init__(self, record: _phihat.Trace) -> None:
+        self._record = record
+
+    def __getitem__(self, signal: str) -> NDArray[Any]:
+        """A signal of every joint, shape ``(samples, joints)``."""
+        if signal in FLAGS:
+            return self._record.flag(signal)
+        if signal in SIGNALS:
+            return self._record.column(signal)
+        limit = ", ".join(SIGNALS + FLAGS)
+        raise ArgumentError(
+            f"signal: there is no {signal!r}; there are {limit}", field="signal", value=signal, limit=limit
+        )
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        verdict = "within spec" if self.within_spec else "NOT within spec"
+        return f"Trace({len(self)} samples, {len(self.joint_names)} joints, {verdict})"
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Time of each sample [s]."""
+        return self._record.t
+
+    @property
+    def period(self) -> float:
+        """Time between samples [s]."""
+        return self._record.period
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Joints, in the order of the columns."""
+        return self._record.joint_names
+
+    @property
+    def gains(self) -> _phihat.Gains:
+        """The gains that ran."""
+        return self._record.gains
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """The figures of the run, as in ``metrics.json``."""
+        return self._record.metrics
+
+    @property
+    def within_spec(self) -> bool:
+        """Whether every bound that the study states held, and the run came to its end."""
+        return self._record.within_spec
+
+    @property
+    def divergence(self) -> tuple[float, str] | None:
+        """When [s] and at which joint the run left every plausible state; ``None`` if it did not."""
+        return self._record.divergence
+
+    @property
+    def run(self) -> dict[str, Any]:
+        """Where the run came from, as in ``run.json``: study, seed, version, world, warnings."""
+        return self._record.run
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """All signals, one row per sample, columns ``(signal, joint)``; the index is the time [s]."""
+        pd = _optional("pandas", "pandas")
+        names = self.joint_names
+        columns = pd.MultiIndex.from_product([SIGNALS + FLAGS, names], names=["signal", "joint"])
+        table: pandas.DataFrame = pd.concat(
+            [pd.DataFrame(self[signal]) for signal in SIGNALS + FLAGS], axis=1
+        )
+        table.columns = columns
+        table.index = pd.Index(self.t, name="t_s")
+        return table
+
+    def plot(self, *signals: str) -> Figure:
+        """Draw signals over time, one panel each, one line per joint; ``e`` and ``tau_applied`` if none is named."""
+        pyplot = _optional("matplotlib.pyplot", "plot")
+        chosen = signals or ("e", "tau_applied")
+        figure: Figure
+        figure, axes = pyplot.subplots(
+            len(chosen), 1, sharex=True, squeeze=False, figsize=(8, 2.6 * len(chosen)), layout="constrained"
+        )
+        for signal, panel in zip(chosen, axes[:, 0]):
+            panel.plot(self.t, self[signal], linewidth=1.0, label=self.joint_names)
+            panel.set_ylabel(_LABELS.get(signal, signal))
+            panel.grid(alpha=0.3)
+        axes[0, 0].legend(fontsize="x-small", ncols=4)
+        axes[-1, 0].set_xlabel("t [s]")
+        return figure
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write study, gains, origin, metrics and ``trace.csv`` into a folder, as ``phihat simulate`` does."""
+        self._record.write(os.fspath(folder))
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the report, one self-contained HTML page, and its figures into ``figures/`` beside it."""
+        self._record.write_report(os.fspath(path))
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{joint['name']}</td><td>{1e3 * joint['error_steady_max_rad']:.3f}</td>"
+            f"<td>{joint['tau_max_nm']:.1f}</td></tr>"
+            for joint in self.metrics["joints"]
+        )
+        head = "<tr><th>joint</th><th>max |e| [mrad]</th><th>peak |τ| [N·m]</th></tr>"
+        return f"<p>{self!r}</p><table>{head}{rows}</table>"
+
+
+def _optional(module: str, extra: str) -> Any:
+    """A package that only some users need."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as why:
+        package = module.split(".", maxsplit=1)[0]
+        raise Error(f"{package} is missing: pip install 'phihat[{extra}]'") from why

@@ -1,0 +1,131 @@
+//! Errors of the Rust half as exceptions of `phihat._errors`, with what they carry.
+
+use phihat_design::{GainsError, Infeasible};
+use phihat_model::RobotError;
+use phihat_study::StudyError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::json;
+
+/// An exception of the class `name`, made from `(message, **carried)`.
+pub(crate) fn raise(
+    py: Python<'_>,
+    name: &str,
+    message: &str,
+    carried: &Bound<'_, PyDict>,
+) -> PyErr {
+    let made = py
+        .import("phihat._errors")
+        .and_then(|module| module.getattr(name))
+        .and_then(|class| class.call((message,), Some(carried)));
+    made.map_or_else(|why| why, PyErr::from_value)
+}
+
+/// One value of one argument that cannot be; `joint` names the joint where one is meant.
+pub(crate) fn argument(
+    py: Python<'_>,
+    field: &str,
+    joint: Option<&str>,
+    value: impl for<'py> IntoPyObject<'py>,
+    limit: &str,
+    message: &str,
+) -> PyErr {
+    let carried = PyDict::new(py);
+    let fill = || {
+        carried.set_item("field", field)?;
+        carried.set_item("joint", joint)?;
+        carried.set_item("value", value)?;
+        carried.set_item("limit", limit)
+    };
+    fill().map_or_else(|why| why, |()| raise(py, "ArgumentError", message, &carried))
+}
+
+fn plain(py: Python<'_>, class: &str, message: &str) -> PyErr {
+    raise(py, class, message, &PyDict::new(py))
+}
+
+pub(crate) fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
+    let carried = PyDict::new(py);
+    let (field, joint) = match error {
+        RobotError::Joint { joint, .. } | RobotError::Lock { joint, .. } => (None, Some(joint)),
+        RobotError::Value { key, .. } => (Some(key), None),
+        _ => (None, None),
+    };
+    let fill = || {
+        carried.set_item("field", field)?;
+        carried.set_item("joint", joint)
+    };
+    fill().map_or_else(|why| why, |()| raise(py, "RobotError", &error.to_string(), &carried))
+}
+
+pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
+    let carried = PyDict::new(py);
+    let fill = || {
+        carried.set_item("field", error.key())?;
+        carried.set_item("file", error.file())?;
+        carried.set_item("line", error.line())?;
+        carried.set_item("column", error.column())?;
+        carried.set_item("limit", error.help())
+    };
+    fill().map_or_else(|why| why, |()| raise(py, "StudyError", &error.to_string(), &carried))
+}
+
+pub(crate) fn gains(py: Python<'_>, error: &GainsError) -> PyErr {
+    let carried = PyDict::new(py);
+    let fill = || match error {
+        GainsError::Joint { joint, error } => {
+            carried.set_item("joint", joint)?;
+            if let phihat::GainError::NotPositive { gain, value } = error {
+                carried.set_item("field", gain.to_string())?;
+                carried.set_item("value", value)?;
+                carried.set_item("limit", "positive and finite")?;
+            }
+            Ok(())
+        }
+        GainsError::Rate { found, expected } => {
+            carried.set_item("field", "rate_hz")?;
+            carried.set_item("value", found)?;
+            carried.set_item("limit", expected)
+        }
+        _ => Ok(()),
+    };
+    fill().map_or_else(|why: PyErr| why, |()| raise(py, "GainsError", &error.to_string(), &carried))
+}
+
+/// What the command would print before it ends with exit code 2.
+pub(crate) fn failed(py: Python<'_>, failure: &phihat_cli::Failure) -> PyErr {
+    let text = failure.to_string();
+    plain(py, "Error", text.strip_prefix("error: ").unwrap_or(&text))
+}
+
+pub(crate) fn infeasible(py: Python<'_>, no: &Infeasible) -> PyErr {
+    let carried = PyDict::new(py);
+    let clause = |c: &phihat_design::Clause| {
+        let joint = c.joint.as_ref().map_or_else(String::new, |j| format!(" (joint {j})"));
+        let possible = c.possible.map_or_else(|| "nothing".to_owned(), |p| format!("{p:.4e}"));
+        format!("{}{joint}: {:.4e} is wanted, {possible} is possible", c.key, c.wanted)
+    };
+    let text: Vec<String> = no.clauses.iter().map(clause).collect();
+    let message = format!("no gains keep every clause: {}", text.join("; "));
+    let clauses = json::to_python(py, &no.clauses);
+    clauses
+        .and_then(|clauses| carried.set_item("clauses", clauses))
+        .map_or_else(|why| why, |()| raise(py, "Infeasible", &message, &carried))
+}
+
+pub(crate) fn refuted(py: Python<'_>, why: &phihat_design::claims::Refutation) -> PyErr {
+    let carried = PyDict::new(py);
+    let fill = || {
+        carried.set_item("claim", &why.claim)?;
+        carried.set_item("inequality", &why.inequality)?;
+        carried.set_item("left", why.left)?;
+        carried.set_item("right", why.right)
+    };
+    fill().map_or_else(|e| e, |()| raise(py, "Refuted", &why.to_string(), &carried))
+}
+
+/// A document that cannot be what it says: a mistake of this package.
+pub(crate) fn internal(py: Python<'_>, why: impl core::fmt::Display) -> PyErr {
+    plain(py, "Error", &format!("a mistake of phihat, please report it: {why}"))
+}

@@ -1,0 +1,160 @@
+//! `phihat.Gains`: the gains document.
+
+use std::path::PathBuf;
+
+use phihat_design::export::{Target, export};
+use phihat_design::{JointCertificate, JointRecord};
+use pyo3::prelude::*;
+
+use crate::{failure, json};
+
+/// Gains of an arm's joints, as in gains.json, with what is certified about them.
+#[pyclass(frozen, module = "phihat")]
+#[derive(Debug)]
+pub(crate) struct Gains {
+    pub(crate) inner: phihat_design::Gains,
+}
+
+impl Gains {
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.inner.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// One figure of every joint's certificate.
+    fn certified<T>(&self, figure: impl Fn(&JointCertificate) -> Option<T>) -> Option<Vec<T>> {
+        self.inner.certificate.as_ref()?.joints.iter().map(figure).collect()
+    }
+
+    /// Torque and torque-rate limit of a joint that the certificate is about.
+    pub(crate) fn limits(&self, joint: usize) -> (Option<f64>, Option<f64>) {
+        let certificate = self.inner.certificate.as_ref();
+        certificate.and_then(|c| c.joints.get(joint)).map_or((None, None), |joint| joint.limits)
+    }
+
+    fn column(&self, of: impl Fn(&JointRecord) -> f64) -> Vec<f64> {
+        self.inner.joints.iter().map(of).collect()
+    }
+}
+
+#[pymethods]
+impl Gains {
+    /// Reads a gains document (JSON).
+    #[staticmethod]
+    fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let text = std::fs::read_to_string(&path).map_err(|e| {
+            let path = path.display().to_string();
+            let message = format!("{path}: cannot be read: {e}");
+            failure::argument(py, "path", None, path, "a readable file", &message)
+        })?;
+        Self::from_json(py, &text)
+    }
+
+    /// Reads a gains document from its text.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let inner = phihat_design::Gains::from_json(text).map_err(|e| failure::gains(py, &e))?;
+        Ok(Self { inner })
+    }
+
+    /// The document's text.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        self.inner.to_json().map_err(|e| failure::gains(py, &e))
+    }
+
+    /// Checks every claim of the certificate again, from these gains alone.
+    fn verify(&self, py: Python<'_>) -> PyResult<()> {
+        let Some(certificate) = &self.inner.certificate else {
+            let message = "these gains carry no certificate";
+            let limit = "gains that were designed";
+            return Err(failure::argument(py, "certificate", None, py.None(), limit, message));
+        };
+        py.detach(|| certificate.verify(&self.inner)).map_err(|why| failure::refuted(py, &why))
+    }
+
+    /// The text of these gains for ROS 2 ("ros"), C ("c-header") or a table ("csv").
+    fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let target = match format {
+            "ros" => Target::Ros,
+            "c-header" => Target::CHeader,
+            "csv" => Target::Csv,
+            _ => {
+                let limit = "\"ros\", \"c-header\" or \"csv\"";
+                let message = format!("format: {format:?}; it must be {limit}");
+                return Err(failure::argument(py, "format", None, format, limit, &message));
+            }
+        };
+        py.detach(|| export(&self.inner, target)).map_err(|e| {
+            let message = e.to_string();
+            failure::argument(
+                py,
+                "gains",
+                None,
+                py.None(),
+                "gains that the target can run",
+                &message,
+            )
+        })
+    }
+
+    /// Joints, in order.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.names()
+    }
+    /// Rate of the loop that the gains are for [Hz].
+    #[getter]
+    fn rate_hz(&self) -> f64 {
+        self.inner.rate_hz
+    }
+    /// How the gains were found, in words.
+    #[getter]
+    fn method(&self) -> &str {
+        &self.inner.method
+    }
+    /// Name of the study that the gains were made from.
+    #[getter]
+    fn study(&self) -> &str {
+        &self.inner.study
+    }
+    /// Nominal inertia of each joint [kg m^2].
+    #[getter]
+    fn inertia(&self) -> Vec<f64> {
+        self.column(|joint| joint.inertia_kg_m2)
+    }
+    /// K_p of each joint [1/s^2].
+    #[getter]
+    fn kp(&self) -> Vec<f64> {
+        self.column(|joint| joint.kp_per_s2)
+    }
+    /// K_d of each joint [1/s].
+    #[getter]
+    fn kd(&self) -> Vec<f64> {
+        self.column(|joint| joint.kd_per_s)
+    }
+    /// Estimator coefficients a_0 ... of each joint.
+    #[getter]
+    fn a(&self) -> Vec<Vec<f64>> {
+        self.inner.joints.iter().map(|joint| joint.a.clone()).collect()
+    }
+    /// The certificate as a document; None if there is none.
+    #[getter]
+    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.inner.certificate.as_ref().map(|c| json::to_python(py, c)).transpose()
+    }
+    /// Range of true over nominal inertia in which each joint's loop is stable; None without certificate.
+    #[getter]
+    fn window(&self) -> Option<Vec<(f64, f64)>> {
+        self.certified(|joint| joint.window.as_ref().map(|window| (window.low, window.high)))
+    }
+    /// Certified bound on |e| of each joint [rad]; None if nothing is certified about it.
+    #[getter]
+    fn error_bound(&self) -> Option<Vec<f64>> {
+        self.certified(|joint| joint.bounds.as_ref().map(|bounds| bounds.error_rad))
+    }
+
+    fn __repr__(&self) -> String {
+        let certified = if self.inner.certificate.is_some() { ", certified" } else { "" };
+        let (n, rate) = (self.inner.joints.len(), self.inner.rate_hz);
+        format!("Gains({n} joints, {rate} Hz{certified})")
+    }
+}

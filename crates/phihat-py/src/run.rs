@@ -1,0 +1,159 @@
+//! `phihat.design`, `phihat.simulate`, and the trace that a run leaves.
+
+use std::path::{Path, PathBuf};
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use phihat_cli::{Done, Session};
+use phihat_design::Outcome;
+use phihat_sim::JointTrace;
+use pyo3::prelude::*;
+
+use crate::gains::Gains;
+use crate::{failure, json, study};
+
+/// Finds gains for a study's specification.
+#[pyfunction]
+#[pyo3(signature = (path, document, name))]
+pub(crate) fn design(
+    py: Python<'_>,
+    path: Option<PathBuf>,
+    document: Option<&str>,
+    name: &str,
+) -> PyResult<Gains> {
+    let (study, origin) = study::read(py, path.as_deref(), document, name)?;
+    let outcome = py.detach(|| phihat_cli::designed(&study, &origin));
+    match outcome.map_err(|e| failure::failed(py, &e))? {
+        Outcome::Designed(gains) => Ok(Gains { inner: *gains }),
+        Outcome::Infeasible(no) => Err(failure::infeasible(py, &no)),
+        _ => Err(failure::internal(py, "an outcome that this version does not know")),
+    }
+}
+
+/// Runs a study's closed loop.
+#[pyfunction]
+#[pyo3(signature = (path, document, name, gains, uncertified))]
+pub(crate) fn simulate(
+    py: Python<'_>,
+    path: Option<PathBuf>,
+    document: Option<&str>,
+    name: &str,
+    gains: Option<&Gains>,
+    uncertified: bool,
+) -> PyResult<Trace> {
+    let (study, origin) = study::read(py, path.as_deref(), document, name)?;
+    let given = gains.map(|gains| (gains.inner.clone(), Path::new("gains.json")));
+    let run = || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
+    let done = py.detach(run).map_err(|e: phihat_cli::Failure| failure::failed(py, &e))?;
+    Ok(Trace { done })
+}
+
+/// The record of a run.
+#[pyclass(frozen, module = "phihat")]
+#[derive(Debug)]
+pub(crate) struct Trace {
+    done: Done,
+}
+
+#[pymethods]
+impl Trace {
+    /// A signal of every joint: samples down, joints across.
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let of: fn(&JointTrace) -> &[f64] = match name {
+            "q" => |j| &j.q,
+            "dq" => |j| &j.dq,
+            "ddq" => |j| &j.ddq,
+            "q_desired" => |j| &j.q_desired,
+            "dq_desired" => |j| &j.dq_desired,
+            "ddq_desired" => |j| &j.ddq_desired,
+            "e" => |j| &j.e,
+            "e_integral" => |j| &j.e_integral,
+            "de" => |j| &j.de,
+            "q_measured" => |j| &j.q_measured,
+            "dq_measured" => |j| &j.dq_measured,
+            "tau_command" => |j| &j.tau_command,
+            "tau_applied" => |j| &j.tau_applied,
+            "phi" => |j| &j.phi,
+            "phi_hat" => |j| &j.phi_hat,
+            _ => return Err(failure::internal(py, format!("no column {name}"))),
+        };
+        self.table(py, |joint, k| of(joint)[k])
+    }
+
+    /// A flag of every joint: samples down, joints across.
+    fn flag<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray2<bool>>> {
+        let of: fn(&JointTrace) -> &[bool] = match name {
+            "saturated" => |j| &j.saturated,
+            "rate_limited" => |j| &j.rate_limited,
+            _ => return Err(failure::internal(py, format!("no flag {name}"))),
+        };
+        self.table(py, |joint, k| of(joint)[k])
+    }
+
+    /// Time of each sample [s].
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let seconds: Vec<f64> = self.done.trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
+        seconds.into_pyarray(py)
+    }
+    /// Time between samples [s].
+    #[getter]
+    fn period(&self) -> f64 {
+        self.done.trace.period_ns as f64 * 1e-9
+    }
+    /// Joints, in order.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.done.trace.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+    /// The gains that ran.
+    #[getter]
+    fn gains(&self) -> Gains {
+        Gains { inner: self.done.gains.clone() }
+    }
+    /// The figures of the run, as in metrics.json.
+    #[getter]
+    fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        json::to_python(py, &self.done.metrics)
+    }
+    /// Whether every bound of the study held, and the run came to its end.
+    #[getter]
+    fn within_spec(&self) -> bool {
+        self.done.divergence.is_none() && self.done.metrics.within_spec
+    }
+    /// When [s] and at which joint the run diverged; None if it did not.
+    #[getter]
+    fn divergence(&self) -> Option<(f64, String)> {
+        self.done.divergence.as_ref().map(|d| (d.t, d.joint.clone()))
+    }
+    /// Where the run came from, as in run.json.
+    #[getter]
+    fn run<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        json::to_python(py, &self.done.run)
+    }
+    /// The report's page.
+    fn page(&self, py: Python<'_>) -> String {
+        py.detach(|| phihat_report::page(&self.done.record()))
+    }
+    /// Writes study, gains, origin, metrics and trace into a folder.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        py.detach(|| self.done.write(&folder)).map_err(|e| failure::failed(py, &e))
+    }
+    /// Writes the report's page, and its figures beside it.
+    fn write_report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let written = py.detach(|| phihat_cli::write_report(&self.done.record(), &path));
+        written.map(|_| ()).map_err(|e| failure::failed(py, &e))
+    }
+}
+
+impl Trace {
+    fn table<'py, T: numpy::Element>(
+        &self,
+        py: Python<'py>,
+        at: impl Fn(&JointTrace, usize) -> T,
+    ) -> PyResult<Bound<'py, PyArray2<T>>> {
+        let (joints, samples) = (&self.done.trace.joints, self.done.trace.len());
+        let rows = (0..samples).flat_map(|k| joints.iter().map(move |joint| (joint, k)));
+        let values: Vec<T> = rows.map(|(joint, k)| at(joint, k)).collect();
+        PyArray1::from_vec(py, values).reshape([samples, joints.len()])
+    }
+}

@@ -1,0 +1,134 @@
+"""Design, verify, simulate, report: the same as the command, as Python objects."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import phihat
+import pytest
+
+STUDIES = Path(__file__).parents[3] / "studies"
+
+SHORT: dict[str, Any] = {
+    "duration_s": 3.0,
+    "robot": {"name": "planar3r"},
+    "spec": {"settle_s": 1.5, "error_max_rad": 2e-3},
+    "design": {"payload_max_kg": 0.5},
+    "loop": {"rate_hz": 1000.0, "delay_samples": 1},
+    "sensor": {"encoder_bits": 20, "velocity": "differenced", "velocity_filter_hz": 100.0},
+    "world": {"payload": {"mass_kg": np.float64(0.3)}},
+    "reference": {
+        "kind": "sines",
+        "center": "ready",
+        "sine": [{"amplitude_rad": np.full(3, 0.2), "frequency_hz": 0.3}],
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def gains() -> phihat.Gains:
+    return phihat.design(SHORT)
+
+
+@pytest.fixture(scope="module")
+def trace(gains: phihat.Gains) -> phihat.Trace:
+    return phihat.simulate(SHORT, gains=gains)
+
+
+def test_design_keeps_what_it_promises(gains: phihat.Gains, trace: phihat.Trace) -> None:
+    gains.verify()
+    phihat.verify(gains)
+    assert gains.window is not None and gains.error_bound is not None
+    assert all(low < 1.0 < high for low, high in gains.window)
+    steady = trace.t >= 1.5
+    worst = np.abs(trace["e"][steady]).max(axis=0)
+    assert (worst <= gains.error_bound).all() and max(gains.error_bound) <= 2e-3
+    assert trace.within_spec and trace.divergence is None
+
+
+def test_a_changed_gain_is_refuted(gains: phihat.Gains) -> None:
+    document = json.loads(gains.to_json())
+    for joint in document["joints"]:
+        joint["kp_per_s2"] *= 3.0
+    with pytest.raises(phihat.Refuted) as caught:
+        phihat.Gains.from_json(json.dumps(document)).verify()
+    assert caught.value.claim and caught.value.inequality
+
+
+def test_exports_are_those_of_the_command(tmp_path: Path, gains: phihat.Gains) -> None:
+    file = tmp_path / "gains.json"
+    file.write_text(gains.to_json())
+    formats: list[Literal["csv", "c-header"]] = ["csv", "c-header"]
+    for format in formats:
+        call = [sys.executable, "-m", "phihat", "export", str(file), "--format", format]
+        printed = subprocess.run(call, capture_output=True, text=True, check=True).stdout
+        assert gains.export(format) == printed
+    with pytest.raises(phihat.ArgumentError, match="format"):
+        gains.export("yaml")  # type: ignore[arg-type]
+
+
+def test_impossible_is_told_with_clauses() -> None:
+    strict = SHORT | {"spec": {"settle_s": 1.5, "error_max_rad": 1e-9}}
+    with pytest.raises(phihat.Infeasible, match="error_max_rad") as caught:
+        phihat.design(strict)
+    assert any(clause["possible"] and clause["possible"] > 1e-9 for clause in caught.value.clauses)
+
+
+def test_the_trace_obeys_its_own_definitions(trace: phihat.Trace) -> None:
+    n = len(trace.joint_names)
+    assert trace["q"].shape == (len(trace), n) == (3000, 3)
+    assert (trace["e"] == trace["q"] - trace["q_desired"]).all()
+    assert (trace["de"] == trace["dq"] - trace["dq_desired"]).all()
+    area = np.cumsum(0.5e-3 * (trace["e"][1:] + trace["e"][:-1]), axis=0)
+    np.testing.assert_allclose(trace["e_integral"][1:], area, atol=1e-12)
+    assert trace["saturated"].dtype == np.bool_
+    with pytest.raises(phihat.ArgumentError, match="no 'tau'"):
+        trace["tau"]
+
+
+def test_controller_in_python_retraces_the_simulation(gains: phihat.Gains, trace: phihat.Trace) -> None:
+    """The trace's own measurements through a controller in Python give its torques, bit for bit."""
+    # The study's torque limits are the robot's; the certificate carries them.
+    controller = phihat.Controller(gains)
+    commanded = trace["tau_command"]
+    applied = np.vstack([np.zeros(3), trace["tau_applied"][:-1]])
+    signals = [trace[name] for name in ("q_measured", "dq_measured", "q_desired", "dq_desired", "ddq_desired")]
+    for k in range(len(trace)):
+        q, dq, q_des, dq_des, ddq_des = (signal[k] for signal in signals)
+        tau = controller.update(q, dq, q_des, dq_des, ddq_des, applied[k], k * 1_000_000)
+        assert (tau == commanded[k]).all(), k
+
+
+def test_same_study_same_bits(gains: phihat.Gains, trace: phihat.Trace) -> None:
+    again = phihat.simulate(SHORT, gains=gains)
+    assert again["q"].tobytes() == trace["q"].tobytes()
+
+
+def test_pandas_and_plot(trace: phihat.Trace) -> None:
+    table = trace.to_pandas()
+    assert table.index.name == "t_s" and table.shape == (3000, 17 * 3)
+    assert (table["e"]["joint2"].to_numpy() == trace["e"][:, 1]).all()
+    figure = trace.plot("e", "phi", "phi_hat")
+    assert [axis.get_ylabel() for axis in figure.axes] == ["e = q − q_d [rad]", "φ [N·m]", "φ̂ [N·m]"]
+
+
+def test_report_and_folder(tmp_path: Path, trace: phihat.Trace) -> None:
+    trace.report(tmp_path / "page.html")
+    assert "<html" in (tmp_path / "page.html").read_text() and list((tmp_path / "figures").glob("*.svg"))
+    trace.save(tmp_path / "run")
+    page = phihat.report(tmp_path / "run" / "trace.csv")
+    assert page.read_text() == (tmp_path / "page.html").read_text()
+
+
+def test_the_command_comes_with_the_package(tmp_path: Path) -> None:
+    call = [sys.executable, "-m", "phihat"]
+    listed = subprocess.run([*call, "robots", "--json"], capture_output=True, text=True, check=True)
+    assert [arm["name"] for arm in json.loads(listed.stdout)] == phihat.robots()
+    missing = subprocess.run([*call, "simulate", str(tmp_path / "none.toml")], capture_output=True, text=True)
+    assert missing.returncode == 2 and "none.toml" in missing.stderr
+    assert subprocess.run([*call, "--help"], capture_output=True).returncode == 0

@@ -1,0 +1,14 @@
+"""06: a second opinion on a simulation: the same study in MuJoCo.
+
+Needs: pip install mujoco. On the command line: python -m phihat crosscheck studies/panda.toml
+"""
+
+from pathlib import Path
+
+import phihat
+
+STUDY = Path(__file__).parents[2] / "studies" / "panda.toml"
+
+found = phihat.crosscheck(STUDY)
+print(found)
+assert found.agrees
