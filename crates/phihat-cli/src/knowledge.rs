@@ -125,7 +125,7 @@ fn first_gains(
 /// What a run with some gains shows of `φ`.
 fn run(study: &Study, gains: &Gains) -> Result<Observed, Failure> {
     let mut study = study.clone();
-    take_filter_of(&mut study, gains)?;
+    gains.give_filter(&mut study).map_err(Failure::plain)?;
     let law = gains
         .joint_gains(&names(&study), study.control.period_ns, form(&study))
         .map_err(Failure::plain)?;
@@ -136,19 +136,6 @@ fn run(study: &Study, gains: &Gains) -> Result<Observed, Failure> {
         return Err(Failure::plain(why));
     }
     Ok(Observed::of(&outcome.trace, study.spec.settle))
-}
-
-/// Gives a study the velocity filter that gains carry, where it leaves that to the design.
-pub(crate) fn take_filter_of(study: &mut Study, gains: &Gains) -> Result<(), Failure> {
-    if study.sensor.velocity_filter_designed {
-        if gains.velocity_filter_hz.is_none() {
-            return Err(Failure::plain(
-                "the study leaves sensor.velocity_filter_hz to the design, and the gains carry none",
-            ));
-        }
-        study.sensor.velocity_filter_hz = gains.velocity_filter_hz;
-    }
-    Ok(())
 }
 
 pub(crate) fn names(study: &Study) -> Vec<String> {

@@ -105,7 +105,7 @@ impl Session {
             (None, Some(stated)) => stated,
             (None, None) => designed_gains(&study, &arm, path)?,
         };
-        knowledge::take_filter_of(&mut study, &chosen)?;
+        chosen.give_filter(&mut study).map_err(|e| Failure::at(source, e))?;
         let law = chosen
             .joint_gains(
                 &knowledge::names(&study),

@@ -104,3 +104,41 @@ fn the_papers_recipe_says_what_holds_and_does_not_arm() {
     assert_eq!(ours["outcome"], "designed", "{ours:#}");
     assert_eq!(json(&folder, &["verify", ours["file"].as_str().unwrap(), "--json"])["holds"], true);
 }
+
+/// A small arm's study with its `[design]` lines.
+fn planar(design: &str) -> String {
+    format!(
+        "duration_s = 8.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_max_rad = 6e-3\n[design]\n\
+         {design}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
+         velocity_filter_hz = 100.0\n[world]\nsubsteps = 4\ncoulomb_extra_nm = 0.05\n[reference]\nkind = \"sines\"\n\
+         center_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\n\
+         frequency_hz = [0.5, 0.7, 0.9]\n[[reference.sine]]\namplitude_rad = 0.05\nfrequency_hz = [2.1, 2.9, 3.7]\n"
+    )
+}
+
+#[test]
+fn knowledge_from_a_simulation_and_from_a_trace_is_named_in_the_certificate() {
+    let folder = folder("knowledge");
+    fs::write(folder.join("simulated.toml"), planar("phi_from = \"simulation\"")).unwrap();
+    let answer = json(&folder, &["design", "simulated.toml", "--json"]);
+    assert_eq!(answer["outcome"], "designed", "{answer:#}");
+    let phi = &answer["gains"]["certificate"]["joints"][0]["phi"];
+    assert_eq!(phi["basis"], "simulation", "{phi}");
+    // The run itself keeps the bounds that were made from runs like it.
+    let run = phihat(&folder, &["simulate", "simulated.toml"]);
+    assert_eq!(run.code, 0, "{}{}", run.out, run.err);
+    let lines =
+        "phi_from = \"trace\"\ninertia_from = \"trace\"\ntrace = \"out/simulated/trace.csv\"";
+    fs::write(folder.join("traced.toml"), planar(lines)).unwrap();
+    let answer = json(&folder, &["design", "traced.toml", "--json"]);
+    assert_eq!(answer["outcome"], "designed", "{answer:#}");
+    let certificate = &answer["gains"]["certificate"];
+    assert_eq!(certificate["arm"]["basis"], "trace");
+    assert!(certificate["arm"]["source"].as_str().unwrap().contains("not a proof"));
+    assert_eq!(certificate["joints"][2]["phi"]["basis"], "trace");
+    let missing = planar("phi_from = \"trace\"\ntrace = \"nowhere.csv\"");
+    fs::write(folder.join("missing.toml"), missing).unwrap();
+    let answer = phihat(&folder, &["design", "missing.toml"]);
+    assert_eq!(answer.code, 2);
+    assert!(answer.err.contains("nowhere.csv: cannot be read"), "{}", answer.err);
+}

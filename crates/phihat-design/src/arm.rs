@@ -144,6 +144,21 @@ impl Arm {
         }
     }
 
+    /// The same arm known by fewer postures only: those with the smallest and the largest eigenvalues against
+    /// some nominal inertias.
+    pub(crate) fn extremes(&self, nominal: &[f64], count: usize) -> Self {
+        let Knowledge::Matrices(matrices) = &self.knowledge else { return self.clone() };
+        let ranges: Vec<(f64, f64)> =
+            matrices.iter().map(|m| eigenvalues(core::slice::from_ref(m), nominal)).collect();
+        let mut by_low: Vec<usize> = (0..matrices.len()).collect();
+        let mut by_high = by_low.clone();
+        by_low.sort_by(|a, b| ranges[*a].0.total_cmp(&ranges[*b].0));
+        by_high.sort_by(|a, b| ranges[*b].1.total_cmp(&ranges[*a].1));
+        let few = by_low.iter().take(count).chain(by_high.iter().take(count));
+        let few = few.map(|i| matrices[*i].clone()).collect();
+        Self { knowledge: Knowledge::Matrices(few), ..self.clone() }
+    }
+
     /// The range of inertia, measured in given nominal inertias \[kg·m²\].
     ///
     /// # Errors

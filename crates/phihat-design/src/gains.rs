@@ -1,6 +1,7 @@
 //! The gains document: what a controller needs, as one versioned JSON file.
 
 use phihat::{Form, GainError, JointDesign, JointGains};
+use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -93,6 +94,9 @@ pub enum GainsError {
         /// Rate of the study.
         expected: f64,
     },
+    /// The study leaves the velocity filter to the design.
+    #[error("the study leaves sensor.velocity_filter_hz to the design, and the gains carry none")]
+    NoFilter,
     /// The core refuses a joint's gains.
     #[error("joint {joint}: {error}")]
     Joint {
@@ -128,6 +132,19 @@ impl Gains {
     /// [`GainsError::Json`], when a number is not finite.
     pub fn to_json(&self) -> Result<String, GainsError> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// Gives a study the velocity filter that the gains carry, where it leaves that to the design.
+    ///
+    /// # Errors
+    ///
+    /// [`GainsError::NoFilter`].
+    pub fn give_filter(&self, study: &mut Study) -> Result<(), GainsError> {
+        if study.sensor.velocity_filter_designed {
+            study.sensor.velocity_filter_hz =
+                Some(self.velocity_filter_hz.ok_or(GainsError::NoFilter)?);
+        }
+        Ok(())
     }
 
     /// The controller's gains for a robot, bound by joint name and order.

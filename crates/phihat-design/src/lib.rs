@@ -23,7 +23,7 @@ mod trade_off;
 
 pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
 pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
-pub use designer::{Clause, DesignError, Infeasible, Outcome, PhiOf, design};
+pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use phi::{Phi, PhiBasis};
 pub use request::requested_gains;

@@ -56,6 +56,7 @@ fn certified(study: &Study) -> Option<Gains> {
 fn tightest(mut study: Study, acceleration: f64) -> Option<f64> {
     study.duration = study.duration.min(study.spec.settle + STEADY);
     let gains = certified(&study)?;
+    gains.give_filter(&mut study).unwrap();
     let certificate = gains.certificate.as_ref().unwrap();
     certificate.verify(&gains).unwrap();
     let form = match study.control.form {

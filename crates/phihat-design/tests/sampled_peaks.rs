@@ -35,8 +35,11 @@ fn loops() -> Vec<(phihat_design::JointRecord, LoopModel, f64)> {
 fn kernel(matrix: &StateMatrix, shape: Shape) -> Vec<[f64; 3]> {
     let (t, w, mu) = (matrix.period(), matrix.unit(), matrix.mu());
     let ramp = shape != Shape::Held;
+    let mut slope = t;
     let mut x = if shape == Shape::Stairs {
         matrix.disturbance() * t
+    } else if shape == Shape::Parabola {
+        matrix.disturbance() * (t * t)
     } else if ramp {
         let mut x = DVector::zeros(matrix.matrix().nrows());
         (x[0], x[1]) = (-t * t * t / (6.0 * mu), -t * t / (2.0 * mu * w));
@@ -50,7 +53,10 @@ fn kernel(matrix: &StateMatrix, shape: Shape) -> Vec<[f64; 3]> {
             sum += t * x[0];
             let now = [sum, x[0], w * x[1]];
             x = matrix.matrix() * &x;
-            if ramp {
+            if shape == Shape::Parabola {
+                slope += t;
+                x += matrix.disturbance() * (t * slope);
+            } else if ramp {
                 x += matrix.disturbance() * t;
             }
             now
@@ -58,26 +64,29 @@ fn kernel(matrix: &StateMatrix, shape: Shape) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// `φ` over the intervals: held, ramped, or a staircase of the ramp's slope (what `∫e` is claimed for).
+/// `φ` over the intervals: held, ramped, a staircase of the ramp's slope (what `∫e` is claimed for), or one whose
+/// steps grow (what `φ̈` is claimed for).
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Held,
     Ramp,
     Stairs,
+    Parabola,
 }
 
 /// Largest `(∫e, e, ė)` of the running core under `signs`, oldest first.
 fn reached(rig: &mut Rig, signs: &[f64], shape: Shape) -> [f64; 3] {
     let unit = rig.gains.inertia();
     let t = rig.model.period_s;
-    let (mut phi, mut sum) = (0.0, 0.0);
+    let (mut phi, mut sum, mut slope) = (0.0, 0.0, 0.0);
     let mut worst = [0.0_f64; 3];
     for sign in signs {
-        let step = sign * unit * t;
+        slope += sign * unit * t;
+        let step = if shape == Shape::Parabola { slope * t } else { sign * unit * t };
         let outside = match shape {
             Shape::Held => Outside { phi: sign * unit, ..Outside::default() },
             Shape::Ramp => Outside { phi, phi_slope: sign * unit, ..Outside::default() },
-            Shape::Stairs => Outside { phi: phi + step, ..Outside::default() },
+            Shape::Stairs | Shape::Parabola => Outside { phi: phi + step, ..Outside::default() },
         };
         phi += step;
         let _ = rig.step(&outside);
@@ -90,17 +99,24 @@ fn reached(rig: &mut Rig, signs: &[f64], shape: Shape) -> [f64; 3] {
 }
 
 /// Which output is claimed for which shape.
-const PAIRS: [(usize, Shape); 6] = [
+const PAIRS: [(usize, Shape); 9] = [
     (0, Shape::Held),
     (1, Shape::Held),
     (2, Shape::Held),
     (0, Shape::Stairs),
     (1, Shape::Ramp),
     (2, Shape::Ramp),
+    (0, Shape::Parabola),
+    (1, Shape::Parabola),
+    (2, Shape::Parabola),
 ];
 
 fn bound(claim: &SampledPeaks, i: usize, shape: Shape) -> Option<f64> {
-    if shape == Shape::Held { Some(claim.jump[i]) } else { claim.ramp[i] }
+    match shape {
+        Shape::Held => Some(claim.jump[i]),
+        Shape::Parabola => claim.bend[i],
+        _ => claim.ramp[i],
+    }
 }
 
 #[test]

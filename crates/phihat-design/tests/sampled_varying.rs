@@ -4,8 +4,10 @@
 
 mod sampled_support;
 
-use phihat_design::sampled::VaryingWindow;
-use sampled_support::{Random, estimator, record};
+use phihat_design::sampled::{
+    LoopForm, LoopModel, LoopVelocity, SampledVarying, StateMatrix, VaryingWindow,
+};
+use sampled_support::{Random, estimator, plain, record};
 
 #[test]
 fn reference_ranges() {
@@ -94,4 +96,69 @@ fn damage_is_refused() {
     assert!(small.verify(&gains).is_err());
     let other = record(400.0, 20.0, &[4844.0, 139.2], 1.0);
     assert!(found.verify(&other).is_err());
+}
+
+/// A loop with everything in it: delay, differenced velocity, filter.
+fn rough() -> LoopModel {
+    LoopModel {
+        form: LoopForm::Observer,
+        velocity: LoopVelocity::Differenced,
+        velocity_filter_hz: Some(100.0),
+        ..plain(1)
+    }
+}
+
+#[test]
+fn the_sampled_form_falls_under_any_switching_of_the_inertia() {
+    let gains = record(225.0, 30.0, &[2500.0, 100.0], 1.0);
+    let model = rough();
+    let found = SampledVarying::widest_within(&gains, &model, (0.3, 5.0)).unwrap();
+    println!("sampled, m 2: {:.3} … {:.3}", found.low, found.high);
+    assert!(found.high / found.low > 2.0);
+    let n = found.p.len();
+    let value = |x: &nalgebra::DVector<f64>| -> f64 {
+        (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .map(|(i, j)| x[i] * found.p[i][j] * x[j])
+            .sum()
+    };
+    let inside = |share: f64| found.low * (found.high / found.low).powf(share);
+    let ends: Vec<_> = [0.0, 0.1, 0.5, 0.9, 1.0]
+        .map(|share| StateMatrix::new(&gains, &model, inside(share)).matrix().clone())
+        .into();
+    let mut random = Random(7);
+    for _ in 0..200 {
+        let mut x = nalgebra::DVector::from_fn(n, |_, _| random.between(-1.0, 1.0));
+        for _ in 0..50 {
+            // The inertia that is worst for the form, at every sample.
+            let next = ends.iter().map(|a| a * &x).max_by(|a, b| value(a).total_cmp(&value(b)));
+            let next = next.unwrap();
+            assert!(value(&next) < value(&x));
+            x = next;
+        }
+    }
+}
+
+#[test]
+fn a_damaged_sampled_form_is_refused() {
+    let gains = record(225.0, 30.0, &[2500.0, 100.0], 1.0);
+    let model = rough();
+    let found = SampledVarying::widest_within(&gains, &model, (0.3, 5.0)).unwrap();
+    found.verify(&gains, &model).unwrap();
+    assert!(SampledVarying::find(&gains, &model, (0.01, 100.0)).is_err());
+    let wider = SampledVarying { high: found.high * 3.0, ..found.clone() };
+    assert!(wider.verify(&gains, &model).is_err());
+    for i in 0..found.p.len() {
+        let mut bad = found.clone();
+        bad.p[i][i] *= -1.0;
+        assert!(bad.verify(&gains, &model).is_err(), "P[{i}][{i}]");
+    }
+    let mut holed = found.clone();
+    holed.p[1][1] = f64::NAN;
+    assert!(holed.verify(&gains, &model).is_err());
+    let mut small = found.clone();
+    small.p.pop();
+    assert!(small.verify(&gains, &model).is_err());
+    let late = LoopModel { delay_samples: 6, ..model };
+    assert!(found.verify(&gains, &late).is_err());
 }

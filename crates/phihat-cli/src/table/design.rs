@@ -119,8 +119,11 @@ pub(crate) fn infeasible(no: &Infeasible) -> String {
         );
         lines.push(format!("  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted));
     }
-    lines.push(
-        "a higher loop rate, less delay or a slower velocity filter change what is possible".into(),
-    );
+    for other in &no.alternatives {
+        lines.push(format!(
+            "  or {} = {}: then there are gains, of order {}",
+            other.key, other.value, other.order
+        ));
+    }
     lines.join("\n")
 }

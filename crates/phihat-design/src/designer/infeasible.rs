@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::advice::Alternative;
 use super::search::Search;
 use super::verdict::{KEYS, Nearest};
 
@@ -10,11 +11,16 @@ use super::verdict::{KEYS, Nearest};
 pub struct Infeasible {
     /// The clauses in the way, each with the nearest value that is possible if all others stand.
     pub clauses: Vec<Clause>,
-    /// How many laws were looked at.
+    /// Changes of the loop, each of which alone makes it feasible; tried out and certified.
+    pub alternatives: Vec<Alternative>,
+    /// How many laws of the grid were looked at.
     pub tried: u32,
     /// Of these, each with up to three nominal inertias, how many keep window and modulus margin.
     pub stable: u32,
 }
+
+/// The search's estimates are a few per mille low.
+const SURE: f64 = 1.01;
 
 /// One clause of the specification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,7 +52,7 @@ impl Search<'_> {
                 key: KEYS[i].to_owned(),
                 joint: Some(self.study.robot.joints[joint].name.clone()),
                 wanted,
-                possible: found.map(|_| wanted * share),
+                possible: found.map(|_| wanted * share * SURE),
             })
         };
         (0..KEYS.len()).filter_map(clause).collect()

@@ -1,21 +1,28 @@
 //! From a specification to gains with a certificate, or a "no" with its reason.
 
+mod advice;
+mod candidate;
 mod infeasible;
+mod known;
+mod nominal;
 mod paper;
+mod refine;
 mod search;
 mod verdict;
 
 use phihat_study::{DesignMethod, Study};
 use thiserror::Error;
 
+pub use advice::Alternative;
 pub use infeasible::{Clause, Infeasible};
 
 use crate::arm::{Arm, ArmError};
 use crate::claims::{PaperError, Refutation};
 use crate::gains::Gains;
 use crate::phi::Phi;
-use search::Search;
-use verdict::Nearest;
+use candidate::Candidate;
+use search::{COARSE, FINE, Grid, Search};
+use verdict::{KEYS, Nearest};
 
 /// What is known of `φ` for a joint and its nominal inertia.
 pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
@@ -57,11 +64,12 @@ pub enum DesignError {
 /// # Method
 ///
 /// All joints share `K_p = ω²`, `K_d = 2ω` and the estimator (all poles at `ω_o`), so that the eigenvalue
-/// argument holds for the coupled arm; `M̄` is a common factor times each joint's own. Over a grid of
-/// order, `ω`, `ω_o/ω`, that factor and, where it is left to the design, the velocity filter: those that keep
-/// the inertia window with its margin, in the order of the torque that encoder steps cause; the first whose
-/// certified bounds keep the specification is taken. Where none does, the search goes on between the points of
-/// the grid.
+/// argument holds for the coupled arm; `M̄` is shared out so that the joints with the worst error have more of
+/// it. Over a grid of order, `ω`, `ω_o/ω`, a common factor on `M̄` and, where it is left to the design, the
+/// velocity filter: those that keep the inertia window with its margin, in the order of the torque that
+/// encoder steps cause; the first whose certified bounds keep the specification is taken. Where none does,
+/// the search goes on between the points of the grid. What is infeasible in the end is told with the
+/// nearest value of each clause, and with changes of the loop that make it feasible.
 ///
 /// # Errors
 ///
@@ -71,19 +79,91 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
         return paper::design(study, arm, phi).map(|gains| Outcome::Designed(Box::new(gains)));
     }
     let search = Search::new(study, arm, phi)?;
-    let (mut candidates, tried) = search.candidates();
-    candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
-    let stable = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
-    let mut nearest = Nearest::default();
-    for candidate in &candidates {
-        let verdict = search.judge(candidate);
-        if verdict.within()
-            && let Some(mut gains) = search.certify(candidate)?
-        {
-            gains.trade_off = search.trade_off(&candidates, candidate);
-            return Ok(Outcome::Designed(Box::new(gains)));
-        }
-        nearest.note(&verdict);
+    let attempt = Attempt::of(&search, &FINE)?;
+    if let Some(gains) = attempt.gains {
+        return Ok(Outcome::Designed(Box::new(gains)));
     }
-    Ok(Outcome::Infeasible(Infeasible { clauses: search.clauses(&nearest), tried, stable }))
+    let clauses = search.clauses(&attempt.nearest);
+    let alternatives = advice::alternatives(study, arm, phi)?;
+    let (tried, stable) = (attempt.tried, attempt.stable);
+    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives, tried, stable }))
+}
+
+/// One search for gains.
+struct Attempt {
+    gains: Option<Gains>,
+    nearest: Nearest,
+    tried: u32,
+    stable: u32,
+}
+
+impl Attempt {
+    fn of(search: &Search<'_>, grid: &Grid) -> Result<Self, DesignError> {
+        let (mut candidates, tried) = search.candidates(grid);
+        candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
+        let stable = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
+        let mut found = Self { gains: None, nearest: Nearest::default(), tried, stable };
+        let mut verdicts = Vec::with_capacity(candidates.len());
+        for candidate in &candidates {
+            let verdict = search.judge(candidate);
+            if verdict.within() && found.take(search, &candidates, candidate)? {
+                return Ok(found);
+            }
+            found.nearest.note(&verdict);
+            verdicts.push(verdict);
+        }
+        for clause in (0..KEYS.len()).filter(|clause| search.limit(*clause).is_some()) {
+            for &order in &search.study.design.orders {
+                let of_order =
+                    (0..candidates.len()).filter(|i| candidates[*i].shape.order == order);
+                let price = |i: &usize| refine::cost(&verdicts[*i], clause);
+                let Some(start) = of_order.min_by(|a, b| price(a).total_cmp(&price(b))) else {
+                    continue;
+                };
+                if price(&start) > grid.reach {
+                    continue;
+                }
+                let (mut quietest, mut closest): (Option<Candidate>, Option<(f64, Candidate)>) =
+                    (None, None);
+                search.refine(&candidates[start], clause, |candidate, verdict| {
+                    found.nearest.note(verdict);
+                    if !verdict.within() {
+                        return;
+                    }
+                    let cost = refine::cost(verdict, clause);
+                    if quietest.as_ref().is_none_or(|q| candidate.noise() < q.noise()) {
+                        quietest = Some(candidate.clone());
+                    }
+                    if closest.as_ref().is_none_or(|(least, _)| cost < *least) {
+                        closest = Some((cost, candidate.clone()));
+                    }
+                });
+                // The estimate that is furthest inside may hold where the quietest does not.
+                for candidate in quietest.iter().chain(closest.iter().map(|(_, c)| c)) {
+                    if found.take(search, &candidates, candidate)? {
+                        return Ok(found);
+                    }
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Takes a candidate if its certificate keeps the specification too.
+    fn take(
+        &mut self,
+        search: &Search<'_>,
+        candidates: &[Candidate],
+        chosen: &Candidate,
+    ) -> Result<bool, DesignError> {
+        let Some(mut gains) = search.certify(chosen)? else { return Ok(false) };
+        let mut all = candidates.to_vec();
+        if !all.contains(chosen) {
+            let at = all.partition_point(|other| other.noise() < chosen.noise());
+            all.insert(at, chosen.clone());
+        }
+        gains.trade_off = search.trade_off(&all, chosen);
+        self.gains = Some(gains);
+        Ok(true)
+    }
 }

@@ -2,6 +2,9 @@
 
 use phihat_study::Study;
 
+use super::candidate::{Candidate, Shape};
+use super::known::Known;
+use super::nominal::shared_out;
 use super::verdict::Verdict;
 use super::{DesignError, PhiOf};
 use crate::arm::{Arm, ArmInertia};
@@ -9,52 +12,50 @@ use crate::certificate::{Certificate, Evidence};
 use crate::claims::times::{from_rise_time, from_settling_time};
 use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
 use crate::quick::Quick;
-use crate::request::estimator;
-use crate::sampled::{InertiaWindow, LoopModel, Margins, TorqueNoise};
+use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, TorqueNoise, least_modulus};
 use crate::trade_off::{TradeOff, front, worth_measuring};
 
-/// Bandwidths of the outer loop that are tried \[rad/s\]: from the first, by this factor, so many.
-const BANDWIDTHS: (f64, f64, u32) = (4.0, 1.2, 18);
+/// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
+const RAMP: f64 = 0.02;
 
-/// Bandwidth of the estimator over that of the outer loop.
-const RATIOS: [f64; 9] = [0.7, 1.0, 1.4, 1.8, 2.4, 3.2, 4.2, 5.6, 8.0];
+/// Where the factor on the nominal inertia is tried between its smallest and its largest.
+const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// A grid of laws: bandwidths of the outer loop \[rad/s\] from the first, by a factor, so many; and bandwidths of
+/// the estimator over that.
+#[derive(Debug)]
+pub(super) struct Grid {
+    bandwidths: (f64, f64, u32),
+    ratios: &'static [f64],
+    /// Candidates that miss a clause by more than this factor are not refined.
+    pub(super) reach: f64,
+}
+
+/// What a design looks at.
+pub(super) const FINE: Grid = Grid {
+    bandwidths: (4.0, 1.2, 18),
+    ratios: &[0.7, 1.0, 1.4, 1.8, 2.4, 3.2, 4.2, 5.6, 8.0],
+    reach: f64::INFINITY,
+};
+
+/// Every other point of it.
+pub(super) const COARSE: Grid =
+    Grid { bandwidths: (4.0, 1.44, 9), ratios: &[0.7, 1.4, 2.4, 4.2, 8.0], reach: 1.5 };
 
 /// Cut-offs of the velocity filter that are tried where it is left to the design, as shares of the loop's rate.
-const FILTERS: [f64; 6] = [0.015, 0.025, 0.04, 0.07, 0.12, 0.2];
-
-/// A law, a velocity filter, and a factor on every nominal inertia.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
-    /// `ω` \[rad/s\].
-    pub(super) w: f64,
-    pub(super) order: usize,
-    /// `ω_o/ω`.
-    pub(super) ratio: f64,
-    /// Where the study leaves it to the design.
-    pub(super) filter_hz: Option<f64>,
-    pub(super) scale: f64,
-    /// Gains per `M̄`, worst over the arm's range and the loop models.
-    pub(super) gains: Quick,
-}
-
-impl Candidate {
-    /// What is to be small: the torque that encoder steps cause on a joint of nominal inertia.
-    pub(super) fn noise(&self) -> f64 {
-        self.scale * self.gains.change
-    }
-}
+const FILTERS: [f64; 5] = [0.015, 0.025, 0.04, 0.08, 0.2];
 
 pub(super) struct Search<'a> {
     pub(super) study: &'a Study,
     phi: PhiOf<'a>,
+    known: Vec<Known>,
     arm: ArmInertia,
     models: Vec<LoopModel>,
-    filters: Vec<Option<f64>>,
     quanta: Vec<f64>,
     /// In the order of the clauses.
     limits: [Option<Vec<f64>>; 4],
     /// Smallest `ω` that settles and rises in time \[rad/s\].
-    slowest: f64,
+    pub(super) slowest: f64,
 }
 
 impl<'a> Search<'a> {
@@ -72,27 +73,26 @@ impl<'a> Search<'a> {
             let bits = study.sensor.encoder_bits.as_ref().and_then(|b| b.get(joint));
             bits.map_or(0.0, |b| TorqueNoise::quantum(*b))
         };
-        let period = study.control.period_ns as f64 * 1e-9;
-        let by_rate = |rates: &Vec<f64>| rates.iter().map(|rate| rate * period).collect();
-        let step_max = study
-            .design
-            .torque_step_max
-            .clone()
-            .or_else(|| study.control.torque_rate_max.as_ref().map(by_rate));
-        let designed = study.sensor.velocity_filter_designed;
+        let quanta: Vec<f64> = (0..n).map(quantum).collect();
+        let step_max = step_max(study);
+        let own = arm.nominal();
+        let error: Vec<f64> = (0..n)
+            .map(|joint| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error_max[joint])
+            .collect();
+        let noise: Vec<f64> = (0..n)
+            .map(|joint| quanta[joint] / step_max.as_ref().map_or(1.0, |limits| limits[joint]))
+            .collect();
+        let arm = shared_out(arm, &error, &noise)?;
         let settling = study.design.settling_time.map(|time| from_settling_time(time, 1.0).0);
         let rise = study.design.rise_time.map(|time| from_rise_time(time, 1.0).0);
+        let nominal = arm.nominal_kg_m2.iter().enumerate();
         Ok(Self {
             study,
             phi,
-            arm: arm.against(arm.nominal())?,
+            known: nominal.map(|(joint, nominal)| Known::of(phi, joint, *nominal)).collect(),
+            arm,
             models,
-            filters: if designed {
-                FILTERS.iter().map(|share| Some(share / period)).collect()
-            } else {
-                vec![study.sensor.velocity_filter_hz]
-            },
-            quanta: (0..n).map(quantum).collect(),
+            quanta,
             limits: [
                 Some(error_max),
                 study.spec.velocity_error_max.clone(),
@@ -108,24 +108,19 @@ impl<'a> Search<'a> {
         self.limits[clause].as_ref()
     }
 
-    /// Those of the grid that keep window and modulus margin, and how many laws were tried.
-    pub(super) fn candidates(&self) -> (Vec<Candidate>, u32) {
-        let (first, factor, count) = BANDWIDTHS;
+    /// Those of a grid that keep window and modulus margin, and how many laws were tried.
+    pub(super) fn candidates(&self, grid: &Grid) -> (Vec<Candidate>, u32) {
+        let (first, factor, count) = grid.bandwidths;
+        let bandwidths = (0..count).map(|power| first * factor.powf(f64::from(power)));
+        let bandwidths: Vec<f64> = bandwidths.filter(|w| *w >= self.slowest).collect();
         let (mut found, mut tried) = (Vec::new(), 0);
-        for filter_hz in &self.filters {
+        for filter_hz in self.filters() {
             for &order in &self.study.design.orders {
-                for power in 0..count {
-                    let w = first * factor.powf(f64::from(power));
-                    if w < self.slowest {
-                        continue;
-                    }
-                    for ratio in RATIOS {
+                for &w in &bandwidths {
+                    for &ratio in grid.ratios {
                         tried += 1;
-                        let shape = Shape { w, order, ratio, filter_hz: *filter_hz };
-                        let scales = self.scales(&shape).into_iter();
-                        let each =
-                            scales.flat_map(|(least, most)| [least, (least * most).sqrt(), most]);
-                        found.extend(each.filter_map(|scale| self.candidate(&shape, scale)));
+                        let shape = Shape { w, order, ratio, filter_hz };
+                        found.extend(self.candidates_of(shape, &SHARES));
                     }
                 }
             }
@@ -133,56 +128,70 @@ impl<'a> Search<'a> {
         (found, tried)
     }
 
-    /// The smallest and largest factor on `M̄` that put the arm into the law's window.
-    pub(super) fn scales(&self, shape: &Shape) -> Option<(f64, f64)> {
+    fn filters(&self) -> Vec<Option<f64>> {
+        if self.study.sensor.velocity_filter_designed {
+            let rate = 1e9 / self.study.control.period_ns as f64;
+            FILTERS.iter().map(|share| Some(share * rate)).collect()
+        } else {
+            vec![self.study.sensor.velocity_filter_hz]
+        }
+    }
+
+    /// One law at some shares between the smallest and the largest factor that put the arm into its window.
+    pub(super) fn candidates_of(&self, shape: Shape, shares: &[f64]) -> Vec<Candidate> {
         let margin = self.study.design.window_margin;
         let law = shape.law();
         let (mut least, mut most) = (0.0_f64, f64::INFINITY);
-        for model in self.models(shape) {
-            let window = InertiaWindow::find(&law, &model).ok()?;
+        for model in &self.models {
+            let Ok(window) = InertiaWindow::find(&law, &shape.in_loop(model)) else {
+                return Vec::new();
+            };
             least = least.max(self.arm.high * margin / window.high);
             most = most.min(self.arm.low / margin / window.low);
         }
         // A hair inside, so that rounding does not put the arm outside again.
         let hair = 1.0 + 1e-9;
-        (least * hair <= most).then(|| (least * hair, most / hair))
+        let (least, most) = (least * hair, most / hair);
+        if least > most {
+            return Vec::new();
+        }
+        let each = shares.iter().filter_map(|share| {
+            let scale = least * (most / least).powf(*share);
+            let gains = self.gains_over(&shape, &law, scale)?;
+            Some(Candidate { shape, scale, share: *share, gains })
+        });
+        each.collect()
     }
 
     /// Gains at the ends and in the middle of the arm's range; `None` without the modulus margin.
-    pub(super) fn candidate(&self, shape: &Shape, scale: f64) -> Option<Candidate> {
+    fn gains_over(&self, shape: &Shape, law: &JointRecord, scale: f64) -> Option<Quick> {
         let (low, high) = (self.arm.low / scale, self.arm.high / scale);
-        let law = shape.law();
         let mut worst: Option<Quick> = None;
-        for model in self.models(shape) {
-            let margins = Margins::find(&law, &model, (low, high)).ok()?;
-            if margins.modulus < self.study.design.modulus_min {
+        for model in &self.models {
+            let model = shape.in_loop(model);
+            let modulus = least_modulus(&OpenLoop::new(law, &model), (low, high));
+            if modulus < self.study.design.modulus_min {
                 return None;
             }
             for mu in [low, (low * high).sqrt(), high] {
-                let quick = Quick::at(&law, &model, mu)?;
+                let quick = Quick::at(law, &model, mu)?;
                 worst = Some(worst.map_or(quick, |worst| worst.worse(quick)));
             }
         }
-        let Shape { w, order, ratio, filter_hz } = *shape;
-        Some(Candidate { w, order, ratio, filter_hz, scale, gains: worst? })
-    }
-
-    fn models(&self, shape: &Shape) -> impl Iterator<Item = LoopModel> + use<'_> {
-        let filter_hz = shape.filter_hz;
-        self.models.iter().map(move |model| LoopModel { velocity_filter_hz: filter_hz, ..*model })
+        worst
     }
 
     /// Measures a candidate against every clause.
     pub(super) fn judge(&self, candidate: &Candidate) -> Verdict {
         let mut verdict = Verdict::default();
         let Quick { jump, ramp, reading, change } = candidate.gains;
-        let shape = Shape::of(candidate);
+        let mut record = candidate.shape.law();
         for (joint, nominal) in self.arm.nominal_kg_m2.iter().enumerate() {
             let inertia = nominal * candidate.scale;
-            let phi = (self.phi)(joint, inertia);
+            record.inertia_kg_m2 = inertia;
             let quantum = self.quanta[joint];
             let evidence = Evidence {
-                record: &shape.record("", inertia),
+                record: &record,
                 model: &self.models[0],
                 jump,
                 ramp,
@@ -191,20 +200,25 @@ impl<'a> Search<'a> {
                 low: self.arm.low / candidate.scale,
                 duration: self.study.duration,
             };
-            let bounds = evidence.bounds(&phi);
+            let phi = self.known[joint].at(inertia);
+            let bounds = evidence.bounds(&phi.unwrap_or_else(|| (self.phi)(joint, inertia)));
             let values = [
                 bounds.error_rad,
                 bounds.velocity_error_rad_s,
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
                 change * inertia * 0.5 * quantum,
             ];
-            for (clause, value) in values.into_iter().enumerate() {
-                if let Some(limits) = self.limit(clause) {
-                    verdict.raise(clause, value / limits[joint], joint);
-                }
-            }
+            self.compare(&mut verdict, joint, values);
         }
         verdict
+    }
+
+    fn compare(&self, verdict: &mut Verdict, joint: usize, values: [f64; 4]) {
+        for (clause, value) in values.into_iter().enumerate() {
+            if let Some(limits) = self.limit(clause) {
+                verdict.raise(clause, value / limits[joint], joint);
+            }
+        }
     }
 
     /// The gains with their certificate, if its bounds keep the specification too.
@@ -223,14 +237,29 @@ impl<'a> Search<'a> {
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
                 claims.noise.as_ref().map_or(0.0, |noise| noise.change_max_nm),
             ];
-            for (clause, value) in values.into_iter().enumerate() {
-                if let Some(limits) = self.limit(clause) {
-                    verdict.raise(clause, value / limits[joint], joint);
-                }
-            }
+            self.compare(&mut verdict, joint, values);
         }
         gains.certificate = Some(found);
         Ok(verdict.within().then_some(gains))
+    }
+
+    fn gains(&self, candidate: &Candidate) -> Gains {
+        let names = self.study.robot.joints.iter().map(|j| j.name.as_str());
+        let Candidate { shape, scale, .. } = candidate;
+        let joint = |(name, nominal): (&str, &f64)| shape.record(name, nominal * scale);
+        let designed = self.study.sensor.velocity_filter_designed;
+        Gains {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            study: self.study.name.clone(),
+            study_sha256: self.study.sha256.clone(),
+            rate_hz: 1e9 / self.study.control.period_ns as f64,
+            method: "phihat design: least torque noise that keeps the specification".to_owned(),
+            velocity_filter_hz: shape.filter_hz.filter(|_| designed),
+            joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
+            certificate: None,
+            trade_off: Vec::new(),
+        }
     }
 
     /// The front of error against torque noise, with the chosen law on it; empty without an encoder.
@@ -243,65 +272,23 @@ impl<'a> Search<'a> {
         }
         let worth = worth_measuring(candidates.iter().map(|c| (c.scale, &c.gains)));
         let point = |(index, candidate): (usize, &Candidate)| {
-            let chosen = core::ptr::eq(candidate, chosen);
+            let chosen = candidate == chosen;
             (chosen || worth.binary_search(&index).is_ok()).then(|| TradeOff {
                 error_share: self.judge(candidate).shares[0].0,
                 torque_noise_nm: candidate.noise() * step,
-                order: candidate.order,
-                bandwidth_rad_s: candidate.w,
+                order: candidate.shape.order,
+                bandwidth_rad_s: candidate.shape.w,
                 chosen,
             })
         };
         front(candidates.iter().enumerate().filter_map(point).collect())
     }
-
-    fn gains(&self, candidate: &Candidate) -> Gains {
-        let names = self.study.robot.joints.iter().map(|j| j.name.as_str());
-        let shape = Shape::of(candidate);
-        let joint = |(name, nominal): (&str, &f64)| shape.record(name, nominal * candidate.scale);
-        let designed = self.study.sensor.velocity_filter_designed;
-        Gains {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            study: self.study.name.clone(),
-            study_sha256: self.study.sha256.clone(),
-            rate_hz: 1e9 / self.study.control.period_ns as f64,
-            method: "phihat design: least torque noise that keeps the specification".to_owned(),
-            velocity_filter_hz: candidate.filter_hz.filter(|_| designed),
-            joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
-            certificate: None,
-            trade_off: Vec::new(),
-        }
-    }
 }
 
-/// A law of the family that is searched, and its velocity filter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
-    pub(super) w: f64,
-    pub(super) order: usize,
-    pub(super) ratio: f64,
-    pub(super) filter_hz: Option<f64>,
-}
-
-impl Shape {
-    pub(super) fn of(candidate: &Candidate) -> Self {
-        let Candidate { w, order, ratio, filter_hz, .. } = *candidate;
-        Self { w, order, ratio, filter_hz }
-    }
-
-    fn law(&self) -> JointRecord {
-        self.record("", 1.0)
-    }
-
-    /// `K_p = ω²`, `K_d = 2ω`, all estimator poles at `ω_o`.
-    fn record(&self, name: &str, inertia: f64) -> JointRecord {
-        JointRecord {
-            name: name.to_owned(),
-            inertia_kg_m2: inertia,
-            kp_per_s2: self.w * self.w,
-            kd_per_s: 2.0 * self.w,
-            a: estimator(self.order, self.ratio * self.w, 1.0),
-        }
-    }
+/// Largest change of torque per sample that encoder steps may cause \[N·m\] per joint.
+fn step_max(study: &Study) -> Option<Vec<f64>> {
+    let period = study.control.period_ns as f64 * 1e-9;
+    let by_rate = |rates: &Vec<f64>| rates.iter().map(|rate| rate * period).collect();
+    let stated = study.design.torque_step_max.clone();
+    stated.or_else(|| study.control.torque_rate_max.as_ref().map(by_rate))
 }

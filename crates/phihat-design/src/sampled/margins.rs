@@ -143,6 +143,11 @@ impl Margins {
     }
 }
 
+/// Smallest `|1 + L/μ|` over a range of inertia.
+pub(crate) fn least_modulus(open: &OpenLoop, (low, high): (f64, f64)) -> f64 {
+    Search { open, low, high }.modulus(&angles())
+}
+
 /// The grid, four times as dense.
 fn dense() -> Vec<f64> {
     let grid = angles();
@@ -217,19 +222,28 @@ impl Search<'_> {
     }
 }
 
-/// Smallest value on the grid, refined between the neighbours of its place.
+/// Valleys of the grid this much above the lowest are refined too.
+const NEAR: f64 = 1.1;
+
+/// Smallest value on the grid, refined between the neighbours of every valley that may hold it.
 fn smallest(grid: &[f64], value: impl Fn(f64) -> f64) -> f64 {
     let values: Vec<f64> = grid.iter().map(|theta| value(*theta)).collect();
-    let Some(at) = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])) else {
-        return f64::INFINITY;
-    };
-    let (mut a, mut b) = (grid[at.saturating_sub(1)], grid[(at + 1).min(grid.len() - 1)]);
-    let mut best = values[at];
-    for _ in 0..40 {
-        let third = (b - a) / 3.0;
-        let (left, right) = (value(a + third), value(b - third));
-        best = best.min(left).min(right);
-        if left < right { b -= third } else { a += third }
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let at = |i: usize| values.get(i).copied().unwrap_or(f64::INFINITY);
+    let mut best = least;
+    for i in 0..values.len() {
+        let before = i.checked_sub(1).map_or(f64::INFINITY, at);
+        let valley = values[i] <= before && values[i] <= at(i + 1);
+        if !valley || values[i] > NEAR * least || values[i].is_infinite() {
+            continue;
+        }
+        let (mut a, mut b) = (grid[i.saturating_sub(1)], grid[(i + 1).min(grid.len() - 1)]);
+        for _ in 0..40 {
+            let third = (b - a) / 3.0;
+            let (left, right) = (value(a + third), value(b - third));
+            best = best.min(left).min(right);
+            if left < right { b -= third } else { a += third }
+        }
     }
     best
 }

@@ -40,6 +40,7 @@ mod window;
 pub(crate) use estimator::estimator_coefficients;
 
 pub use bode::{Bode, bode};
+pub(crate) use margins::least_modulus;
 pub use margins::{Margins, ModulusMargin};
 pub use model::{LoopForm, LoopModel, LoopVelocity};
 pub use noise::TorqueNoise;

@@ -1,0 +1,72 @@
+//! Changes of the loop that would make an infeasible specification feasible.
+
+use phihat_study::{Study, VelocitySource};
+use serde::{Deserialize, Serialize};
+
+use super::search::Search;
+use super::{Attempt, COARSE, DesignError, PhiOf};
+use crate::arm::Arm;
+
+/// Multiples of the loop's rate that are tried, the smallest first, and the highest rate \[Hz\].
+const MULTIPLES: [u64; 3] = [2, 4, 8];
+const HIGHEST_HZ: f64 = 20_000.0;
+
+/// One change after which there are gains, all else being equal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// Key in the study.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+    /// Order of the law that was found.
+    pub order: usize,
+}
+
+/// The smallest multiple of the rate, no delay, and a velocity filter: each alone, each tried out and certified.
+pub(super) fn alternatives(
+    study: &Study,
+    arm: &Arm,
+    phi: PhiOf<'_>,
+) -> Result<Vec<Alternative>, DesignError> {
+    let mut found = Vec::new();
+    let attempt = |changed: &Study| -> Result<Option<(usize, Option<f64>)>, DesignError> {
+        let gains = Attempt::of(&Search::new(changed, arm, phi)?, &COARSE)?.gains;
+        Ok(gains.map(|gains| (gains.joints[0].a.len(), gains.velocity_filter_hz)))
+    };
+    for multiple in MULTIPLES {
+        let mut changed = study.clone();
+        changed.control.period_ns = study.control.period_ns / multiple;
+        let rate = 1e9 / changed.control.period_ns as f64;
+        if rate > HIGHEST_HZ || !study.control.period_ns.is_multiple_of(multiple) {
+            break;
+        }
+        if let Some((order, _)) = attempt(&changed)? {
+            found.push(Alternative { key: "loop.rate_hz".into(), value: rate, order });
+            break;
+        }
+    }
+    if study.control.delay_samples > 0 {
+        let mut changed = study.clone();
+        changed.control.delay_samples = 0;
+        if let Some((order, _)) = attempt(&changed)? {
+            found.push(Alternative { key: "loop.delay_samples".into(), value: 0.0, order });
+        }
+    }
+    let differenced = study.sensor.velocity == VelocitySource::Differenced;
+    if differenced && !study.sensor.velocity_filter_designed {
+        let mut changed = study.clone();
+        changed.sensor.velocity_filter_designed = true;
+        if let Some((_, Some(exact))) = attempt(&changed)? {
+            // Two digits, tried out as the study will have it.
+            let unit = 10.0_f64.powf(exact.log10().floor() - 1.0);
+            let value = (exact / unit).round() * unit;
+            changed.sensor.velocity_filter_designed = false;
+            changed.sensor.velocity_filter_hz = Some(value);
+            if let Some((order, _)) = attempt(&changed)? {
+                let key = "sensor.velocity_filter_hz".into();
+                found.push(Alternative { key, value, order });
+            }
+        }
+    }
+    Ok(found)
+}
