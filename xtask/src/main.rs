@@ -6,6 +6,7 @@
 mod bench;
 mod bindings;
 mod bless;
+mod instructions;
 mod rules;
 mod test;
 
@@ -14,6 +15,7 @@ use std::process::ExitCode;
 const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
+  cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask bless            runs the main job and puts its output and pictures into the README";
 
 fn main() -> ExitCode {
@@ -21,6 +23,11 @@ fn main() -> ExitCode {
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
+        Some((verb, rest)) if verb == "soak" => {
+            let samples = rest.first().map_or("1000000000", String::as_str);
+            let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
+            test::cargo(&test::root(), &bench)
+        }
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         _ => Err(USAGE.to_owned()),
     };

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::{bindings, bless, rules};
+use crate::{bindings, bless, instructions, rules};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
@@ -24,6 +24,7 @@ const STEPS: [Step; 14] = [
     ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
     ("documentation", documentation),
     ("the core cannot panic or allocate", rules::core_is_bare),
+    ("instructions of a sample", instructions::check),
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
     ("the README prints what is printed", bless::check),

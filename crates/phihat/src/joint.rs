@@ -148,20 +148,36 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
-        let mut next = self.estimate(state, measurement, reference, self.nominal());
-        let demand = self.outer_loop(measurement, reference) + next.phi_hat;
+        // The observer form writes its few numbers in place: nothing else is copied.
+        let (memory, carry, phi_hat) = match self.form {
+            Form::Observer => {
+                let memory = self.observe(state, measurement, self.nominal());
+                (memory, state.carry, memory[0])
+            }
+            Form::Literal => {
+                let next = self.integrate(state, measurement, reference, self.nominal());
+                (next.memory, next.carry, next.phi_hat)
+            }
+        };
+        let demand = self.outer_loop(measurement, reference) + phi_hat;
         if !demand.is_finite() {
             return state.hold();
         }
         let limited = self.limits.apply(demand, state.tau);
-        next.tau = limited.tau;
-        *state = next;
+        state.memory = memory;
+        if self.form == Form::Literal {
+            state.carry = carry;
+        }
+        state.dq = measurement.dq;
+        state.phi_hat = phi_hat;
+        state.tau = limited.tau;
+        state.started = true;
         let status = Status {
             saturated: limited.over_torque,
             rate_limited: limited.over_rate,
             refused: false,
         };
-        Command { tau: limited.tau, phi_hat: next.phi_hat, status }
+        Command { tau: limited.tau, phi_hat, status }
     }
 
     /// Makes `state` such that these gains would have commanded `tau` at this sample: to start from a
@@ -211,9 +227,13 @@ impl<R: Real> JointGains<R> {
         interval: Interval<R>,
     ) -> JointState<R> {
         let mut next = match self.form {
-            Form::Observer => self.observe(state, measurement, interval),
+            Form::Observer => {
+                let memory = self.observe(state, measurement, interval);
+                JointState { memory, phi_hat: memory[0], ..*state }
+            }
             Form::Literal => self.integrate(state, measurement, reference, interval),
         };
+        next.dq = measurement.dq;
         next.started = true;
         next
     }
@@ -231,24 +251,22 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         measurement: &Measurement<R>,
         interval: Interval<R>,
-    ) -> JointState<R> {
-        let mut next = *state;
+    ) -> [R; ORDER_MAX] {
+        let mut memory = state.memory;
         if state.started {
             let momentum = self.inertia * (measurement.dq - state.dq) * interval.share;
             for _ in 0..interval.parts {
-                let [phi_hat, d1, d2, d3] = next.memory;
+                let [phi_hat, d1, d2, d3] = memory;
                 let innovation = interval.step * (measurement.tau_applied - phi_hat) - momentum;
                 let derivatives = [d1, d2, d3, R::ZERO];
                 for ((entry, alpha), derivative) in
-                    next.memory.iter_mut().zip(&self.alpha).zip(derivatives)
+                    memory.iter_mut().zip(&self.alpha).zip(derivatives)
                 {
                     *entry += interval.step * derivative + *alpha * innovation;
                 }
             }
         }
-        next.dq = measurement.dq;
-        next.phi_hat = next.memory[0];
-        next
+        memory
     }
 
     /// (9), (10), (16): sums the error once, twice, … m times.

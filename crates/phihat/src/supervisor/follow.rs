@@ -166,7 +166,9 @@ impl<R: Real> JointRules<R> {
             memory.fade_out(left + old.outer_loop(m, &reference) - gains.outer_loop(m, &reference));
         }
         demand += memory.fading(now.blend_rate);
-        news.oscillates = memory.oscillation.take(demand, self.oscillation);
+        if self.oscillation.is_finite() {
+            news.oscillates = memory.oscillation.take(demand, self.oscillation);
+        }
         memory.steady += R::from_f64(0.02) * (next.phi_hat - memory.steady);
         if now.first_motion {
             let step = m.dq - memory.measured.dq;

@@ -97,6 +97,11 @@ impl<R: Real> RangeRules<R> {
         (phi_hat, inertia, kd): (R, R, R),
         (last, shed): (R, R),
     ) -> Option<R> {
+        // Far from the end and not on the way there: nothing to reckon.
+        let far = room > self.soft && outward <= R::ZERO && last <= phi_hat;
+        if far {
+            return None;
+        }
         // The acceleration that has to go first, and how long that takes.
         let push = last - phi_hat;
         let time = (push + inertia * self.braking) * shed;

@@ -1,0 +1,85 @@
+//! Instructions of one sample, counted by callgrind: the same on every run, unlike time.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::test::command;
+
+/// Bounds for 7 joints, second order: what it is, and its most.
+const LAW_MAX: f64 = 900.0;
+/// Guard, limits and modes around it. The goal is 3000; this is where it stands, so that it grows no further.
+const PLAIN_MAX: f64 = 3600.0;
+/// With joint ranges and monitors.
+const ARM_MAX: f64 = 4900.0;
+/// Largest over smallest count of a supervised sample, over inputs without a fault.
+const SPREAD_MAX: f64 = 1.3;
+
+/// Counts every class and holds it against its bound.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        println!("installing valgrind");
+        command(root, "apt-get", &["update", "-qq"])?;
+        command(root, "apt-get", &["install", "-y", "-qq", "valgrind"])?;
+    }
+    let program = build(root)?;
+    let mut wrong = Vec::new();
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for (class, bound) in [
+        ("law", LAW_MAX),
+        ("plain", PLAIN_MAX),
+        ("rest", ARM_MAX),
+        ("motion", ARM_MAX),
+        ("jitter", ARM_MAX),
+        ("limits", ARM_MAX),
+        ("range", ARM_MAX),
+        ("shaped", f64::INFINITY),
+    ] {
+        // What the set-up costs is in both.
+        let (few, many) = (300, 1300);
+        let each =
+            (count(&program, class, many)? - count(&program, class, few)?) / f64::from(many - few);
+        println!("{class}: {each:.0} instructions per sample of 7 joints, m = 2");
+        if each > bound {
+            wrong.push(format!("{class}: {each:.0} instructions, at most {bound}"));
+        }
+        if !["law", "plain", "shaped"].contains(&class) {
+            (least, most) = (least.min(each), most.max(each));
+        }
+    }
+    println!("spread of a supervised sample: {:.2}", most / least);
+    if most > SPREAD_MAX * least {
+        wrong.push(format!("spread {:.2}, at most {SPREAD_MAX}", most / least));
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// The bench for any processor: callgrind does not know the newest instructions.
+fn build(root: &Path) -> Result<String, String> {
+    let output = Command::new("cargo")
+        .args(["bench", "-p", "phihat", "--bench", "instructions", "--no-run"])
+        .args(["--message-format", "json"])
+        .env("RUSTFLAGS", "")
+        .env("CARGO_TARGET_DIR", root.join("target/instructions"))
+        .current_dir(root)
+        .output()
+        .map_err(|e| e.to_string())?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    text.lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .find_map(|message| message["executable"].as_str().map(str::to_owned))
+        .ok_or_else(|| String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Instructions of a whole run.
+fn count(program: &str, class: &str, samples: u32) -> Result<f64, String> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", program, class])
+        .arg(samples.to_string())
+        .output()
+        .map_err(|e| format!("valgrind cannot be started: {e}"))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let collected = text.lines().find_map(|line| line.split("Collected :").nth(1));
+    collected
+        .and_then(|count| count.trim().parse().ok())
+        .ok_or_else(|| format!("callgrind counted nothing:\n{text}"))
+}
