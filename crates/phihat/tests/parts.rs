@@ -119,7 +119,8 @@ fn f18_integrals_do_not_drift() {
     // A short version of `cargo xtask soak`.
     let error = drift(10_000_001);
     println!("F18: relative error of the integral after 1e7 samples {error:.1e}");
-    assert!(error <= 1e-9, "{error}");
+    // A plain sum is off by 1.7e-11 here.
+    assert!(error <= 1e-13, "{error}");
 }
 
 #[test]
