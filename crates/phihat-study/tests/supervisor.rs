@@ -1,0 +1,50 @@
+//! `[supervisor]`: what is read, and what is refused. Wrong if keys that contradict each other got through.
+#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+
+mod support;
+
+use phihat_study::{RequestedMode, Study};
+
+fn study(supervisor: &str) -> Result<Study, phihat_study::StudyError> {
+    let text = format!("{}\n[supervisor]\n{supervisor}\n", support::GOOD);
+    Study::from_text(&text, "base.toml", "".as_ref())
+}
+
+#[test]
+fn an_empty_section_has_its_defaults_and_no_section_is_none() {
+    assert!(
+        Study::from_text(support::GOOD, "base.toml", "".as_ref()).unwrap().supervisor.is_none()
+    );
+    let read = study("").unwrap().supervisor.unwrap();
+    assert_eq!((read.hold_samples, read.stop_samples), (5, 20));
+    assert!(read.requests.is_empty() && read.motion.is_none() && read.velocity_max.is_none());
+    assert!(read.disturbed.is_infinite());
+}
+
+#[test]
+fn requests_are_read_in_order() {
+    let text = "[[supervisor.request]]\nt_s = 0.0\nmode = \"arm\"\n\
+                [[supervisor.request]]\nt_s = 1.5\nmode = \"stop\"\n";
+    let read = study(text).unwrap().supervisor.unwrap();
+    let modes: Vec<_> = read.requests.iter().map(|(_, mode)| *mode).collect();
+    assert_eq!(modes, [RequestedMode::Arm, RequestedMode::Stop]);
+}
+
+#[test]
+fn contradictions_are_refused_by_name() {
+    let backwards = "[[supervisor.request]]\nt_s = 2.0\nmode = \"arm\"\n\
+                     [[supervisor.request]]\nt_s = 1.0\nmode = \"hold\"\n";
+    for (text, key) in [
+        ("settled_nm = 2.0\ndisturbed_nm = 1.0", "disturbed_nm"),
+        ("reference_velocity_max_rad_s = 1.0", "reference_acceleration_max_rad_s2"),
+        ("funnel_initial_rad = 0.01\nfunnel_final_rad = 0.02", "funnel_initial_rad"),
+        ("soft_zone_rad = 50.0", "soft_zone_rad"),
+        ("hold_samples = 2.5", "hold_samples"),
+        ("error_stop_rad = [0.1, 0.2]", "error_stop_rad"),
+        ("[[supervisor.request]]\nt_s = 9.0\nmode = \"arm\"", "t_s"),
+        (backwards, "t_s"),
+    ] {
+        let error = study(text).unwrap_err();
+        assert!(error.render().contains(key), "{text}: {}", error.render());
+    }
+}
