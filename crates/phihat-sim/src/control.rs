@@ -3,6 +3,7 @@
 use phihat::{Command, JointGains, JointState, Limits, Reference, Report, update_joints};
 use phihat_study::{Interface, Study};
 
+use crate::echo::Echo;
 use crate::error::SimError;
 use crate::motion::Motion;
 use crate::sample::Sample;
@@ -18,6 +19,7 @@ pub(crate) struct ControlSide {
     motion: Motion,
     /// Whether the next command must be zero: the robot's start rule.
     starts: bool,
+    echo: Option<Echo>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
 }
@@ -39,6 +41,7 @@ impl ControlSide {
             states: vec![JointState::new(); n],
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
+            echo: Echo::new(study),
             references: vec![Reference::default(); n],
             commands: vec![Command::default(); n],
         })
@@ -53,6 +56,9 @@ impl ControlSide {
             if runs && !first {
                 let answer = (&mut self.references[..], &mut self.commands[..]);
                 supervised.step(t, sample, &self.motion, answer);
+                if let Some(echo) = &mut self.echo {
+                    echo.keep(sample, &mut self.commands);
+                }
             }
             return;
         }
@@ -70,6 +76,9 @@ impl ControlSide {
             &self.references,
             &mut self.commands,
         );
+        if let Some(echo) = &mut self.echo {
+            echo.keep(sample, &mut self.commands);
+        }
     }
 
     /// What the supervisor did at the last sample.

@@ -7,6 +7,7 @@
 mod control;
 mod curve;
 mod demand;
+mod echo;
 mod error;
 mod forecast;
 mod integrator;

@@ -93,7 +93,7 @@ fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> J
     let per = |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(i)).copied();
     let steady = |values: &[f64]| largest(values.get(first..).unwrap_or(&[]).iter().copied());
     let errors = joint.e.get(first..).unwrap_or(&[]);
-    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    let squares = errors.iter().fold(0.0, |sum, e| sum + e * e);
     let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
     let steps = joint.tau_command.windows(2).map(|w| w[1] - w[0]);
     let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;

@@ -13,4 +13,6 @@ pub struct Sample {
     pub t_ns: u64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<Measurement<f64>>,
+    /// The command that the robot accepted last, one entry per joint \[N·m\]: its echo, before any delay.
+    pub accepted: Vec<f64>,
 }

@@ -207,3 +207,19 @@ fn another_rate_than_the_interface_takes_is_refused() {
     let error = phihat_study::Study::from_text(&text, "test.toml", &base).unwrap_err();
     assert!(error.key() == "profile.name" && error.to_string().contains("500 Hz"), "{error}");
 }
+
+#[test]
+fn a_controller_that_heeds_the_echo_outlives_lost_packets() {
+    // Full steps all the time: the torque swings between its limits as fast as the rule allows.
+    let swing = "[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.4\n\
+                 frequency_hz = 2.0\n";
+    for seed in 0..20 {
+        let network =
+            "[world.network]\ncommand_loss = 0.1\nsample_loss = 0.1\nsample_burst_samples = 3.0\n";
+        let text = format!("{}{FLAT}{network}{swing}", profile("franka", ""));
+        let outcome = run(&rod_study(&format!("duration_s = 2.0\nseed = {seed}"), &text));
+        assert_eq!(outcome.abort, None, "seed {seed}");
+        let limited = outcome.trace.joints[0].rate_limited.iter().filter(|l| **l).count();
+        assert!(limited > 20, "the rule acts: {limited}");
+    }
+}

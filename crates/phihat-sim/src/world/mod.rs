@@ -67,7 +67,7 @@ impl World {
 
     /// What the controller gets at sample `k`, time `t_ns`.
     pub(crate) fn sense(&mut self, k: u64, t_ns: u64) -> &Sample {
-        self.sensing.sense(k, t_ns, &self.plant, &self.path.told)
+        self.sensing.sense(k, t_ns, &self.plant, &self.path)
     }
 
     /// What the controller last got.

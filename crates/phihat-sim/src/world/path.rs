@@ -19,7 +19,7 @@ pub(crate) struct CommandPath {
     pub(crate) abort: Option<Abort>,
     arrived: Vec<f64>,
     /// What was last sent and got through.
-    sent: Vec<f64>,
+    pub(super) sent: Vec<f64>,
     /// What the drives are told over the current interval \[N·m\].
     pub(crate) told: Vec<f64>,
     /// Largest of it so far, and largest change from one sample to the next \[N·m\].
@@ -55,7 +55,8 @@ impl CommandPath {
 
     /// Takes the command of sample `k`; leaves `told`.
     pub(super) fn pass(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
-        let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t));
+        // The first command opens the session: it is sent until it arrives.
+        let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t)) && k > 0;
         let arrives = !lost && self.controller_runs(t);
         match &mut self.firmware {
             _ if self.abort.is_some() => {}

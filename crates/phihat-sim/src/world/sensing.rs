@@ -9,6 +9,7 @@ use phihat_study::{Fault, FaultKind, Study, TorqueSource, VelocitySource};
 
 use super::loss::Loss;
 use super::noise::{Effect, Noise};
+use super::path::CommandPath;
 use super::plant::Plant;
 use super::sensor::Sensor;
 use crate::sample::Sample;
@@ -56,7 +57,11 @@ impl Sensing {
             let bits = asked.encoder_bits.as_ref().map(|bits| bits[i]);
             Sensor::new(bits, asked.velocity, asked.velocity_filter_hz, period)
         };
-        let empty = Sample { joints: vec![Measurement::default(); n], ..Sample::default() };
+        let empty = Sample {
+            joints: vec![Measurement::default(); n],
+            accepted: vec![0.0; n],
+            ..Sample::default()
+        };
         let kinds = (FaultKind::SampleLoss, Effect::SampleLoss, Effect::FaultSampleLoss);
         let turns = |i: &usize| study.robot.joints[*i].kind != JointKind::Prismatic;
         Self {
@@ -84,18 +89,25 @@ impl Sensing {
         self
     }
 
-    /// What the controller gets at sample `k`, time `t_ns`. `told`: the torques the drives were told.
-    pub(super) fn sense(&mut self, k: u64, t_ns: u64, plant: &Plant, told: &[f64]) -> &Sample {
+    /// What the controller gets at sample `k`, time `t_ns`.
+    pub(super) fn sense(
+        &mut self,
+        k: u64,
+        t_ns: u64,
+        plant: &Plant,
+        path: &CommandPath,
+    ) -> &Sample {
         let t = t_ns as f64 * 1e-9;
         let ahead = self.way.as_ref().map_or(0, |way| way.len() as u64);
         self.fresh.sequence = k + ahead;
         self.fresh.t_ns = t_ns;
+        self.fresh.accepted.copy_from_slice(&path.sent);
         let age = self.errors.as_ref().map_or(0.0, |errors| errors.age(k));
         if age > 0.0 {
             self.fresh.t_ns = t_ns.saturating_sub(nanoseconds(age));
         }
         for i in 0..self.sensors.len() {
-            self.fresh.joints[i] = self.measure(i, (k, t, age), plant, told[i]);
+            self.fresh.joints[i] = self.measure(i, (k, t, age), plant, path.told[i]);
         }
         if !self.faults.is_empty() {
             self.spoil(k, t);
