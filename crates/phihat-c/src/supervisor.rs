@@ -325,3 +325,37 @@ fn denial_text(why: Denial) -> &'static core::ffi::CStr {
 fn refused(error: OptionError, joint: Option<usize>) -> Refusal {
     Refusal::option(joint, error)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_the_cores() {
+        for (bit, (event, name)) in Events::ALL.iter().enumerate() {
+            let text = phihat_event_text(u32::try_from(bit).unwrap());
+            // SAFETY: not null, or the test fails; a text of this library.
+            let text = unsafe { core::ffi::CStr::from_ptr(text) };
+            assert_eq!(text.to_str().unwrap(), *name);
+            assert_eq!(event.bits(), 1 << bit);
+        }
+        assert!(phihat_event_text(u32::try_from(Events::ALL.len()).unwrap()).is_null());
+        for fault in Fault::ALL {
+            assert_eq!(fault_text(fault).to_str().unwrap(), fault.name());
+        }
+        for why in [
+            Denial::NotArmed,
+            Denial::NotHolding,
+            Denial::NotStopped,
+            Denial::AlreadyActive,
+            Denial::Latched,
+            Denial::NotNew,
+            Denial::Fault,
+            Denial::NotFresh,
+            Denial::NotAtRest,
+            Denial::StartMismatch,
+        ] {
+            assert_eq!(denial_text(why).to_str().unwrap(), why.name());
+        }
+    }
+}

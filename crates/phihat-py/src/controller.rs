@@ -1,15 +1,14 @@
 //! `phihat.Controller`: the law at work, one call per sample.
 
 use numpy::PyArray1;
-use phihat::{
-    Command, Form, JointGains, JointState, Limits, Measurement, Reference, update_joints,
-};
+use phihat::{Command, JointGains, JointState, Measurement, Reference, update_joints};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::per_joint;
 use crate::failure;
 use crate::gains::Gains;
+use crate::laws::Laws;
 
 /// Periods between two stamped samples, at most.
 const GAP_MAX: u64 = 3;
@@ -41,43 +40,9 @@ impl Controller {
         torque_rate_max: Option<Vec<f64>>,
         form: &str,
     ) -> PyResult<Self> {
-        let names = gains.names();
+        let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
+        let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, form)?;
         let n = names.len();
-        let form = match form {
-            "observer" => Form::Observer,
-            "literal" => Form::Literal,
-            _ => {
-                let limit = "\"observer\" or \"literal\"";
-                let message = format!("form: {form:?}; it must be {limit}");
-                return Err(failure::argument(py, "form", None, form, limit, &message));
-            }
-        };
-        let period_ns = period_ns(py, gains.inner.rate_hz)?;
-        let laws = gains.inner.joint_gains(&names, period_ns, form);
-        let laws = laws.map_err(|e| failure::gains(py, &e))?;
-        let stated = [("torque_max", &torque_max), ("torque_rate_max", &torque_rate_max)];
-        for (field, values) in stated {
-            if let Some(values) = values.as_ref().filter(|values| values.len() != n) {
-                let (found, limit) = (values.len(), format!("{n} values, one per joint"));
-                let message = format!("{field}: {found} values; it must be {limit}");
-                return Err(failure::argument(py, field, None, found, &limit, &message));
-            }
-        }
-        let limited = |(i, law): (usize, &JointGains<f64>)| {
-            let own = gains.limits(i);
-            let of = |values: &Option<Vec<f64>>, own: Option<f64>| match values {
-                // Infinity says: no limit.
-                Some(values) => Some(values[i]).filter(|x| !(x.is_infinite() && *x > 0.0)),
-                None => own,
-            };
-            let (torque, rate) = (of(&torque_max, own.0), of(&torque_rate_max, own.1));
-            let limits = Limits::new(torque, rate, period_ns as f64 * 1e-9).map_err(|error| {
-                let joint = names[i].clone();
-                failure::gains(py, &phihat_design::GainsError::Joint { joint, error })
-            })?;
-            Ok(law.with_limits(limits))
-        };
-        let laws: Vec<_> = laws.iter().enumerate().map(limited).collect::<PyResult<_>>()?;
         Ok(Self {
             names,
             gains: laws,
@@ -267,20 +232,4 @@ impl Controller {
         };
         fill().map_or_else(|e| e, |()| failure::raise(py, "SampleRefused", &message, &carried))
     }
-}
-
-fn period_ns(py: Python<'_>, rate_hz: f64) -> PyResult<u64> {
-    let period = 1e9 / rate_hz;
-    if !(1.0..=1e10).contains(&period) {
-        let limit = "0.1 Hz to 1 GHz";
-        let message = format!("rate_hz: {rate_hz} Hz; it must be {limit}");
-        return Err(failure::argument(py, "rate_hz", None, rate_hz, limit, &message));
-    }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "checked just now: a moderate positive number"
-    )]
-    let nanoseconds = period.round() as u64;
-    Ok(nanoseconds)
 }

@@ -10,9 +10,11 @@ mod controller;
 mod failure;
 mod gains;
 mod json;
+mod laws;
 mod robot;
 mod run;
 mod study;
+mod supervisor;
 
 use std::process::ExitCode;
 
@@ -35,6 +37,8 @@ mod _phihat {
     use super::run::{design, simulate};
     #[pymodule_export]
     use super::study::study_document;
+    #[pymodule_export]
+    use super::supervisor::Supervisor;
     #[pymodule_export]
     use super::version;
 }

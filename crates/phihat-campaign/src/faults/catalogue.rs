@@ -455,7 +455,7 @@ pub const SEVERITIES: usize = 3;
 
 #[cfg(test)]
 mod tests {
-    use super::{Effect, FAULTS};
+    use super::FAULTS;
 
     #[test]
     fn there_are_thirty_faults_and_each_has_its_own_name() {

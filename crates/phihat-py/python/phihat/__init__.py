@@ -6,7 +6,8 @@
 >>> trace = phihat.simulate("studies/panda_design.toml", gains=gains)
 >>> trace.within_spec
 True
->>> controller = phihat.Controller(gains)                   # on the robot: one call per sample
+>>> controller = phihat.Controller(gains)                   # the law: one call per sample
+>>> arm = phihat.Supervisor(gains)                          # and around it what a real arm needs
 
 Everything is in SI units and radians; the error is measured minus desired, ``e = q - q_des``. Arrays have one
 entry per joint in the order of ``joint_names``.
@@ -22,7 +23,7 @@ from ._errors import (
     SampleRefused,
     StudyError,
 )
-from ._phihat import Controller, Gains, Robot
+from ._phihat import Controller, Gains, Robot, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
 from .study import Study, design, report, robots, simulate, verify
@@ -44,6 +45,7 @@ __all__ = [
     "SampleRefused",
     "Study",
     "StudyError",
+    "Supervisor",
     "Trace",
     "crosscheck",
     "design",

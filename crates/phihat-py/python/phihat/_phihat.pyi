@@ -15,6 +15,7 @@ __all__ = [
     "Controller",
     "Gains",
     "Robot",
+    "Supervisor",
     "Trace",
     "command",
     "design",
@@ -349,6 +350,123 @@ class Controller:
     @property
     def torque_max(self) -> _Array:
         """Torque limit [N m]; infinite where there is none."""
+
+@final
+class Supervisor:
+    """A controller under supervision: what a real arm needs around the law.
+
+    A guard judges every sample (finite, fresh, in order, plausible); limits hold joints, torques and their rates; modes go
+    ``idle, armed, holding, tracking`` and into a latched ``safe-stop``; starts do not jolt. Call :meth:`step` once per period,
+    whether a new sample came or not; whatever the values, torques are finite and within their limits.
+
+    Args:
+        gains: what to run.
+        torque_max: largest ``|tau|`` per joint [N m]; by default what the certificate is about.
+        torque_rate_max: likewise for its change [N m/s].
+        velocity_max: largest plausible speed per joint [rad/s].
+        position_range: hard limits per joint [rad], beyond which the arm stops.
+        soft_zone: width of the zone inside of them where the estimate does not grow outward [rad].
+        braking: deceleration that a joint can always afford near a limit [rad/s^2].
+        error_max: largest ``|e|`` per joint while the law runs [rad]; beyond it the arm stops.
+        frozen_travel: a position that stands still while the joint should have moved this far is frozen [rad].
+        reference_limits: velocity, acceleration and jerk that every reference is shaped to [rad/s, rad/s^2, rad/s^3].
+        dead_zone: inside this ``|e|``, with the reference at rest, the estimate is held [rad].
+        oscillation: root mean square of the torque's second difference that counts as oscillation [N m].
+        first_motion: torque variation that is enough to judge whether a joint goes the way the torque pushes [N m].
+        hold_samples: samples missed in a row for which the last torque is held; then it fades to ``phi_hat``.
+        stop_samples: samples missed in a row that stop the arm.
+        bad_samples: unbelievable samples in a row that stop the arm.
+        blend: how long a change of reference is blended over [s].
+        start_mismatch_max: largest distance between pose and reference at which tracking starts [rad].
+    """
+
+    def __new__(
+        cls,
+        gains: Gains,
+        *,
+        torque_max: Sequence[float] | None = None,
+        torque_rate_max: Sequence[float] | None = None,
+        velocity_max: Sequence[float] | None = None,
+        position_range: Sequence[tuple[float, float]] | None = None,
+        soft_zone: float = 0.05,
+        braking: float = 5.0,
+        error_max: Sequence[float] | None = None,
+        frozen_travel: Sequence[float] | None = None,
+        reference_limits: tuple[float, float, float] | None = None,
+        dead_zone: Sequence[float] | None = None,
+        oscillation: Sequence[float] | None = None,
+        first_motion: Sequence[float] | None = None,
+        hold_samples: int = 5,
+        stop_samples: int = 20,
+        bad_samples: int = 5,
+        blend: float = 0.5,
+        start_mismatch_max: float = 0.05,
+    ) -> Supervisor: ...
+    def step(
+        self,
+        q: _Array,
+        dq: _Array,
+        q_des: _Array,
+        dq_des: _Array,
+        ddq_des: _Array,
+        tau_applied: _Array | None = None,
+        *,
+        request: Literal["idle", "arm", "hold", "track", "stop"],
+        sequence: int,
+        t_ns: int | None = None,
+        now_ns: int | None = None,
+        preset: _Array | None = None,
+    ) -> _Array:
+        """Answer one period: the torque to apply until the next [N m].
+
+        Args:
+            q, dq, q_des, dq_des, ddq_des, tau_applied: as for :meth:`Controller.update`; not-a-number is judged, not raised.
+            request: what is wanted, repeated at every step; ``"arm"`` counts when it is new.
+            sequence: number of the sample; repeat the last one when none came.
+            t_ns, now_ns: when the sample was taken, and now, by one clock [ns]; default: one period per number.
+            preset: torques that hold the arm, heeded when it is armed [N m].
+
+        Raises:
+            ArgumentError: an array is no float64 array of one number per joint.
+        """
+
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def period(self) -> float:
+        """Time between samples [s]."""
+
+    @property
+    def mode(self) -> str:
+        """``idle``, ``armed``, ``holding``, ``tracking`` or ``safe-stop``, since the last step."""
+
+    @property
+    def fault(self) -> tuple[str, str] | None:
+        """What stopped the arm, and the joint; kept until it is armed again."""
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the last request was not granted."""
+
+    @property
+    def events(self) -> list[str]:
+        """What happened at the last step."""
+
+    @property
+    def brake(self) -> bool:
+        """Whether the brakes should be closed."""
+
+    @property
+    def misses(self) -> int:
+        """Samples missed in a row."""
+
+    @property
+    def tau(self) -> _Array:
+        """The last torque [N m]."""
+
+    @property
+    def phi_hat(self) -> _Array:
+        """Estimate of the unknown dynamics [N m], contained in the last torque."""
 
 @final
 class Trace:

@@ -114,6 +114,24 @@ pub enum Refusal {
     StartMismatch,
 }
 
+impl Refusal {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NotArmed => "not-armed",
+            Self::NotHolding => "not-holding",
+            Self::NotStopped => "not-stopped",
+            Self::AlreadyActive => "already-active",
+            Self::Latched => "latched",
+            Self::NotNew => "not-new",
+            Self::Fault => "fault",
+            Self::NotFresh => "not-fresh",
+            Self::NotAtRest => "not-at-rest",
+            Self::StartMismatch => "start-mismatch",
+        }
+    }
+}
+
 /// The answer of [`next_mode`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Transition {

@@ -1,4 +1,4 @@
-"""02: a robot's description and dynamics, with NumPy in and out."""
+"""03: a robot's description and dynamics, with NumPy in and out."""
 
 import numpy as np
 import phihat

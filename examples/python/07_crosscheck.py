@@ -1,4 +1,4 @@
-"""06: a second opinion on a simulation: the same study in MuJoCo.
+"""07: a second opinion on a simulation: the same study in MuJoCo.
 
 Needs: pip install mujoco. On the command line: python -m phihat crosscheck studies/panda.toml
 """

@@ -1,4 +1,4 @@
-"""03: gains for an error bound, with a certificate that anyone can check again."""
+"""04: gains for an error bound, with a certificate that anyone can check again."""
 
 from pathlib import Path
 

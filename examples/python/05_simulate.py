@@ -1,4 +1,4 @@
-"""04: a run with everything that hurts in a laboratory, as NumPy arrays, a figure and a report."""
+"""05: a run with everything that hurts in a laboratory, as NumPy arrays, a figure and a report."""
 
 import tempfile
 from pathlib import Path

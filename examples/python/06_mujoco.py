@@ -1,4 +1,4 @@
-"""05: the controller on a MuJoCo model that knows nothing of phihat.
+"""06: the controller on a MuJoCo model that knows nothing of phihat.
 
 Needs: pip install mujoco
 """
