@@ -1,6 +1,6 @@
 """phihat and MuJoCo: a robot out of any MuJoCo model, the controller on it, and our robots as MuJoCo models.
 
-Needs the package ``mujoco`` (``pip install 'phihat[mujoco]'``); tested with MuJoCo 4.0.
+Needs the package ``mujoco`` (``pip install 'phihat[mujoco]'``); tested with MuJoCo 3.3 and 4.0.
 
 - :func:`describe` writes the URDF that a design needs from a MuJoCo model's own numbers.
 - :func:`attach` runs the controller on a MuJoCo model.
