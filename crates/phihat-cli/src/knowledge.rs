@@ -4,7 +4,9 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
+use phihat_design::{
+    Arm, Gains, JointSignals, Motion, Outcome, Phi, PhiBasis, design, estimate_inertia,
+};
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
 
@@ -33,8 +35,14 @@ pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
 
 /// Designs gains for a study, with `φ` from the source it names.
 pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, Failure> {
+    let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
+    let motion = |joint: usize| {
+        let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
+        Some(Motion { acceleration_rad_s2, jerk_rad_s3 })
+    };
     let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
-        design(study, arm, phi).map_err(|e| Failure::at(path, e))
+        let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
+        design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
     match &study.design.phi {
         PhiSource::Typed { rate, jump } => made(study, &|joint, _| Phi {
@@ -43,6 +51,7 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
             size_nm: None,
             rate_nm_s: rate[joint],
             jump_nm: jump[joint],
+            motion: None,
         }),
         PhiSource::Trace(file) => {
             let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
@@ -53,14 +62,8 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
                 bounds(PhiBasis::Trace, &source, seen)
             })
         }
-        PhiSource::Simulation => {
-            let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
-            simulated(study, &demand, &made)
-        }
-        PhiSource::Reference => {
-            let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
-            made(study, &|joint, inertia| along(&demand, joint, inertia))
-        }
+        PhiSource::Simulation => simulated(study, &demand, &made),
+        PhiSource::Reference => made(study, &|joint, inertia| along(&demand, joint, inertia)),
     }
 }
 
@@ -161,6 +164,7 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
         size_nm: Some(phi.size),
         rate_nm_s: phi.rate,
         jump_nm: phi.jump,
+        motion: None,
     }
 }
 

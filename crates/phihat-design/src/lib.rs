@@ -25,7 +25,7 @@ pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
 pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
-pub use phi::{Phi, PhiBasis};
+pub use phi::{Motion, Phi, PhiBasis};
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
 pub use trade_off::TradeOff;

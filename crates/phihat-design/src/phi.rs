@@ -16,6 +16,27 @@ pub struct Phi {
     pub rate_nm_s: f64,
     /// Largest size of the part that jumps \[N·m\].
     pub jump_nm: f64,
+    /// How the reference moves, which costs an error of its own; `None`: not known, and not in the bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
+}
+
+/// Bounds on one joint's reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Largest |q̈_d| \[rad/s²\].
+    pub acceleration_rad_s2: f64,
+    /// Largest |q⃛_d| \[rad/s³\].
+    pub jerk_rad_s3: f64,
+}
+
+impl Motion {
+    /// What it does through gains from acceleration and jerk.
+    pub(crate) fn costs(&self, acceleration: f64, jerk: Option<f64>) -> f64 {
+        let held = acceleration * self.acceleration_rad_s2;
+        jerk.map_or(held, |jerk| held.min(jerk * self.jerk_rad_s3))
+    }
 }
 
 /// What bounds on `φ` rest on.

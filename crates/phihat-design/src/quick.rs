@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::gains::JointRecord;
-use crate::sampled::{LoopModel, StateMatrix};
+use crate::sampled::{LoopModel, StateMatrix, left_by_acceleration};
 
 /// Samples after which a response is cut off, should it not have died before.
 const LONGEST: usize = 40_000;
@@ -23,6 +23,8 @@ pub(crate) struct Quick {
     pub(crate) ramp: [Option<f64>; 3],
     /// From the encoder's error to `e`, `ė`.
     pub(crate) reading: [f64; 2],
+    /// From the reference's acceleration to `e`, `ė`.
+    pub(crate) moved: [f64; 2],
     /// From the encoder's error to the change of torque per sample, over `M̄`.
     pub(crate) change: f64,
 }
@@ -52,9 +54,14 @@ impl Quick {
             change += (torque - last).abs();
             last = torque;
         })?;
+        let mut moved = [0.0; 2];
+        walk(&matrix, &left_by_acceleration(&matrix)?, |x| {
+            moved[0] += x[0].abs();
+            moved[1] += (unit * x[1]).abs();
+        })?;
         let lasting = model.servo_type(law.a.len()) >= 2;
         let ramp = [lasting.then_some(ramp[0]), Some(ramp[1]), Some(ramp[2])];
-        Some(Self { jump, ramp, reading, change })
+        Some(Self { jump, ramp, reading, moved, change })
     }
 
     /// The larger of each.
@@ -65,6 +72,7 @@ impl Quick {
             jump: larger(self.jump, other.jump),
             ramp: core::array::from_fn(both),
             reading: core::array::from_fn(|i| self.reading[i].max(other.reading[i])),
+            moved: core::array::from_fn(|i| self.moved[i].max(other.moved[i])),
             change: self.change.max(other.change),
         }
     }

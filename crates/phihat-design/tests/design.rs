@@ -6,7 +6,9 @@
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::{Alternative, Arm, Gains, Outcome, Phi, PhiBasis, arm_inside_window, design};
+use phihat_design::{
+    Alternative, Arm, Gains, Motion, Outcome, Phi, PhiBasis, arm_inside_window, design,
+};
 use phihat_sim::{Demand, Metrics, Simulation};
 use phihat_study::Study;
 
@@ -43,6 +45,10 @@ fn designed(study: &Study) -> Outcome {
             size_nm: Some(along.size),
             rate_nm_s: along.rate,
             jump_nm: along.jump,
+            motion: Some(Motion {
+                acceleration_rad_s2: demand.motion(joint).0,
+                jerk_rad_s3: demand.motion(joint).1,
+            }),
         }
     };
     design(study, &Arm::of(study).unwrap(), &phi).unwrap()

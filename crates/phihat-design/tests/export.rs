@@ -34,6 +34,7 @@ fn designed(order: u32, rest: &str) -> Gains {
         size_nm: Some(6.0),
         rate_nm_s: 8.0,
         jump_nm: 0.1,
+        motion: None,
     };
     let study = study(order, rest);
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {

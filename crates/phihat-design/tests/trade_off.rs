@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, TradeOff, design};
+use phihat_design::{Arm, Gains, Motion, Outcome, Phi, PhiBasis, TradeOff, design};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -30,6 +30,10 @@ fn designed(error: f64, encoder: &str) -> Gains {
             size_nm: Some(along.size),
             rate_nm_s: along.rate,
             jump_nm: along.jump,
+            motion: Some(Motion {
+                acceleration_rad_s2: demand.motion(joint).0,
+                jerk_rad_s3: demand.motion(joint).1,
+            }),
         }
     };
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
@@ -62,7 +66,8 @@ fn other_errors_cost_what_the_front_says() {
     let ratio = certified / chosen(&gains).torque_noise_nm;
     assert!((0.98..1.02).contains(&ratio), "{ratio}");
     for point in front.iter().step_by(front.len() / 3) {
-        let again = designed(asked * point.error_share * 1.005, "encoder_bits = 18\n");
+        // The search looks at three inertia ratios, the certificate at nine: 2 % with a motion that counts.
+        let again = designed(asked * point.error_share * 1.02, "encoder_bits = 18\n");
         let noise = chosen(&again).torque_noise_nm;
         println!("{:.3}: {:.3} N·m, designed {noise:.3}", point.error_share, point.torque_noise_nm);
         assert!(noise <= point.torque_noise_nm * 1.001);

@@ -31,6 +31,7 @@ fn designed() -> Gains {
         size_nm: None,
         rate_nm_s: 5.0,
         jump_nm: 0.1,
+        motion: None,
     };
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,

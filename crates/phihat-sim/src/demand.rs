@@ -86,6 +86,16 @@ impl Demand {
         Ok(Self { period, torques, ddq, jumps: jumps(study) })
     }
 
+    /// Largest |q̈_d| \[rad/s²\] and |q⃛_d| \[rad/s³\] of a joint's reference.
+    pub fn motion(&self, joint: usize) -> (f64, f64) {
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(0.0_f64, |most, value| value.abs().max(most))
+        };
+        let ddq = &self.ddq[joint];
+        let mut steps = ddq.windows(2).map(|pair| pair[1] - pair[0]);
+        (largest(&mut ddq.iter().copied()), largest(&mut steps) / self.period)
+    }
+
     /// Bounds on a joint's `φ` for a nominal inertia `M̄` \[kg·m²\].
     pub fn phi(&self, joint: usize, inertia: f64) -> PhiAlong {
         let jump = self.jumps[joint];

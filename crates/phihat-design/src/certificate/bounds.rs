@@ -7,7 +7,9 @@ use crate::claims::Refutation;
 use crate::claims::law::holds;
 use crate::gains::JointRecord;
 use crate::phi::Phi;
-use crate::sampled::{LoopForm, LoopModel, LoopVelocity, ReadingError, SampledPeaks};
+use crate::sampled::{
+    LoopForm, LoopModel, LoopVelocity, ReadingError, ReferenceError, SampledPeaks,
+};
 
 const CLAIM: &str = "error bound";
 
@@ -16,10 +18,11 @@ const CLAIM: &str = "error bound";
 /// # Claim
 ///
 /// ```text
-/// |e|, |ė| ≤ (ramp |φ̇_smooth| + jump |φ_jump|)/M̄ + reading Δ/2
-/// |∫e|     ≤ the same with its own gains + (t + T) · reading Δ/2 + t · K_d T² |φ̇|/(12 K_p low M̄)
+/// |e|, |ė| ≤ (ramp |φ̇_smooth| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
+/// |∫e|     ≤ from φ with its own gains + t · (|e| from encoder and motion) + T |e| + t · K_d T² |φ̇|/(12 K_p low M̄)
 /// ```
 ///
+/// The reference's own motion counts where it is known: see [`Phi::motion`].
 /// A constant misreading of the encoder is a constant error, so `∫e` grows with the time `t` of the run; the last
 /// term is what a `φ` that varies within the sample intervals adds where the observer reads a true velocity.
 ///
@@ -49,6 +52,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) ramp: [Option<f64>; 3],
     /// Gains from the encoder's error to `e`, `ė`.
     pub(crate) reading: [f64; 2],
+    /// Gains from the reference's acceleration and jerk to `e`, `ė`.
+    pub(crate) moved: [(f64, Option<f64>); 2],
     pub(crate) quantum: f64,
     /// Smallest inertia ratio.
     pub(crate) low: f64,
@@ -61,8 +66,8 @@ impl<'a> Evidence<'a> {
         (record, model): (&'a JointRecord, &'a LoopModel),
         peaks: &SampledPeaks,
         reading: Option<&ReadingError>,
-        quantum: f64,
-        duration: f64,
+        moved: Option<&ReferenceError>,
+        (quantum, duration): (f64, f64),
     ) -> Self {
         Self {
             record,
@@ -70,6 +75,9 @@ impl<'a> Evidence<'a> {
             jump: peaks.jump,
             ramp: peaks.ramp,
             reading: reading.map_or([0.0; 2], |r| [r.error, r.velocity_per_s]),
+            moved: moved.map_or([(0.0, None); 2], |m| {
+                [(m.acceleration, m.jerk), (m.velocity_acceleration, m.velocity_jerk)]
+            }),
             quantum,
             low: peaks.mu.iter().copied().fold(f64::INFINITY, f64::min),
             duration,
@@ -80,7 +88,12 @@ impl<'a> Evidence<'a> {
         let inertia = self.record.inertia_kg_m2;
         let half = 0.5 * self.quantum;
         let state = |i: usize| phi.bound(self.jump[i], self.ramp[i]) / inertia;
-        let error_rad = state(1) + self.reading[0] * half;
+        let besides = |i: usize| {
+            let (acceleration, jerk) = self.moved[i];
+            let moved = phi.motion.map_or(0.0, |motion| motion.costs(acceleration, jerk));
+            self.reading[i] * half + moved
+        };
+        let error_rad = state(1) + besides(0);
         let period = self.model.period_s;
         let within = if self.model.form == LoopForm::Observer
             && self.model.velocity == LoopVelocity::Measured
@@ -91,11 +104,10 @@ impl<'a> Evidence<'a> {
             0.0
         };
         // The trapezoid of the run's record and the sum of the claim differ by half a sample at each end.
-        let integral =
-            state(0) + self.duration * (self.reading[0] * half + within) + period * error_rad;
+        let integral = state(0) + self.duration * (besides(0) + within) + period * error_rad;
         Bounds {
             error_rad,
-            velocity_error_rad_s: state(2) + self.reading[1] * half,
+            velocity_error_rad_s: state(2) + besides(1),
             integral_rad_s: integral.is_finite().then_some(integral),
         }
     }
@@ -118,8 +130,12 @@ impl JointCertificate {
         let read = self.reading.is_some() == self.noise.is_some();
         holds(CLAIM, "reading error and torque noise go together", 0.0, 0.0, read)?;
         let quantum = self.noise.as_ref().map_or(0.0, |n| n.quantum_rad);
+        let moved = self.reference.as_ref();
+        let told = phi.motion.is_none() || moved.is_some_and(|moved| moved.feed_forward);
+        holds(CLAIM, "a motion costs what the reference error says", 0.0, 0.0, told)?;
         let loop_ = (record, &self.model);
-        let evidence = Evidence::new(loop_, peaks, self.reading.as_ref(), quantum, duration);
+        let evidence =
+            Evidence::new(loop_, peaks, self.reading.as_ref(), moved, (quantum, duration));
         let least = evidence.bounds(phi);
         let enough = |what: &str, least: f64, claimed: f64| {
             let claimed = claimed * (1.0 + 1e-9);

@@ -7,8 +7,8 @@ use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakG
 use crate::gains::JointRecord;
 use crate::phi::Phi;
 use crate::sampled::{
-    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, SampledPeaks, SampledVarying,
-    TorqueNoise, VaryingWindow,
+    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
+    SampledVarying, TorqueNoise, VaryingWindow,
 };
 
 /// What is claimed whatever the nominal inertia: joints with the same law in the same loop share it.
@@ -33,6 +33,7 @@ struct OverRange {
     margins: Margins,
     sampled: SampledPeaks,
     reading: Option<ReadingError>,
+    reference: ReferenceError,
 }
 
 impl Shared {
@@ -90,6 +91,7 @@ impl OverRange {
         Ok(Self {
             margins: Margins::find(record, model, range)?,
             sampled: SampledPeaks::find(record, model, range, RATIOS)?,
+            reference: ReferenceError::find(record, model, true, range, RATIOS)?,
             reading: encoder
                 .then(|| ReadingError::find(record, model, range, RATIOS))
                 .transpose()?,
@@ -120,8 +122,8 @@ impl Context<'_> {
         let over = shared.over;
         let bounds = over.as_ref().zip(phi.as_ref()).map(|(over, phi)| {
             let (reading, quantum) = (over.reading.as_ref(), self.quantum.unwrap_or(0.0));
-            let loop_ = (*record, &model);
-            Evidence::new(loop_, &over.sampled, reading, quantum, self.duration).bounds(phi)
+            let (loop_, given) = ((*record, &model), (quantum, self.duration));
+            Evidence::new(loop_, &over.sampled, reading, Some(&over.reference), given).bounds(phi)
         });
         let noise = |quantum| TorqueNoise::find(record, &model, quantum, range, RATIOS);
         let step = |_: &OverRange| LargestStep::find(record, &model, self.limits, range, RATIOS);
@@ -141,6 +143,7 @@ impl Context<'_> {
             noise: over.as_ref().and(self.quantum).map(noise).transpose()?,
             step: over.as_ref().map(step).transpose()?,
             reading: over.as_ref().and_then(|o| o.reading.clone()),
+            reference: over.as_ref().map(|o| o.reference.clone()),
             sampled: over.map(|o| o.sampled),
             limits: self.limits,
             phi,

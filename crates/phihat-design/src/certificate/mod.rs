@@ -19,8 +19,8 @@ use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakG
 use crate::gains::{Gains, JointRecord};
 use crate::phi::Phi;
 use crate::sampled::{
-    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, SampledPeaks, SampledVarying,
-    TorqueNoise, VaryingWindow,
+    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
+    SampledVarying, TorqueNoise, VaryingWindow,
 };
 
 /// Inertia ratios at which figures are computed over the arm's range.
@@ -73,6 +73,8 @@ pub struct JointCertificate {
     pub sampled: Option<SampledPeaks>,
     /// Gains from the encoder's error to the true error; `None` also for an exact position.
     pub reading: Option<ReadingError>,
+    /// Gains from the reference's own motion to the error.
+    pub reference: Option<ReferenceError>,
     /// Torque noise from the encoder; `None` also for an exact position.
     pub noise: Option<TorqueNoise>,
     /// Largest reference step that no limit has to cut.
@@ -215,6 +217,7 @@ impl JointCertificate {
             && self.margins == other.margins
             && self.sampled == other.sampled
             && self.reading == other.reading
+            && self.reference == other.reference
     }
 
     /// Continuous law and sampled loop, at whatever nominal inertia.
@@ -245,6 +248,9 @@ impl JointCertificate {
         if let Some(reading) = &self.reading {
             reading.verify(record, &self.model)?;
         }
+        if let Some(reference) = &self.reference {
+            reference.verify(record, &self.model)?;
+        }
         Ok(())
     }
 
@@ -266,6 +272,9 @@ impl JointCertificate {
         tried("sampled peak gains", &sampled.mu, arm)?;
         if let Some(reading) = &self.reading {
             tried("reading error", &reading.mu, arm)?;
+        }
+        if let Some(reference) = &self.reference {
+            tried("reference error", &reference.mu, arm)?;
         }
         if let Some(noise) = &self.noise {
             noise.verify(record, &self.model)?;

@@ -34,6 +34,7 @@ impl Known {
             size_nm: a.size_nm.zip(b.size_nm).map(|(a, b)| mix(a, b)),
             rate_nm_s: mix(a.rate_nm_s, b.rate_nm_s),
             jump_nm: mix(a.jump_nm, b.jump_nm),
+            motion: a.motion,
         })
     }
 }

@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
     /// Measures a candidate against every clause.
     pub(super) fn judge(&self, candidate: &Candidate) -> Verdict {
         let mut verdict = Verdict::default();
-        let Quick { jump, ramp, reading, change } = candidate.gains;
+        let Quick { jump, ramp, reading, moved, change } = candidate.gains;
         let mut record = candidate.shape.law();
         for (joint, nominal) in self.arm.nominal_kg_m2.iter().enumerate() {
             let inertia = nominal * candidate.scale;
@@ -196,6 +196,7 @@ impl<'a> Search<'a> {
                 jump,
                 ramp,
                 reading,
+                moved: moved.map(|gain| (gain, None)),
                 quantum,
                 low: self.arm.low / candidate.scale,
                 duration: self.study.duration,

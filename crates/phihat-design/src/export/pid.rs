@@ -105,7 +105,8 @@ impl PidClaims {
         let inertia = record.inertia_kg_m2;
         let bounds = joint.phi.as_ref().map(|phi| {
             let (reading, quantum) = (reading.as_ref(), quantum.unwrap_or(0.0));
-            Evidence::new((record, &model), &peaks, reading, quantum, whole.duration_s).bounds(phi)
+            let given = (quantum, whole.duration_s);
+            Evidence::new((record, &model), &peaks, reading, None, given).bounds(phi)
         });
         let size = joint.phi.as_ref().and_then(|phi| phi.size_nm);
         let reference = |forward: bool| {

@@ -48,6 +48,7 @@ pub use open_loop::OpenLoop;
 pub use peak::SampledPeaks;
 pub use reading::ReadingError;
 pub use reference::ReferenceError;
+pub(crate) use reference::left_by_acceleration;
 pub use sampled_varying::SampledVarying;
 pub use state_matrix::{Reaction, StateMatrix};
 pub use step::LargestStep;
