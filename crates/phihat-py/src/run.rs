@@ -125,6 +125,24 @@ impl Trace {
     fn divergence(&self) -> Option<(f64, String)> {
         self.done.divergence.as_ref().map(|d| (d.t, d.joint.clone()))
     }
+    /// The supervisor's mode at each sample; None where there was no supervisor.
+    #[getter]
+    fn mode(&self) -> Option<Vec<&'static str>> {
+        let modes = &self.done.trace.supervision.as_ref()?.mode;
+        Some(modes.iter().map(|mode| mode.name()).collect())
+    }
+    /// What the supervisor noted at each sample; None where there was no supervisor.
+    #[getter]
+    fn events(&self) -> Option<Vec<Vec<&'static str>>> {
+        let events = &self.done.trace.supervision.as_ref()?.events;
+        Some(events.iter().map(|events| events.names().collect()).collect())
+    }
+    /// What had stopped the arm at each sample, if anything; None where there was no supervisor.
+    #[getter]
+    fn fault(&self) -> Option<Vec<Option<&'static str>>> {
+        let faults = &self.done.trace.supervision.as_ref()?.fault;
+        Some(faults.iter().map(|fault| fault.map(phihat::Fault::name)).collect())
+    }
     /// Where the run came from, as in run.json.
     #[getter]
     fn run<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -104,6 +104,19 @@ def test_controller_in_python_retraces_the_simulation(gains: phihat.Gains, trace
         assert (tau == commanded[k]).all(), k
 
 
+def test_a_supervised_run_tells_modes_events_and_faults(gains: phihat.Gains, trace: phihat.Trace) -> None:
+    assert trace.mode is None and trace.events is None and trace.fault is None
+    nothing = {"kind": "sensor_nan", "start_s": 2.0, "duration_s": 0.1}
+    watched = phihat.simulate(SHORT | {"supervisor": {}, "fault": [nothing]}, gains=gains)
+    mode, events, fault = watched.mode, watched.events, watched.fault
+    assert mode is not None and events is not None and fault is not None
+    assert len(mode) == len(events) == len(fault) == len(watched)
+    stopped = mode.index("safe-stop")
+    assert 2.0 <= watched.t[stopped] < 2.1 and mode[stopped - 1] == "tracking"
+    assert fault[stopped] == "bad-sample" and fault[stopped - 1] is None
+    assert "not-finite" in events[stopped] and events[1900] == []
+
+
 def test_same_study_same_bits(gains: phihat.Gains, trace: phihat.Trace) -> None:
     again = phihat.simulate(SHORT, gains=gains)
     assert again["q"].tobytes() == trace["q"].tobytes()

@@ -120,6 +120,21 @@ class Trace:
         return self._record.divergence
 
     @property
+    def mode(self) -> list[str] | None:
+        """The supervisor's mode at each sample, as in ``"tracking"``; ``None`` where there was no supervisor."""
+        return self._record.mode
+
+    @property
+    def events(self) -> list[list[str]] | None:
+        """What the supervisor noted at each sample; ``None`` where there was no supervisor."""
+        return self._record.events
+
+    @property
+    def fault(self) -> list[str | None] | None:
+        """What had stopped the arm at each sample, if anything; ``None`` where there was no supervisor."""
+        return self._record.fault
+
+    @property
     def run(self) -> dict[str, Any]:
         """Where the run came from, as in ``run.json``: study, seed, version, world, warnings."""
         return self._record.run
