@@ -21,7 +21,7 @@ use crate::report::write_report;
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
-/// Every run is the study with one fault of one severity: sensors, drives, network, clock, load, friction,
+/// Every run is the study, under the supervisor, with one fault of one severity: sensors, drives, network, clock, load, friction,
 /// limits. Writes journal.jsonl, faults.json and report.html to out/STUDY/faults/ (out/faults/ for several
 /// studies). An interrupted matrix goes on where it was.
 #[derive(Debug, Args)]
@@ -222,6 +222,8 @@ fn overview(summary: &Summary) -> String {
         ("panicked or could not run", totals.panicked),
         ("not finite", totals.not_finite),
         ("beyond a torque or rate limit", totals.beyond_limits),
+        ("stopped falsely, or late after the reason", totals.bad_stops),
+        ("stopped or went on against their bar", totals.wrong_ends),
         ("beyond their excursion's bar", totals.beyond_excursion),
     ];
     let lines = parts.map(|(what, count)| format!("{what}: {count}"));

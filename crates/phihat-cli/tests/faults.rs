@@ -33,7 +33,7 @@ fn summary(folder: &Path, out: &str) -> String {
 fn killed_at_any_time_and_on_any_threads_the_answer_is_the_same_bytes() {
     let folder = with_arms("faults-killed");
     let whole = phihat(&folder, &[&QUICK[..], &["--out", "whole", "--threads", "1"]].concat());
-    assert!(whole.code < 2, "{}", whole.err);
+    assert_eq!(whole.code, 0, "{}{}", whole.out, whole.err);
     for lines in [1, 10, 25] {
         let out = format!("killed-{lines}");
         let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
@@ -55,6 +55,24 @@ fn killed_at_any_time_and_on_any_threads_the_answer_is_the_same_bytes() {
         assert_eq!(resumed.code, whole.code, "{}", resumed.err);
         assert_eq!(summary(&folder, &out), summary(&folder, "whole"));
     }
+}
+
+#[test]
+fn the_quick_matrix_keeps_its_bars_on_two_arms() {
+    let folder = with_arms("faults-quick");
+    let arms = ["faults", "studies/planar3r.toml", "studies/panda.toml", "--quick", "--json"];
+    let answer = phihat(&folder, &arms);
+    assert_eq!(answer.code, 0, "{}{}", answer.out, answer.err);
+    let text = summary(&folder, "out/faults");
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let totals = &summary["totals"];
+    assert!(totals["runs"].as_u64().unwrap() >= 2 * 30 * 3, "{totals}");
+    for none in ["panicked", "not_finite", "beyond_limits", "bad_stops", "wrong_ends"] {
+        assert_eq!(totals[none], 0, "{none}: {totals}");
+    }
+    let stopped = summary["runs"].as_array().unwrap().iter();
+    let stopped = stopped.filter(|run| !run["ended"]["with"]["stopped"].is_null()).count();
+    assert!(stopped > 20, "faults do stop the arm: {stopped}");
 }
 
 #[test]

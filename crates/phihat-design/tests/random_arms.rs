@@ -73,7 +73,7 @@ fn gate(study: &mut Study, gains: &Gains, (low, high): (f64, f64)) -> Result<(),
 }
 
 #[test]
-fn a_thousand_arms_and_none_is_armed_outside_its_window() {
+fn f10_a_thousand_arms_and_none_is_armed_outside_its_window() {
     let mut random = Random(2018);
     let (mut armed, mut refused, mut edges) = (0, 0, 0);
     for arm in 0..1000 {

@@ -42,7 +42,7 @@ fn simulated(gains: &phihat_design::JointRecord, model: &LoopModel, quantum: f64
 }
 
 #[test]
-fn prediction_is_what_the_core_shows() {
+fn f03_prediction_is_what_the_core_shows() {
     let mut worst = 0.0_f64;
     for (a, filter, form) in [
         (vec![68.9], None, LoopForm::Literal),
@@ -51,7 +51,7 @@ fn prediction_is_what_the_core_shows() {
     ] {
         let gains = record(400.0, 40.0, &a, 0.8);
         let model = differenced(filter, form);
-        for bits in [14, 16, 18, 20, 22] {
+        for bits in [10, 12, 14, 16, 18, 20, 22, 24] {
             let quantum = TorqueNoise::quantum(bits);
             let claim = TorqueNoise::find(&gains, &model, quantum, (1.0, 1.0), 1).unwrap();
             claim.verify(&gains, &model).unwrap();

@@ -73,7 +73,7 @@ pub fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, Iner
 }
 
 #[test]
-fn edges_are_where_the_running_core_loses_stability() {
+fn f11_edges_are_where_the_running_core_loses_stability() {
     let mut random = Random(3);
     let (mut up, mut down) = (0, 0);
     for case in 0..200 {

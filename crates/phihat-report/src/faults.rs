@@ -49,6 +49,11 @@ fn verdict(summary: &Summary) -> Markup {
         ("panicked or could not be run", totals.panicked),
         ("were not finite or diverged", totals.not_finite),
         ("told a drive more than a torque or rate limit", totals.beyond_limits),
+        (
+            "stopped before anything was wrong, or more than 3 samples after the reason",
+            totals.bad_stops,
+        ),
+        ("stopped where they should go on, the other way round, or late", totals.wrong_ends),
         ("went beyond their excursion's bar", totals.beyond_excursion),
     ];
     html! { div class=(class) {
@@ -121,10 +126,10 @@ fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usiz
     } else {
         (shade(worst, bar), "")
     };
-    let kept = runs.iter().filter(|run| run.missed.is_empty()).count();
+    let stopped = runs.iter().filter_map(|run| run.cell()).filter(|c| c.stopped.is_some()).count();
     html! { td class=(class) { a href=(format!("#{}", anchor(&first.name))) {
         (mark) (number(MILLI * worst))
-        span.note { (kept) " of " (runs.len()) " kept" }
+        span.note { @if stopped == 0 { "goes on" } @else { (stopped) " of " (runs.len()) " stop" } }
     } } }
 }
 
@@ -154,6 +159,9 @@ fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
                     th scope="col" { "run" }
                     th scope="col" { "onset " span.unit { "[s]" } }
                     th scope="col" { "joint" }
+                    th scope="col" { "noticed " span.unit { "[ms]" } }
+                    th scope="col" { "stopped " span.unit { "[ms]" } }
+                    th scope="col" { "stop after reason " span.unit { "[samples]" } }
                     th scope="col" { "excursion " span.unit { "[mrad]" } }
                     th scope="col" { "error at the end " span.unit { "[mrad]" } }
                     th scope="col" { "bars" }
@@ -174,6 +182,9 @@ fn row(run: &RunRecord, command: &str) -> Markup {
         th scope="row" { (line(&run.name)) }
         td { (show(|cell| cell.onset_s)) }
         td { (run.cell().map_or(String::new(), |cell| line(&cell.joint))) }
+        td { (event(run.cell().and_then(|cell| cell.noticed.as_ref()))) }
+        td { (event(run.cell().and_then(|cell| cell.stopped.as_ref()))) }
+        td { (run.cell().and_then(|cell| cell.stop_delay).map_or("–".to_owned(), |n| n.to_string())) }
         td { (show(|cell| MILLI * cell.excursion_rad)) }
         td { (show(|cell| MILLI * cell.error_end_rad)) }
         td.outside[!missed.is_empty()] {
@@ -183,6 +194,13 @@ fn row(run: &RunRecord, command: &str) -> Markup {
         }
         td { code { (line(command)) " --only " (line(&run.name)) " --trace" } }
     } }
+}
+
+/// When something happened after the onset, and what.
+fn event(event: Option<&(String, f64)>) -> Markup {
+    html! {
+        @if let Some((what, ms)) = event { (number(*ms)) span.note { (line(what)) } } @else { "–" }
+    }
 }
 
 fn levels(fault: &FaultRecord) -> String {

@@ -68,6 +68,8 @@ pub struct Supervision {
     pub events: Vec<Events>,
     /// What stopped the arm, until it is armed again.
     pub fault: Vec<Option<Fault>>,
+    /// Whether the brakes are asked for.
+    pub brake: Vec<bool>,
 }
 
 impl Supervision {
@@ -75,6 +77,7 @@ impl Supervision {
         self.mode.push(report.mode);
         self.events.push(report.events);
         self.fault.push(report.fault.map(|(fault, _)| fault));
+        self.brake.push(report.brake);
     }
 }
 

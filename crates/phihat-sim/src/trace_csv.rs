@@ -48,7 +48,7 @@ pub enum TraceError {
 
 impl Trace {
     /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint; with
-    /// `mode,events,fault` where there is a supervisor.
+    /// `mode,events,fault,brake` where there is a supervisor.
     /// Numbers are written so that they read back to the same bits.
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl Trace {
 }
 
 /// The columns of a supervised run.
-const SUPERVISION: [&str; 3] = ["mode", "events", "fault"];
+const SUPERVISION: [&str; 4] = ["mode", "events", "fault", "brake"];
 
 fn header(supervised: bool) -> impl Iterator<Item = &'static str> {
     ["t_s", "joint"]
@@ -180,6 +180,7 @@ impl Supervision {
         csv.write_field(self.mode[k].name())?;
         csv.write_field(self.events[k].names().collect::<Vec<_>>().join(" "))?;
         csv.write_field(self.fault[k].map_or("", Fault::name))?;
+        csv.write_field(flag(self.brake[k]))?;
         Ok(())
     }
 }
@@ -254,6 +255,7 @@ impl Row<'_> {
             return Err(wrong("fault", fault));
         }
         into.fault.push(known);
+        into.brake.push(self.flag(COLUMNS.len() + 7, "brake")?);
         Ok(())
     }
 

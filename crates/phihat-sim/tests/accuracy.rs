@@ -70,7 +70,7 @@ fn rk4_converges_at_fourth_order_to_the_adaptive_reference() {
 }
 
 #[test]
-fn an_arm_left_alone_keeps_its_energy() {
+fn f30_an_arm_left_alone_keeps_its_energy() {
     for name in ["planar3r", "panda"] {
         let mut arm = FreeArm::named(name);
         let (mut q, mut dq) = arm.start();

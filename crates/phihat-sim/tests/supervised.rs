@@ -97,7 +97,7 @@ fn a_supervised_trace_survives_its_file() {
     trace.write_csv(&mut file).unwrap();
     assert_eq!(Trace::read_csv(file.as_slice()).unwrap(), trace);
     let text = String::from_utf8(file).unwrap();
-    assert!(text.lines().next().unwrap().ends_with(",mode,events,fault"));
+    assert!(text.lines().next().unwrap().ends_with(",mode,events,fault,brake"));
     let bad = text.replacen(",tracking,", ",trackink,", 1);
     let why = Trace::read_csv(bad.as_bytes()).unwrap_err().to_string();
     assert!(why.contains("mode") && why.contains("trackink"), "{why}");

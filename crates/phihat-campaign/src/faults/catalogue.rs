@@ -50,8 +50,12 @@ pub enum End {
 pub(crate) enum Effect {
     /// An entry `[[fault]]`.
     Entry { kind: &'static str, size: Size, lasts: Lasts, on: On },
-    /// Another value of a key.
-    Key { path: &'static [&'static str], size: Size },
+    /// Other values of keys, for the whole run.
+    Keys(&'static [(&'static [&'static str], Size)]),
+    /// A stop is asked for at the onset, and to start again after the level, in seconds.
+    StopAndRestart,
+    /// The arm starts beside its reference: every joint by the level, with a sign drawn for the run.
+    StartBeside,
 }
 
 /// The size of a fault or the value of a key.
@@ -75,6 +79,8 @@ pub(crate) enum Size {
     Payload,
     /// The level times the sample period.
     Periods,
+    /// True.
+    True,
 }
 
 /// How long a fault lasts.
@@ -118,8 +124,8 @@ const fn entry(kind: &'static str, size: Size, lasts: Lasts, on: On) -> Effect {
     Effect::Entry { kind, size, lasts, on }
 }
 
-const fn key(path: &'static [&'static str], size: Size) -> Effect {
-    Effect::Key { path, size }
+const fn keys(keys: &'static [(&'static [&'static str], Size)]) -> Effect {
+    Effect::Keys(keys)
 }
 
 /// All faults of the matrix.
@@ -128,7 +134,7 @@ pub const FAULTS: &[Fault] = &[
         name: "nothing",
         row: "F5",
         what: "nothing goes wrong; encoder of so many bits",
-        effect: key(&["sensor", "encoder_bits"], Size::Whole),
+        effect: keys(&[(&["sensor", "encoder_bits"], Size::Whole)]),
         levels: [24.0, 22.0, 20.0],
         unit: "bit",
         bars: [follows(0.004); 3],
@@ -146,19 +152,19 @@ pub const FAULTS: &[Fault] = &[
         name: "rate_limit",
         row: "F2",
         what: "the controller may change the torque no faster than this",
-        effect: key(&["loop", "torque_rate_max_nm_s"], Size::Level),
+        effect: keys(&[(&["loop", "torque_rate_max_nm_s"], Size::Level)]),
         levels: [800.0, 500.0, 300.0],
         unit: "N·m/s",
-        bars: [follows(0.01), follows(0.01), either(0.02)],
+        bars: [follows(0.01), either(0.01), either(0.02)],
     },
     Fault {
         name: "coarse_encoder",
         row: "F3",
         what: "the encoder has so many bits",
-        effect: key(&["sensor", "encoder_bits"], Size::Whole),
-        levels: [18.0, 16.0, 14.0],
+        effect: keys(&[(&["sensor", "encoder_bits"], Size::Whole)]),
+        levels: [19.0, 18.0, 16.0],
         unit: "bit",
-        bars: [follows(0.006), follows(0.006), either(0.01)],
+        bars: [follows(0.006), follows(0.01), LISTED],
     },
     Fault {
         name: "position_noise",
@@ -173,19 +179,19 @@ pub const FAULTS: &[Fault] = &[
         name: "torque_noise",
         row: "F3",
         what: "white noise of this standard deviation on the torque that the law is fed",
-        effect: key(&["sensor", "torque_noise_nm"], Size::Level),
-        levels: [0.05, 0.2, 1.0],
+        effect: keys(&[(&["sensor", "torque_noise_nm"], Size::Level)]),
+        levels: [0.05, 0.2, 0.5],
         unit: "N·m",
-        bars: [follows(0.006), follows(0.006), either(0.02)],
+        bars: [follows(0.006), either(0.02), either(0.06)],
     },
     Fault {
         name: "jitter",
         row: "F4",
         what: "samples are taken early by a random time up to this",
-        effect: key(&["sensor", "sample_jitter_s"], Size::Periods),
+        effect: keys(&[(&["sensor", "sample_jitter_s"], Size::Periods)]),
         levels: [0.1, 0.5, 0.9],
         unit: "periods",
-        bars: [follows(0.006), follows(0.008), follows(0.01)],
+        bars: [follows(0.006), either(0.02), either(0.05)],
     },
     Fault {
         name: "controller_stop",
@@ -212,7 +218,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Arm),
         levels: [0.005, 0.02, 0.2],
         unit: "s",
-        bars: [either(0.01), either(0.03), stops(30.0, 0.05)],
+        bars: [either(0.03), either(0.03), stops(30.0, 0.2)],
     },
     Fault {
         name: "freeze_joint",
@@ -221,7 +227,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Joint),
         levels: [0.005, 0.02, 0.2],
         unit: "s",
-        bars: [either(0.01), either(0.03), either(0.05)],
+        bars: [either(0.03), either(0.03), either(0.2)],
     },
     Fault {
         name: "not_a_number",
@@ -248,7 +254,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("sensor_bias", Size::Fixed(100.0), Lasts::Level, On::Joint),
         levels: [0.0, 0.005, 0.05],
         unit: "s",
-        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+        bars: [either(0.006), either(0.01), stops(30.0, 0.05)],
     },
     Fault {
         name: "wrong_order",
@@ -266,7 +272,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("sensor_bias", Size::Fixed(core::f64::consts::TAU), Lasts::Level, On::Joint),
         levels: [0.0, 0.005, 0.5],
         unit: "s",
-        bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
+        bars: [either(0.006), either(0.01), stops(30.0, 0.05)],
     },
     Fault {
         name: "position_jump",
@@ -365,7 +371,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
         levels: [0.9, 0.7, 0.5],
         unit: "",
-        bars: [follows(0.02), either(0.05), either(0.1)],
+        bars: [follows(0.03), either(0.06), LISTED],
     },
     Fault {
         name: "drive_strong",
@@ -374,7 +380,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
         levels: [1.1, 1.3, 1.5],
         unit: "",
-        bars: [follows(0.02), either(0.05), either(0.1)],
+        bars: [follows(0.03), either(0.06), LISTED],
     },
     Fault {
         name: "drive_dead",
@@ -383,7 +389,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("drive_gain", Size::Fixed(0.0), Lasts::Level, On::Joint),
         levels: [0.005, 0.05, 1.0],
         unit: "s",
-        bars: [either(0.02), either(0.1), LISTED],
+        bars: [either(0.02), LISTED, LISTED],
     },
     Fault {
         name: "drive_reversed",
@@ -392,7 +398,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("drive_gain", Size::Fixed(-1.0), Lasts::Level, On::Joint),
         levels: [0.005, 0.05, 1.0],
         unit: "s",
-        bars: [either(0.02), either(0.2), LISTED],
+        bars: [either(0.02), LISTED, LISTED],
     },
     Fault {
         name: "brake",
@@ -401,7 +407,7 @@ pub const FAULTS: &[Fault] = &[
         effect: entry("brake", Size::Torque, Lasts::Rest, On::Joint),
         levels: [0.02, 0.1, 0.5],
         unit: "τ_max",
-        bars: [follows(0.05), either(0.1), either(0.3)],
+        bars: [either(0.05), either(0.1), either(0.3)],
     },
     Fault {
         name: "friction",
@@ -416,7 +422,7 @@ pub const FAULTS: &[Fault] = &[
         name: "drive_slow",
         row: "F24",
         what: "the drives' torque loops have this bandwidth",
-        effect: key(&["world", "drive_bandwidth_hz"], Size::Level),
+        effect: keys(&[(&["world", "drive_bandwidth_hz"], Size::Level)]),
         levels: [300.0, 150.0, 80.0],
         unit: "Hz",
         bars: [follows(0.006), either(0.01), either(0.03)],
@@ -425,16 +431,69 @@ pub const FAULTS: &[Fault] = &[
         name: "samples_late",
         row: "F24",
         what: "measurements arrive late by",
-        effect: key(&["sensor", "sample_delay_samples"], Size::Whole),
+        effect: keys(&[(&["sensor", "sample_delay_samples"], Size::Whole)]),
         levels: [1.0, 2.0, 3.0],
         unit: "samples",
         bars: [follows(0.006), either(0.01), either(0.03)],
     },
     Fault {
+        name: "stop_and_restart",
+        row: "F15",
+        what: "a stop is asked for, and to start again after",
+        effect: Effect::StopAndRestart,
+        levels: [1.0, 0.5, 0.2],
+        unit: "s",
+        bars: [either(0.08); 3],
+    },
+    Fault {
+        name: "rising_order",
+        row: "F16",
+        what: "the estimator starts at first order and rises when the mismatch stays below",
+        effect: keys(&[
+            (&["supervisor", "start_first_order"], Size::True),
+            (&["supervisor", "settled_nm"], Size::Level),
+            // From no knowledge at all, first order is off by more at the start.
+            (&["supervisor", "error_stop_rad"], Size::Fixed(0.5)),
+        ]),
+        levels: [1.0, 3.0, 10.0],
+        unit: "N·m",
+        bars: [follows(0.006); 3],
+    },
+    Fault {
+        name: "start_beside",
+        row: "F21",
+        what: "the arm starts beside its reference, every joint by",
+        effect: Effect::StartBeside,
+        levels: [0.01, 0.04, 0.2],
+        unit: "rad",
+        bars: [follows(0.006), follows(0.006), either(0.006)],
+    },
+    Fault {
+        name: "stiction",
+        row: "F23",
+        what: "joints stick; they break away at so many times their Coulomb friction",
+        effect: keys(&[(&["world", "stiction", "breakaway_ratio"], Size::Level)]),
+        levels: [1.2, 1.5, 2.5],
+        unit: "",
+        bars: [follows(0.01), follows(0.01), either(0.02)],
+    },
+    Fault {
+        name: "elastic",
+        row: "F24",
+        what: "the transmissions are springs of",
+        effect: keys(&[
+            (&["world", "flexibility", "stiffness_nm_rad"], Size::Level),
+            (&["world", "flexibility", "damping_nm_s_rad"], Size::Fixed(5.0)),
+        ]),
+        levels: [50_000.0, 20_000.0, 5_000.0],
+        unit: "N·m/rad",
+        bars: [follows(0.01), either(0.02), LISTED],
+    },
+    Fault {
         name: "gain_error",
         row: "F22",
         what: "every drive's gain is off by a constant, drawn up to",
-        effect: key(&["world", "drive", "gain_error"], Size::Level),
+        effect: keys(&[(&["world", "drive", "gain_error"], Size::Level)]),
         levels: [0.02, 0.05, 0.1],
         unit: "",
         bars: [follows(0.006); 3],
@@ -443,7 +502,7 @@ pub const FAULTS: &[Fault] = &[
         name: "ripple",
         row: "F3",
         what: "the drives' torque ripples over the turn by this share",
-        effect: key(&["world", "drive", "ripple"], Size::Level),
+        effect: keys(&[(&["world", "drive", "ripple"], Size::Level)]),
         levels: [0.01, 0.03, 0.1],
         unit: "",
         bars: [follows(0.006), follows(0.006), follows(0.01)],

@@ -7,12 +7,14 @@ use super::catalogue::{Effect, Fault, Lasts, On, Size};
 /// What a run is about: drawn from its name alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Draw {
-    /// When the fault begins \[s\]: in the middle between two samples.
+    /// When the fault begins \[s\]: in the middle between two samples; 0 where it is there from the start.
     pub(crate) onset: f64,
     /// The joint, if it is about one.
     pub(crate) joint: usize,
     /// +1 or −1.
     pub(crate) sign: f64,
+    /// Where the reference starts \[rad\].
+    pub(crate) start: Vec<f64>,
 }
 
 /// What a severity is measured with.
@@ -36,37 +38,66 @@ pub(crate) fn change(
 ) {
     let level = fault.levels[severity];
     match fault.effect {
-        Effect::Key { path, size } => {
-            if let Some(value) = value(size, level, draw.sign, units) {
-                set(study, path, value);
+        Effect::Keys(keys) => {
+            for (path, size) in keys {
+                if let Some(value) = value(*size, level, draw.sign, units) {
+                    set(study, path, value);
+                }
             }
         }
         Effect::Entry { kind, size, lasts, on } => {
-            let mut entry = Table::new();
-            entry.insert("kind".into(), kind.into());
-            let (start, duration) = match lasts {
-                Lasts::Before => (0.0, Some(draw.onset)),
-                Lasts::Rest => (draw.onset, None),
-                Lasts::Seconds(s) => (draw.onset, Some(s.max(units.period))),
-                Lasts::Level => (draw.onset, Some(level.max(units.period))),
-            };
-            entry.insert("start_s".into(), start.into());
-            entry.extend(duration.map(|s| ("duration_s".to_owned(), s.into())));
-            if on == On::Joint {
-                entry.insert("joint".into(), joint.into());
-            }
-            entry.extend(value(size, level, draw.sign, units).map(|v| ("size".to_owned(), v)));
-            let faults = study.entry("fault").or_insert_with(|| Value::Array(Vec::new()));
-            if let Value::Array(faults) = faults {
-                faults.push(Value::Table(entry));
+            let size = value(size, level, draw.sign, units);
+            let entry = entry(kind, draw, (lasts, level, units.period), size);
+            let joint = (on == On::Joint).then(|| ("joint".to_owned(), joint.into()));
+            append(study, &["fault"], entry.into_iter().chain(joint).collect());
+        }
+        Effect::StopAndRestart => {
+            let (stop, again, sample) = (draw.onset, draw.onset + level, units.period);
+            let requests = [
+                (0.0, "arm"),
+                (sample, "hold"),
+                (2.0 * sample, "track"),
+                (stop, "stop"),
+                (again, "arm"),
+                (again + sample, "hold"),
+                (again + 2.0 * sample, "track"),
+            ];
+            for (t, mode) in requests {
+                let request = [("t_s".to_owned(), t.into()), ("mode".to_owned(), mode.into())];
+                append(study, &["supervisor", "request"], request.into_iter().collect());
             }
         }
+        Effect::StartBeside => {
+            let beside = draw.start.iter().map(|q| Value::from(q + level * draw.sign));
+            set(study, &["start", "q_rad"], beside.collect::<Vec<_>>().into());
+        }
     }
+}
+
+fn entry(
+    kind: &str,
+    draw: &Draw,
+    (lasts, level, period): (Lasts, f64, f64),
+    size: Option<Value>,
+) -> Table {
+    let (start, duration) = match lasts {
+        Lasts::Before => (0.0, Some(draw.onset)),
+        Lasts::Rest => (draw.onset, None),
+        Lasts::Seconds(s) => (draw.onset, Some(s.max(period))),
+        Lasts::Level => (draw.onset, Some(level.max(period))),
+    };
+    let mut entry = Table::new();
+    entry.insert("kind".into(), kind.into());
+    entry.insert("start_s".into(), start.into());
+    entry.extend(duration.map(|s| ("duration_s".to_owned(), s.into())));
+    entry.extend(size.map(|size| ("size".to_owned(), size)));
+    entry
 }
 
 fn value(size: Size, level: f64, sign: f64, units: Units) -> Option<Value> {
     let number = match size {
         Size::None => return None,
+        Size::True => return Some(true.into()),
         Size::Fixed(value) => value,
         Size::Level | Size::Whole => level,
         Size::Signed => level * sign,
@@ -80,16 +111,30 @@ fn value(size: Size, level: f64, sign: f64, units: Units) -> Option<Value> {
     Some(if size == Size::Whole { whole.into() } else { number.into() })
 }
 
+/// Appends to a list of sections.
+fn append(table: &mut Table, path: &[&str], section: Table) {
+    let Some((key, above)) = path.split_last() else { return };
+    let Some(at) = inner(table, above) else { return };
+    let list = at.entry((*key).to_owned()).or_insert_with(|| Value::Array(Vec::new()));
+    if let Value::Array(list) = list {
+        list.push(Value::Table(section));
+    }
+}
+
 /// Sets a key, making the sections it stands in.
 pub(crate) fn set(table: &mut Table, path: &[&str], value: Value) {
     let Some((key, above)) = path.split_last() else { return };
-    let mut at = table;
-    for section in above {
-        let entry = at.entry((*section).to_owned()).or_insert_with(|| Value::Table(Table::new()));
-        match entry {
-            Value::Table(inner) => at = inner,
-            _ => return,
-        }
+    if let Some(at) = inner(table, above) {
+        at.insert((*key).to_owned(), value);
     }
-    at.insert((*key).to_owned(), value);
+}
+
+/// A section, made where it is not there.
+fn inner<'a>(table: &'a mut Table, path: &[&str]) -> Option<&'a mut Table> {
+    let mut at = table;
+    for section in path {
+        let entry = at.entry((*section).to_owned()).or_insert_with(|| Value::Table(Table::new()));
+        at = entry.as_table_mut()?;
+    }
+    Some(at)
 }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use phihat::Form;
 use phihat_design::{Gains, GainsError};
-use phihat_sim::{SimError, Simulation};
+use phihat_sim::{Motion, SimError, Simulation};
 use phihat_study::{LawForm, Study};
 use thiserror::Error;
 use toml::Table;
 
 use super::case::{Case, CaseName};
-use super::catalogue::{FAULTS, SEVERITIES};
+use super::catalogue::{Effect, FAULTS, SEVERITIES};
 use super::change::{Draw, Units, change, set};
 use crate::hash::{share, short_hash};
 
@@ -27,6 +27,8 @@ pub struct Arm {
     pub path: PathBuf,
     sha256: String,
     table: Table,
+    /// Where its reference starts.
+    start: Vec<f64>,
     /// The study and its gains, one pair for each order of the matrix.
     pub(crate) orders: Vec<(usize, Study, Gains)>,
 }
@@ -228,9 +230,11 @@ impl Matrix {
             reason = "a share of a small number"
         )]
         let joint = (share(&name, "joint") * n as f64) as usize;
+        let constant = matches!(case.fault.effect, Effect::Keys(_) | Effect::StartBeside);
         Draw {
             // Between two samples: rounding cannot make it one sample longer.
-            onset: (sample - 0.5) * period,
+            onset: if constant { 0.0 } else { (sample - 0.5) * period },
+            start: self.arms[case.arm].start.clone(),
             joint: joint.min(n - 1),
             sign: if share(&name, "sign") < 0.5 { 1.0 } else { -1.0 },
         }
@@ -261,7 +265,10 @@ impl Arm {
             return Err(unfit(why.to_owned()));
         }
         let table: Table = plain.text.parse().map_err(|e: toml::de::Error| unfit(e.to_string()))?;
+        let motion = Motion::new(&plain.reference, &plain.robot, plain.duration);
+        let motion = motion.map_err(|e| unfit(e.to_string()))?;
         let mut arm = Self {
+            start: (0..plain.robot.joints.len()).map(|i| motion.at(i, 0.0)[0]).collect(),
             name: plain.name,
             path: path.to_owned(),
             sha256: plain.sha256,
@@ -313,9 +320,10 @@ fn cached(path: &Path, study: &Study) -> Option<Gains> {
     (gains.study_sha256 == study.sha256).then_some(gains)
 }
 
-/// The study with its estimator's order stated.
+/// The study with its estimator's order stated, under the supervisor.
 fn with_order(table: &Table, order: usize) -> Table {
     let mut table = table.clone();
+    table.entry("supervisor").or_insert_with(|| toml::Value::Table(Table::new()));
     let order = i64::try_from(order).unwrap_or(i64::MAX);
     if table.contains_key("gains") {
         set(&mut table, &["gains", "order"], order.into());

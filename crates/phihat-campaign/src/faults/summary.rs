@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::catalogue::{Bar, FAULTS};
-use super::cell::Cell;
+use super::catalogue::{Bar, End, FAULTS};
+use super::cell::{Cell, STOP_SAMPLES};
 use super::matrix::Matrix;
 use crate::runner::Ended;
 
@@ -106,6 +106,16 @@ pub enum Miss {
     TorqueLimit,
     /// A drive was told to change its torque faster than the rate limit.
     RateLimit,
+    /// The arm stopped before anything went wrong.
+    FalseAlarm,
+    /// The arm stopped later than it may after the reason to.
+    SlowStop,
+    /// The arm stopped, and should have gone on.
+    Stopped,
+    /// The arm went on, and should have stopped.
+    WentOn,
+    /// The stop came later after the onset than its bar.
+    Late,
     /// The excursion was larger than its bar.
     Excursion,
 }
@@ -119,6 +129,11 @@ impl Miss {
             Self::NotFinite => "not finite, or diverged",
             Self::TorqueLimit => "beyond the torque limit",
             Self::RateLimit => "beyond the torque-rate limit",
+            Self::FalseAlarm => "stopped before the onset",
+            Self::SlowStop => "stopped late after its reason",
+            Self::Stopped => "stopped, should go on",
+            Self::WentOn => "went on, should stop",
+            Self::Late => "stopped late after the onset",
             Self::Excursion => "excursion beyond its bar",
         }
     }
@@ -137,6 +152,10 @@ pub struct Totals {
     pub not_finite: usize,
     /// Runs beyond a torque or rate limit.
     pub beyond_limits: usize,
+    /// Runs in which the arm stopped before the onset, or later than it may after the stop's reason.
+    pub bad_stops: usize,
+    /// Runs that stopped and should not, went on and should not, or stopped late after the onset.
+    pub wrong_ends: usize,
     /// Runs beyond their excursion's bar.
     pub beyond_excursion: usize,
     /// Whether the matrix as a whole is as it must be: nothing missed but the excursion of at most one run
@@ -197,10 +216,19 @@ fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
         return vec![Miss::Refused];
     }
     let beyond = bar.excursion_rad.is_some_and(|most| cell.excursion_rad > most);
+    let stopped = cell.stopped.as_ref().map(|(_, ms)| *ms);
+    let false_alarm = stopped.is_some_and(|ms| ms < 0.0);
+    let ended = stopped.is_some() || cell.robot_stopped.is_some();
+    let late = bar.noticed_ms.zip(stopped).is_some_and(|(most, ms)| ms > most);
     let all = [
         (Miss::NotFinite, !cell.finite),
         (Miss::TorqueLimit, !cell.torque_kept),
         (Miss::RateLimit, !cell.rate_kept),
+        (Miss::FalseAlarm, false_alarm),
+        (Miss::SlowStop, cell.stop_delay.is_some_and(|samples| samples > STOP_SAMPLES)),
+        (Miss::Stopped, bar.end == End::Following && ended && !false_alarm),
+        (Miss::WentOn, bar.end == End::Stopped && !ended),
+        (Miss::Late, late),
         (Miss::Excursion, beyond),
     ];
     all.into_iter().filter_map(|(miss, so)| so.then_some(miss)).collect()
@@ -220,6 +248,8 @@ impl Totals {
             panicked: count(&[Miss::Panic, Miss::Refused]),
             not_finite: count(&[Miss::NotFinite]),
             beyond_limits: count(&[Miss::TorqueLimit, Miss::RateLimit]),
+            bad_stops: count(&[Miss::FalseAlarm, Miss::SlowStop]),
+            wrong_ends: count(&[Miss::Stopped, Miss::WentOn, Miss::Late]),
             beyond_excursion,
             good: other.count() == 0 && inside >= EXCURSION_SHARE * runs.len() as f64,
         }

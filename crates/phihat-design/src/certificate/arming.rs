@@ -5,11 +5,11 @@ use phihat_study::Study;
 use crate::arm::{Arm, ArmInertia};
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
-use crate::gains::Gains;
+use crate::gains::{Gains, JointRecord};
 use crate::sampled::{InertiaWindow, LoopModel};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
-/// loop's window of every joint.
+/// loop's window of every joint, and the estimator slow enough for the sample rate.
 ///
 /// # Errors
 ///
@@ -26,11 +26,21 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
     let arm = arm.against(nominal).map_err(unknown)?;
     for (i, record) in gains.joints.iter().enumerate() {
         let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
+        below_nyquist(record, model.period_s).map_err(|why| why.on(&record.name))?;
         InertiaWindow::find(record, &model)
             .and_then(|window| inside(&window, &arm, 1.0))
             .map_err(|why| why.on(&record.name))?;
     }
     Ok(())
+}
+
+/// Poles beyond half the sample rate look like slow ones at the samples: stable in exact arithmetic, and so
+/// far from normal that rounding errors alone are seen. The geometric mean of the estimator's poles is `a_0^(1/m)`.
+fn below_nyquist(record: &JointRecord, period: f64) -> Result<(), Refutation> {
+    let first = record.a.first().copied().unwrap_or(f64::NAN);
+    let share = record.a.iter().fold(first, |share, _| share * period / core::f64::consts::PI);
+    let inequality = "a_0 (T/π)^m < 1: the estimator's poles lie below half the sample rate";
+    holds("estimator", inequality, share, 1.0, share < 1.0)
 }
 
 /// The eigenvalue argument for a coupled arm needs one law for all joints.
