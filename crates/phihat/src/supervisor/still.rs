@@ -92,7 +92,11 @@ impl<R: Real> JointRules<R> {
         }
         next.phi_hat = memory.held * rest.held;
         let damping = self.gains.inertia * self.gains.kd * rest.damping;
-        let demand = next.phi_hat - damping * m.dq;
+        // A velocity that is frozen would drive the joint instead of damping it.
+        let before = &memory.measured;
+        let alive = (m.q - before.q).abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
+        let velocity = if alive { m.dq } else { R::ZERO };
+        let demand = next.phi_hat - damping * velocity;
         (self.out(memory, next, m, demand, &mut news), news)
     }
 
