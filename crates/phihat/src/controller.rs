@@ -66,7 +66,8 @@ pub fn update_joints<R: Real>(
     commands: &mut [Command<R>],
 ) -> usize {
     let samples = measurements.iter().zip(references);
-    let admitted = samples.fold(true, |all, (m, r)| all & m.is_finite() & r.is_finite());
+    let doubt = samples.fold(R::ZERO, |sum, (m, r)| sum + m.doubt() + r.doubt());
+    let admitted = doubt == R::ZERO;
     let joints = gains.iter().zip(states).zip(measurements.iter().zip(references));
     let mut answered = 0;
     for (command, ((gains, state), (measurement, reference))) in commands.iter_mut().zip(joints) {

@@ -34,6 +34,7 @@ mod delay;
 mod gains;
 mod joint;
 mod joint_map;
+mod law;
 mod limits;
 mod log;
 mod real;

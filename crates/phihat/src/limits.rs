@@ -1,6 +1,6 @@
 //! Torque and torque-rate limits that report what they did.
 
-use crate::{Gain, GainError, Real};
+use crate::{Command, Gain, GainError, Real, Status};
 
 /// Limits of one joint's torque; infinite means none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,15 +64,26 @@ impl<R: Real> Limits<R> {
 
     /// Limits the change from `previous` first, the size last, so that the size always holds.
     pub(crate) fn apply(&self, tau: R, previous: R) -> Limited<R> {
-        let stepped = previous + (tau - previous).saturate(self.step);
-        // Where the rate limit does not act, keep tau to the last bit.
-        let over_rate = {
-            let change = tau - previous;
-            change > self.step || change < -self.step
-        };
-        let candidate = if over_rate { stepped } else { tau };
-        let limited = candidate.saturate(self.torque);
-        let over_torque = tau > self.torque || tau < -self.torque;
+        let change = tau - previous;
+        let over_rate = change.abs() > self.step;
+        let over_torque = tau.abs() > self.torque;
+        let mut limited = tau;
+        // Where no limit acts, keep tau to the last bit.
+        if over_rate {
+            limited = previous + change.saturate(self.step);
+        }
+        if over_rate || over_torque {
+            limited = limited.saturate(self.torque);
+        }
         Limited { tau: limited, over_torque, over_rate }
+    }
+}
+
+impl<R: Real> Limited<R> {
+    /// The answer of a sample that counts.
+    pub(crate) fn command(self, phi_hat: R) -> Command<R> {
+        let status =
+            Status { saturated: self.over_torque, rate_limited: self.over_rate, refused: false };
+        Command { tau: self.tau, phi_hat, status }
     }
 }

@@ -48,13 +48,14 @@ pub trait Real:
         if self < Self::TINY && self > -Self::TINY { Self::ZERO } else { self }
     }
 
-    /// Whether every value is finite, without a branch: 0·x is 0 for finite x and NaN otherwise.
-    fn all_finite<const N: usize>(values: [Self; N]) -> bool {
+    /// Zero when every value is finite, NaN otherwise, without a branch. Doubts may be added up.
+    #[must_use]
+    fn doubt<const N: usize>(values: [Self; N]) -> Self {
         let mut sum = Self::ZERO;
         for value in values {
             sum += value * Self::ZERO;
         }
-        sum == Self::ZERO
+        sum
     }
 
     /// `self` limited to `[−limit, limit]`; NaN stays NaN, so that it cannot turn into a torque

@@ -73,6 +73,11 @@ impl Arrivals {
         Arrival { fresh: true, elapsed_ns: elapsed, events }
     }
 
+    /// Samples missed of the last 64.
+    pub(crate) fn lost(&self) -> u32 {
+        self.history.count_ones()
+    }
+
     pub(crate) fn took(&mut self, stamp: Stamp) {
         self.last = Some(stamp);
         self.misses = 0;

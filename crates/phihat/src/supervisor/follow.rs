@@ -1,21 +1,17 @@
 //! One joint under supervision: its reference, its law, its torque.
 
-use super::blend::Blend;
 use super::memory::JointMemory;
-use super::monitor::{Actuation, Oscillation};
-use super::options::JointRules;
+use super::rules::JointRules;
 use crate::joint::Interval;
-use crate::{
-    Action, Command, Events, Form, JointGains, JointState, Measurement, Real, Reference, Status,
-};
+use crate::law::Estimate;
+use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Reference};
 
 /// What one joint's sample brought.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct JointNews {
     pub(crate) events: Events,
-    pub(crate) oscillates: bool,
-    pub(crate) wrong_way: bool,
-    pub(crate) not_finite: bool,
+    /// What stops the arm at the next sample.
+    pub(crate) fault: Option<Fault>,
 }
 
 /// Where the arm stands, for every joint the same.
@@ -35,99 +31,6 @@ pub(crate) struct Moment<R> {
 }
 
 impl<R: Real> JointRules<R> {
-    /// The gains in force.
-    pub(crate) fn in_force(&self, raised: bool) -> &JointGains<R> {
-        match &self.start {
-            Some(start) if !raised => start,
-            _ => &self.gains,
-        }
-    }
-
-    /// Enters a mode.
-    pub(crate) fn act(
-        &self,
-        memory: &mut JointMemory<R>,
-        m: &Measurement<R>,
-        action: Action,
-        preset: Option<R>,
-        length: R,
-    ) {
-        let here = Reference { q: m.q, ..Reference::default() };
-        match action {
-            Action::None => {}
-            Action::Capture => {
-                memory.held = preset.unwrap_or(memory.held);
-                memory.home = here.q;
-                memory.reference = here;
-            }
-            Action::Engage => {
-                memory.home = here.q;
-                memory.reference = here;
-                memory.blend = Blend::default();
-                memory.fade_out(R::ZERO);
-                memory.mismatch = R::ZERO;
-                memory.mismatch_square = R::ZERO;
-                memory.funnel_settled = 0;
-                memory.funnel = self.funnel.map_or(-R::from_f64(1.0), |f| f.excess);
-                let tau = memory.law.tau;
-                memory.law = JointState::new();
-                // The held torque becomes φ̂; what damping adds to it at this sample is the law's too.
-                self.in_force(false).resume(&mut memory.law, m, &here, memory.held);
-                memory.law.tau = tau;
-                memory.oscillation = Oscillation::restart(memory.held);
-                memory.steady = memory.held;
-                memory.actuation = Actuation::default();
-            }
-            Action::Follow => {
-                memory.blend = Blend::new(&memory.reference, &memory.asked, length);
-            }
-            Action::Settle => {
-                let at = memory.reference;
-                let [square, linear] = self.stopping;
-                let ahead = if self.shaper.is_some() {
-                    at.dq * (square * at.dq.abs() + linear)
-                } else {
-                    R::from_f64(0.5) * at.dq * length
-                };
-                memory.home = at.q + ahead;
-                let rest = Reference { q: memory.home, ..Reference::default() };
-                memory.blend = Blend::new(&at, &rest, length);
-            }
-            Action::Freeze => memory.held = memory.law.phi_hat,
-            Action::Release => memory.held = R::ZERO,
-        }
-    }
-
-    /// The reference in force.
-    fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
-        let base = if now.tracking {
-            memory.asked
-        } else {
-            Reference { q: memory.home, ..Reference::default() }
-        };
-        let kept = self.keep(&base, events);
-        if let Some(shaper) = &self.shaper {
-            let shaped = shaper.step(&memory.reference, &kept);
-            *events |= Events::SHAPED.when(shaped != kept);
-            return shaped;
-        }
-        if now.reference_progress < R::from_f64(1.0) {
-            let blended = memory.blend.at(now.reference_progress, now.blend, &kept);
-            return self.keep(&blended, events);
-        }
-        kept
-    }
-
-    fn keep(&self, reference: &Reference<R>, events: &mut Events) -> Reference<R> {
-        match self.range.as_ref().map(|range| range.keep(reference.q)) {
-            Some((q, true)) => {
-                *events |= Events::RANGE;
-                Reference { q, ..Reference::default() }
-            }
-            _ => *reference,
-        }
-    }
-
     /// One fresh sample of the running law.
     pub(crate) fn follow(
         &self,
@@ -138,17 +41,74 @@ impl<R: Real> JointRules<R> {
         let mut news = JointNews::default();
         let gains = self.in_force(now.raised);
         let reference = self.refer(memory, now, &mut news.events);
-        let before = memory.law;
-        let mut next = gains.estimate(&before, m, &reference, now.interval);
+        let next = self.know(memory, gains, m, &reference, now, &mut news.events);
+        if self.scheduled {
+            memory.learn(gains, m, &now.interval);
+        }
+        let law = gains.outer_loop(m, &reference) + next.phi_hat;
+        let mut demand = match &self.funnel {
+            Some(funnel) => funnel.demand(memory, gains, m, &reference, law, now, &mut news.events),
+            None => law,
+        };
+        if memory.before.is_some() {
+            memory.fade_from_old_gains(gains, m, &reference, now.blend_rate);
+        }
+        demand += memory.fading(now.blend_rate);
+        news.fault = self.monitor(memory, gains, m, demand, now);
+        memory.steady += R::from_f64(0.02) * (next.phi_hat - memory.steady);
+        memory.reference = reference;
+        let command = self.out(memory, next.phi_hat, m, demand, &mut news);
+        if !command.status.refused {
+            gains.remember(&mut memory.law, &next, m);
+        }
+        (command, news)
+    }
+
+    /// The reference in force.
+    fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
+        let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
+        let kept = self.keep(base, events);
+        if let Some(shaper) = &self.shaper {
+            let shaped = shaper.step(&memory.reference, &kept);
+            *events |= Events::SHAPED.when(shaped != kept);
+            return shaped;
+        }
+        if now.reference_progress < R::from_f64(1.0) {
+            let blended = memory.blend.at(now.reference_progress, now.blend, &kept);
+            return self.keep(blended, events);
+        }
+        kept
+    }
+
+    fn keep(&self, reference: Reference<R>, events: &mut Events) -> Reference<R> {
+        match self.range.as_ref().and_then(|range| range.keep(reference.q)) {
+            Some(q) => {
+                *events |= Events::RANGE;
+                Reference::at_rest(q)
+            }
+            None => reference,
+        }
+    }
+
+    /// What the estimator knows with this sample, where it may learn from it.
+    fn know(
+        &self,
+        memory: &JointMemory<R>,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        reference: &Reference<R>,
+        now: &Moment<R>,
+        events: &mut Events,
+    ) -> Estimate<R> {
+        let before = &memory.law;
+        let mut next = gains.estimate(before, m, reference, &now.interval);
         for entry in &mut next.memory {
             *entry = entry.snap();
         }
-        let at_rest = reference.dq == R::ZERO;
-        let error = m.q - reference.q;
-        if at_rest && error.abs() < self.dead_zone {
+        if (m.q - reference.q).abs() < self.dead_zone && reference.dq == R::ZERO {
             next.memory = before.memory;
             next.phi_hat = before.phi_hat;
-            news.events |= Events::DEAD_ZONE;
+            *events |= Events::DEAD_ZONE;
         }
         if let Some(range) = &self.range
             && gains.form == Form::Observer
@@ -157,143 +117,59 @@ impl<R: Real> JointRules<R> {
             *first = range.freeze(m.q, before.phi_hat, *first);
             next.phi_hat = *first;
         }
-        self.learn(memory, gains, &before, m, now);
-        let mut demand = gains.outer_loop(m, &reference) + next.phi_hat;
-        demand = self.funnel(memory, gains, m, &reference, demand, now, &mut news.events);
-        if let Some([inertia, kd, kp]) = memory.before.take() {
-            let old = JointGains { inertia, kp, kd, ..*gains };
-            let left = memory.fading(now.blend_rate);
-            memory.fade_out(left + old.outer_loop(m, &reference) - gains.outer_loop(m, &reference));
+        next
+    }
+
+    /// What the demand and the motion say about faults.
+    fn monitor(
+        &self,
+        memory: &mut JointMemory<R>,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        demand: R,
+        now: &Moment<R>,
+    ) -> Option<Fault> {
+        let mut fault = None;
+        if let Some(most) = self.oscillation
+            && memory.oscillation.take(demand, most)
+        {
+            fault = Some(Fault::Oscillation);
         }
-        demand += memory.fading(now.blend_rate);
-        if self.oscillation.is_finite() {
-            news.oscillates = memory.oscillation.take(demand, self.oscillation);
-        }
-        memory.steady += R::from_f64(0.02) * (next.phi_hat - memory.steady);
-        if now.first_motion {
+        if let Some(excitation) = self.first_motion
+            && now.first_motion
+        {
             let step = m.dq - memory.measured.dq;
             let gain = R::from_f64(0.05) * gains.inertia_inverse * now.interval.step;
-            news.wrong_way = memory.actuation.take(m.tau_applied, step, gain, self.first_motion);
+            if memory.actuation.take(m.tau_applied, step, gain, excitation) {
+                fault = Some(Fault::Actuation);
+            }
         }
-        memory.reference = reference;
-        let command = self.out(memory, next, m, demand, &mut news);
-        (command, news)
-    }
-
-    /// The mean mismatch `φ − φ̂`.
-    fn learn(
-        &self,
-        memory: &mut JointMemory<R>,
-        gains: &JointGains<R>,
-        before: &JointState<R>,
-        m: &Measurement<R>,
-        now: &Moment<R>,
-    ) {
-        if self.start.is_some() && now.interval.parts > 0 {
-            let rate = now.interval.share / now.interval.step;
-            let phi = m.tau_applied - gains.inertia * (m.dq - memory.measured.dq) * rate;
-            let slow = R::from_f64(0.02);
-            let news = (phi - before.phi_hat) - memory.mismatch;
-            memory.mismatch = (memory.mismatch + slow * news).snap();
-            let more = memory.mismatch * memory.mismatch - memory.mismatch_square;
-            memory.mismatch_square = (memory.mismatch_square + slow * more).snap();
-        }
-    }
-
-    /// The demand inside a funnel, while there is one; the law's demand otherwise.
-    #[allow(clippy::too_many_arguments, reason = "one call, all of it needed")]
-    fn funnel(
-        &self,
-        memory: &mut JointMemory<R>,
-        gains: &JointGains<R>,
-        m: &Measurement<R>,
-        reference: &Reference<R>,
-        law: R,
-        now: &Moment<R>,
-        events: &mut Events,
-    ) -> R {
-        let Some(funnel) = &self.funnel else { return law };
-        if memory.funnel < R::ZERO {
-            return law;
-        }
-        *events |= Events::FUNNEL;
-        let one = R::from_f64(1.0);
-        let width = funnel.width + memory.funnel;
-        memory.funnel = (memory.funnel * funnel.factor).snap();
-        let e = m.q - reference.q;
-        let de = m.dq - reference.dq;
-        let share = e / width;
-        let most = one + gains.alpha[0] / gains.kd;
-        let room = one - share * share;
-        *events |= Events::FUNNEL_LEFT.when(room <= R::ZERO);
-        let g = if room * most > one { one / room } else { most };
-        let demand = gains.inertia * (reference.ddq - g * (gains.kd * de + g * gains.kp * e));
-        let narrow = memory.funnel < R::from_f64(0.05) * funnel.width;
-        memory.funnel_settled = if narrow { memory.funnel_settled.saturating_add(1) } else { 0 };
-        if memory.funnel_settled >= now.dwell {
-            // Handed over: what the law demands differently is faded out.
-            memory.funnel = -one;
-            memory.fade_out(demand - law);
-            *events |= Events::FUNNEL_OVER;
-        }
-        demand
+        fault
     }
 
     /// The only way out: joint range, torque rate, torque; finite always.
     pub(crate) fn out(
         &self,
         memory: &mut JointMemory<R>,
-        mut next: JointState<R>,
+        phi_hat: R,
         m: &Measurement<R>,
         demand: R,
         news: &mut JointNews,
     ) -> Command<R> {
         let mut demand = demand;
-        if let Some(range) = &self.range {
-            let law = (next.phi_hat, self.gains.inertia, self.gains.kd);
-            let limits = &self.gains.limits;
-            // Time to shed one N·m, 0 without a rate limit.
-            let shed = self.gains.period / limits.step();
-            let (capped, acted) = range.cap(m.q, m.dq, law, (demand, memory.law.tau, shed));
+        if let Some(range) = &self.range
+            && let Some(capped) = range.cap(m.q, m.dq, phi_hat, demand, memory.law.tau)
+        {
             demand = capped;
-            news.events |= Events::RANGE.when(acted);
+            news.events |= Events::RANGE;
         }
-        if !(demand.is_finite() && next.phi_hat.is_finite()) {
-            news.not_finite = true;
+        if R::doubt([demand, phi_hat]) != R::ZERO {
+            news.fault = Some(Fault::NotFinite);
             return memory.law.hold();
         }
-        let limited = self.gains.limits.apply(demand, memory.law.tau);
-        next.tau = limited.tau;
-        memory.law = next;
-        let status = Status {
-            saturated: limited.over_torque,
-            rate_limited: limited.over_rate,
-            refused: false,
-        };
-        Command { tau: next.tau, phi_hat: next.phi_hat, status }
-    }
-
-    /// Changes gains without a step in torque: what the new ones demand differently at the next sample is
-    /// faded out from there.
-    pub(crate) fn change(memory: &mut JointMemory<R>, from: &JointGains<R>, to: &JointGains<R>) {
-        if to.form == Form::Observer && from.form == Form::Observer {
-            // What a lower order does not have goes on for one sample more.
-            let mut above = R::ZERO;
-            for (j, entry) in memory.law.memory.iter_mut().enumerate().rev() {
-                if j >= to.order {
-                    above = *entry;
-                    *entry = R::ZERO;
-                } else if j + 1 == to.order {
-                    *entry += to.period * above;
-                }
-            }
-            memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
-        } else {
-            let (m, r) = (memory.measured, memory.reference);
-            let tau = from.outer_loop(&m, &r) + memory.law.phi_hat;
-            let last = memory.law.tau;
-            to.resume(&mut memory.law, &m, &r, tau);
-            memory.law.tau = last;
-        }
+        let limited = self.running().limits.apply(demand, memory.law.tau);
+        memory.law.tau = limited.tau;
+        memory.law.phi_hat = phi_hat;
+        limited.command(phi_hat)
     }
 }

@@ -115,11 +115,15 @@ impl<R: Real> JointMemory<R> {
 
     /// What is left of it at this sample; `rate` is the share per sample.
     pub(crate) fn fading(&mut self, rate: R) -> R {
+        if self.offset == R::ZERO {
+            return self.offset;
+        }
         let progress = R::from_f64(f64::from(self.offset_age)) * rate;
         if progress < R::from_f64(1.0) {
             self.offset_age = self.offset_age.saturating_add(1);
             self.offset * fade(progress)
         } else {
+            self.offset = R::ZERO;
             R::ZERO
         }
     }

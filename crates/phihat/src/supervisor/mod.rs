@@ -1,23 +1,33 @@
 //! A whole arm under supervision: guard in front, limits behind, one mode machine.
 
+mod act;
 mod arrivals;
 mod blend;
 mod follow;
+mod funnel;
+mod guard;
 mod memory;
 mod mode;
 mod monitor;
+mod option_error;
 mod options;
 mod range;
 mod report;
+mod rules;
+mod schedule;
 mod still;
 mod supervise;
 
 pub use arrivals::Stamp;
+pub use funnel::Funnel;
 pub use memory::{ArmState, JointMemory};
 pub use mode::{Action, Mode, ModeEvents, ModeRequest, Refusal, Transition, next_mode};
-pub use options::{ArmRules, Funnel, JointOptions, JointRules, OptionError, Options, Schedule};
+pub use option_error::OptionError;
+pub use options::{JointOptions, Options};
 pub use range::JointRange;
 pub use report::{Events, Fault, Report};
+pub use rules::{ArmRules, JointRules};
+pub use schedule::Schedule;
 pub use supervise::{Request, Sample, supervise};
 
 use crate::{Command, JointGains, Real};
@@ -119,7 +129,7 @@ impl<R: Real, const N: usize> Supervisor<R, N> {
         let arm = ArmRules::new(options)?;
         let mut rules = gains.map(|gains| JointRules::plain(&gains));
         for (joint, (rule, own)) in rules.iter_mut().zip(joints).enumerate() {
-            *rule = JointRules::new(joint, &rule.gains, own, options)?;
+            *rule = JointRules::new(joint, rule.running(), own, options)?;
         }
         Ok(Self { arm, joints: rules })
     }

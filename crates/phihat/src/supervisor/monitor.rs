@@ -10,14 +10,11 @@ pub(crate) struct Frozen<R> {
 }
 
 impl<R: Real> Frozen<R> {
-    /// Takes a step in position and the distance it should have been; `true` when the sensor is frozen.
-    pub(crate) fn take(&mut self, step: R, expected: R, travel_max: R) -> bool {
-        if step == R::ZERO {
-            self.same = self.same.saturating_add(1);
-            self.travel += expected.abs();
-        } else {
-            *self = Self::default();
-        }
+    /// The position stayed where it was over a sample in which it should have moved so far; `true` when the
+    /// sensor is frozen.
+    pub(crate) fn stay(&mut self, expected: R, travel_max: R) -> bool {
+        self.same = self.same.saturating_add(1);
+        self.travel += expected;
         self.same >= 5 && self.travel > travel_max
     }
 }
@@ -47,10 +44,14 @@ impl<R: Real> Oscillation<R> {
             + R::from_f64(1.0 / 16.0) * (second * second - self.mean_square))
             .snap();
         self.signs = (self.signs << 1) | u32::from(second > R::ZERO);
-        let changes = ((self.signs ^ (self.signs >> 1)) & 0x7fff_ffff).count_ones();
-        let hot = self.mean_square > threshold_squared && changes >= 5;
+        let hot = self.mean_square > threshold_squared && self.sign_changes() >= 5;
         self.hot = if hot { self.hot.saturating_add(1) } else { 0 };
         self.hot >= 8
+    }
+
+    /// In the last 32 samples.
+    fn sign_changes(&self) -> u32 {
+        ((self.signs ^ (self.signs >> 1)) & 0x7fff_ffff).count_ones()
     }
 
     /// Starts anew from a demand that stands still.

@@ -1,6 +1,6 @@
 //! Soft joint limits: brake in time, never push outward at the stop.
 
-use crate::Real;
+use crate::{JointGains, Real};
 
 /// Where a joint may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,24 +17,64 @@ pub struct JointRange {
     pub braking: f64,
 }
 
-/// [`JointRange`] in the running scalar.
+/// [`JointRange`] in the running scalar, with the gains in front of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RangeRules<R> {
-    pub(crate) lower: R,
-    pub(crate) upper: R,
+    /// Hard limits.
+    lower: R,
+    upper: R,
+    /// Where the soft zones begin.
+    soft_lower: R,
+    soft_upper: R,
+    /// How far a reference may go.
+    reference_lower: R,
+    reference_upper: R,
     soft: R,
     braking: R,
-    quarter: R,
+    inertia: R,
+    inertia_inverse: R,
+    kd: R,
+    /// Time to shed one N·m, 0 without a rate limit.
+    shed: R,
+    /// Torque that brakes, `M̄ b`.
+    brake: R,
+    /// A hundredth less than `braking`: what [`Self::is_easy`] leaves for rounding.
+    braking_for_sure: R,
 }
 
 impl<R: Real> RangeRules<R> {
-    pub(crate) fn new(range: &JointRange) -> Self {
+    pub(crate) fn new(range: &JointRange, gains: &JointGains<R>) -> Self {
+        let [lower, upper, soft] = [range.lower, range.upper, range.soft].map(R::from_f64);
+        let quarter = R::from_f64(0.25 * range.soft);
+        let (zero, braking) = (R::ZERO, R::from_f64(range.braking));
+        let plain = Self {
+            lower,
+            upper,
+            soft_lower: lower + soft,
+            soft_upper: upper - soft,
+            reference_lower: lower + quarter,
+            reference_upper: upper - quarter,
+            soft,
+            braking,
+            inertia: zero,
+            kd: zero,
+            shed: zero,
+            inertia_inverse: zero,
+            brake: zero,
+            braking_for_sure: R::from_f64(0.99) * braking,
+        };
+        plain.with_gains(gains)
+    }
+
+    /// The same range in front of other gains.
+    pub(crate) fn with_gains(self, gains: &JointGains<R>) -> Self {
         Self {
-            lower: R::from_f64(range.lower),
-            upper: R::from_f64(range.upper),
-            soft: R::from_f64(range.soft),
-            braking: R::from_f64(range.braking),
-            quarter: R::from_f64(0.25 * range.soft),
+            inertia: gains.inertia,
+            inertia_inverse: gains.inertia_inverse,
+            kd: gains.kd,
+            shed: gains.period / gains.limits.step(),
+            brake: gains.inertia * self.braking,
+            ..self
         }
     }
 
@@ -43,71 +83,73 @@ impl<R: Real> RangeRules<R> {
         q > self.upper || q < self.lower
     }
 
-    /// A reference position, kept off the hard limits; `true` when it was changed.
-    pub(crate) fn keep(&self, q: R) -> (R, bool) {
-        let (low, high) = (self.lower + self.quarter, self.upper - self.quarter);
-        if q > high {
-            (high, true)
-        } else if q < low {
-            (low, true)
+    /// Where a reference is kept off the hard limits, if it has to be.
+    pub(crate) fn keep(&self, q: R) -> Option<R> {
+        if q > self.reference_upper {
+            Some(self.reference_upper)
+        } else if q < self.reference_lower {
+            Some(self.reference_lower)
         } else {
-            (q, false)
+            None
         }
     }
 
     /// An estimate that does not grow outward inside a soft zone.
     pub(crate) fn freeze(&self, q: R, before: R, now: R) -> R {
-        let outward = (now > before && q > self.upper - self.soft)
-            || (now < before && q < self.lower + self.soft);
+        let outward =
+            (q > self.soft_upper && now > before) || (q < self.soft_lower && now < before);
         if outward { before } else { now }
     }
 
-    /// A torque demand, with outward velocity capped by the braking distance; `true` when it was changed.
-    /// `law`: `φ̂`, `M̄`, `K_d`. `torque`: the demand, the last torque, and the time to shed one N·m of it.
+    /// What a torque demand has to come down to so that outward velocity stays within the braking distance,
+    /// if it has to. `last`: the torque before.
     ///
     /// ```text
     /// upper side: τ ≤ φ̂ + M̄ (K_d (v − q̇) − b q̇/v),  v = √(2 b (q_max − q));  τ ≤ 0 at q_max
     /// ```
     ///
     /// `q` and `q̇` are taken where they are once the torque has come down to braking at its rate limit.
-    pub(crate) fn cap(&self, q: R, dq: R, law: (R, R, R), torque: (R, R, R)) -> (R, bool) {
-        let (phi_hat, inertia, kd) = law;
-        let (demand, last, shed) = torque;
-        let above = self.ceiling(self.upper - q, dq, law, (last, shed));
-        if let Some(ceiling) = above
+    pub(crate) fn cap(&self, q: R, dq: R, phi_hat: R, demand: R, last: R) -> Option<R> {
+        let (above, below) = (self.upper - q, q - self.lower);
+        if self.is_easy(above, below, dq, last - phi_hat) {
+            return None;
+        }
+        if let Some(ceiling) = self.ceiling(above, dq, phi_hat, last)
             && demand > ceiling
         {
-            return (ceiling, true);
+            return Some(ceiling);
         }
-        let law = (-phi_hat, inertia, kd);
-        let below = self.ceiling(q - self.lower, -dq, law, (-last, shed));
-        if let Some(ceiling) = below
+        if let Some(ceiling) = self.ceiling(below, -dq, -phi_hat, -last)
             && -demand > ceiling
         {
-            return (-ceiling, true);
+            return Some(-ceiling);
         }
-        (demand, false)
+        None
+    }
+
+    /// Whether neither end is near, for sure: a bound, for both sides, on what [`Self::ceiling`] reckons.
+    fn is_easy(&self, above: R, below: R, dq: R, push: R) -> bool {
+        let room = if above < below { above } else { below };
+        let push = push.abs();
+        let time = (push + self.brake) * self.shed;
+        let speed = dq.abs() + time * (push * self.inertia_inverse);
+        let left = room - time * speed;
+        room >= self.soft && speed * speed <= self.braking_for_sure * left
     }
 
     /// Largest outward torque with `room` left, at an outward velocity.
-    fn ceiling(
-        &self,
-        room: R,
-        outward: R,
-        (phi_hat, inertia, kd): (R, R, R),
-        (last, shed): (R, R),
-    ) -> Option<R> {
-        // Far from the end and not on the way there: nothing to reckon.
-        let far = room > self.soft && outward <= R::ZERO && last <= phi_hat;
-        if far {
-            return None;
-        }
+    fn ceiling(&self, room: R, outward: R, phi_hat: R, last: R) -> Option<R> {
         // The acceleration that has to go first, and how long that takes.
         let push = last - phi_hat;
-        let time = (push + inertia * self.braking) * shed;
+        // Far from the end and not on the way there: nothing to reckon.
+        if room > self.soft && outward <= R::ZERO && last <= phi_hat {
+            return None;
+        }
+        let time = (push + self.brake) * self.shed;
         let (mut left, mut speed) = (room, outward);
         if time > R::ZERO {
-            let (now, drop) = (push / inertia, (push / inertia + self.braking) * time);
+            let now = push / self.inertia;
+            let drop = (now + self.braking) * time;
             let (half, third) = (R::from_f64(0.5), R::from_f64(1.0 / 3.0));
             speed = outward + time * (now - half * drop);
             left = room - time * (outward + half * time * (now - third * drop));
@@ -121,7 +163,7 @@ impl<R: Real> RangeRules<R> {
         if speed < allowed {
             deceleration = if speed > R::ZERO { self.braking * (speed / allowed) } else { R::ZERO };
         }
-        let ceiling = phi_hat + inertia * (kd * (allowed - speed) - deceleration);
+        let ceiling = phi_hat + self.inertia * (self.kd * (allowed - speed) - deceleration);
         Some(if room > R::ZERO || ceiling < R::ZERO { ceiling } else { R::ZERO })
     }
 }

@@ -2,8 +2,9 @@
 
 use super::follow::JointNews;
 use super::memory::{ArmState, JointMemory};
-use super::options::{ArmRules, JointRules};
-use crate::{Command, Fault, JointState, Measurement, Mode, Real, Status};
+use super::monitor::Frozen;
+use super::rules::{ArmRules, JointRules};
+use crate::{Command, Fault, JointState, Measurement, Mode, Real};
 
 /// How a joint rests.
 #[derive(Debug, Clone, Copy)]
@@ -57,10 +58,15 @@ impl<R: Real> JointRules<R> {
         if (m.q - memory.reference.q).abs() > self.error_max {
             return Some(Fault::TrackingError);
         }
+        let travel = self.frozen_travel?;
+        if m.q - memory.measured.q != R::ZERO {
+            memory.frozen = Frozen::default();
+            return None;
+        }
+        // It moves, or should by a fifth of its reference.
         let asked = R::from_f64(0.2) * memory.reference.dq.abs();
         let speed = if m.dq.abs() > asked { m.dq.abs() } else { asked };
-        let step = m.q - memory.measured.q;
-        memory.frozen.take(step, speed * period, self.frozen_travel).then_some(Fault::Frozen)
+        memory.frozen.stay(speed * period, travel).then_some(Fault::Frozen)
     }
 
     /// No fresh sample: the last torque, or after a while `φ̂` alone.
@@ -72,8 +78,8 @@ impl<R: Real> JointRules<R> {
         }
         let feedback = memory.law.tau - memory.law.phi_hat;
         let demand = memory.law.phi_hat + R::from_f64(0.8) * feedback;
-        let (law, measured) = (memory.law, memory.measured);
-        let mut command = self.out(memory, law, &measured, demand, &mut news);
+        let (phi_hat, measured) = (memory.law.phi_hat, memory.measured);
+        let mut command = self.out(memory, phi_hat, &measured, demand, &mut news);
         command.status.refused = true;
         (command, news)
     }
@@ -86,18 +92,18 @@ impl<R: Real> JointRules<R> {
         rest: &Rest<R>,
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
-        let mut next = memory.law;
         if rest.steady {
             memory.held = memory.steady;
         }
-        next.phi_hat = memory.held * rest.held;
-        let damping = self.gains.inertia * self.gains.kd * rest.damping;
+        let phi_hat = memory.held * rest.held;
+        let gains = self.running();
+        let damping = gains.inertia * gains.kd * rest.damping;
         // A velocity that is frozen would drive the joint instead of damping it.
         let before = &memory.measured;
         let alive = (m.q - before.q).abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
         let velocity = if alive { m.dq } else { R::ZERO };
-        let demand = next.phi_hat - damping * velocity;
-        (self.out(memory, next, m, demand, &mut news), news)
+        let demand = phi_hat - damping * velocity;
+        (self.out(memory, phi_hat, m, demand, &mut news), news)
     }
 
     /// No torque, as fast as the rate limit allows; nothing is remembered but that.
@@ -106,12 +112,11 @@ impl<R: Real> JointRules<R> {
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
     ) -> (Command<R>, JointNews) {
-        let limited = self.gains.limits.apply(R::ZERO, memory.law.tau);
+        let limited = self.running().limits.apply(R::ZERO, memory.law.tau);
         memory.law = JointState::new();
         memory.law.tau = limited.tau;
         memory.home = m.q;
         memory.reference.q = m.q;
-        let status = Status { rate_limited: limited.over_rate, ..Status::default() };
-        (Command { tau: limited.tau, phi_hat: R::ZERO, status }, JointNews::default())
+        (limited.command(R::ZERO), JointNews::default())
     }
 }

@@ -2,12 +2,14 @@
 
 use super::arrivals::{Arrival, interval};
 use super::follow::{JointNews, Moment};
+use super::guard::{admit, ask, watch};
 use super::memory::{ArmState, JointMemory};
 use super::mode::next_mode;
-use super::options::{ArmRules, JointRules};
+use super::rules::{ArmRules, JointRules};
+use super::schedule::schedule;
 use crate::{
-    Action, Command, Events, Fault, Measurement, Mode, ModeEvents, ModeRequest, Real, Reference,
-    Report, Stamp,
+    Action, Command, Events, Measurement, Mode, ModeEvents, ModeRequest, Real, Reference, Report,
+    Stamp,
 };
 
 /// What the robot says at a sample.
@@ -60,25 +62,35 @@ pub fn supervise<R: Real>(
     if state.fault.is_none() && state.mode != Mode::Idle {
         state.fault = fault;
     }
+    let at_rest = || sample.joints.iter().all(|m| m.dq.abs() <= arm.rest_velocity);
+    let starts_here =
+        |m: &JointMemory<R>| (m.asked.q - m.reference.q).abs() <= arm.start_mismatch_max;
+    // What no way out of the present mode asks for is not looked at.
+    let still = matches!(state.mode, Mode::Idle | Mode::SafeStop);
     let facts = ModeEvents {
         request: request.mode,
         request_is_new: request.mode != state.request,
         fault: fault.is_some(),
         fresh: arrival.fresh,
-        at_rest: sample.joints.iter().all(|m| m.dq.abs() <= arm.rest_velocity),
-        start_matches: memories
-            .iter()
-            .all(|m| (m.asked.q - m.reference.q).abs() <= arm.start_mismatch_max),
+        at_rest: still && at_rest(),
+        start_matches: state.mode == Mode::Holding && memories.iter().all(starts_here),
     };
     let step = next_mode(state.mode, facts);
     state.request = request.mode;
     enter(state, step.mode, step.action);
-    let answers = (sample, request, commands);
-    events |= answer((arm, rules), (state, memories), answers, &arrival, step.action);
+    if step.action != Action::None {
+        act((arm, rules), memories, (sample, request), arrival.fresh, step.action);
+    }
+    events |= if arrival.fresh && matches!(state.mode, Mode::Holding | Mode::Tracking) {
+        let now = moment(arm, state, &arrival, step.action);
+        run(rules, (state, memories), &now, sample, commands)
+    } else {
+        rest((arm, rules), (state, memories), sample, arrival.fresh, commands)
+    };
     schedule(arm, rules, state, memories, arrival.fresh, &mut events);
-    let slow = facts.at_rest || !facts.fresh;
     let late = state.in_mode >= arm.stop_samples_max;
-    let stopped = state.mode == Mode::SafeStop && (slow || late || state.misdriven());
+    let stopped =
+        state.mode == Mode::SafeStop && (!arrival.fresh || late || state.misdriven() || at_rest());
     Report {
         mode: state.mode,
         fault: state.fault,
@@ -86,22 +98,46 @@ pub fn supervise<R: Real>(
         events: events | Events::REFUSED.when(step.refusal.is_some()),
         brake: stopped || state.mode == Mode::Idle,
         misses: state.arrivals.misses,
-        lost: state.arrivals.history.count_ones(),
+        lost: state.arrivals.lost(),
     }
 }
 
-/// Every joint's torque in the mode that is now in force.
-fn answer<R: Real>(
+/// Every joint enters the mode that is now in force.
+fn act<R: Real>(
     (arm, rules): (&ArmRules<R>, &[JointRules<R>]),
-    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
-    (sample, request, commands): (&Sample<'_, R>, &Request<'_, R>, &mut [Command<R>]),
+    memories: &mut [JointMemory<R>],
+    (sample, request): (&Sample<'_, R>, &Request<'_, R>),
+    fresh: bool,
+    action: Action,
+) {
+    for (joint, (rule, memory)) in rules.iter().zip(memories).enumerate() {
+        let m = measured(memory, sample, joint, fresh);
+        let preset = request.preset.and_then(|p| p.get(joint)).copied();
+        rule.act(memory, &m, action, preset.filter(|p| p.is_finite()), arm.blend);
+    }
+}
+
+/// The joint's sample, or the last one believed.
+fn measured<R: Real>(
+    memory: &JointMemory<R>,
+    sample: &Sample<'_, R>,
+    joint: usize,
+    fresh: bool,
+) -> Measurement<R> {
+    let new = if fresh { sample.joints.get(joint) } else { None };
+    *new.unwrap_or(&memory.measured)
+}
+
+/// What every joint's law has to know of the arm.
+fn moment<R: Real>(
+    arm: &ArmRules<R>,
+    state: &ArmState,
     arrival: &Arrival,
     action: Action,
-) -> Events {
-    let fresh = arrival.fresh;
+) -> Moment<R> {
     // The law starts at this sample: what happened before it is not its own.
     let elapsed = if action == Action::Engage { None } else { arrival.elapsed_ns };
-    let now = Moment {
+    Moment {
         interval: interval(elapsed, arm.arrivals.period_ns, arm.nominal()),
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
@@ -110,136 +146,51 @@ fn answer<R: Real>(
         raised: state.raised,
         first_motion: state.engaged < arm.first_motion_samples,
         dwell: arm.dwell_samples,
-    };
+    }
+}
+
+/// Every joint's torque where the law runs on a fresh sample.
+fn run<R: Real>(
+    rules: &[JointRules<R>],
+    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
+    now: &Moment<R>,
+    sample: &Sample<'_, R>,
+    commands: &mut [Command<R>],
+) -> Events {
     let mut events = Events::NONE;
-    let joints = rules.iter().zip(memories.iter_mut()).zip(commands).enumerate();
-    for (joint, ((rule, memory), command)) in joints {
-        let measured = if fresh { sample.joints.get(joint).copied() } else { None };
-        let m = measured.unwrap_or(memory.measured);
-        if action != Action::None {
-            let preset = request.preset.and_then(|p| p.get(joint)).copied();
-            rule.act(memory, &m, action, preset.filter(|p| p.is_finite()), arm.blend);
-        }
-        let (answer, news) = match state.mode {
-            Mode::Holding | Mode::Tracking if fresh => rule.follow(memory, &m, &now),
-            Mode::Holding | Mode::Tracking => {
-                rule.wait(memory, state.arrivals.misses > arm.hold_samples)
-            }
-            Mode::Armed | Mode::SafeStop => rule.rest(memory, &m, &arm.stop(state, fresh)),
-            Mode::Idle => rule.free(memory, &m),
-        };
+    let joints = rules.iter().zip(memories).zip(sample.joints.iter().zip(commands)).enumerate();
+    for (joint, ((rule, memory), (m, command))) in joints {
+        let (answer, news) = rule.follow(memory, m, now);
+        memory.measured = *m;
         *command = answer;
-        memory.measured = m;
-        events |= news.events
-            | Events::SATURATED.when(answer.status.saturated)
-            | Events::RATE_LIMITED.when(answer.status.rate_limited);
-        note(state, joint, news);
+        events |= note(state, joint, &answer, news);
     }
     events
 }
 
-/// Judges the sample and counts it.
-fn admit<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
-    state: &mut ArmState,
-    memories: &[JointMemory<R>],
-    sample: &Sample<'_, R>,
-    events: &mut Events,
-) -> Arrival {
-    let active = !matches!(state.mode, Mode::Idle | Mode::SafeStop);
-    let arrivals = &mut state.arrivals;
-    let resync = !active;
-    let mut arrival = arrivals.judge(&arm.arrivals, sample.now_ns, sample.stamp, resync);
-    let known = arrivals.last.is_some() && !(resync && arrivals.misses > 0);
-    if arrival.fresh {
-        let finite = sample.joints.len() == rules.len()
-            && sample.joints.iter().fold(true, |all, m| all & m.is_finite());
-        let mut plausible = true;
-        if finite {
-            let elapsed = f64::from(arrivals.misses.saturating_add(2));
-            let reach = arm.period * R::from_f64(elapsed);
-            let joints = rules.iter().zip(memories).zip(sample.joints);
-            for ((rule, memory), m) in joints {
-                let step = (m.q - memory.measured.q).abs();
-                plausible &= m.dq.abs() <= rule.velocity_max
-                    && (!known || step <= rule.velocity_max * reach);
-            }
-        }
-        arrival.events |= Events::NOT_FINITE.when(!finite) | Events::IMPLAUSIBLE.when(!plausible);
-        arrival.fresh = finite && plausible;
-        if !arrival.fresh {
-            arrivals.missed(true);
-        }
-    } else {
-        arrivals.missed(false);
-    }
-    if arrival.fresh {
-        arrivals.took(sample.stamp);
-    } else {
-        arrival.elapsed_ns = None;
-        arrival.events |= Events::MISSED;
-    }
-    *events |= arrival.events;
-    arrival
-}
-
-/// Takes the caller's reference, if it is one.
-fn ask<R: Real>(
-    state: &mut ArmState,
-    joints: usize,
-    memories: &mut [JointMemory<R>],
-    request: &Request<'_, R>,
-    events: &mut Events,
-) {
-    let good = request.references.len() == joints
-        && request.references.iter().fold(true, |all, r| all & r.is_finite());
-    if good {
-        for (memory, reference) in memories.iter_mut().zip(request.references) {
-            memory.asked = *reference;
-        }
-        state.bad_references = 0;
-    } else {
-        for memory in memories {
-            memory.asked = Reference { q: memory.asked.q, ..Reference::default() };
-        }
-        state.bad_references = state.bad_references.saturating_add(1);
-        *events |= Events::REFERENCE_REFUSED;
-    }
-}
-
-/// Everything that stops an arm and can be seen before the law runs.
-fn watch<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
-    state: &ArmState,
-    memories: &mut [JointMemory<R>],
+/// Every joint's torque where the law does not run, or has no fresh sample.
+fn rest<R: Real>(
+    (arm, rules): (&ArmRules<R>, &[JointRules<R>]),
+    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
     sample: &Sample<'_, R>,
     fresh: bool,
-) -> Option<(Fault, usize)> {
-    let arrivals = &state.arrivals;
-    let law = matches!(state.mode, Mode::Holding | Mode::Tracking);
-    if arrivals.bad >= arm.bad_samples {
-        return Some((Fault::BadSample, 0));
+    commands: &mut [Command<R>],
+) -> Events {
+    let mut events = Events::NONE;
+    let stop = arm.stop(state, fresh);
+    let long = state.arrivals.misses > arm.hold_samples;
+    for (joint, ((rule, memory), command)) in rules.iter().zip(memories).zip(commands).enumerate() {
+        let m = measured(memory, sample, joint, fresh);
+        let (answer, news) = match state.mode {
+            Mode::Holding | Mode::Tracking => rule.wait(memory, long),
+            Mode::Armed | Mode::SafeStop => rule.rest(memory, &m, &stop),
+            Mode::Idle => rule.free(memory, &m),
+        };
+        memory.measured = m;
+        *command = answer;
+        events |= note(state, joint, &answer, news);
     }
-    if arrivals.misses >= arm.stop_samples {
-        return Some((Fault::LinkLost, 0));
-    }
-    if arrivals.history.count_ones() > arm.lost_max {
-        return Some((Fault::LinkQuality, 0));
-    }
-    if state.mode == Mode::Tracking && state.bad_references >= arm.stop_samples {
-        return Some((Fault::BadReference, 0));
-    }
-    let mut fault = None;
-    if fresh {
-        let joints = rules.iter().zip(memories).zip(sample.joints).enumerate();
-        for (joint, ((rule, memory), m)) in joints {
-            let found = rule.watch(memory, m, arm.period, law);
-            fault = fault.or(found.map(|fault| (fault, joint)));
-        }
-    }
-    fault
+    events
 }
 
 /// Keeps the counters of a mode.
@@ -261,47 +212,17 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
     state.mode = mode;
 }
 
-/// What the law noticed becomes a fault at the next sample.
-fn note(state: &mut ArmState, joint: usize, news: JointNews) {
-    let fault = if news.not_finite {
-        Fault::NotFinite
-    } else if news.wrong_way {
-        Fault::Actuation
-    } else if news.oscillates {
-        Fault::Oscillation
-    } else {
-        return;
-    };
-    state.pending = state.pending.or(Some((fault, joint)));
-}
-
-/// Changes between start gains and running gains, all joints at once.
-fn schedule<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
+/// What a joint's sample brought; what the law noticed becomes a fault at the next sample.
+fn note<R: Real>(
     state: &mut ArmState,
-    memories: &mut [JointMemory<R>],
-    fresh: bool,
-    events: &mut Events,
-) {
-    let law = matches!(state.mode, Mode::Holding | Mode::Tracking);
-    if !(law && fresh && rules.iter().any(|rule| rule.start.is_some())) {
-        return;
+    joint: usize,
+    command: &Command<R>,
+    news: JointNews,
+) -> Events {
+    if let Some(fault) = news.fault {
+        state.pending = state.pending.or(Some((fault, joint)));
     }
-    let within = |limit: R| memories.iter().all(|m| m.mismatch_square <= limit * limit);
-    let (settled, disturbed) = (within(arm.settled), !within(arm.disturbed));
-    state.settled = if settled { state.settled.saturating_add(1) } else { 0 };
-    state.disturbed = if disturbed { state.disturbed.saturating_add(1) } else { 0 };
-    let raise = !state.raised && state.settled >= arm.dwell_samples;
-    let lower = state.raised && state.disturbed >= arm.dwell_samples;
-    if !(raise || lower) {
-        return;
-    }
-    for (rule, memory) in rules.iter().zip(memories) {
-        JointRules::change(memory, rule.in_force(state.raised), rule.in_force(raise));
-    }
-    state.raised = raise;
-    state.settled = 0;
-    state.disturbed = 0;
-    *events |= Events::RAISED.when(raise) | Events::LOWERED.when(lower);
+    news.events
+        | Events::SATURATED.when(command.status.saturated)
+        | Events::RATE_LIMITED.when(command.status.rate_limited)
 }

@@ -1,0 +1,64 @@
+//! One joint enters a mode.
+
+use super::blend::Blend;
+use super::memory::JointMemory;
+use super::monitor::{Actuation, Oscillation};
+use super::rules::JointRules;
+use crate::{Action, JointState, Measurement, Real, Reference};
+
+impl<R: Real> JointRules<R> {
+    /// Enters a mode.
+    pub(crate) fn act(
+        &self,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        action: Action,
+        preset: Option<R>,
+        length: R,
+    ) {
+        let here = Reference::at_rest(m.q);
+        match action {
+            Action::None => {}
+            Action::Capture => {
+                memory.held = preset.unwrap_or(memory.held);
+                memory.home = here.q;
+                memory.reference = here;
+            }
+            Action::Engage => {
+                memory.home = here.q;
+                memory.reference = here;
+                memory.blend = Blend::default();
+                memory.fade_out(R::ZERO);
+                memory.mismatch = R::ZERO;
+                memory.mismatch_square = R::ZERO;
+                memory.funnel_settled = 0;
+                memory.funnel = self.funnel.map_or(-R::from_f64(1.0), |f| f.excess);
+                let tau = memory.law.tau;
+                memory.law = JointState::new();
+                // The held torque becomes φ̂; what damping adds to it at this sample is the law's too.
+                self.in_force(false).resume(&mut memory.law, m, &here, memory.held);
+                memory.law.tau = tau;
+                memory.oscillation = Oscillation::restart(memory.held);
+                memory.steady = memory.held;
+                memory.actuation = Actuation::default();
+            }
+            Action::Follow => {
+                memory.blend = Blend::new(&memory.reference, &memory.asked, length);
+            }
+            Action::Settle => {
+                let at = memory.reference;
+                let [square, linear] = self.stopping;
+                let ahead = if self.shaper.is_some() {
+                    at.dq * (square * at.dq.abs() + linear)
+                } else {
+                    R::from_f64(0.5) * at.dq * length
+                };
+                memory.home = at.q + ahead;
+                let rest = Reference::at_rest(memory.home);
+                memory.blend = Blend::new(&at, &rest, length);
+            }
+            Action::Freeze => memory.held = memory.law.phi_hat,
+            Action::Release => memory.held = R::ZERO,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The guard: what is let in, and what stops an arm before the law runs.
+
+use super::arrivals::Arrival;
+use super::memory::{ArmState, JointMemory};
+use super::rules::{ArmRules, JointRules};
+use crate::{Events, Fault, Mode, Real, Reference, Request, Sample};
+
+/// Judges the sample and counts it.
+pub(crate) fn admit<R: Real>(
+    arm: &ArmRules<R>,
+    rules: &[JointRules<R>],
+    state: &mut ArmState,
+    memories: &[JointMemory<R>],
+    sample: &Sample<'_, R>,
+    events: &mut Events,
+) -> Arrival {
+    let active = !matches!(state.mode, Mode::Idle | Mode::SafeStop);
+    let arrivals = &mut state.arrivals;
+    let resync = !active;
+    let mut arrival = arrivals.judge(&arm.arrivals, sample.now_ns, sample.stamp, resync);
+    let known = arrivals.last.is_some() && !(resync && arrivals.misses > 0);
+    if arrival.fresh {
+        let elapsed =
+            if known { f64::from(arrivals.misses.saturating_add(2)) } else { f64::INFINITY };
+        let reach = arm.period * R::from_f64(elapsed);
+        let (mut doubt, mut plausible) = (R::ZERO, true);
+        for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
+            doubt += m.doubt();
+            let step = (m.q - memory.measured.q).abs();
+            let possible = m.dq.abs() <= rule.velocity_max && step <= rule.velocity_max * reach;
+            plausible &= possible;
+        }
+        let finite = doubt == R::ZERO && sample.joints.len() == rules.len();
+        let plausible = plausible || !finite;
+        arrival.events |= Events::NOT_FINITE.when(!finite) | Events::IMPLAUSIBLE.when(!plausible);
+        arrival.fresh = finite && plausible;
+        if !arrival.fresh {
+            arrivals.missed(true);
+        }
+    } else {
+        arrivals.missed(false);
+    }
+    if arrival.fresh {
+        arrivals.took(sample.stamp);
+    } else {
+        arrival.elapsed_ns = None;
+        arrival.events |= Events::MISSED;
+    }
+    *events |= arrival.events;
+    arrival
+}
+
+/// Takes the caller's reference, if it is one.
+pub(crate) fn ask<R: Real>(
+    state: &mut ArmState,
+    joints: usize,
+    memories: &mut [JointMemory<R>],
+    request: &Request<'_, R>,
+    events: &mut Events,
+) {
+    let doubt = request.references.iter().fold(R::ZERO, |sum, r| sum + r.doubt());
+    let good = doubt == R::ZERO && request.references.len() == joints;
+    if good {
+        for (memory, reference) in memories.iter_mut().zip(request.references) {
+            memory.asked = *reference;
+        }
+        state.bad_references = 0;
+    } else {
+        for memory in memories {
+            memory.asked = Reference::at_rest(memory.asked.q);
+        }
+        state.bad_references = state.bad_references.saturating_add(1);
+        *events |= Events::REFERENCE_REFUSED;
+    }
+}
+
+/// Everything that stops an arm and can be seen before the law runs.
+pub(crate) fn watch<R: Real>(
+    arm: &ArmRules<R>,
+    rules: &[JointRules<R>],
+    state: &ArmState,
+    memories: &mut [JointMemory<R>],
+    sample: &Sample<'_, R>,
+    fresh: bool,
+) -> Option<(Fault, usize)> {
+    let arrivals = &state.arrivals;
+    let law = matches!(state.mode, Mode::Holding | Mode::Tracking);
+    if arrivals.bad >= arm.bad_samples {
+        return Some((Fault::BadSample, 0));
+    }
+    if arrivals.misses >= arm.stop_samples {
+        return Some((Fault::LinkLost, 0));
+    }
+    if arrivals.lost() > arm.lost_max {
+        return Some((Fault::LinkQuality, 0));
+    }
+    if state.mode == Mode::Tracking && state.bad_references >= arm.stop_samples {
+        return Some((Fault::BadReference, 0));
+    }
+    let mut fault = None;
+    if fresh {
+        let joints = rules.iter().zip(memories).zip(sample.joints).enumerate();
+        for (joint, ((rule, memory), m)) in joints {
+            if let Some(found) = rule.watch(memory, m, arm.period, law) {
+                fault = fault.or(Some((found, joint)));
+            }
+        }
+    }
+    fault
+}

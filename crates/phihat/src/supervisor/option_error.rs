@@ -1,0 +1,76 @@
+//! Why options are refused.
+
+use core::fmt;
+
+use crate::GainError;
+
+/// Why options are refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// An option is out of its range.
+    Value {
+        /// Which.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be valid.
+        valid: &'static str,
+        /// Of which joint; arm-wide options say 0.
+        joint: usize,
+    },
+    /// A joint's gains are for another sample period.
+    Period {
+        /// Which joint.
+        joint: usize,
+    },
+    /// Start gains need the observer form: integrals of the error do not survive a change of order.
+    Form {
+        /// Which joint.
+        joint: usize,
+    },
+    /// A limit of the reference governor.
+    Motion {
+        /// Which joint.
+        joint: usize,
+        /// What is wrong with it.
+        error: GainError,
+    },
+}
+
+impl fmt::Display for OptionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value { option, value, valid, joint } => {
+                write!(f, "joint {joint}: {option} is {value}; it must be {valid}")
+            }
+            Self::Period { joint } => {
+                write!(f, "joint {joint}: its gains are for another sample period than the options")
+            }
+            Self::Form { joint } => {
+                write!(f, "joint {joint}: start gains need the observer form, in both sets")
+            }
+            Self::Motion { joint, error } => write!(f, "joint {joint}: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for OptionError {}
+
+/// `Ok` if an option is valid.
+pub(crate) fn value(
+    ok: bool,
+    option: &'static str,
+    value: f64,
+    valid: &'static str,
+    joint: usize,
+) -> Result<(), OptionError> {
+    if ok { Ok(()) } else { Err(OptionError::Value { option, value, valid, joint }) }
+}
+
+const POSITIVE: &str = "positive and finite";
+
+/// `Ok` if an option is positive and finite.
+pub(crate) fn positive(x: f64, option: &'static str, joint: usize) -> Result<(), OptionError> {
+    value(x.is_finite() && x > 0.0, option, x, POSITIVE, joint)
+}

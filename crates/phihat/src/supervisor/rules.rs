@@ -1,0 +1,217 @@
+//! Options, checked once, in the running scalar.
+
+use super::arrivals::ArrivalRules;
+use super::funnel::FunnelRules;
+use super::option_error::{positive, value};
+use super::range::RangeRules;
+use crate::joint::Interval;
+use crate::{Form, JointGains, JointOptions, OptionError, Options, Real, Shaper};
+
+/// [`Options`], checked, in the running scalar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArmRules<R> {
+    pub(crate) arrivals: ArrivalRules,
+    pub(crate) hold_samples: u32,
+    pub(crate) stop_samples: u32,
+    pub(crate) bad_samples: u32,
+    pub(crate) lost_max: u32,
+    pub(crate) period: R,
+    pub(crate) rest_velocity: R,
+    pub(crate) start_mismatch_max: R,
+    pub(crate) blend: R,
+    pub(crate) blend_rate: R,
+    pub(crate) stop_damping: R,
+    pub(crate) stop_samples_max: u32,
+    pub(crate) settled: R,
+    pub(crate) disturbed: R,
+    pub(crate) dwell_samples: u32,
+    pub(crate) first_motion_samples: u32,
+}
+
+/// [`JointOptions`] and the gains, checked, in the running scalar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointRules<R> {
+    /// Start gains, running gains; twice the same where there are no start gains.
+    pub(crate) gains: [JointGains<R>; 2],
+    /// Whether there are start gains.
+    pub(crate) scheduled: bool,
+    pub(crate) velocity_max: R,
+    pub(crate) range: Option<RangeRules<R>>,
+    pub(crate) error_max: R,
+    pub(crate) frozen_travel: Option<R>,
+    pub(crate) shaper: Option<Shaper<R>>,
+    /// Distance in which the shaper stops, at its velocity limit, per velocity: `v/2A + A/2J`.
+    pub(crate) stopping: [R; 2],
+    pub(crate) dead_zone: R,
+    pub(crate) funnel: Option<FunnelRules<R>>,
+    /// Mean squares.
+    pub(crate) oscillation: Option<R>,
+    pub(crate) first_motion: Option<R>,
+}
+
+impl<R: Real> ArmRules<R> {
+    pub(crate) fn nominal(&self) -> Interval<R> {
+        Interval { step: self.period, parts: 1, share: R::from_f64(1.0) }
+    }
+
+    /// Checks arm-wide options.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError::Value`].
+    pub fn new(options: &Options) -> Result<Self, OptionError> {
+        let period = options.period_ns as f64 * 1e-9;
+        positive(period, "period", 0)?;
+        value(options.period_ns <= 1_000_000_000, "period", period, "at most one second", 0)?;
+        positive(options.rest_velocity, "rest velocity", 0)?;
+        positive(options.start_mismatch_max, "start mismatch", 0)?;
+        positive(options.blend_s, "blend time", 0)?;
+        positive(options.stop_s, "stop time", 0)?;
+        let damping = options.stop_damping;
+        value((0.0..=1.0).contains(&damping), "stop damping", damping, "0 … 1", 0)?;
+        let stop = f64::from(options.stop_samples);
+        value(options.stop_samples > 0, "stop samples", stop, "at least 1", 0)?;
+        value(options.bad_samples > 0, "bad samples", 0.0, "at least 1", 0)?;
+        let schedule = &options.schedule;
+        positive(schedule.settled, "schedule settled", 0)?;
+        let above = schedule.disturbed > schedule.settled;
+        value(above, "schedule disturbed", schedule.disturbed, "above settled", 0)?;
+        positive(schedule.dwell_s, "schedule dwell", 0)?;
+        let samples = |seconds: f64| count(seconds / period);
+        Ok(Self {
+            arrivals: ArrivalRules {
+                period_ns: options.period_ns,
+                age_max_ns: options.age_max_ns,
+                window: options.sequence_window.max(1),
+            },
+            hold_samples: options.hold_samples.min(options.stop_samples),
+            stop_samples: options.stop_samples,
+            bad_samples: options.bad_samples,
+            lost_max: options.lost_max.min(64),
+            period: R::from_f64(period),
+            rest_velocity: R::from_f64(options.rest_velocity),
+            start_mismatch_max: R::from_f64(options.start_mismatch_max),
+            blend: R::from_f64(options.blend_s),
+            blend_rate: R::from_f64(period / options.blend_s),
+            stop_damping: R::from_f64(damping),
+            stop_samples_max: samples(options.stop_s),
+            settled: R::from_f64(schedule.settled),
+            disturbed: R::from_f64(schedule.disturbed),
+            dwell_samples: samples(schedule.dwell_s),
+            first_motion_samples: samples(0.25),
+        })
+    }
+}
+
+/// A moderate positive number as a count, at least 1.
+fn count(x: f64) -> u32 {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the cast of a float saturates; larger counts mean the same: a very long time"
+    )]
+    let whole = (x + 0.5) as u32;
+    whole.max(1)
+}
+
+impl<R: Real> JointRules<R> {
+    /// Checks one joint's options against its gains and the arm's options. `joint` is its place, for errors.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError`].
+    pub fn new(
+        joint: usize,
+        gains: &JointGains<R>,
+        options: &JointOptions<R>,
+        arm: &Options,
+    ) -> Result<Self, OptionError> {
+        let period = arm.period_ns as f64 * 1e-9;
+        let plain = Self::plain(gains);
+        let same = (gains.period - R::from_f64(period)).abs() <= R::from_f64(1e-6 * period);
+        if !same {
+            return Err(OptionError::Period { joint });
+        }
+        if let Some(start) = &options.start {
+            plain.fits(joint, start)?;
+        }
+        if let Some(start) = &options.start
+            && (start.form != Form::Observer || gains.form != Form::Observer)
+        {
+            return Err(OptionError::Form { joint });
+        }
+        if let Some(range) = &options.range {
+            let width = range.upper - range.lower;
+            positive(width, "width of the range", joint)?;
+            positive(range.braking, "braking deceleration", joint)?;
+            let fits = range.soft > 0.0 && range.soft < 0.5 * width;
+            value(fits, "soft zone", range.soft, "positive and less than half the range", joint)?;
+        }
+        let shaper = match &options.motion {
+            None => None,
+            Some(limits) => Some(
+                Shaper::new(limits, period)
+                    .map_err(|error| OptionError::Motion { joint, error })?,
+            ),
+        };
+        let stopping = options
+            .motion
+            .map_or([0.0; 2], |m| [0.5 / m.acceleration, 0.5 * m.acceleration / m.jerk]);
+        let optional = |x: Option<f64>, name: &'static str| match x {
+            None => Ok(None),
+            Some(x) => positive(x, name, joint).map(|()| Some(R::from_f64(x))),
+        };
+        let square = |x: R| x * x;
+        Ok(Self {
+            gains: [options.start.unwrap_or(*gains), *gains],
+            scheduled: options.start.is_some(),
+            velocity_max: optional(options.velocity_max, "velocity limit")?
+                .unwrap_or(plain.velocity_max),
+            range: options.range.as_ref().map(|range| RangeRules::new(range, gains)),
+            error_max: optional(options.error_max, "error limit")?.unwrap_or(plain.error_max),
+            frozen_travel: optional(options.frozen_travel, "frozen travel")?,
+            shaper,
+            stopping: stopping.map(R::from_f64),
+            dead_zone: optional(options.dead_zone, "dead zone")?.unwrap_or(plain.dead_zone),
+            funnel: options.funnel.map(|f| f.rules(period, joint)).transpose()?,
+            oscillation: optional(options.oscillation, "oscillation")?.map(square),
+            first_motion: optional(options.first_motion, "first motion")?.map(square),
+        })
+    }
+
+    /// The law and its limits, nothing else.
+    pub(crate) fn plain(gains: &JointGains<R>) -> Self {
+        let infinite = R::from_f64(f64::INFINITY);
+        Self {
+            gains: [*gains; 2],
+            scheduled: false,
+            velocity_max: infinite,
+            range: None,
+            error_max: infinite,
+            frozen_travel: None,
+            shaper: None,
+            stopping: [R::ZERO; 2],
+            dead_zone: R::ZERO,
+            funnel: None,
+            oscillation: None,
+            first_motion: None,
+        }
+    }
+
+    /// The gains in force.
+    pub(crate) fn in_force(&self, raised: bool) -> &JointGains<R> {
+        &self.gains[usize::from(raised)]
+    }
+
+    /// The running gains: theirs are the limits.
+    pub(crate) fn running(&self) -> &JointGains<R> {
+        self.in_force(true)
+    }
+
+    /// Whether gains are for the sample period of these.
+    pub(crate) fn fits(&self, joint: usize, gains: &JointGains<R>) -> Result<(), OptionError> {
+        let difference = (gains.period - self.running().period).abs();
+        let same = difference <= R::from_f64(1e-6) * self.running().period;
+        if same { Ok(()) } else { Err(OptionError::Period { joint }) }
+    }
+}

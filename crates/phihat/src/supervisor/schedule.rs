@@ -1,0 +1,128 @@
+//! Start gains and running gains: which are in force, and how one set gives way to the other.
+
+use super::memory::{ArmState, JointMemory};
+use super::rules::{ArmRules, JointRules};
+use crate::joint::Interval;
+use crate::{Events, Form, JointGains, Measurement, Mode, Real, Reference};
+
+/// When the running gains replace the start gains, and when they give way again.
+///
+/// The mismatch `φ − φ̂`, averaged over some 50 samples, must stay below `settled` (root mean square) in every
+/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
+/// long the start gains come back. A change never steps the torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Schedule {
+    /// \[N·m\]
+    pub settled: f64,
+    /// \[N·m\]; infinite: never back.
+    pub disturbed: f64,
+    /// \[s\]
+    pub dwell_s: f64,
+}
+
+/// Changes between start gains and running gains, all joints at once.
+pub(crate) fn schedule<R: Real>(
+    arm: &ArmRules<R>,
+    rules: &[JointRules<R>],
+    state: &mut ArmState,
+    memories: &mut [JointMemory<R>],
+    fresh: bool,
+    events: &mut Events,
+) {
+    let law = matches!(state.mode, Mode::Holding | Mode::Tracking);
+    if !(law && fresh && rules.iter().any(|rule| rule.scheduled)) {
+        return;
+    }
+    let within = |limit: R| memories.iter().all(|m| m.mismatch_square <= limit * limit);
+    let (settled, disturbed) = (within(arm.settled), !within(arm.disturbed));
+    state.settled = if settled { state.settled.saturating_add(1) } else { 0 };
+    state.disturbed = if disturbed { state.disturbed.saturating_add(1) } else { 0 };
+    let raise = !state.raised && state.settled >= arm.dwell_samples;
+    let lower = state.raised && state.disturbed >= arm.dwell_samples;
+    if !(raise || lower) {
+        return;
+    }
+    for (rule, memory) in rules.iter().zip(memories) {
+        JointRules::change(memory, rule.in_force(state.raised), rule.in_force(raise));
+    }
+    state.raised = raise;
+    state.settled = 0;
+    state.disturbed = 0;
+    *events |= Events::RAISED.when(raise) | Events::LOWERED.when(lower);
+}
+
+impl<R: Real> JointRules<R> {
+    /// Puts other gains in force, without a step in torque.
+    pub(crate) fn exchange(
+        &mut self,
+        memory: &mut JointMemory<R>,
+        gains: JointGains<R>,
+        raised: bool,
+    ) {
+        let old = *self.in_force(raised);
+        let start = if self.scheduled { self.gains[0] } else { gains };
+        self.gains = [start, gains];
+        self.range = self.range.map(|range| range.with_gains(&gains));
+        Self::change(memory, &old, self.in_force(raised));
+    }
+
+    /// Changes gains without a step in torque: what the new ones demand differently at the next sample is
+    /// faded out from there.
+    pub(crate) fn change(memory: &mut JointMemory<R>, from: &JointGains<R>, to: &JointGains<R>) {
+        if to.form == Form::Observer && from.form == Form::Observer {
+            // What a lower order does not have goes on for one sample more.
+            let mut above = R::ZERO;
+            for (j, entry) in memory.law.memory.iter_mut().enumerate().rev() {
+                if j >= to.order {
+                    above = *entry;
+                    *entry = R::ZERO;
+                } else if j + 1 == to.order {
+                    *entry += to.period * above;
+                }
+            }
+            memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
+        } else {
+            let (m, r) = (memory.measured, memory.reference);
+            let tau = from.outer_loop(&m, &r) + memory.law.phi_hat;
+            let last = memory.law.tau;
+            to.resume(&mut memory.law, &m, &r, tau);
+            memory.law.tau = last;
+        }
+    }
+}
+
+impl<R: Real> JointMemory<R> {
+    /// The mean mismatch `φ − φ̂`.
+    pub(crate) fn learn(
+        &mut self,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        interval: &Interval<R>,
+    ) {
+        if interval.parts == 0 {
+            return;
+        }
+        let rate = interval.share / interval.step;
+        let phi = m.tau_applied - gains.inertia * (m.dq - self.measured.dq) * rate;
+        let slow = R::from_f64(0.02);
+        let news = (phi - self.law.phi_hat) - self.mismatch;
+        self.mismatch = (self.mismatch + slow * news).snap();
+        let more = self.mismatch * self.mismatch - self.mismatch_square;
+        self.mismatch_square = (self.mismatch_square + slow * more).snap();
+    }
+
+    /// The first sample of other gains: what they demand differently is faded out from here.
+    pub(crate) fn fade_from_old_gains(
+        &mut self,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        reference: &Reference<R>,
+        rate: R,
+    ) {
+        if let Some([inertia, kd, kp]) = self.before.take() {
+            let old = JointGains { inertia, kp, kd, ..*gains };
+            let left = self.fading(rate);
+            self.fade_out(left + old.outer_loop(m, reference) - gains.outer_loop(m, reference));
+        }
+    }
+}
