@@ -1,10 +1,11 @@
 //! `phihat faults`: everything that can break, broken, one run each; and what became of the arm.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 
-use clap::Args;
+use clap::{Args, Parser};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -68,6 +69,14 @@ const TRACES_MAX: usize = 20;
 
 impl Faults {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let (matrix, folder) = self.matrix()?;
+        let (summary, page) = self.answer(&matrix, &folder)?;
+        self.tell(&summary, &folder, &page);
+        Ok(if summary.totals.good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// The runs that are asked for, and where their results go.
+    fn matrix(&self) -> Result<(Matrix, PathBuf), Failure> {
         if let Some(order) = self.orders.iter().find(|m| !(1..=phihat::ORDER_MAX).contains(*m)) {
             let message = format!("--orders {order}: orders are 1 to {}", phihat::ORDER_MAX);
             return Err(Failure::plain(message));
@@ -87,22 +96,27 @@ impl Faults {
             let message = format!("--trace: {runs} runs; choose {TRACES_MAX} at most with --only");
             return Err(Failure::plain(message));
         }
+        Ok((matrix, folder))
+    }
+
+    /// Runs them and writes the answer, whose page is named.
+    fn answer(&self, matrix: &Matrix, folder: &Path) -> Result<(Summary, PathBuf), Failure> {
+        let cache = folder.join("gains");
         files::make_folder(&cache)?;
         for (name, gains) in matrix.arms.iter().flat_map(phihat_campaign::faults::Arm::gains) {
             files::write(&cache.join(name), &gains.to_json().map_err(Failure::plain)?)?;
         }
-        let summary = self.run(&matrix, &folder)?;
+        let summary = self.run(matrix, folder)?;
         let page = folder.join("report.html");
         let text = serde_json::to_string_pretty(&summary).map_err(Failure::plain)?;
         files::write(&folder.join("faults.json"), &(text + "\n"))?;
         files::write(&page, &phihat_report::faults_page(&summary, &self.command()))?;
         if self.trace {
             for case in &matrix.cases {
-                keep(&matrix, case, &folder)?;
+                keep(matrix, case, folder)?;
             }
         }
-        self.tell(&summary, &folder, &page);
-        Ok(if summary.totals.good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+        Ok((summary, page))
     }
 
     /// Where the results go.
@@ -178,6 +192,23 @@ impl Faults {
             println!("report: {}", page.display());
         }
     }
+}
+
+/// The fault matrix as `phihat faults` runs it with these arguments, and its answer.
+///
+/// # Errors
+///
+/// [`Failure`]: an argument or a study cannot be used, or a result not be written.
+pub fn fault_matrix(arguments: impl IntoIterator<Item = OsString>) -> Result<Summary, Failure> {
+    #[derive(Debug, Parser)]
+    #[command(no_binary_name = true)]
+    struct Only {
+        #[command(flatten)]
+        faults: Faults,
+    }
+    let Only { faults } = Only::try_parse_from(arguments).map_err(Failure::plain)?;
+    let (matrix, folder) = faults.matrix()?;
+    Ok(faults.answer(&matrix, &folder)?.0)
 }
 
 /// The gains that a study states, else designed ones; they may run on its arm.

@@ -29,6 +29,7 @@ use clap::{Parser, Subcommand};
 
 pub use crate::design::designed;
 pub use crate::failure::Failure;
+pub use crate::faults::fault_matrix;
 pub use crate::record::{Done, Session};
 pub use crate::report::write_report;
 

@@ -34,7 +34,7 @@ mod _phihat {
     #[pymodule_export]
     use super::run::Trace;
     #[pymodule_export]
-    use super::run::{design, simulate};
+    use super::run::{design, faults, simulate};
     #[pymodule_export]
     use super::study::study_document;
     #[pymodule_export]

@@ -47,6 +47,14 @@ pub(crate) fn simulate(
     Ok(Trace { done })
 }
 
+/// Runs a fault matrix with the arguments of `phihat faults`; its answer, as in faults.json.
+#[pyfunction]
+pub(crate) fn faults(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
+    let run = || phihat_cli::fault_matrix(arguments.into_iter().map(Into::into));
+    let summary = py.detach(run).map_err(|e| failure::failed(py, &e))?;
+    json::to_python(py, &summary)
+}
+
 /// The record of a run.
 #[pyclass(frozen, module = "phihat")]
 #[derive(Debug)]

@@ -51,6 +51,16 @@ def test_design_keeps_what_it_promises(gains: phihat.Gains, trace: phihat.Trace)
     assert trace.within_spec and trace.divergence is None
 
 
+def test_faults_answer_run_by_run(tmp_path: Path) -> None:
+    study = STUDIES / "faults" / "planar3r.toml"
+    answer = phihat.faults(study, orders=[1], seeds=1, only="/payload_drop/", out=tmp_path)
+    names = [run["name"] for run in answer["runs"]]
+    assert names == [f"planar3r/m1/payload_drop/{severity}/1" for severity in (1, 2, 3)]
+    assert answer["totals"]["good"] and answer == json.loads((tmp_path / "faults.json").read_text())
+    with pytest.raises(phihat.Error, match="no_such"):
+        phihat.faults("no_such.toml", out=tmp_path)
+
+
 def test_a_changed_gain_is_refuted(gains: phihat.Gains) -> None:
     document = json.loads(gains.to_json())
     for joint in document["joints"]:

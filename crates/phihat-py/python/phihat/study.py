@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,41 @@ def simulate(
     """
     path, document = _source(study)
     return Trace(_phihat.simulate(path, document, name, gains, uncertified))
+
+
+def faults(
+    *studies: str | os.PathLike[str],
+    orders: Sequence[int] = (1, 2),
+    seeds: int = 3,
+    quick: bool = False,
+    only: str | None = None,
+    threads: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Break everything an arm can meet, one fault at a time; what became of it, as in ``faults.json``.
+
+    Writes journal, answer and a page with a heat map to ``out/STUDY/faults``; an interrupted matrix goes on where
+    it was. ``result["totals"]["good"]`` says whether the bars were kept, ``result["runs"]`` what each run came to.
+
+    Args:
+        studies: paths of study files, one per arm.
+        orders: estimator orders, each with its own gains.
+        seeds: runs per fault and severity.
+        quick: one order, one seed.
+        only: only runs whose name ``ARM/mORDER/FAULT/SEVERITY/SEED`` contains this.
+        threads: runs at a time; one per core unless given.
+        out: folder for the results.
+
+    Raises:
+        Error: an argument or a study cannot be used, or a result not be written.
+    """
+    arguments = [os.fspath(study) for study in studies]
+    arguments += [f"--orders={','.join(map(str, orders))}", f"--seeds={seeds}"]
+    given = {"only": only, "threads": threads, "out": out and os.fspath(out)}
+    arguments += [f"--{key}={value}" for key, value in given.items() if value is not None]
+    if quick:
+        arguments.append("--quick")
+    return _phihat.faults(arguments)
 
 
 def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
