@@ -38,7 +38,8 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
     let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
     let motion = |joint: usize| {
         let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
-        Some(Motion { acceleration_rad_s2, jerk_rad_s3 })
+        let velocity_rad_s = demand.velocity(joint);
+        Some(Motion { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 })
     };
     let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };

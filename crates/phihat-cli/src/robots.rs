@@ -18,7 +18,8 @@ const SEED: u64 = 1;
 
 /// List the built-in arms, or show one: joints, limits, friction, inertia range, sources.
 ///
-/// The inertia range tells a good nominal inertia M̄ for each joint, and the ratio of eigenvalues that the
+/// The inertia range tells the nominal inertia M̄ of each joint that centres the window (not the one with the least
+/// error, which a design finds), and the ratio of eigenvalues that the
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  phihat robots\n  phihat robots panda")]

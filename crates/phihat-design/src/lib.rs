@@ -22,7 +22,9 @@ mod trace;
 mod trade_off;
 
 pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
-pub use certificate::{Bounds, Certificate, JointCertificate, arm_inside_window};
+pub use certificate::{
+    Bounds, Certificate, JointCertificate, LeftOut, NotCounted, arm_inside_window,
+};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use phi::{Motion, Phi, PhiBasis};

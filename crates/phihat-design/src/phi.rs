@@ -25,6 +25,9 @@ pub struct Phi {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
+    /// Largest |q̇_d| \[rad/s\].
+    #[serde(default)]
+    pub velocity_rad_s: f64,
     /// Largest |q̈_d| \[rad/s²\].
     pub acceleration_rad_s2: f64,
     /// Largest |q⃛_d| \[rad/s³\].

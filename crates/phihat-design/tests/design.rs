@@ -46,6 +46,7 @@ fn designed(study: &Study) -> Outcome {
             rate_nm_s: along.rate,
             jump_nm: along.jump,
             motion: Some(Motion {
+                velocity_rad_s: demand.velocity(joint),
                 acceleration_rad_s2: demand.motion(joint).0,
                 jerk_rad_s3: demand.motion(joint).1,
             }),

@@ -20,6 +20,8 @@ fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel) {
         velocity_filter_hz: (random.unit() < 0.5).then_some(120.0),
         form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
         drive_bandwidth_hz: None,
+        sample_delay_samples: 0,
+        torque: phihat_design::sampled::LoopTorque::Applied,
     };
     (gains, model)
 }

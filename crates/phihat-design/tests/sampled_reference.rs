@@ -85,6 +85,8 @@ fn cases() -> Vec<Case> {
                         velocity_filter_hz,
                         form,
                         drive_bandwidth_hz,
+                        sample_delay_samples: 0,
+                        torque: phihat_design::sampled::LoopTorque::Applied,
                     };
                     let record = record(900.0, 60.0, a, 0.7);
                     cases.push(Case { record, model, feed_forward, mu });

@@ -62,6 +62,8 @@ pub fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, Iner
             form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
             velocity_filter_hz: some(random.unit() < 0.5, filter),
             drive_bandwidth_hz: some(random.unit() < 0.5, drive),
+            sample_delay_samples: 0,
+            torque: phihat_design::sampled::LoopTorque::Applied,
         };
         if let Ok(window) = InertiaWindow::find(&gains, &model)
             && window.low < 0.95

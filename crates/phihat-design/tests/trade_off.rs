@@ -31,6 +31,7 @@ fn designed(error: f64, encoder: &str) -> Gains {
             rate_nm_s: along.rate,
             jump_nm: along.jump,
             motion: Some(Motion {
+                velocity_rad_s: demand.velocity(joint),
                 acceleration_rad_s2: demand.motion(joint).0,
                 jerk_rad_s3: demand.motion(joint).1,
             }),

@@ -5,7 +5,7 @@ use crate::number::{number, stated};
 use crate::record::Record;
 use crate::text::line;
 use maud::{Markup, PreEscaped, html};
-use phihat_design::{Certificate, JointCertificate};
+use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;
 
 /// Thousandths, for reading: mrad, mrad/s.
@@ -24,6 +24,18 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         }
         @if let Some(why) = certificate.refused() {
             p { strong { "These gains do not arm: " } (line(&why.to_string())) }
+        }
+        @if !certificate.not_counted.is_empty() {
+            p { "What the study has and these claims leave out:" }
+            ul { @for one in &certificate.not_counted {
+                li {
+                    code { (line(&one.key)) " = " (line(&one.value)) } " – "
+                    @match one.claims {
+                        LeftOut::Bounds => "not in the bounds",
+                        LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
+                    }
+                }
+            } }
         }
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))

@@ -39,6 +39,8 @@ pub struct Demand {
     torques: Vec<Vec<Vec<f64>>>,
     /// `ddq[joint][sample]`.
     ddq: Vec<Vec<f64>>,
+    /// Largest |q̇_d| per joint.
+    speeds: Vec<f64>,
     jumps: Vec<f64>,
 }
 
@@ -77,13 +79,21 @@ impl Demand {
         let times = times(study, period);
         let n = study.robot.joints.len();
         let mut ddq = vec![Vec::with_capacity(times.len()); n];
+        let mut speeds = vec![0.0_f64; n];
         for t in &times {
             for (joint, row) in ddq.iter_mut().enumerate() {
-                row.push(motion.at(joint, *t)[2]);
+                let [_, speed, acceleration] = motion.at(joint, *t);
+                row.push(acceleration);
+                speeds[joint] = speeds[joint].max(speed.abs());
             }
         }
         let torques = cases.iter().map(|model| torques(model, study, &motion, &times)).collect();
-        Ok(Self { period, torques, ddq, jumps: jumps(study) })
+        Ok(Self { period, torques, ddq, speeds, jumps: jumps(study) })
+    }
+
+    /// Largest |q̇_d| \[rad/s\] of a joint's reference.
+    pub fn velocity(&self, joint: usize) -> f64 {
+        self.speeds[joint]
     }
 
     /// Largest |q̈_d| \[rad/s²\] and |q⃛_d| \[rad/s³\] of a joint's reference.

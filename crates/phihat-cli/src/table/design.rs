@@ -1,7 +1,7 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use comfy_table::Table;
-use phihat_design::{Certificate, Gains, Infeasible, JointCertificate};
+use phihat_design::{Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted};
 
 use super::{MILLI, align, plain_table};
 
@@ -58,6 +58,7 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         lines.push(format!("φ: {}", phi.source));
     }
     lines.extend(certificate.joints.first().map(law));
+    lines.extend(not_counted(&certificate.not_counted));
     lines.join("\n")
 }
 
@@ -81,6 +82,22 @@ fn row(joint: &JointCertificate) -> Vec<String> {
         noise.map_or_else(none, |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm)),
         milli(joint.step.as_ref().and_then(|s| s.step_rad), 2),
     ]
+}
+
+/// What the study has and the claims leave out, one line for each kind of claim.
+pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
+    let line = |(claims, words): (LeftOut, &str)| {
+        let of = list.iter().filter(|one| one.claims == claims);
+        let of: Vec<String> = of.map(|one| format!("{} = {}", one.key, one.value)).collect();
+        (!of.is_empty()).then(|| format!("{words}: {}", of.join(" · ")))
+    };
+    [
+        (LeftOut::Bounds, "NOT counted in the bounds"),
+        (LeftOut::BoundsAndStability, "NOT counted at all, neither in the bounds nor in stability"),
+    ]
+    .into_iter()
+    .filter_map(line)
+    .collect()
 }
 
 /// What the law that the joints share is optimal for, and how fast its inertia may vary.

@@ -25,7 +25,7 @@ pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
         "|τ̇| max\nN·m/s",
         "rotor\nkg·m²",
         "M_ii range\nkg·m²",
-        "good M̄\nkg·m²",
+        "centred M̄\nkg·m²",
         "Coulomb\nN·m",
         "encoder\nbit",
     ]);

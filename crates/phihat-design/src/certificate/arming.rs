@@ -2,6 +2,7 @@
 
 use phihat_study::Study;
 
+use super::scope::unmodelled;
 use crate::arm::{Arm, ArmInertia};
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
@@ -9,7 +10,8 @@ use crate::gains::{Gains, JointRecord};
 use crate::sampled::{InertiaWindow, LoopModel};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
-/// loop's window of every joint, and the estimator slow enough for the sample rate.
+/// loop's window of every joint, the estimator slow enough for the sample rate, and nothing in the loop that its
+/// model does not have.
 ///
 /// # Errors
 ///
@@ -29,6 +31,7 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         below_nyquist(record, model.period_s).map_err(|why| why.on(&record.name))?;
         InertiaWindow::find(record, &model)
             .and_then(|window| inside(&window, &arm, 1.0))
+            .and_then(|()| unmodelled(study, i, (record, &model), &arm))
             .map_err(|why| why.on(&record.name))?;
     }
     Ok(())

@@ -19,6 +19,7 @@ const CLAIM: &str = "error bound";
 ///
 /// ```text
 /// |e|, |ė| ≤ (ramp |φ̇_smooth| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
+///   and, measurements arriving s samples late, + sT |q̇_d| on e, + sT |q̈_d| on ė
 /// |∫e|     ≤ from φ with its own gains + t · (|e| from encoder and motion) + T |e| + t · K_d T² |φ̇|/(12 K_p low M̄)
 /// ```
 ///
@@ -28,8 +29,7 @@ const CLAIM: &str = "error bound";
 ///
 /// # Not claimed
 ///
-/// What the motion of the reference costs by itself, where velocity or torque come late:
-/// [`crate::sampled::ReferenceError`] comes on top.
+/// Where [`Phi::motion`] is not known, what the motion of the reference costs by itself comes on top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
@@ -90,7 +90,10 @@ impl<'a> Evidence<'a> {
         let state = |i: usize| phi.bound(self.jump[i], self.ramp[i]) / inertia;
         let besides = |i: usize| {
             let (acceleration, jerk) = self.moved[i];
-            let moved = phi.motion.map_or(0.0, |motion| motion.costs(acceleration, jerk));
+            let moved = phi.motion.map_or(0.0, |motion| {
+                let ahead = [motion.velocity_rad_s, motion.acceleration_rad_s2][i];
+                motion.costs(acceleration, jerk) + self.model.lead() * ahead
+            });
             self.reading[i] * half + moved
         };
         let error_rad = state(1) + besides(0);

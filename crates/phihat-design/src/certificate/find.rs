@@ -15,6 +15,8 @@ use crate::sampled::{
 #[derive(Debug, Clone)]
 pub(super) struct Shared {
     model: LoopModel,
+    /// Least and largest gain of the drive, where it is not 1.
+    drive: Option<(f64, f64)>,
     window: Option<InertiaWindow>,
     varying: Option<VaryingWindow>,
     sampled_varying: Option<SampledVarying>,
@@ -40,7 +42,7 @@ impl Shared {
     /// About one law in one loop, over an arm's range.
     pub(super) fn find(
         record: &JointRecord,
-        model: LoopModel,
+        (model, drive, modelled): (LoopModel, Option<(f64, f64)>, Result<(), Refutation>),
         (arm, margin): (&ArmInertia, f64),
         encoder: bool,
     ) -> Result<Self, Refutation> {
@@ -52,7 +54,8 @@ impl Shared {
         let iss = certified.map_or_else(|| Iss::of_loop(&law), |c| Iss::of(&law, c))?;
         let mut refused = Vec::new();
         let window = kept(InertiaWindow::find(record, &model), &mut refused);
-        let over = window.and_then(|window| {
+        let modelled = kept(modelled, &mut refused);
+        let over = window.filter(|_| modelled.is_some()).and_then(|window| {
             let within = inside(&window, arm, margin);
             let over = within.and_then(|()| OverRange::find(record, &model, range, encoder));
             kept(over, &mut refused)
@@ -67,6 +70,7 @@ impl Shared {
             norm: NormH::of(&law, 1.0)?,
             peaks: PeakGains::of(&law, 1.0)?,
             model,
+            drive,
             window,
             attenuation,
             optimality,
@@ -76,8 +80,9 @@ impl Shared {
         })
     }
 
-    pub(super) fn model(&self) -> &LoopModel {
-        &self.model
+    /// Whether it is about this loop, with a drive of this gain.
+    pub(super) fn is_of(&self, model: &LoopModel, drive: Option<(f64, f64)>) -> bool {
+        self.model == *model && self.drive == drive
     }
 }
 

@@ -3,6 +3,7 @@
 mod arming;
 mod bounds;
 mod find;
+mod scope;
 
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,8 @@ pub(crate) use arming::inside;
 use arming::{covers, shared_law, tried};
 pub use bounds::Bounds;
 pub(crate) use bounds::Evidence;
+pub(crate) use scope::as_modelled;
+pub use scope::{LeftOut, NotCounted};
 
 use crate::arm::ArmInertia;
 use crate::claims::law::holds;
@@ -38,6 +41,9 @@ pub struct Certificate {
     pub duration_s: f64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointCertificate>,
+    /// What the study has and the claims leave out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_counted: Vec<NotCounted>,
 }
 
 /// The claims about one joint.
@@ -111,10 +117,13 @@ impl Certificate {
         let mut joint = |(i, record): (usize, &JointRecord)| {
             let per = |v: &Option<Vec<f64>>| v.as_ref().and_then(|v| v.get(i)).copied();
             let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
-            let at = known.iter().position(|shared| *shared.model() == model);
+            let drive = scope::gains(study, i);
+            let at = known.iter().position(|shared| shared.is_of(&model, drive));
             let at = at.map_or_else(
                 || {
-                    known.push(find::Shared::find(record, model, (&arm, margin), bits.is_some())?);
+                    let modelled = scope::unmodelled(study, i, (record, &model), &arm);
+                    let loop_ = (model, drive, modelled);
+                    known.push(find::Shared::find(record, loop_, (&arm, margin), bits.is_some())?);
                     Ok(known.len() - 1)
                 },
                 Ok,
@@ -133,7 +142,7 @@ impl Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints })
+        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
     }
 
     /// The first claim that the certificate itself says does not hold.

@@ -148,8 +148,12 @@ fn assumed(model: &LoopModel) -> String {
     };
     let filter = model.velocity_filter_hz.map_or(String::new(), |hz| format!(", low-pass {hz} Hz"));
     let drive = model.drive_bandwidth_hz.map_or(String::new(), |hz| format!(", drive {hz} Hz"));
+    let late = match model.sample_delay_samples {
+        0 => String::new(),
+        late => format!(", measurements {late} samples late"),
+    };
     format!(
-        "  in a loop with T = {} s, {} samples of delay, {velocity}{filter}{drive}",
+        "  in a loop with T = {} s, {} samples of delay{late}, {velocity}{filter}{drive}",
         model.period_s, model.delay_samples
     )
 }

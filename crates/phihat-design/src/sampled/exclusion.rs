@@ -2,9 +2,11 @@
 
 use core::f64::consts::PI;
 
+use super::model::LoopModel;
 use super::open_loop::OpenLoop;
 use super::polynomial::{Polynomial, on_circle};
-use super::refutation::refuse;
+use super::refutation::{plausible, plausible_loop, refuse};
+use crate::JointRecord;
 use crate::claims::Refutation;
 
 /// Cells narrower than this share of their frequency prove nothing more in double precision.
@@ -93,6 +95,21 @@ impl Exclusion<'_> {
         }
         clear > needed
     }
+}
+
+/// Proves the loop stable for inertia ratios in `[low, high]` with a drive that gives `gain` times the torque that it is
+/// told: an observer fed with the torque that acted knows this, one fed with the torque demanded does not.
+pub(crate) fn stable_at_gain(
+    gains: &JointRecord,
+    model: &LoopModel,
+    gain: f64,
+    (low, high): (f64, f64),
+) -> Result<(), Refutation> {
+    let claim = format!("drive gain {gain}");
+    plausible(&claim, gains)?;
+    plausible_loop(&claim, model)?;
+    let open = OpenLoop::with_drive_gain(gains, model, gain);
+    Exclusion { open: &open, low, high, radius: 1.0, distance: 0.0 }.prove(&claim)
 }
 
 /// Distance of zero from the segment between two complex numbers.

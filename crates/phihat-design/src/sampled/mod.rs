@@ -40,9 +40,10 @@ mod window;
 pub(crate) use estimator::estimator_coefficients;
 
 pub use bode::{Bode, bode};
+pub(crate) use exclusion::stable_at_gain;
 pub(crate) use margins::least_modulus;
 pub use margins::{Margins, ModulusMargin};
-pub use model::{LoopForm, LoopModel, LoopVelocity};
+pub use model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 pub use noise::TorqueNoise;
 pub use open_loop::OpenLoop;
 pub use peak::SampledPeaks;

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_study::{LawForm, Study, VelocitySource};
+use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
 use serde::{Deserialize, Serialize};
 
 use crate::gains::Gains;
@@ -27,6 +27,17 @@ pub enum LoopVelocity {
     Differenced,
 }
 
+/// Which torque the observer is fed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LoopTorque {
+    /// The torque that acted: mean over the interval just ended, behind the drive.
+    #[default]
+    Applied,
+    /// The torque that the drive was told over that interval.
+    Demanded,
+}
+
 /// Everything of the sampled loop that is neither gain nor inertia.
 ///
 /// ```text
@@ -34,6 +45,10 @@ pub enum LoopVelocity {
 /// ```
 ///
 /// The same law as in `phihat` and the same loop as in the simulator, without limits and friction.
+///
+/// Measurements that arrive `s` samples late (position, velocity and torque in one message) make the loop that
+/// `s` more samples of transport delay make, on a reference that is `sT` ahead: only the sum of both delays
+/// counts for stability, and the error has `sT |q̇_d|` on top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoopModel {
@@ -41,6 +56,12 @@ pub struct LoopModel {
     pub period_s: f64,
     /// Transport delay from sample to acting torque \[samples\].
     pub delay_samples: u32,
+    /// How late measurements arrive \[samples\].
+    #[serde(default)]
+    pub sample_delay_samples: u32,
+    /// Torque that the observer is fed.
+    #[serde(default)]
+    pub torque: LoopTorque,
     /// Velocity source.
     pub velocity: LoopVelocity,
     /// First-order low-pass on the velocity \[Hz\]; `None`: none.
@@ -58,6 +79,11 @@ impl LoopModel {
         Self {
             period_s: study.control.period_ns as f64 * 1e-9,
             delay_samples: study.control.delay_samples,
+            sample_delay_samples: study.sensor.delay_samples,
+            torque: match study.sensor.torque {
+                TorqueSource::Applied => LoopTorque::Applied,
+                TorqueSource::Demanded => LoopTorque::Demanded,
+            },
             velocity: match study.sensor.velocity {
                 VelocitySource::Measured => LoopVelocity::Measured,
                 VelocitySource::Differenced => LoopVelocity::Differenced,
@@ -78,6 +104,16 @@ impl LoopModel {
             self.velocity_filter_hz = gains.velocity_filter_hz;
         }
         self
+    }
+
+    /// Samples from measuring to acting, both ways.
+    pub(crate) fn late(&self) -> u32 {
+        self.delay_samples + self.sample_delay_samples
+    }
+
+    /// How far the reference of the equivalent loop is ahead \[s\].
+    pub(crate) fn lead(&self) -> f64 {
+        f64::from(self.sample_delay_samples) * self.period_s
     }
 
     /// The filter's gain per sample, `1 − e^{−2πfT}`; 1 without a filter.
@@ -104,7 +140,7 @@ impl LoopModel {
     /// The literal form integrates `m` times whatever the delay; the observer knows the torque that
     /// acted, so a torque that comes late leaves an error under a ramp.
     pub(crate) fn servo_type(&self, order: usize) -> usize {
-        let late = self.delay_samples > 0 || self.drive_bandwidth_hz.is_some();
+        let late = self.late() > 0 || self.drive_bandwidth_hz.is_some();
         if self.form == LoopForm::Observer && late { order.min(1) } else { order }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::estimator::sampled_coefficients;
-use super::model::{LoopForm, LoopModel, LoopVelocity};
+use super::model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use super::polynomial::{Polynomial, on_circle};
 use crate::JointRecord;
 
@@ -23,6 +23,8 @@ use crate::JointRecord;
 ///
 /// `A_α = Σ α_i (w/T)^i`, `A_o = (w/T)^m + A_α` (multiplied by `T^m`); `κ`, `k_j` the factors of (16).
 ///
+/// `d` counts the samples of both delays. An observer fed with the torque demanded has `X` in place of `X − c₁w` in `Δ`.
+///
 /// The loop is cut where the torque meets the inertia: what the observer is told has acted stays known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenLoop {
@@ -34,7 +36,12 @@ pub struct OpenLoop {
 impl OpenLoop {
     /// The open loop of one joint's gains in a loop model.
     pub fn new(gains: &JointRecord, model: &LoopModel) -> Self {
-        let plant = Plant::new(model);
+        Self::with_drive_gain(gains, model, 1.0)
+    }
+
+    /// The same where the drive gives `gain` times the torque that it is told.
+    pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
+        let plant = Plant::new(model).times(gain);
         let (numerator, denominator) = match model.form {
             LoopForm::Observer => observer(gains, model, &plant),
             LoopForm::Literal => literal(gains, model, &plant),
@@ -72,6 +79,12 @@ struct Plant {
 }
 
 impl Plant {
+    /// Behind a drive of this gain.
+    fn times(self, gain: f64) -> Self {
+        let [mean, q, y] = [&self.mean, &self.q, &self.y].map(|p| p.scaled(gain));
+        Self { mean, q, y, ..self }
+    }
+
     fn new(model: &LoopModel) -> Self {
         let t = model.period_s;
         let (drive, mean, double) = match model.drive() {
@@ -101,9 +114,12 @@ fn observer(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomia
     let t = model.period_s;
     let part = Polynomial::new(sampled_coefficients(&gains.a, t));
     let whole = part.plus(&Polynomial::one().raised(gains.a.len()));
-    let delay = Polynomial::z_power(model.delay_samples as usize);
-    let unknown =
-        whole.times(&delay).times(&plant.drive).plus(&part.times(&plant.mean).scaled(-1.0));
+    let delay = Polynomial::z_power(model.late() as usize);
+    let fed = match model.torque {
+        LoopTorque::Applied => &plant.mean,
+        LoopTorque::Demanded => &plant.drive,
+    };
+    let unknown = whole.times(&delay).times(&plant.drive).plus(&part.times(fed).scaled(-1.0));
     let on_velocity = whole.scaled(gains.kd_per_s).plus(&part.raised(1).scaled(1.0 / t));
     let on_position = whole.scaled(gains.kp_per_s2).times(&plant.filter);
     let numerator = on_velocity.times(&plant.y).plus(&on_position.times(&plant.q));
@@ -121,7 +137,7 @@ fn literal(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial
         let term = Polynomial::z_power(j).scaled(factor).raised(m - j);
         numerator = numerator.plus(&term.times(&position));
     }
-    let delay = Polynomial::z_power(model.delay_samples as usize);
+    let delay = Polynomial::z_power(model.late() as usize);
     (numerator, delay.times(&plant.drive).times(&plant.filter).raised(m + 2))
 }
 

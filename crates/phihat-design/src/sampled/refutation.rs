@@ -45,8 +45,10 @@ pub(crate) fn plausible_loop(claim: &str, model: &LoopModel) -> Result<(), Refut
             return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
         }
     }
-    let delay = f64::from(model.delay_samples);
-    at_most(claim, "delay ≤ 8 samples", delay, phihat::DELAY_MAX as f64)
+    for delay in [model.delay_samples, model.sample_delay_samples] {
+        at_most(claim, "delay ≤ 8 samples", f64::from(delay), phihat::DELAY_MAX as f64)?;
+    }
+    Ok(())
 }
 
 /// The same for a list of inertia ratios.

@@ -1,9 +1,10 @@
-//! One sample of the closed loop, as core, sensor, delay, drive and inertia compute it.
+//! One sample of the closed loop, as core, sensor, delay, drive and inertia compute it. Both delays stand in one line:
+//! see [`LoopModel`].
 
 use nalgebra::DVector;
 
 use super::estimator::estimator_coefficients;
-use super::model::{Drive, LoopForm, LoopModel, LoopVelocity};
+use super::model::{Drive, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use super::open_loop::literal_factors;
 use crate::JointRecord;
 
@@ -45,7 +46,7 @@ impl Layout {
         let mean_torque = entry(observer);
         let end_torque = entry(model.drive_bandwidth_hz.is_some());
         let line = length;
-        length += model.delay_samples as usize;
+        length += model.late() as usize;
         Self { memory: 2, last_position, last_velocity, mean_torque, end_torque, line, length }
     }
 }
@@ -174,7 +175,7 @@ impl<'a> Sample<'a> {
 
     /// The delay line, oldest entry first.
     fn delay(&self, x: &[f64], u: f64, next: &mut [f64]) -> f64 {
-        let (line, d) = (self.layout.line, self.model.delay_samples as usize);
+        let (line, d) = (self.layout.line, self.model.late() as usize);
         if d == 0 {
             return u;
         }
@@ -194,7 +195,10 @@ impl<'a> Sample<'a> {
             next[i] = demand + gap * (1.0 - drive.lost);
         }
         if let Some(i) = self.layout.mean_torque {
-            next[i] = mean;
+            next[i] = match self.model.torque {
+                LoopTorque::Applied => mean,
+                LoopTorque::Demanded => demand,
+            };
         }
         next[0] = x[0] + t * x[1] + (double - 0.5 * t * t * phi) / self.mu;
         next[1] = x[1] + t * (mean - phi) / self.mu;

@@ -66,6 +66,8 @@ pub fn plain(delay_samples: u32) -> LoopModel {
         velocity_filter_hz: None,
         form: LoopForm::Literal,
         drive_bandwidth_hz: None,
+        sample_delay_samples: 0,
+        torque: phihat_design::sampled::LoopTorque::Applied,
     }
 }
 
@@ -227,6 +229,8 @@ pub fn every_model() -> Vec<LoopModel> {
                             velocity_filter_hz,
                             form,
                             drive_bandwidth_hz,
+                            sample_delay_samples: 0,
+                            torque: phihat_design::sampled::LoopTorque::Applied,
                         });
                     }
                 }
