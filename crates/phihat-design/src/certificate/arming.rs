@@ -3,6 +3,7 @@
 use phihat_study::Study;
 
 use super::scope::unmodelled;
+use super::start::start_inside_window;
 use crate::arm::{Arm, ArmInertia};
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
@@ -10,8 +11,8 @@ use crate::gains::{Gains, JointRecord};
 use crate::sampled::{InertiaWindow, LoopModel};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
-/// loop's window of every joint, the estimator slow enough for the sample rate, and nothing in the loop that its
-/// model does not have.
+/// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the
+/// estimator slow enough for the sample rate, and nothing in the loop that its model does not have.
 ///
 /// # Errors
 ///
@@ -32,6 +33,7 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         InertiaWindow::find(record, &model)
             .and_then(|window| inside(&window, &arm, 1.0))
             .and_then(|()| unmodelled(study, i, (record, &model), &arm))
+            .and_then(|()| start_inside_window(study, record, &model, &arm))
             .map_err(|why| why.on(&record.name))?;
     }
     Ok(())

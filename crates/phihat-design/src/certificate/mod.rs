@@ -4,6 +4,7 @@ mod arming;
 mod bounds;
 mod find;
 mod scope;
+mod start;
 
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};

@@ -17,7 +17,7 @@
 
 mod bode;
 mod common_form;
-mod estimator;
+pub(crate) mod estimator;
 mod exclusion;
 mod margins;
 mod model;
