@@ -9,13 +9,33 @@ use support::{folder, json, phihat};
 #[test]
 fn every_study_keeps_its_bound() {
     let folder = folder("hostile_world");
-    for study in
-        ["payload_drop", "weak_drive", "sensor_freeze", "stiction", "saturation_step", "franka"]
-    {
+    for study in [
+        "payload_drop",
+        "weak_drive",
+        "sensor_freeze",
+        "stiction",
+        "saturation_step",
+        "estop_restart",
+        "franka",
+    ] {
         let file = format!("studies/{study}.toml");
         let result = json(&folder, &["simulate", &file, "--json"]);
         assert_eq!(result["metrics"]["within_spec"], true, "{study}");
         assert!(result["stopped"].is_null() && result["diverged"].is_null(), "{study}");
+    }
+}
+
+#[test]
+fn an_e_stop_and_the_restart_are_in_the_report() {
+    let folder = folder("estop");
+    let answer = phihat(&folder, &["run", "studies/estop_restart.toml"]);
+    assert_eq!(answer.code, 0, "{}{}", answer.out, answer.err);
+    let page = std::fs::read_to_string(folder.join("out/estop_restart/report.html")).unwrap();
+    let told = ["now tracking", "now safe-stop", "refused", "now armed", "now tracking"];
+    let mut rest = page.as_str();
+    for what in told {
+        let at = rest.find(what).unwrap_or_else(|| panic!("{what} is not told, or not in order"));
+        rest = &rest[at + what.len()..];
     }
 }
 

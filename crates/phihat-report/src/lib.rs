@@ -25,6 +25,7 @@ mod payload;
 mod policy;
 mod record;
 mod sections;
+mod supervision;
 mod table;
 mod text;
 mod verdict;

@@ -7,6 +7,7 @@ use crate::number::stated;
 use crate::payload::{buckets, payload};
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
+use crate::supervision::supervision;
 use crate::text::line;
 use crate::verdict::{Verdict, verdict};
 use crate::{sections, table};
@@ -45,6 +46,7 @@ pub fn page(record: &Record<'_>) -> String {
                     (table::tracking(record.metrics))
                     (table::torque(record.metrics))
                     (plots(record))
+                    (supervision(record.trace))
                     (sections::gains(record.gains))
                     (certificate(record))
                     (sections::world(record))
