@@ -19,6 +19,7 @@ __all__ = [
     "Trace",
     "command",
     "design",
+    "faults",
     "simulate",
     "study_document",
     "version",
