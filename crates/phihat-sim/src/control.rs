@@ -39,10 +39,11 @@ impl ControlSide {
             supervised: supervised.transpose()?.map(Box::new),
             gains,
             states: vec![JointState::new(); n],
+            // What is recorded where the supervisor has not been asked yet.
+            references: (0..n).map(|i| reference(&motion, i, 0.0)).collect(),
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
             echo: Echo::new(study),
-            references: vec![Reference::default(); n],
             commands: vec![Command::default(); n],
         })
     }
@@ -62,9 +63,8 @@ impl ControlSide {
             }
             return;
         }
-        for (i, reference) in self.references.iter_mut().enumerate() {
-            let [q, dq, ddq] = self.motion.at(i, t);
-            *reference = Reference { q, dq, ddq };
+        for (i, wanted) in self.references.iter_mut().enumerate() {
+            *wanted = reference(&self.motion, i, t);
         }
         if !runs || core::mem::take(&mut self.starts) {
             return;
@@ -90,6 +90,11 @@ impl ControlSide {
     pub(crate) fn inertia(&self, joint: usize) -> f64 {
         self.gains[joint].inertia()
     }
+}
+
+fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
+    let [q, dq, ddq] = motion.at(joint, t);
+    Reference { q, dq, ddq }
 }
 
 fn limited(study: &Study, gains: &[JointGains<f64>]) -> Result<Vec<JointGains<f64>>, SimError> {
