@@ -7,6 +7,8 @@
 //! [`faults`] is the campaign that breaks everything an arm, its sensors, its drives and its network can
 //! break, and says what became of it.
 //!
+//! [`reproduce`] computes the paper again, statement by statement.
+//!
 //! # Not claimed
 //!
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
@@ -15,6 +17,7 @@
 pub mod faults;
 mod hash;
 mod journal;
+pub mod reproduce;
 mod runner;
 
 pub use journal::{Journal, JournalError};

@@ -1,0 +1,96 @@
+//! The paper's figures, tables and theorems, computed again, each with a verdict.
+//!
+//! R. Hayat, M. Leibold, M. Buss, "Robust-Adaptive Controller Design for Robot Manipulators Using the
+//! H-infinity Approach", IEEE Access, 2018. [`reproduce`] does every part and leaves a [`Reproduction`];
+//! what the paper does not print is an [`Assumption`], named and where possible varied.
+
+mod record;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use thiserror::Error;
+
+pub use record::{
+    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Panel, Reproduction, Section, Series,
+    Statement, Table, Verdict,
+};
+
+/// How much is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Extent {
+    /// Coarser maps and sweeps, for tests; what is in both is the same.
+    pub quick: bool,
+}
+
+/// Why a part could not be done: a fault of this program or of a study.
+#[derive(Debug, Error)]
+#[error("{part}: {message}")]
+pub struct ReproduceError {
+    /// The part.
+    pub part: &'static str,
+    /// What went wrong.
+    pub message: String,
+}
+
+/// What one part of the reproduction gives.
+#[derive(Debug, Clone, Default)]
+pub struct Part {
+    /// What it had to assume.
+    pub assumptions: Vec<Assumption>,
+    /// Its sections, in the order of the paper.
+    pub sections: Vec<Section>,
+}
+
+/// A part, by name; `progress` is told the share that is done, 0 to 1.
+type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, String>;
+
+/// Every part, in the order of the page. One line each; long ones first would end sooner, but threads
+/// take the next one as they become free.
+const PARTS: &[(&str, Work)] = &[];
+
+/// Does every part on `threads` threads. The answer does not depend on their number.
+///
+/// # Errors
+///
+/// [`ReproduceError`] of the first part that could not be done.
+pub fn reproduce(
+    extent: Extent,
+    threads: usize,
+    progress: &(impl Fn(&str, f64) + Sync),
+) -> Result<Reproduction, ReproduceError> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        while let Some((name, part)) = PARTS.get(next.fetch_add(1, Ordering::Relaxed)) {
+            done.push((*name, part(extent, &|share| progress(name, share))));
+        }
+        done
+    };
+    let mut done: Vec<_> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
+    });
+    let place = |name: &str| PARTS.iter().position(|(other, _)| *other == name);
+    done.sort_by_key(|(name, _)| place(name));
+    let mut whole = Reproduction {
+        format: FORMAT,
+        phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+        quick: extent.quick,
+        assumptions: Vec::new(),
+        sections: Vec::new(),
+    };
+    if done.len() < PARTS.len() {
+        return Err(ReproduceError { part: "reproduce", message: "a part panicked".to_owned() });
+    }
+    for (part, result) in done {
+        let result = result.map_err(|message| ReproduceError { part, message })?;
+        for assumption in result.assumptions {
+            if !whole.assumptions.iter().any(|other| other.id == assumption.id) {
+                whole.assumptions.push(assumption);
+            }
+        }
+        whole.sections.extend(result.sections);
+    }
+    Ok(whole)
+}
