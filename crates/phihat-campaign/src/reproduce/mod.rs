@@ -49,6 +49,20 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, String>;
 /// take the next one as they become free.
 const PARTS: &[(&str, Work)] = &[];
 
+/// The studies that the parts use: path in the repository (`studies/paper/m1.toml`), as [`Statement`]s
+/// name them, and text. A path in a text holds from there.
+const STUDIES: &[(&str, &str)] = &[];
+
+/// The studies behind the statements: path, as [`Statement::studies`] names it, and text.
+pub fn studies() -> &'static [(&'static str, &'static str)] {
+    STUDIES
+}
+
+/// The names of the parts, in the order of the page.
+pub fn parts() -> impl Iterator<Item = &'static str> {
+    PARTS.iter().map(|(name, _)| *name)
+}
+
 /// Does every part on `threads` threads. The answer does not depend on their number.
 ///
 /// # Errors
@@ -59,10 +73,31 @@ pub fn reproduce(
     threads: usize,
     progress: &(impl Fn(&str, f64) + Sync),
 ) -> Result<Reproduction, ReproduceError> {
+    reproduce_only(None, extent, threads, progress)
+}
+
+/// [`reproduce`] for the parts whose name contains `only`; all of them where it is `None`.
+///
+/// # Errors
+///
+/// [`ReproduceError`] of the first part that could not be done, or no part is named so.
+pub fn reproduce_only(
+    only: Option<&str>,
+    extent: Extent,
+    threads: usize,
+    progress: &(impl Fn(&str, f64) + Sync),
+) -> Result<Reproduction, ReproduceError> {
+    let chosen: Vec<_> =
+        PARTS.iter().filter(|(name, _)| only.is_none_or(|text| name.contains(text))).collect();
+    if let (Some(text), []) = (only, &chosen[..]) {
+        let names: Vec<_> = parts().collect();
+        let message = format!("no part's name contains {text:?}; parts: {}", names.join(", "));
+        return Err(ReproduceError { part: "reproduce", message });
+    }
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
-        while let Some((name, part)) = PARTS.get(next.fetch_add(1, Ordering::Relaxed)) {
+        while let Some((name, part)) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
             done.push((*name, part(extent, &|share| progress(name, share))));
         }
         done
@@ -77,10 +112,11 @@ pub fn reproduce(
         format: FORMAT,
         phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
         quick: extent.quick,
+        only: only.map(str::to_owned),
         assumptions: Vec::new(),
         sections: Vec::new(),
     };
-    if done.len() < PARTS.len() {
+    if done.len() < chosen.len() {
         return Err(ReproduceError { part: "reproduce", message: "a part panicked".to_owned() });
     }
     for (part, result) in done {

@@ -14,6 +14,8 @@ pub struct Reproduction {
     pub phihat_version: String,
     /// Whether the shorter runs were asked for.
     pub quick: bool,
+    /// The text that chose some of the parts; `None`: all were done.
+    pub only: Option<String>,
     /// What the paper does not print and was assumed.
     pub assumptions: Vec<Assumption>,
     /// In the order of the paper.
