@@ -6,13 +6,24 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("phihat", &[]),
     ("phihat-model", &[]),
     ("phihat-study", &["phihat-model"]),
     ("phihat-design", &["phihat", "phihat-model", "phihat-study"]),
     ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
-    ("phihat-campaign", &["phihat", "phihat-design", "phihat-sim", "phihat-study"]),
+    ("phihat-baselines", &["phihat", "phihat-model"]),
+    (
+        "phihat-campaign",
+        &[
+            "phihat",
+            "phihat-baselines",
+            "phihat-design",
+            "phihat-model",
+            "phihat-sim",
+            "phihat-study",
+        ],
+    ),
     ("phihat-report", &["phihat-campaign", "phihat-design", "phihat-sim"]),
     (
         "phihat-cli",

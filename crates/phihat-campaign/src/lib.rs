@@ -7,13 +7,14 @@
 //! [`faults`] is the campaign that breaks everything an arm, its sensors, its drives and its network can
 //! break, and says what became of it.
 //!
-//! [`reproduce`] computes the paper again, statement by statement.
+//! [`compare`] measures the rivals of the paper on the same arms. [`reproduce`] computes the paper again, statement by statement.
 //!
 //! # Not claimed
 //!
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
 #![forbid(unsafe_code)]
 
+pub mod compare;
 pub mod faults;
 mod hash;
 mod journal;

@@ -90,6 +90,11 @@ impl Lumped {
         Self { m: self.m + other.m, h: add(self.h, other.h), i }
     }
 
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        let scale = |v: [f64; 3]| v.map(|x| factor * x);
+        Self { m: factor * self.m, h: scale(self.h), i: self.i.map(scale) }
+    }
+
     /// The ten dynamic parameters, in the regressor's order.
     pub(crate) fn parameters(&self) -> [f64; 10] {
         let ([hx, hy, hz], i) = (self.h, &self.i);

@@ -14,6 +14,9 @@ pub enum ModelError {
         /// Number of joints.
         joints: usize,
     },
+    /// A factor on masses that leaves no body.
+    #[error("{0} times the masses: a factor above 0 and finite is valid")]
+    MassFactor(f64),
     /// A payload that no body has.
     #[error("payload on frame \"{frame}\": {why}")]
     Payload {

@@ -123,6 +123,22 @@ impl Model {
         Ok(self)
     }
 
+    /// The same robot with links `factor` times as heavy: mass and inertia of every link, not the rotors.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::MassFactor`] if the factor is not above 0 and finite.
+    pub fn with_masses_times(mut self, factor: f64) -> Result<Self, ModelError> {
+        if !(factor.is_finite() && factor > 0.0) {
+            return Err(ModelError::MassFactor(factor));
+        }
+        for link in &mut self.description.links {
+            link.matter = link.matter.times(factor);
+        }
+        self.compiled = compile(&self.description);
+        Ok(self)
+    }
+
     /// The same robot with `body`, given in the frame's axes, welded to `frame`.
     ///
     /// # Errors

@@ -138,3 +138,26 @@ fn two_arms_on_one_base_do_not_feel_each_other() {
         assert!(m[i * 4 + j].abs() <= 0.0);
     }
 }
+
+#[test]
+fn heavier_links_scale_gravity_and_leave_the_rotors() {
+    let arm = Robot::named("panda").unwrap();
+    let light = arm.plant_model();
+    let heavy = light.clone().with_masses_times(1.7).unwrap();
+    let q = [0.3, -0.4, 0.5, -1.2, 0.7, 1.1, -0.2];
+    let (mut a, mut b) = ([0.0_f64; 7], [0.0_f64; 7]);
+    light.gravity_torque(&mut Workspace::new(&light), &q, &mut a);
+    heavy.gravity_torque(&mut Workspace::new(&heavy), &q, &mut b);
+    let (mut m, mut n) = ([0.0_f64; 49], [0.0_f64; 49]);
+    light.mass_matrix(&mut Workspace::new(&light), &q, &mut m);
+    heavy.mass_matrix(&mut Workspace::new(&heavy), &q, &mut n);
+    for i in 0..7 {
+        assert!((b[i] - 1.7 * a[i]).abs() < 1e-12);
+        for j in 0..7 {
+            let rotor = if i == j { light.armature()[i] } else { 0.0 };
+            let (links, k) = (m[7 * i + j] - rotor, 7 * i + j);
+            assert!((n[k] - rotor - 1.7 * links).abs() < 1e-12);
+        }
+    }
+    assert!(light.with_masses_times(0.0).is_err());
+}

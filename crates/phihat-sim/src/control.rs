@@ -3,25 +3,33 @@
 use phihat::{Command, JointGains, JointState, Limits, Reference, Report, update_joints};
 use phihat_study::{Interface, Study};
 
+use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
 use crate::error::SimError;
 use crate::motion::Motion;
 use crate::sample::Sample;
 use crate::supervision::Supervised;
 
-/// The law with its limits, and the reference it follows. It knows of the world what a [`Sample`] says.
+/// What computes torques, with its limits, and the reference it follows. It knows of the world what a [`Sample`] says.
 #[derive(Debug)]
 pub(crate) struct ControlSide {
-    gains: Vec<JointGains<f64>>,
-    states: Vec<JointState<f64>>,
-    /// In place of the bare law, where the study says so.
-    supervised: Option<Box<Supervised>>,
+    brain: Brain,
+    /// Nominal inertia \[kg·m²\] per joint.
+    inertia: Vec<f64>,
     motion: Motion,
     /// Whether the next command must be zero: the robot's start rule.
     starts: bool,
     echo: Option<Echo>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
+}
+
+/// Who computes the torques.
+#[derive(Debug)]
+enum Brain {
+    Law { gains: Vec<JointGains<f64>>, states: Vec<JointState<f64>> },
+    Supervised(Box<Supervised>),
+    Driver { driver: Box<dyn Driver>, limits: Vec<Limits<f64>>, tau: Vec<f64> },
 }
 
 impl ControlSide {
@@ -31,51 +39,76 @@ impl ControlSide {
         gains: &[JointGains<f64>],
         motion: Motion,
     ) -> Result<Self, SimError> {
-        let n = gains.len();
-        let gains = limited(study, gains)?;
-        let request = study.supervisor.as_deref();
-        let supervised = request.map(|request| Supervised::new(study, request, &gains));
-        Ok(Self {
-            supervised: supervised.transpose()?.map(Box::new),
-            gains,
-            states: vec![JointState::new(); n],
+        let inertia = gains.iter().map(JointGains::inertia).collect();
+        let limits = limits(study)?;
+        let limited = gains.iter().zip(limits).map(|(gains, limits)| gains.with_limits(limits));
+        let gains: Vec<_> = limited.collect();
+        let brain = match study.supervisor.as_deref() {
+            Some(request) => Brain::Supervised(Box::new(Supervised::new(study, request, &gains)?)),
+            None => Brain::Law { states: vec![JointState::new(); gains.len()], gains },
+        };
+        Ok(Self::with(study, brain, inertia, motion))
+    }
+
+    /// Puts the study's torque limits behind a controller of somebody else's.
+    pub(crate) fn driven(
+        study: &Study,
+        driver: Box<dyn Driver>,
+        inertia: &[f64],
+        motion: Motion,
+    ) -> Result<Self, SimError> {
+        let tau = vec![0.0; inertia.len()];
+        let brain = Brain::Driver { driver, limits: limits(study)?, tau };
+        Ok(Self::with(study, brain, inertia.to_vec(), motion))
+    }
+
+    fn with(study: &Study, brain: Brain, inertia: Vec<f64>, motion: Motion) -> Self {
+        let n = inertia.len();
+        Self {
+            brain,
+            inertia,
             // What is recorded where the supervisor has not been asked yet.
             references: (0..n).map(|i| reference(&motion, i, 0.0)).collect(),
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
             echo: Echo::new(study),
             commands: vec![Command::default(); n],
-        })
+        }
     }
 
     /// One control sample at time `t` \[s\]; leaves `references` and `commands`. A controller that does
     /// not run leaves the commands as they are.
     pub(crate) fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
-        if let Some(supervised) = &mut self.supervised {
-            // The reference waits where the arm does not track; the start rule is the first torque's.
-            let first = core::mem::take(&mut self.starts);
-            if runs && !first {
+        let supervised = matches!(self.brain, Brain::Supervised(_));
+        if !supervised {
+            for (i, wanted) in self.references.iter_mut().enumerate() {
+                *wanted = reference(&self.motion, i, t);
+            }
+        }
+        // The start rule is the first torque's, whether the controller runs or not.
+        let first = (runs || supervised) && core::mem::take(&mut self.starts);
+        if !runs || first {
+            return;
+        }
+        match &mut self.brain {
+            Brain::Law { gains, states } => {
+                let asked = (&sample.joints, &self.references);
+                update_joints(gains, states, asked.0, asked.1, &mut self.commands);
+            }
+            // The reference waits where the arm does not track.
+            Brain::Supervised(supervised) => {
                 let answer = (&mut self.references[..], &mut self.commands[..]);
                 supervised.step(t, sample, &self.motion, answer);
-                if let Some(echo) = &mut self.echo {
-                    echo.keep(sample, &mut self.commands);
+            }
+            Brain::Driver { driver, limits, tau } => {
+                let moment =
+                    Moment { t, sample, references: &self.references, last: &self.commands };
+                driver.drive(&moment, tau);
+                for ((command, limits), tau) in self.commands.iter_mut().zip(limits).zip(tau) {
+                    *command = limits.command(*tau, command.tau);
                 }
             }
-            return;
         }
-        for (i, wanted) in self.references.iter_mut().enumerate() {
-            *wanted = reference(&self.motion, i, t);
-        }
-        if !runs || core::mem::take(&mut self.starts) {
-            return;
-        }
-        update_joints(
-            &self.gains,
-            &mut self.states,
-            &sample.joints,
-            &self.references,
-            &mut self.commands,
-        );
         if let Some(echo) = &mut self.echo {
             echo.keep(sample, &mut self.commands);
         }
@@ -83,12 +116,15 @@ impl ControlSide {
 
     /// What the supervisor did at the last sample.
     pub(crate) fn report(&self) -> Option<&Report> {
-        self.supervised.as_ref().map(|supervised| &supervised.report)
+        match &self.brain {
+            Brain::Supervised(supervised) => Some(&supervised.report),
+            _ => None,
+        }
     }
 
     /// Nominal inertia of a joint \[kg·m²\].
     pub(crate) fn inertia(&self, joint: usize) -> f64 {
-        self.gains[joint].inertia()
+        self.inertia[joint]
     }
 }
 
@@ -97,23 +133,23 @@ fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
     Reference { q, dq, ddq }
 }
 
-fn limited(study: &Study, gains: &[JointGains<f64>]) -> Result<Vec<JointGains<f64>>, SimError> {
+/// The torque limits that the study puts behind the law, per joint.
+fn limits(study: &Study) -> Result<Vec<Limits<f64>>, SimError> {
     let period = study.control.period_ns as f64 * 1e-9;
     let per = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map(|v| v[i]);
-    let with = |(i, gains): (usize, &JointGains<f64>)| {
+    let with = |(i, joint): (usize, &phihat_model::Joint)| {
         let mut torque = per(&study.control.torque_max, i);
         let mut rate = per(&study.control.torque_rate_max, i);
         let Interface { profile, kept } = &*study.interface;
         if *kept {
-            let most = study.robot.joints[i].torque_max.filter(|_| profile.clamps_torque);
+            let most = joint.torque_max.filter(|_| profile.clamps_torque);
             torque = smaller(torque, most);
             rate = smaller(rate, profile.torque_rate_max);
         }
-        let limits = Limits::new(torque, rate, period)
-            .map_err(|e| SimError::Limit(format!("{}: {e}", study.robot.joints[i].name)))?;
-        Ok(gains.with_limits(limits))
+        Limits::new(torque, rate, period)
+            .map_err(|e| SimError::Limit(format!("{}: {e}", joint.name)))
     };
-    gains.iter().enumerate().map(with).collect()
+    study.robot.joints.iter().enumerate().map(with).collect()
 }
 
 /// The smaller of two limits, where there are two.

@@ -1,12 +1,13 @@
 //! The only closed loop of the project: sense → control → limit → drive → integrate.
 //!
 //! [`Simulation`] takes a study and gains, and leaves a [`Trace`] and [`Metrics`]. It sees neither the
-//! design nor the rivals: whoever judges did not tune.
+//! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`].
 #![forbid(unsafe_code)]
 
 mod control;
 mod curve;
 mod demand;
+mod driver;
 mod echo;
 mod error;
 mod forecast;
@@ -26,6 +27,7 @@ mod trace_parquet;
 mod world;
 
 pub use demand::{Demand, PhiAlong};
+pub use driver::{Driver, Moment};
 pub use error::SimError;
 pub use forecast::forecast;
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};

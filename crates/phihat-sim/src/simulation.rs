@@ -4,6 +4,7 @@ use phihat::JointGains;
 use phihat_study::Study;
 
 use crate::control::ControlSide;
+use crate::driver::Driver;
 use crate::error::SimError;
 use crate::motion::Motion;
 use crate::trace::Trace;
@@ -67,10 +68,35 @@ impl Simulation {
         if gains.len() != n {
             return Err(SimError::JointCount { gains: gains.len(), robot: n });
         }
+        Self::with(study, |motion| ControlSide::new(study, gains, motion))
+    }
+
+    /// Builds the loop around a controller of somebody else's, which runs bare: the study's supervisor is
+    /// not asked. `inertia` \[kg·m²\] per joint is what the record's φ is about.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn driven(
+        study: &Study,
+        driver: Box<dyn Driver>,
+        inertia: &[f64],
+    ) -> Result<Self, SimError> {
+        let n = study.robot.joints.len();
+        if inertia.len() != n {
+            return Err(SimError::JointCount { gains: inertia.len(), robot: n });
+        }
+        Self::with(study, |motion| ControlSide::driven(study, driver, inertia, motion))
+    }
+
+    fn with(
+        study: &Study,
+        control: impl FnOnce(Motion) -> Result<ControlSide, SimError>,
+    ) -> Result<Self, SimError> {
         let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
         let world = Box::new(World::new(study, &motion)?);
         Ok(Self {
-            control: ControlSide::new(study, gains, motion)?,
+            control: control(motion)?,
             world,
             names: study.robot.joints.iter().map(|j| j.name.clone()).collect(),
             period_ns: study.control.period_ns,

@@ -62,6 +62,17 @@ impl<R: Real> Limits<R> {
         self.step
     }
 
+    /// The answer for a torque that another law computed, `previous` being the answer before: the change is
+    /// limited first, the size last. A torque that is not finite is refused, `previous` held.
+    pub fn command(&self, tau: R, previous: R) -> Command<R> {
+        if R::doubt([tau]) == R::ZERO {
+            self.apply(tau, previous).command(R::ZERO)
+        } else {
+            let status = Status { refused: true, ..Status::default() };
+            Command { tau: previous, phi_hat: R::ZERO, status }
+        }
+    }
+
     /// Limits the change from `previous` first, the size last, so that the size always holds.
     pub(crate) fn apply(&self, tau: R, previous: R) -> Limited<R> {
         let change = tau - previous;

@@ -1,0 +1,41 @@
+//! What a law claims before a run, and what is declared of the arm to claim it for.
+
+use serde::Serialize;
+
+/// What is declared of an arm, its load and its loop before a run. The judge fills it in; rivals only read it in
+/// their claims, never in their law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Arm {
+    /// Smallest eigenvalue of `M(q)` over the postures \[kg·m²\].
+    pub inertia_min: f64,
+    /// Largest eigenvalue of `M(q)` over the postures \[kg·m²\].
+    pub inertia_max: f64,
+    /// Range of the eigenvalues of `U^{-1/2} M(q) U^{-1/2}`, `U` the units of the tuning: `[low, high]`.
+    pub ratio: [f64; 2],
+    /// Transport delay \[samples\].
+    pub delay_samples: u32,
+    /// Largest |φ̇| of the smooth part of `φ = τ − U q̈` along the task \[N·m/s\] per joint.
+    pub phi_rate: Vec<f64>,
+    /// Largest size of the part of φ that jumps \[N·m\] per joint.
+    pub phi_jump: Vec<f64>,
+    /// Largest |φ| \[N·m\] per joint.
+    pub phi_max: Vec<f64>,
+}
+
+/// A stability condition and whether it holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Condition {
+    /// The condition: `K_P² > 2 K_I`.
+    pub text: &'static str,
+    /// Whether it holds for the arm and the tuning.
+    pub holds: bool,
+    /// Left side over right side where it is an inequality: above 1 it holds.
+    pub margin: f64,
+}
+
+impl Condition {
+    /// The condition that `larger` is above `smaller`, both positive.
+    pub fn above(text: &'static str, larger: f64, smaller: f64) -> Self {
+        Self { text, holds: larger > smaller, margin: larger / smaller }
+    }
+}

@@ -1,0 +1,212 @@
+//! What can be known of an arm before a run, and the models that rivals compute with.
+
+use core::fmt;
+
+use phihat_model::{Model, Workspace};
+
+use crate::error::Refusal;
+use crate::needs::{Knows, Needs};
+
+/// Everything that could be handed to a rival. What it declares decides what it gets.
+#[derive(Debug, Clone)]
+pub struct Supply {
+    /// `M̄` \[kg·m²\] per joint.
+    pub inertia: Vec<f64>,
+    /// The nominal model: not the plant, unless somebody wants to see that case.
+    pub model: Model,
+    /// Nominal viscous friction \[N·m·s/rad\] per joint.
+    pub viscous: Vec<f64>,
+    /// Torque limits \[N·m\] per joint.
+    pub torque_max: Option<Vec<f64>>,
+    /// The period of the task \[s\].
+    pub task_period: Option<f64>,
+}
+
+impl Supply {
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.model.joint_count()
+    }
+}
+
+/// A nominal rigid-body model with viscous friction, `M̂ q̈ + Ĉ(q, q̇) q̇ + Ĝ + F̂ q̇ = τ`.
+///
+/// `Ĉ` is the matrix of Christoffel symbols, so that `dM̂/dt − 2Ĉ` is skew; its product with any vector comes
+/// by polarisation from `c(q, v) = Ĉ(q, v) v`:
+///
+/// ```text
+/// Ĉ(q, v) w = ½ [c(q, v + w) − c(q, v) − c(q, w)]                                      (1)
+/// ```
+pub struct Nominal {
+    model: Model,
+    workspace: Workspace<f64>,
+    viscous: Vec<f64>,
+    zero: Vec<f64>,
+    sum: Vec<f64>,
+    at_rest: Vec<f64>,
+    terms: [Vec<f64>; 3],
+}
+
+impl Nominal {
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.viscous.len()
+    }
+
+    /// `Ĝ(q)` \[N·m\].
+    pub fn gravity(&mut self, q: &[f64], out: &mut [f64]) {
+        self.model.gravity_torque(&mut self.workspace, q, out);
+    }
+
+    /// `M̂(q)`, `n × n` row by row \[kg·m²\].
+    pub fn mass_matrix(&mut self, q: &[f64], out: &mut [f64]) {
+        self.model.mass_matrix(&mut self.workspace, q, out);
+    }
+
+    /// `M̂(q) a + Ĉ(q, v) w + Ĝ(q) + F̂ w` \[N·m\]: (1) for the second term.
+    pub fn torque(&mut self, q: &[f64], v: &[f64], w: &[f64], a: &[f64], out: &mut [f64]) {
+        for i in 0..v.len() {
+            self.sum[i] = v[i] + w[i];
+        }
+        let [both, first, second] = &mut self.terms;
+        self.model.bias(&mut self.workspace, q, &self.sum, both);
+        self.model.bias(&mut self.workspace, q, v, first);
+        self.model.bias(&mut self.workspace, q, w, second);
+        self.model.gravity_torque(&mut self.workspace, q, &mut self.at_rest);
+        self.model.inverse_dynamics(&mut self.workspace, q, &self.zero, a, out);
+        for i in 0..v.len() {
+            // Each bias holds gravity: one is left over in the difference, with a minus.
+            let coriolis = 0.5 * (both[i] - first[i] - second[i] + self.at_rest[i]);
+            out[i] += coriolis + self.viscous[i] * w[i];
+        }
+    }
+
+    /// `M̂(q)⁻¹ (τ − Ĉ(q, v) v − Ĝ(q) − F̂ v)` \[rad/s²\].
+    pub fn acceleration(&mut self, q: &[f64], v: &[f64], tau: &[f64], out: &mut [f64]) {
+        for i in 0..v.len() {
+            self.sum[i] = tau[i] - self.viscous[i] * v[i];
+        }
+        self.model.forward_dynamics(&mut self.workspace, q, v, &self.sum, out);
+    }
+}
+
+impl fmt::Debug for Nominal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Nominal").field("joints", &self.joints()).finish_non_exhaustive()
+    }
+}
+
+impl Knows for Nominal {
+    const NEEDS: Needs = Needs { model: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        let zero = vec![0.0; supply.joints()];
+        Ok(Self {
+            workspace: Workspace::new(&supply.model),
+            model: supply.model.clone(),
+            viscous: supply.viscous.clone(),
+            sum: zero.clone(),
+            at_rest: zero.clone(),
+            terms: [zero.clone(), zero.clone(), zero.clone()],
+            zero,
+        })
+    }
+}
+
+/// The nominal gravity torque and nothing else of the model.
+#[derive(Debug)]
+pub struct Gravity(Nominal);
+
+impl Gravity {
+    /// `Ĝ(q)` \[N·m\].
+    pub fn torque(&mut self, q: &[f64], out: &mut [f64]) {
+        self.0.gravity(q, out);
+    }
+}
+
+impl Knows for Gravity {
+    const NEEDS: Needs = Needs { gravity: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Nominal::of(supply).map(Self)
+    }
+}
+
+/// Inertial parameters of a link in the regressor: `m, m c, I`.
+const OF_LINK: usize = 10;
+
+/// The regressor: torque as a linear function of parameters that are not known. Structure and geometry are.
+///
+/// ```text
+/// Y(q, v, w, a) θ = M(q) a + C(q, v) w + G(q) + F w                                     (2)
+/// ```
+///
+/// `θ` has 12 entries per joint: ten of each link, then all rotor inertias, then all viscous frictions.
+pub struct Regressor {
+    model: Model,
+    workspace: Workspace<f64>,
+    joints: usize,
+    zero: Vec<f64>,
+    sum: Vec<f64>,
+    parts: [Vec<f64>; 4],
+}
+
+impl Regressor {
+    /// Number of joints `n`.
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Number of parameters `p`: `12 n`.
+    pub fn parameters(&self) -> usize {
+        (OF_LINK + 2) * self.joints
+    }
+
+    /// `Y(q, v, w, a)`, `n × p` row by row, after (2); the middle term by polarisation.
+    pub fn at(&mut self, q: &[f64], v: &[f64], w: &[f64], a: &[f64], out: &mut [f64]) {
+        let n = self.joints;
+        for i in 0..n {
+            self.sum[i] = v[i] + w[i];
+        }
+        let [still, both, first, second] = &mut self.parts;
+        let zero = &self.zero;
+        let ws = &mut self.workspace;
+        self.model.regressor(ws, q, &self.sum, zero, both);
+        self.model.regressor(ws, q, v, zero, first);
+        self.model.regressor(ws, q, w, zero, second);
+        self.model.regressor(ws, q, zero, zero, still);
+        for k in 0..still.len() {
+            both[k] = 0.5 * (both[k] - first[k] - second[k] + still[k]);
+        }
+        self.model.regressor(ws, q, zero, a, still);
+        let (links, p) = (OF_LINK * n, (OF_LINK + 2) * n);
+        out.fill(0.0);
+        for i in 0..n {
+            for k in 0..links {
+                out[i * p + k] = still[i * links + k] + both[i * links + k];
+            }
+            out[i * p + links + i] = a[i];
+            out[i * p + links + n + i] = w[i];
+        }
+    }
+}
+
+impl fmt::Debug for Regressor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Regressor").field("joints", &self.joints).finish_non_exhaustive()
+    }
+}
+
+impl Knows for Regressor {
+    const NEEDS: Needs = Needs { regressor: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        let n = supply.joints();
+        let part = vec![0.0; OF_LINK * n * n];
+        Ok(Self {
+            workspace: Workspace::new(&supply.model),
+            model: supply.model.clone(),
+            joints: n,
+            zero: vec![0.0; n],
+            sum: vec![0.0; n],
+            parts: [part.clone(), part.clone(), part.clone(), part],
+        })
+    }
+}

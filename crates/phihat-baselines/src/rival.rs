@@ -1,0 +1,129 @@
+//! A rival, and rivals of any kind in one list.
+
+use core::fmt::Debug;
+
+use crate::card::Card;
+use crate::claim::{Arm, Condition};
+use crate::error::Refusal;
+use crate::knowledge::Supply;
+use crate::needs::{All, Knows, Needs, Sees, Wants};
+use crate::tuning::{Scalar, Tuning};
+
+/// A controller of somebody else's. What it needs is in its types, and it is handed only that.
+pub trait Rival: Debug + Send + Sized + 'static {
+    /// Name, origin, grade, the paper's ticks.
+    const CARD: Card;
+    /// Its free scalars, in the order of [`Tuning::values`].
+    const SCALARS: &'static [Scalar];
+    /// The measurements that it takes.
+    type Sees<'a>: Sees<'a>;
+    /// The reference that it takes.
+    type Wants<'a>: Wants<'a>;
+    /// What it knows of the arm.
+    type Knows: Knows;
+
+    /// Builds it.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal`]: the law does not apply to this arm, or not with this tuning.
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal>;
+
+    /// One sample: leaves the torques \[N·m\] in `tau`, before any limit. `clipped`: which joints' last torque
+    /// met a limit. What is to be latched at the start is latched at the first call.
+    fn update(
+        &mut self,
+        sees: Self::Sees<'_>,
+        wants: Self::Wants<'_>,
+        clipped: &[bool],
+        tau: &mut [f64],
+    );
+
+    /// Scalars that it remembers from one sample to the next.
+    fn states(&self) -> usize;
+
+    /// Its published or derived stability condition, checked for an arm. By default it has none that a number
+    /// could be given to.
+    fn condition(_tuning: &Tuning, _arm: &Arm) -> Option<Condition> {
+        None
+    }
+
+    /// Largest |e| \[rad\] per joint after the transient that it promises before a run; `None` where it makes no
+    /// such promise. `arm` has what is declared of the arm and its load.
+    fn bound(_tuning: &Tuning, _arm: &Arm) -> Option<Vec<f64>> {
+        None
+    }
+}
+
+/// A rival that runs, whatever it is.
+pub trait Running: Debug + Send {
+    /// One sample: see [`Rival::update`].
+    fn update(&mut self, all: &All<'_>, tau: &mut [f64]);
+    /// See [`Rival::states`].
+    fn states(&self) -> usize;
+}
+
+#[derive(Debug)]
+struct Handed<R>(R);
+
+impl<R: Rival> Running for Handed<R> {
+    fn update(&mut self, all: &All<'_>, tau: &mut [f64]) {
+        let (sees, wants) = (R::Sees::of(all), R::Wants::of(all));
+        self.0.update(sees, wants, all.clipped, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.0.states()
+    }
+}
+
+type Build = fn(&Tuning, &Supply) -> Result<Box<dyn Running>, Refusal>;
+
+/// A rival in the list, of whatever type.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// Name, origin, grade, the paper's ticks.
+    pub card: &'static Card,
+    /// What it needs, read from its types.
+    pub needs: Needs,
+    /// Its free scalars.
+    pub scalars: &'static [Scalar],
+    build: Build,
+    condition: fn(&Tuning, &Arm) -> Option<Condition>,
+    bound: fn(&Tuning, &Arm) -> Option<Vec<f64>>,
+}
+
+impl Entry {
+    /// The entry of a rival.
+    pub const fn of<R: Rival>() -> Self {
+        Self {
+            card: &R::CARD,
+            needs: R::Knows::NEEDS
+                .and(<R::Sees<'static> as Sees>::NEEDS)
+                .and(<R::Wants<'static> as Wants>::NEEDS),
+            scalars: R::SCALARS,
+            build: |tuning, supply| Ok(Box::new(Handed(R::new(tuning, R::Knows::of(supply)?)?))),
+            condition: R::condition,
+            bound: R::bound,
+        }
+    }
+
+    /// Builds the rival, handing it what it declares to need.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal`]: the law does not apply to this arm, or not with this tuning.
+    pub fn build(&self, tuning: &Tuning, supply: &Supply) -> Result<Box<dyn Running>, Refusal> {
+        (self.build)(tuning, supply)
+    }
+
+    /// See [`Rival::condition`].
+    pub fn condition(&self, tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+        (self.condition)(tuning, arm)
+    }
+
+    /// See [`Rival::bound`].
+    pub fn bound(&self, tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+        (self.bound)(tuning, arm)
+    }
+}

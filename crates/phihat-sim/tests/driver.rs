@@ -1,0 +1,77 @@
+//! The seam for other controllers.
+
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+mod support;
+
+use phihat::{Form, JointDesign, JointGains};
+use phihat_sim::{Driver, Moment, Simulation};
+use phihat_study::Study;
+use support::read;
+
+const INERTIA: [f64; 3] = [0.42, 0.18, 0.14];
+
+fn study(limits: &str) -> Study {
+    let text = format!(
+        "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[gains]\nbandwidth_rad_s = 20.0\n\
+         estimator_bandwidth_rad_s = 60.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[spec]\nsettle_s = 0.5\n\
+         [loop]\ndelay_samples = 1\n{limits}\n\
+         [reference]\nkind = \"sines\"\ncenter = \"ready\"\n\
+         [[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = 0.5\n"
+    );
+    read(&text)
+}
+
+/// PD plus acceleration, as one would write it outside of the project.
+#[derive(Debug)]
+struct Outside {
+    spoil: Option<f64>,
+}
+
+impl Driver for Outside {
+    fn drive(&mut self, moment: &Moment<'_>, tau: &mut [f64]) {
+        for (i, tau) in tau.iter_mut().enumerate() {
+            let (m, r) = (&moment.sample.joints[i], &moment.references[i]);
+            *tau = INERTIA[i] * (r.ddq - 40.0 * (m.dq - r.dq) - 400.0 * (m.q - r.q));
+        }
+        if let Some(from) = self.spoil
+            && moment.t > from
+        {
+            tau[1] = f64::NAN;
+        }
+    }
+}
+
+#[test]
+fn a_driver_sees_and_moves_what_the_law_does() {
+    // With a_0 next to nothing the law of order 1 is PD plus acceleration.
+    let study = study("");
+    let gains = INERTIA.map(|inertia| {
+        let (a, form) = (&[1e-12][..], Form::Observer);
+        JointGains::new(&JointDesign { inertia, kp: 400.0, kd: 40.0, a, period: 1e-3, form })
+            .unwrap()
+    });
+    let law = Simulation::new(&study, &gains).unwrap().run(|_| {}).trace;
+    let driver = Box::new(Outside { spoil: None });
+    let own = Simulation::driven(&study, driver, &INERTIA).unwrap().run(|_| {}).trace;
+    for (law, own) in law.joints.iter().zip(&own.joints) {
+        let far = law.e.iter().zip(&own.e).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let largest = law.e.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
+        assert!(largest > 1e-3 && far < 1e-9, "{}: {far:e} of {largest:e}", law.name);
+    }
+}
+
+#[test]
+fn the_limits_of_the_study_act_on_a_driver_and_nan_is_no_torque() {
+    let study = study("torque_max_nm = 2.0\ntorque_rate_max_nm_s = 100.0");
+    let driver = Box::new(Outside { spoil: Some(0.5) });
+    let trace = Simulation::driven(&study, driver, &INERTIA).unwrap().run(|_| {}).trace;
+    for joint in &trace.joints {
+        assert!(joint.tau_command.iter().all(|tau| tau.abs() <= 2.0), "{}", joint.name);
+        let step = joint.tau_command.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+        assert!(step <= 0.1 + 1e-12, "{}: {step}", joint.name);
+        assert!(joint.saturated.iter().any(|s| *s) || joint.rate_limited.iter().any(|s| *s));
+    }
+    let held = trace.joints[1].tau_command[501];
+    assert!(trace.joints[1].tau_command[501..].iter().all(|tau| (tau - held).abs() < 1e-300));
+}
