@@ -16,12 +16,15 @@ use phihat::{
 };
 
 macro_rules! entry_points {
-    ($scalar:ty, $design:ident, $limits:ident, $resume:ident, $arm:ident, $slice:ident, $delay:ident, $supervised:ident) => {
+    ($scalar:ty, $design:ident, $limits:ident, $command:ident, $resume:ident, $arm:ident, $slice:ident, $delay:ident, $supervised:ident) => {
         pub fn $design(design: &JointDesign<'_>) -> Result<JointGains<$scalar>, GainError> {
             JointGains::new(design)
         }
         pub fn $limits(t: Option<f64>, r: Option<f64>) -> Result<Limits<$scalar>, GainError> {
             Limits::new(t, r, 1e-3)
+        }
+        pub fn $command(limits: &Limits<$scalar>, tau: $scalar) -> Command<$scalar> {
+            limits.command(tau, 0.0)
         }
         pub fn $resume(
             gains: &JointGains<$scalar>,
@@ -121,6 +124,7 @@ entry_points!(
     f64,
     design_f64,
     limits_f64,
+    command_f64,
     resume_f64,
     arm_f64,
     slice_f64,
@@ -131,6 +135,7 @@ entry_points!(
     f32,
     design_f32,
     limits_f32,
+    command_f32,
     resume_f32,
     arm_f32,
     slice_f32,

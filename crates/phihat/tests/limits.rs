@@ -109,6 +109,23 @@ fn any_bits_in_give_a_finite_torque_within_limits() {
 }
 
 #[test]
+fn another_laws_torque_meets_the_same_limits() {
+    let limits = Limits::<f64>::new(Some(30.0), Some(1000.0), T).unwrap();
+    let (mut seed, mut previous) = (2, 0.0_f64);
+    for case in 0..200_000 {
+        let tau = bits(&mut seed);
+        let command = limits.command(tau, previous);
+        let change = (command.tau - previous).abs();
+        assert!(command.tau.abs() <= 30.0 && change <= 1.0 + 1e-12, "case {case}: {command:?}");
+        let held = command.tau.to_bits() == previous.to_bits();
+        assert!(tau.is_finite() || (held && command.status.refused), "case {case}: {command:?}");
+        let inside = (tau - previous).abs() <= 1.0 && tau.abs() <= 30.0;
+        assert!(!inside || command.tau.to_bits() == tau.to_bits(), "case {case}: {command:?}");
+        previous = command.tau;
+    }
+}
+
+#[test]
 fn limits_act_and_say_so() {
     let law = limited(Form::Observer);
     let mut state = JointState::new();
