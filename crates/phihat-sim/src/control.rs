@@ -1,7 +1,7 @@
 //! The control side: from what was sensed to the torque that is asked for.
 
 use phihat::{Command, JointGains, JointState, Limits, Reference, Report, update_joints};
-use phihat_study::{Interface, Study};
+use phihat_study::Study;
 
 use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
@@ -136,26 +136,10 @@ fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
 /// The torque limits that the study puts behind the law, per joint.
 fn limits(study: &Study) -> Result<Vec<Limits<f64>>, SimError> {
     let period = study.control.period_ns as f64 * 1e-9;
-    let per = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map(|v| v[i]);
     let with = |(i, joint): (usize, &phihat_model::Joint)| {
-        let mut torque = per(&study.control.torque_max, i);
-        let mut rate = per(&study.control.torque_rate_max, i);
-        let Interface { profile, kept } = &*study.interface;
-        if *kept {
-            let most = joint.torque_max.filter(|_| profile.clamps_torque);
-            torque = smaller(torque, most);
-            rate = smaller(rate, profile.torque_rate_max);
-        }
+        let (torque, rate) = study.limits(i);
         Limits::new(torque, rate, period)
             .map_err(|e| SimError::Limit(format!("{}: {e}", joint.name)))
     };
     study.robot.joints.iter().enumerate().map(with).collect()
-}
-
-/// The smaller of two limits, where there are two.
-fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
-    }
 }

@@ -98,6 +98,7 @@ fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> J
     let steps = joint.tau_command.windows(2).map(|w| w[1] - w[0]);
     let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;
     let period = study.control.period_ns as f64 * 1e-9;
+    let (torque_max, torque_rate_max) = study.limits(i);
     JointMetrics {
         name: joint.name.clone(),
         error_rms_rad: (squares / errors.len().max(1) as f64).sqrt(),
@@ -109,9 +110,9 @@ fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> J
         velocity_error_steady_max_rad_s: steady(&joint.de),
         velocity_error_spec_rad_s: per(&study.spec.velocity_error_max),
         tau_max_nm: largest(joint.tau_applied.iter().copied()),
-        tau_limit_nm: per(&study.control.torque_max),
+        tau_limit_nm: torque_max,
         tau_step_max_nm: largest(steps),
-        tau_step_limit_nm: per(&study.control.torque_rate_max).map(|rate| rate * period),
+        tau_step_limit_nm: torque_rate_max.map(|rate| rate * period),
         saturated_samples: count(&joint.saturated),
         rate_limited_samples: count(&joint.rate_limited),
         phi_max_nm: largest(joint.phi.iter().copied()),

@@ -40,18 +40,22 @@ impl Survival {
                 .flatten()
                 .fold(0.0_f64, |most, x| if most.is_nan() { most } else { larger(most, x) })
         };
-        let kept = |told: &[f64], limit: &Option<Vec<f64>>, unit: f64| {
-            let within = |(told, limit): (&f64, &f64)| *told <= limit * unit * (1.0 + 1e-9);
-            limit.as_ref().is_none_or(|limit| told.iter().zip(limit).all(within))
+        let kept = |told: &[f64], limit: &dyn Fn(usize) -> Option<f64>| {
+            let within = |(joint, told): (usize, &f64)| {
+                limit(joint).is_none_or(|limit| *told <= limit * (1.0 + 1e-9))
+            };
+            told.iter().enumerate().all(within)
         };
+        let torque = |joint| study.limits(joint).0;
+        let step = |joint| study.limits(joint).1.map(|rate| rate * period);
         Self {
             finite: outcome.divergence.is_none(),
             stopped: outcome.abort.as_ref().map(|abort| abort.reason.clone()),
             error_max_rad: worst(first, |joint| &joint.e),
             error_end_rad: worst(last, |joint| &joint.e),
             velocity_max_rad_s: worst(first, |joint| &joint.dq),
-            torque_kept: kept(&outcome.told_max, &study.control.torque_max, 1.0),
-            torque_rate_kept: kept(&outcome.told_step_max, &study.control.torque_rate_max, period),
+            torque_kept: kept(&outcome.told_max, &torque),
+            torque_rate_kept: kept(&outcome.told_step_max, &step),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The seam for other controllers.
 
-#![allow(clippy::unwrap_used, reason = "a test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 mod support;
 

@@ -223,3 +223,16 @@ fn a_controller_that_heeds_the_echo_outlives_lost_packets() {
         assert!(limited > 20, "the rule acts: {limited}");
     }
 }
+
+/// The limits in force are those that the controller keeps, wherever they are stated.
+#[test]
+fn metrics_name_the_limits_of_the_interface() {
+    let study = held("panda", "franka");
+    let outcome = run(&study);
+    let metrics = phihat_sim::Metrics::of(&outcome.trace, &study);
+    for joint in &metrics.joints {
+        assert!(joint.tau_step_limit_nm.is_some_and(|step| (step - 1.0).abs() < 1e-12));
+        assert!(joint.tau_step_max_nm <= 1.0 + 1e-9 && joint.tau_limit_nm.is_some());
+    }
+    assert_eq!(study.limits(6), (Some(12.0), Some(1000.0)));
+}

@@ -22,6 +22,7 @@ mod fault;
 mod format;
 mod gains;
 mod keys;
+mod limits;
 mod manual;
 mod node;
 mod payload;
