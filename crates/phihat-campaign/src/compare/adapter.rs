@@ -83,7 +83,8 @@ fn period(reference: &Reference) -> Option<f64> {
             let slowest = frequencies().copied().fold(f64::INFINITY, f64::min);
             let whole = |turns: f64| (turns - turns.round()).abs() < 1e-9;
             let shared = |t: &f64| frequencies().all(|f| whole(f * t));
-            (1..).map(|k| f64::from(k) / slowest).take_while(|t| *t <= PERIOD_MAX).find(shared)
+            let turns = (1_u32..1000).map(|k| f64::from(k) / slowest);
+            turns.take_while(|t| *t <= PERIOD_MAX).find(shared)
         }
         _ => None,
     }
