@@ -16,6 +16,36 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_with(path, |file| file.write_all(text.as_bytes()).map_err(Failure::plain))
 }
 
+/// Writes all of them, folders included, or none: each beside its place, then all moved there.
+pub(crate) fn write_all(all: &[(PathBuf, Vec<u8>)]) -> Result<(), Failure> {
+    let beside = || -> Result<(), Failure> {
+        for (path, bytes) in all {
+            if let Some(folder) = path.parent() {
+                make_folder(folder)?;
+            }
+            if path.is_dir() {
+                return Err(Failure::at(path, "cannot be written: it is a folder"));
+            }
+            fs::write(partial_name(path), bytes)
+                .map_err(|e| Failure::at(path, format!("cannot be written: {e}")))?;
+        }
+        Ok(())
+    };
+    let moved = beside().and_then(|()| {
+        all.iter().try_for_each(|(path, _)| {
+            fs::rename(partial_name(path), path)
+                .map_err(|e| Failure::at(path, format!("cannot be written: {e}")))
+        })
+    });
+    if moved.is_err() {
+        for (path, _) in all {
+            // The failure is already being told; some were not written yet.
+            let _ = fs::remove_file(partial_name(path));
+        }
+    }
+    moved
+}
+
 /// Writes a file through a function; on any failure the place keeps what it had.
 pub(crate) fn write_with(
     path: &Path,
@@ -43,4 +73,30 @@ fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     path.with_file_name(name)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+mod tests {
+    use super::{fs, write_all};
+
+    #[test]
+    fn all_are_written_or_none() {
+        let folder = std::env::temp_dir().join(format!("phihat-all-{}", std::process::id()));
+        let at = |name: &str| folder.join(name);
+        let all = |text: &str| [at("a"), at("b/c")].map(|path| (path, text.as_bytes().to_vec()));
+        write_all(&all("old")).unwrap();
+        fs::create_dir(at("taken")).unwrap();
+        let with_bad = [&all("new")[..], &[(at("taken"), vec![1])]].concat();
+        assert!(write_all(&with_bad).unwrap_err().to_string().contains("taken"));
+        for (path, bytes) in all("old") {
+            assert_eq!(fs::read(path).unwrap(), bytes);
+        }
+        let mut names: Vec<_> =
+            fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["a", "b", "taken"], "nothing half-written is left");
+        assert_eq!(fs::read_dir(at("b")).unwrap().count(), 1);
+        fs::remove_dir_all(folder).unwrap();
+    }
 }

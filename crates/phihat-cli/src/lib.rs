@@ -14,8 +14,10 @@ mod failure;
 mod faults;
 mod files;
 mod knowledge;
+mod png;
 mod record;
 mod report;
+mod reproduce;
 mod robots;
 mod run;
 mod simulate;
@@ -58,6 +60,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Faults(faults::Faults),
     Report(report::Report),
+    Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
 }
 
@@ -79,6 +82,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Simulate(simulate) => simulate.execute(),
         Verb::Faults(faults) => faults.execute(),
         Verb::Report(report) => report.execute(),
+        Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
     };
     outcome.unwrap_or_else(|failure: Failure| {

@@ -24,6 +24,7 @@ mod page;
 mod payload;
 mod policy;
 mod record;
+mod reproduction;
 mod sections;
 mod supervision;
 mod table;
@@ -31,6 +32,7 @@ mod text;
 mod verdict;
 
 pub use faults::faults_page;
-pub use figure::{Figure, figures};
+pub use figure::{Figure, figures, reproduction_figures};
 pub use page::page;
 pub use record::{Record, RunInfo};
+pub use reproduction::reproduction_page;

@@ -11,6 +11,7 @@ const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
 pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
 const FAULTS_STYLE: &str = include_str!("../assets/faults.css");
+const REPRODUCTION_STYLE: &str = include_str!("../assets/reproduction.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
@@ -22,6 +23,11 @@ pub(crate) fn style() -> String {
 /// The style sheet of a fault matrix.
 pub(crate) fn faults_style() -> String {
     format!("{PAGE_STYLE}\n{FAULTS_STYLE}")
+}
+
+/// The style sheet of a reproduction.
+pub(crate) fn reproduction_style() -> String {
+    format!("{PAGE_STYLE}\n{REPRODUCTION_STYLE}")
 }
 
 /// A page without scripts: nothing is loaded from anywhere, one style sheet runs by hash.

@@ -4,6 +4,7 @@
 //! H-infinity Approach", IEEE Access, 2018. [`reproduce`] does every part and leaves a [`Reproduction`];
 //! what the paper does not print is an [`Assumption`], named and where possible varied.
 
+mod agreement;
 mod record;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,6 +12,7 @@ use std::thread;
 
 use thiserror::Error;
 
+pub use agreement::Kept;
 pub use record::{
     Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Panel, Reproduction, Section, Series,
     Statement, Table, Verdict,

@@ -89,6 +89,29 @@ pub enum Verdict {
     NotReproducible,
 }
 
+impl Verdict {
+    /// Every verdict, best first.
+    pub const ALL: [Self; 3] = [Self::Reproduced, Self::WithCorrection, Self::NotReproducible];
+
+    /// For people: `with correction`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::WithCorrection => "with correction",
+            Self::NotReproducible => "not reproducible",
+        }
+    }
+
+    /// One character that tells it without colour.
+    pub fn sign(self) -> char {
+        match self {
+            Self::Reproduced => '✓',
+            Self::WithCorrection => '◐',
+            Self::NotReproducible => '✗',
+        }
+    }
+}
+
 /// A figure by name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Number {

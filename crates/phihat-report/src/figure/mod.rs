@@ -11,8 +11,11 @@ use std::ops::Range;
 mod axis;
 mod claims;
 mod panel;
+mod reproduction;
 
 pub(crate) use claims::claim_figures;
+pub(crate) use reproduction::draw as reproduction_figure;
+pub use reproduction::reproduction_figures;
 
 /// One figure of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]

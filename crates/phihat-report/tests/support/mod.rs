@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 pub(crate) mod hostile;
+pub(crate) mod reproduction;
 
 use phihat_design::{Gains, JointRecord};
 use phihat_report::{Record, RunInfo};

@@ -116,13 +116,12 @@ fn decades(values: impl Iterator<Item = f64>, widen: f64) -> Option<std::ops::Ra
 }
 
 /// Ticks of a logarithmic axis: 1, 2, 5 where it is short, else whole decades, at most some eight.
-fn log_ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+pub(super) fn log_ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     let whole = |value: f64| format!("{value:.0}").parse::<i32>().unwrap_or(0);
     let (first, last) = (whole(range.start.log10().floor()), whole(range.end.log10().ceil()));
-    let (digits, step): (&[f64], i32) = match last - first {
-        ..3 => (&[1.0, 2.0, 5.0], 1),
-        decades => (&[1.0], (decades + 7) / 8),
-    };
+    let short = range.end.log10() - range.start.log10() < 2.5;
+    let (digits, step): (&[f64], i32) =
+        if short { (&[1.0, 2.0, 5.0], 1) } else { (&[1.0], (last - first + 7) / 8) };
     let powers = (first..=last).filter(|power| power.rem_euclid(step) == 0);
     let ticks = powers.flat_map(|power| digits.iter().map(move |d| d * 10.0_f64.powi(power)));
     ticks.filter(|tick| range.contains(tick)).collect()

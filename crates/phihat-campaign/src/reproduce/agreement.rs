@@ -1,0 +1,89 @@
+//! Whether two reproductions say the same: what CI holds a fresh one against.
+
+use serde::Deserialize;
+
+use super::{FORMAT, Number, Reproduction, Statement};
+
+/// What of a `reproduction.json` is compared: statements, their verdicts and numbers.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Kept {
+    format: u32,
+    quick: bool,
+    sections: Vec<KeptSection>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct KeptSection {
+    statements: Vec<Statement>,
+}
+
+impl Kept {
+    /// Reads a `reproduction.json`.
+    ///
+    /// # Errors
+    ///
+    /// The text is no reproduction, or of another [`FORMAT`].
+    pub fn from_json(text: &str) -> Result<Self, String> {
+        let kept: Self = serde_json::from_str(text).map_err(|e| format!("no reproduction: {e}"))?;
+        if kept.format == FORMAT {
+            Ok(kept)
+        } else {
+            Err(format!("format {}; this program reads format {FORMAT}", kept.format))
+        }
+    }
+
+    /// One line per statement, verdict or number on which a fresh reproduction differs: a number by more than
+    /// its kept tolerance, relative to the larger of both.
+    ///
+    /// Of a part, only that part is compared. Statements are the same in a quick reproduction; numbers that it
+    /// leaves out are not missed.
+    pub fn disagreements(&self, fresh: &Reproduction) -> Vec<String> {
+        let same_extent = self.quick == fresh.quick;
+        let kept = || self.sections.iter().flat_map(|section| &section.statements);
+        let now = || fresh.sections.iter().flat_map(|section| &section.statements);
+        let mut lines = Vec::new();
+        for old in kept() {
+            match now().find(|new| new.id == old.id) {
+                Some(new) => compare(old, new, same_extent, &mut lines),
+                None if fresh.only.is_some() => {}
+                None => lines.push(format!("{}: no longer a statement", old.id)),
+            }
+        }
+        let unknown = now().filter(|new| !kept().any(|old| old.id == new.id));
+        lines.extend(unknown.map(|new| format!("{}: a new statement", new.id)));
+        lines
+    }
+}
+
+fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<String>) {
+    let id = &old.id;
+    if old.verdict != new.verdict {
+        lines.push(format!("{id}: was {}, is {}", old.verdict.words(), new.verdict.words()));
+    }
+    for number in &old.numbers {
+        match new.numbers.iter().find(|other| other.name == number.name) {
+            Some(other) if agree(number, other) => {}
+            Some(other) => {
+                let show = |n: &Number| n.value.map_or("none".to_owned(), |v| format!("{v:?}"));
+                lines.push(format!(
+                    "{id}: {} was {}, is {} {} (agrees within {})",
+                    number.name,
+                    show(number),
+                    show(other),
+                    number.unit,
+                    number.tolerance
+                ));
+            }
+            None if same_extent => lines.push(format!("{id}: {} is missing", number.name)),
+            None => {}
+        }
+    }
+}
+
+fn agree(old: &Number, new: &Number) -> bool {
+    match (old.value, new.value) {
+        (Some(a), Some(b)) => (a - b).abs() <= old.tolerance * a.abs().max(b.abs()),
+        (None, None) => true,
+        _ => false,
+    }
+}

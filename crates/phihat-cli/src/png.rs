@@ -1,0 +1,76 @@
+//! Figures as PNG, where this program was built with the feature `png` and the machine has a font.
+
+#[cfg(feature = "png")]
+pub(crate) use painter::Painter;
+
+#[cfg(feature = "png")]
+mod painter {
+    use std::sync::Arc;
+
+    use resvg::tiny_skia::{Color, Pixmap, Transform};
+    use resvg::usvg::{Options, Tree, fontdb};
+
+    /// Pixels per centimetre on paper: 254 dpi.
+    const PIXELS_PER_CM: f32 = 100.0;
+    /// What an SVG takes a centimetre for.
+    const CSS_PIXELS_PER_CM: f32 = 96.0 / 2.54;
+
+    /// The machine's fonts.
+    #[derive(Debug)]
+    pub(crate) struct Painter {
+        fonts: Arc<fontdb::Database>,
+        family: String,
+    }
+
+    impl Painter {
+        /// Looks for a font without serifs, or any.
+        pub(crate) fn new() -> Result<Self, String> {
+            let mut fonts = fontdb::Database::new();
+            fonts.load_system_fonts();
+            let has =
+                |family: &str| fonts.faces().any(|f| f.families.iter().any(|n| n.0 == family));
+            let known = ["DejaVu Sans", "Arial", "Liberation Sans", "Noto Sans", "Helvetica"];
+            let first = || fonts.faces().find_map(|f| f.families.first().map(|n| n.0.clone()));
+            let family = known.into_iter().find(|name| has(name)).map(str::to_owned).or_else(first);
+            let family =
+                family.ok_or("no PNG: this machine has no font; the SVG files are complete")?;
+            fonts.set_sans_serif_family(&family);
+            Ok(Self { fonts: Arc::new(fonts), family })
+        }
+
+        /// An SVG as PNG.
+        pub(crate) fn paint(&self, svg: &str) -> Result<Vec<u8>, String> {
+            let options = Options {
+                fontdb: Arc::clone(&self.fonts),
+                font_family: self.family.clone(),
+                ..Options::default()
+            };
+            let tree = Tree::from_str(svg, &options).map_err(|e| format!("no PNG: {e}"))?;
+            let scale = PIXELS_PER_CM / CSS_PIXELS_PER_CM;
+            let size = tree.size().to_int_size().scale_by(scale);
+            let size = size.ok_or("no PNG: the figure has no size")?;
+            let mut pixels = Pixmap::new(size.width(), size.height())
+                .ok_or("no PNG: the figure is too large")?;
+            pixels.fill(Color::WHITE);
+            resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+            pixels.encode_png().map_err(|e| format!("no PNG: {e}"))
+        }
+    }
+}
+
+/// Nothing that could paint.
+#[cfg(not(feature = "png"))]
+#[derive(Debug)]
+pub(crate) struct Painter;
+
+#[cfg(not(feature = "png"))]
+impl Painter {
+    pub(crate) fn new() -> Result<Self, String> {
+        Err("no PNG: build with `--features png` for them; the SVG files are complete".to_owned())
+    }
+
+    #[allow(clippy::unused_self, reason = "the same call with and without the feature")]
+    pub(crate) fn paint(&self, _svg: &str) -> Result<Vec<u8>, String> {
+        Err(String::new())
+    }
+}

@@ -1,0 +1,210 @@
+//! `phihat reproduce`: the paper's statements, computed again, each with a verdict.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+use std::thread::available_parallelism;
+
+use clap::Args;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat_campaign::reproduce::{
+    Extent, Kept, Reproduction, Statement, Verdict, parts, reproduce_only, studies,
+};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::files;
+use crate::png;
+
+/// Reproduce the paper: every statement, figure and table, with a verdict.
+///
+/// Writes reproduction.json, report.html, figures/ and studies/ to --out. A statement that does not hold is an
+/// answer, not a failure.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit code 0: every part ran; 1: with --against, something differs.\n\nExamples:\n  \
+    phihat reproduce\n  \
+    phihat reproduce --quick --against docs/reproduction/reproduction.json"
+)]
+pub(crate) struct Reproduce {
+    /// Coarser maps and sweeps.
+    #[arg(long)]
+    quick: bool,
+    /// Only the parts whose name contains this.
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+    /// A reproduction.json to agree with: verdicts, and numbers within their tolerance.
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
+    /// Parts at a time [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Folder for the results.
+    #[arg(long, value_name = "FOLDER", default_value = "out/reproduction")]
+    out: PathBuf,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Reproduce {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let kept = self.kept()?;
+        if self.out.exists() && !self.out.is_dir() {
+            return Err(Failure::at(&self.out, "is not a folder: give --out a folder's name"));
+        }
+        let reproduction = self.run()?;
+        let pictures = self.write(&reproduction)?;
+        let page = self.out.join("report.html");
+        let differs = kept.map(|kept| kept.disagreements(&reproduction));
+        if self.json {
+            println!("{:#}", self.document(&reproduction, differs.as_deref()));
+        } else {
+            println!("{}", overview(&reproduction));
+            if let Some(lines) = &differs {
+                println!("{}", comparison(lines));
+            }
+            println!("report: {}", page.display());
+        }
+        if let Err(why) = pictures {
+            eprintln!("{why}");
+        }
+        let same = differs.is_none_or(|lines| lines.is_empty());
+        Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    fn kept(&self) -> Result<Option<Kept>, Failure> {
+        let read = |path: &PathBuf| {
+            Kept::from_json(&files::read(path)?).map_err(|why| Failure::at(path, why))
+        };
+        self.against.as_ref().map(read).transpose()
+    }
+
+    fn run(&self) -> Result<Reproduction, Failure> {
+        let cores = available_parallelism().map_or(1, usize::from);
+        let bar = ProgressBar::new(1000);
+        let template = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        let chosen = |name: &&str| self.only.as_ref().is_none_or(|text| name.contains(text));
+        let count = parts().filter(chosen).count().max(1);
+        let shares = Mutex::new(BTreeMap::new());
+        let progress = |name: &str, share: f64| {
+            let mut shares = shares.lock().unwrap_or_else(PoisonError::into_inner);
+            shares.insert(name.to_owned(), share.clamp(0.0, 1.0));
+            let done = shares.values().sum::<f64>() / count as f64;
+            // A share of a thousand.
+            bar.set_position(format!("{:.0}", 1000.0 * done).parse().unwrap_or(0));
+            bar.set_message(name.to_owned());
+        };
+        let extent = Extent { quick: self.quick };
+        let threads = self.threads.map_or(cores, usize::from);
+        let done = reproduce_only(self.only.as_deref(), extent, threads, &progress);
+        bar.finish_and_clear();
+        done.map_err(Failure::plain)
+    }
+
+    /// Writes everything, or nothing; says why there are no PNG files where there are none.
+    fn write(&self, reproduction: &Reproduction) -> Result<Result<(), String>, Failure> {
+        let at = |name: &str| self.out.join(name);
+        let text = serde_json::to_string(reproduction).map_err(Failure::plain)? + "\n";
+        let page = phihat_report::reproduction_page(reproduction);
+        let mut all: Vec<(PathBuf, Vec<u8>)> = vec![
+            (at("reproduction.json"), text.into_bytes()),
+            (at("report.html"), page.into_bytes()),
+        ];
+        for (path, text) in studies() {
+            all.push((at(path), text.as_bytes().to_vec()));
+        }
+        let mut pictures = png::Painter::new();
+        for figure in phihat_report::reproduction_figures(reproduction) {
+            let path = self.out.join("figures").join(&figure.name);
+            if let Ok(painter) = &pictures {
+                match painter.paint(&figure.svg) {
+                    Ok(png) => all.push((path.with_extension("png"), png)),
+                    Err(why) => pictures = Err(format!("{}: {why}", figure.name)),
+                }
+            }
+            all.push((path.with_extension("svg"), figure.svg.into_bytes()));
+        }
+        files::write_all(&all)?;
+        Ok(pictures.map(|_| ()))
+    }
+
+    fn document(
+        &self,
+        reproduction: &Reproduction,
+        differs: Option<&[String]>,
+    ) -> serde_json::Value {
+        let statements: Vec<_> = statements(reproduction)
+            .map(|s| {
+                json!({
+                    "id": s.id, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
+                    "verdict": s.verdict, "why": s.why, "numbers": s.numbers,
+                })
+            })
+            .collect();
+        let count = |verdict| statements_of(reproduction, verdict);
+        json!({
+            "folder": self.out,
+            "report": self.out.join("report.html"),
+            "quick": reproduction.quick,
+            "counts": {
+                "reproduced": count(Verdict::Reproduced),
+                "with_correction": count(Verdict::WithCorrection),
+                "not_reproducible": count(Verdict::NotReproducible),
+            },
+            "statements": statements,
+            "differs": differs,
+        })
+    }
+}
+
+fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
+    reproduction.sections.iter().flat_map(|section| &section.statements)
+}
+
+fn statements_of(reproduction: &Reproduction, verdict: Verdict) -> usize {
+    statements(reproduction).filter(|s| s.verdict == verdict).count()
+}
+
+/// One line per statement, section by section, and the counts.
+fn overview(reproduction: &Reproduction) -> String {
+    let mut text = Vec::new();
+    for section in reproduction.sections.iter().filter(|s| !s.statements.is_empty()) {
+        let mut table = Table::new();
+        table.load_style(UTF8_BORDERS_ONLY);
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_width(WIDTH);
+        table.set_header(["place", "what is stated", "paper", "ours", "verdict"]);
+        for s in &section.statements {
+            let verdict = format!("{} {}", s.verdict.sign(), s.verdict.words());
+            table.add_row([&s.place, &s.claim, &s.paper, &s.ours, &verdict]);
+        }
+        for (place, most) in [(0, 14), (2, 26), (3, 30), (4, 18)] {
+            if let Some(column) = table.column_mut(place) {
+                column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(most)));
+            }
+        }
+        text.push(format!("{}\n{table}", section.title));
+    }
+    let counts = Verdict::ALL.map(|verdict| {
+        format!("{} {} {}", verdict.sign(), statements_of(reproduction, verdict), verdict.words())
+    });
+    text.push(counts.join(" · "));
+    text.join("\n")
+}
+
+/// Columns of the table.
+const WIDTH: u16 = 120;
+
+fn comparison(lines: &[String]) -> String {
+    if lines.is_empty() {
+        return "agrees with what it was held against".to_owned();
+    }
+    format!("differs from what it was held against:\n  {}", lines.join("\n  "))
+}

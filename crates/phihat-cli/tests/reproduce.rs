@@ -1,0 +1,89 @@
+//! `phihat reproduce`: all of its files or none, one document with `--json`, and one clear error for a bad argument.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{folder, json, phihat};
+
+/// Every file below a folder, sorted, with its length.
+fn files(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.push(path.display().to_string());
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn it_leaves_data_page_figures_and_studies_and_agrees_with_itself() {
+    let folder = folder("reproduce");
+    let document = json(&folder, &["reproduce", "--quick", "--json"]);
+    let out = folder.join("out/reproduction");
+    let whole: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("reproduction.json")).unwrap()).unwrap();
+    let sections = whole["sections"].as_array().unwrap();
+    let in_sections = |key: &str| -> Vec<_> {
+        sections.iter().flat_map(|s| s[key].as_array().unwrap()).map(|v| v["id"].clone()).collect()
+    };
+    let statements = document["statements"].as_array().unwrap();
+    let told: Vec<_> = statements.iter().map(|s| s["id"].clone()).collect();
+    assert_eq!(told, in_sections("statements"));
+    let count = |verdict: &str| statements.iter().filter(|s| s["verdict"] == verdict).count();
+    for verdict in ["reproduced", "with_correction", "not_reproducible"] {
+        assert_eq!(document["counts"][verdict], count(verdict), "{verdict}");
+    }
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    for id in &told {
+        assert!(page.contains(&format!("claim-{}", id.as_str().unwrap())), "{id}");
+    }
+    for id in in_sections("figures") {
+        let figure = out.join("figures").join(id.as_str().unwrap());
+        assert!(figure.with_extension("svg").exists(), "{id}");
+        assert_eq!(figure.with_extension("png").exists(), cfg!(feature = "png"), "{id}");
+    }
+    for study in statements.iter().flat_map(|s| s["studies"].as_array().into_iter().flatten()) {
+        assert!(out.join(study.as_str().unwrap()).exists(), "{study}");
+    }
+    assert!(!files(&out).iter().any(|name| name.ends_with(".partial")));
+    let kept = out.join("reproduction.json").display().to_string();
+    let again = ["reproduce", "--quick", "--out", "again", "--threads", "1", "--against", &kept];
+    let again = phihat(&folder, &again);
+    assert_eq!(again.code, 0, "{}{}", again.out, again.err);
+    assert!(again.out.contains("agrees with"), "{}", again.out);
+    assert_eq!(
+        fs::read_to_string(folder.join("again/reproduction.json")).unwrap(),
+        fs::read_to_string(kept).unwrap(),
+        "the same bytes on any number of threads"
+    );
+}
+
+#[test]
+fn a_bad_argument_is_one_error_and_leaves_nothing() {
+    let folder = folder("reproduce-bad");
+    fs::write(folder.join("file"), "not a folder").unwrap();
+    fs::write(folder.join("other.json"), "{\"format\": 1}").unwrap();
+    let before = files(&folder);
+    for (arguments, words) in [
+        (["--only", "no such part"], "parts:"),
+        (["--out", "file"], "is not a folder"),
+        (["--against", "missing.json"], "cannot be read"),
+        (["--against", "other.json"], "no reproduction"),
+        (["--threads", "0"], "--threads"),
+    ] {
+        let answer = phihat(&folder, &[&["reproduce"], &arguments[..]].concat());
+        assert_eq!(answer.code, 2, "{arguments:?}: {}", answer.err);
+        assert!(answer.err.contains(words), "{arguments:?}: {}", answer.err);
+        assert!(answer.out.is_empty());
+    }
+    assert_eq!(files(&folder), before);
+    assert!(!folder.join("out").exists());
+}

@@ -1,0 +1,127 @@
+//! The page of the reproduction: every statement of the paper with its verdict, and what it rests on.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use phihat_campaign::reproduce::{Reproduction, Section, Statement, Table, Verdict};
+
+use crate::figure::reproduction_figure;
+use crate::policy::{reproduction_style, still_policy};
+use crate::text::line;
+
+mod overview;
+mod statement;
+
+/// The paper.
+const PAPER: &str = "R. Hayat, M. Leibold, M. Buss, “Robust-Adaptive Controller Design for Robot Manipulators Using \
+                     the H∞ Approach”, IEEE Access, 2018";
+
+/// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
+/// made of styles.
+pub fn reproduction_page(reproduction: &Reproduction) -> String {
+    let style = reproduction_style();
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(still_policy(&style));
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { "The paper, reproduced – phihat" }
+                style { (PreEscaped(style)) }
+            }
+            body { main {
+                (overview::header(reproduction))
+                (overview::choice())
+                (overview::overview(reproduction))
+                (overview::assumptions(reproduction))
+                @for section in &reproduction.sections { (part(section)) }
+                (again(reproduction))
+                (not_claimed())
+            } }
+        }
+    };
+    markup.into_string()
+}
+
+/// Every statement, in the order of the page.
+fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
+    reproduction.sections.iter().flat_map(|section| &section.statements)
+}
+
+/// A verdict's class in the style sheet.
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Reproduced => "reproduced",
+        Verdict::WithCorrection => "corrected",
+        Verdict::NotReproducible => "not",
+    }
+}
+
+/// A name as the target of a link; the kind keeps names of different things apart.
+fn anchor(kind: &str, id: &str) -> String {
+    let id = id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    format!("{kind}-{}", id.collect::<String>())
+}
+
+fn part(section: &Section) -> Markup {
+    html! {
+        section.part id=(anchor("section", &section.id)) {
+            h2 { (line(&section.title)) }
+            @for paragraph in &section.text { p { (line(paragraph)) } }
+            (statement::table(section))
+            @for figure in &section.figures {
+                figure.claim id=(anchor("figure", &figure.id)) {
+                    div.sheet { (PreEscaped(reproduction_figure(figure).svg)) }
+                    figcaption { strong { (line(&figure.title)) ". " } (line(&figure.caption)) }
+                }
+            }
+            @for table in &section.tables { (values(table)) }
+        }
+    }
+}
+
+fn values(table: &Table) -> Markup {
+    let title = line(&table.title);
+    html! {
+        div.scroll id=(anchor("table", &table.id)) tabindex="0" role="region" aria-label=(format!("Table: {title}")) {
+            table {
+                caption { span { (title) } }
+                thead { tr { @for column in &table.columns { th scope="col" { (line(column)) } } } }
+                tbody { @for row in &table.rows { tr {
+                    @for (place, cell) in row.iter().enumerate() {
+                        @if place == 0 { th scope="row" { (line(cell)) } } @else { td { (line(cell)) } }
+                    }
+                } } }
+            }
+        }
+    }
+}
+
+fn again(reproduction: &Reproduction) -> Markup {
+    let quick = if reproduction.quick { " --quick" } else { "" };
+    html! {
+        h2 id="again" { "Make it again" }
+        pre tabindex="0" aria-label="command" { code {
+            "phihat reproduce" (quick)
+            @if let Some(only) = &reproduction.only { " --only " (line(only)) }
+        } }
+        p {
+            "It leaves this page, every figure as SVG, every number in reproduction.json, and the studies. A study runs alone: "
+            code { "phihat run studies/paper/NAME.toml" } ". To hold another machine's numbers against these: "
+            code { "phihat reproduce --against reproduction.json" } "."
+        }
+    }
+}
+
+fn not_claimed() -> Markup {
+    html! {
+        h2 id="limits" { "Not claimed" }
+        p {
+            "Everything here is computed or simulated; no arm was moved, and “experiment” means a simulation with the "
+            "faults of a real arm. The paper does not publish its arm, its reference and some of its settings: what stands in "
+            "their place is listed above as an assumption. “Not reproducible” says that a statement does not follow from what is "
+            "printed, or that too little is printed to decide; it does not say that the authors did not measure it."
+        }
+    }
+}

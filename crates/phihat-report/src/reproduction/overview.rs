@@ -1,0 +1,108 @@
+//! What came of the paper, at a glance: counts, links, assumptions.
+
+use maud::{Markup, html};
+use phihat_campaign::reproduce::{Reproduction, Statement, Verdict};
+
+use super::{PAPER, anchor, class, statements};
+use crate::text::line;
+
+fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &Statement> {
+    statements(reproduction).filter(move |statement| statement.verdict == verdict)
+}
+
+pub(super) fn header(reproduction: &Reproduction) -> Markup {
+    let count = statements(reproduction).count();
+    let correct = of(reproduction, Verdict::Reproduced).count();
+    html! {
+        header {
+            h1 { "The paper, reproduced" }
+            p.byline { (PAPER) }
+            p.byline {
+                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements · computed and simulated"
+                @if reproduction.quick { " · quick: coarser maps and sweeps" }
+            }
+            @if let Some(only) = &reproduction.only {
+                p.partial { strong { "A part of it only:" } " what was chosen by “" (line(only)) "”." }
+            }
+            div.verdict {
+                p { strong { (correct) " of " (count) " statements hold as printed." } }
+                ul.counts { @for verdict in Verdict::ALL {
+                    @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+                    li.(class) { span.sign { (sign) } " " (of(reproduction, verdict).count()) " " (word) }
+                } }
+            }
+        }
+    }
+}
+
+/// Which verdicts are shown; styles do the rest.
+pub(super) fn choice() -> Markup {
+    html! {
+        fieldset.choice {
+            legend { "show" }
+            label { input type="radio" name="show" id="show-all" checked; " all" }
+            @for verdict in Verdict::ALL {
+                @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+                label { input type="radio" name="show" id=(format!("show-{class}")); " " (sign) " " (word) }
+            }
+        }
+    }
+}
+
+pub(super) fn overview(reproduction: &Reproduction) -> Markup {
+    html! {
+        h2 id="overview" { "Overview" }
+        div.overview { @for verdict in Verdict::ALL {
+            @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+            section.group.(class) {
+                h3 { span.sign { (sign) } " " (word) " (" (of(reproduction, verdict).count()) ")" }
+                ul { @for statement in of(reproduction, verdict) { li {
+                    a href=(format!("#{}", anchor("claim", &statement.id))) { (line(&statement.place)) }
+                    " " (line(&statement.claim))
+                } } }
+            }
+        } }
+        nav aria-label="sections" {
+            h3 { "Sections" }
+            ol { @for section in &reproduction.sections { li {
+                a href=(format!("#{}", anchor("section", &section.id))) { (line(&section.title)) }
+                @for verdict in Verdict::ALL {
+                    @let count = section.statements.iter().filter(|s| s.verdict == verdict).count();
+                    @if count > 0 { span.tally { (verdict.sign()) " " (count) } }
+                }
+            } } }
+        }
+    }
+}
+
+pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
+    let using = |id: &str| {
+        statements(reproduction).filter(|s| s.assumptions.iter().any(|a| a == id)).count()
+    };
+    html! { @if !reproduction.assumptions.is_empty() {
+        h2 id="assumptions" { "Assumptions" }
+        p { "What the paper does not print, what stands in its place, and how much it matters." }
+        div.scroll.words tabindex="0" role="region" aria-label="Table: assumptions" {
+            table {
+                thead { tr {
+                    th scope="col" { "assumption" }
+                    th scope="col" { "missing in the paper" }
+                    th scope="col" { "assumed" }
+                    th scope="col" { "influence" }
+                } }
+                tbody { @for assumption in &reproduction.assumptions {
+                    @let count = using(&assumption.id);
+                    tr id=(anchor("assumption", &assumption.id)) {
+                        th scope="row" {
+                            (line(&assumption.id))
+                            span.note { (count) @if count == 1 { " statement" } @else { " statements" } }
+                        }
+                        td data-label="missing in the paper" { (line(&assumption.missing)) }
+                        td data-label="assumed" { (line(&assumption.assumed)) }
+                        td data-label="influence" { (line(&assumption.influence)) }
+                    }
+                } }
+            }
+        }
+    } }
+}
