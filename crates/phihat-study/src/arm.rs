@@ -41,6 +41,11 @@ impl Arm {
             arm.joints.names = names(&arm.robot);
             arm.joints.locked = locks.into_iter().map(|(name, _)| name).collect();
         }
+        if let Some(armature) = arm.joints.numbers_if(node, "armature_kg_m2")? {
+            for (joint, value) in arm.robot.joints.iter_mut().zip(armature) {
+                joint.armature = value;
+            }
+        }
         Ok(arm)
     }
 

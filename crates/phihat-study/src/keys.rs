@@ -9,6 +9,7 @@ use crate::world_keys::{FAULT, WORLD};
 
 pub(crate) const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
 const POSITION: Bounds = Bounds::within(100.0);
+const ARMATURE: Bounds = Bounds::closed(0.0, 1e4);
 const NOISE: Bounds = Bounds::closed(0.0, 100.0);
 const VELOCITY: Bounds = Bounds::within(1e3);
 const TORQUE: Bounds = Bounds::positive(1e5);
@@ -126,6 +127,14 @@ static ROBOT: Section = Section {
             need: Need::Optional("no joint is locked"),
             doc: "Joints held fixed, by name, each with its position. A locked joint is no joint of \
                   the study any more: per-joint values have no entry for it.",
+        },
+        Key {
+            name: "armature_kg_m2",
+            unit: "kg·m²",
+            shape: Shape::PerJoint(ARMATURE, &[]),
+            need: Need::Optional("the description's"),
+            doc: "Rotor inertia as the joint feels it, behind its gear, in place of the description's: \
+                  what a bare URDF leaves out.",
         },
     ],
 };

@@ -145,6 +145,26 @@ fn locked_joints_are_gone_and_the_rest_keeps_its_order() {
 }
 
 #[test]
+fn a_study_may_state_the_rotors() {
+    let text = with_line(6, "armature_kg_m2 = { joint3 = 0.0, joint1 = 0.4, joint2 = 0.3 }");
+    let study = read(&text).unwrap();
+    let rotors: Vec<f64> = study.robot.joints.iter().map(|joint| joint.armature).collect();
+    assert_eq!(rotors, [0.4, 0.3, 0.0]);
+    // On a stretched planar arm every inertia is that of the links plus the rotor's own.
+    let inertia = |robot: &phihat_model::Robot| {
+        let model = robot.plant_model();
+        let mut matrix = [0.0; 9];
+        model.mass_matrix(&mut phihat_model::Workspace::new(&model), &[0.0; 3], &mut matrix);
+        [matrix[0], matrix[4], matrix[8]]
+    };
+    let (own, described) = (inertia(&study.robot), inertia(&read(GOOD).unwrap().robot));
+    let grown: Vec<f64> = own.iter().zip(described).map(|(a, b)| a - b).collect();
+    for (grown, wanted) in grown.into_iter().zip([0.3, 0.2, -0.1]) {
+        assert!((grown - wanted).abs() < 1e-12, "{grown}");
+    }
+}
+
+#[test]
 fn a_run_may_start_off_the_reference() {
     let text = format!("{GOOD}[start]\nq_rad = [0.1, 0.2, 0.3]\ndq_rad_s = 0.5\n");
     let start = Start { q: vec![0.1, 0.2, 0.3], dq: vec![0.5; 3] };
