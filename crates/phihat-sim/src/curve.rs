@@ -17,6 +17,12 @@ const STEPS_PER_TURN: f64 = 500.0;
 /// Largest change of a joint between samples \[rad, m\]: beyond it the arm has changed its branch.
 const JUMP_MAX: f64 = 0.1;
 
+/// Samples beyond the end of the run: what the spline's free end does dies out by 0.27 per sample.
+const BEYOND: f64 = 16.0;
+
+/// Samples beyond the end of the run that must be reachable.
+const NEEDED: f64 = 2.0;
+
 /// Times and joint positions along a Cartesian reference, a little beyond the end of the run.
 ///
 /// # Method
@@ -47,15 +53,14 @@ pub(crate) fn joint_samples(
     let (mut times, mut rows) = (vec![0.0], vec![q.clone()]);
     for k in 1_u32.. {
         let t = f64::from(k) * step;
-        if t > duration + 2.0 * step {
+        if t > duration + BEYOND * step {
             break;
         }
-        let next = follower.solve(at(t), &q, 0).map_err(|e| unreachable(t, e))?;
-        let jump = next.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        if jump > JUMP_MAX {
-            return Err(unreachable(t, format!("a joint would jump by {jump:.3} rad")));
+        match follower.next(at(t), &q) {
+            Ok(next) => q = next,
+            Err(_) if t > duration + NEEDED * step => break,
+            Err(reason) => return Err(unreachable(t, reason)),
         }
-        q = next;
         times.push(t);
         rows.push(q.clone());
     }
@@ -162,6 +167,16 @@ impl<'a> Follower<'a> {
     fn hold(&mut self, q: &[f64]) {
         self.model.forward_kinematics(&mut self.workspace, q);
         self.orientation = Some(self.model.pose(&self.workspace, self.frame).r);
+    }
+
+    /// The position near `q` for the next point.
+    fn next(&mut self, p: [f64; 3], q: &[f64]) -> Result<Vec<f64>, String> {
+        let next = self.solve(p, q, 0)?;
+        let jump = next.iter().zip(q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if jump > JUMP_MAX {
+            return Err(format!("a joint would jump by {jump:.3} rad"));
+        }
+        Ok(next)
     }
 
     fn solve(&mut self, p: [f64; 3], seed: &[f64], restarts: usize) -> Result<Vec<f64>, String> {

@@ -110,6 +110,23 @@ fn the_tool_runs_on_its_circle_with_its_orientation_held() {
     assert!((0..3).all(|i| (one.p[i] - two.p[i]).abs() < 2e-6));
 }
 
+/// Wrong if the spline's free end reached into the run.
+#[test]
+fn a_longer_run_has_the_same_reference_up_to_the_end_of_the_shorter() {
+    for (robot, reference) in [("panda", CIRCLE), ("planar3r", CURVE)] {
+        let study = study(robot, reference);
+        let of = |duration| Motion::new(&study.reference, &study.robot, duration).unwrap();
+        let (short, long) = (of(6.0), of(7.0));
+        for joint in 0..study.robot.joints.len() {
+            for k in 5900..6000 {
+                let t = f64::from(k) * 1e-3;
+                let apart = (short.at(joint, t)[2] - long.at(joint, t)[2]).abs();
+                assert!(apart < 1e-6, "{robot}, joint {joint}, t = {t}: q̈ differs by {apart}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_circle_out_of_reach_is_refused_with_time_and_place() {
     let far = CIRCLE.replace("[0.5, 0.0, 0.45]", "[0.8, 0.0, 0.45]");

@@ -68,7 +68,13 @@ const ROBOT: &[Case] = &[
     (6, "locked = 'joint1'", "robot.locked", WrongType, "expected a table by joint name"),
     (6, "locked = {joint1=0,joint2=0,joint3=0}", "robot.locked", Conflict, "every joint"),
     (6, "armature_kg_m2 = -0.1", "robot.armature_kg_m2", OutOfRange, "0 to 10000"),
-    (6, "armature_kg_m2 = [0.1, 0.1]", "robot.armature_kg_m2", WrongLength, "2 entries for 3 joints"),
+    (
+        6,
+        "armature_kg_m2 = [0.1, 0.1]",
+        "robot.armature_kg_m2",
+        WrongLength,
+        "2 entries for 3 joints",
+    ),
     (6, "armature_kg_cm2 = 0.1", "robot.armature_kg_cm2", WrongUnit, "write `armature_kg_m2`"),
 ];
 

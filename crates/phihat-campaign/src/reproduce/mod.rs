@@ -5,6 +5,8 @@
 //! what the paper does not print is an [`Assumption`], named and where possible varied.
 
 mod agreement;
+pub mod arm;
+mod compose;
 mod record;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -49,11 +51,18 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, String>;
 
 /// Every part, in the order of the page. One line each; long ones first would end sooner, but threads
 /// take the next one as they become free.
-const PARTS: &[(&str, Work)] = &[];
+const PARTS: &[(&str, Work)] = &[
+    ("arm in simulation", |extent, progress| {
+        arm::simulation(&arm::Studies::shipped(), extent, progress)
+    }),
+    ("arm in experiment", |extent, progress| {
+        arm::experiment(&arm::Studies::shipped(), extent, progress)
+    }),
+];
 
 /// The studies that the parts use: path in the repository (`studies/paper/m1.toml`), as [`Statement`]s
 /// name them, and text. A path in a text holds from there.
-const STUDIES: &[(&str, &str)] = &[];
+const STUDIES: &[(&str, &str)] = arm::SHIPPED;
 
 /// The studies behind the statements: path, as [`Statement::studies`] names it, and text.
 pub fn studies() -> &'static [(&'static str, &'static str)] {
@@ -124,11 +133,23 @@ pub fn reproduce_only(
     for (part, result) in done {
         let result = result.map_err(|message| ReproduceError { part, message })?;
         for assumption in result.assumptions {
-            if !whole.assumptions.iter().any(|other| other.id == assumption.id) {
-                whole.assumptions.push(assumption);
-            }
+            whole.assume(assumption);
         }
         whole.sections.extend(result.sections);
     }
     Ok(whole)
+}
+
+impl Reproduction {
+    /// Adds an assumption. Where another part has made it too, what either measured of its influence counts.
+    fn assume(&mut self, assumption: Assumption) {
+        match self.assumptions.iter_mut().find(|other| other.id == assumption.id) {
+            None => self.assumptions.push(assumption),
+            Some(other) if other.influence.is_empty() => other.influence = assumption.influence,
+            Some(other) if !assumption.influence.is_empty() => {
+                other.influence = format!("{} {}", other.influence, assumption.influence);
+            }
+            Some(_) => {}
+        }
+    }
 }

@@ -1,0 +1,88 @@
+//! The part that experiments: Figs. 9 to 11.
+
+use phihat_study::{LawForm, Study};
+
+use super::run::Run;
+use super::runs::{Runs, form_name};
+use super::studies::{Kind, Setting, Studies, path_of};
+use super::{assumptions, saturation, steady, surrogates, transient};
+use crate::reproduce::compose::{axis, curve, figure, lines, rests_on, section};
+use crate::reproduce::{Extent, Figure, Panel, Part};
+
+/// Figs. 9 to 11, on the surrogate arm and on others.
+///
+/// # Errors
+///
+/// A study that cannot be read or simulated.
+pub fn experiment(
+    studies: &Studies,
+    extent: Extent,
+    progress: &dyn Fn(f64),
+) -> Result<Part, String> {
+    let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
+    progress(0.03);
+    let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
+    progress(0.06);
+    let swept = saturation::sweep(studies, extent, &|share| progress(0.06 + 0.24 * share))?;
+    let text = "The paper names torque saturation as the difference to its simulations and prints no \
+                limit. Ours is 50 N·m on every joint, with friction, encoders, drives and a delay; the \
+                second turn counts as the steady part.";
+    let mut section = section(
+        "figures-9-to-11",
+        "Figs. 9 to 11: the experiments on the three-joint arm",
+        &[text],
+    );
+    section.statements.extend([
+        saturation::long_transient(&limited_runs, &free, &swept)?,
+        saturation::in_phi(&limited_runs, &free, &swept)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First])?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND)?,
+    ]);
+    section.tables.push(steady::steady_table(&limited_runs, steady::EXPERIMENTED));
+    section.figures.extend([
+        transient::joint_figure(
+            "fig-09",
+            "Fig. 9: joint 2 under a torque limit",
+            &limited_runs,
+            3.0,
+        )?,
+        tip_figure(&limited_runs)?,
+        steady::errors_figure("fig-11", "Fig. 11: errors under a torque limit", &limited_runs)?,
+        saturation::limit_figure(&swept),
+    ]);
+    let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Experiment, *s)).collect();
+    rests_on(&mut section, assumptions::EXPERIMENT, &paths);
+    let varied = surrogates::experimented(studies, extent, &|share| progress(0.3 + 0.7 * share))?;
+    let mut part = Part { assumptions: assumptions::all(), sections: vec![section] };
+    part.sections.push(varied.section(Kind::Experiment, &paths));
+    varied.tell(&mut part.assumptions);
+    Ok(part)
+}
+
+fn unlimited(mut study: Study) -> Study {
+    study.control.torque_max = None;
+    study
+}
+
+fn tip_figure(runs: &Runs) -> Result<Figure, String> {
+    let panel = |form: LawForm| -> Result<_, String> {
+        let tips = |setting: Setting| runs.get(setting, form).and_then(|run: &Run| run.tips(8));
+        let desired = tips(Setting::First)?;
+        let series = vec![
+            curve("desired", desired.iter().map(|[_, wanted]| *wanted)),
+            curve("m = 1", desired.iter().map(|[tip, _]| *tip)),
+            curve("m = 2, H3", tips(Setting::H3)?.iter().map(|[tip, _]| *tip)),
+        ];
+        let title = format!("{} form", form_name(form));
+        let panel = lines(&title, (axis("x [m]"), axis("y [m]")), series, Vec::new());
+        Ok(Panel { equal: true, ..panel })
+    };
+    let caption = "The tip under a torque limit of 50 N·m, two turns. A form that winds up never comes to \
+                   the path.";
+    Ok(figure(
+        "fig-10",
+        "Fig. 10: the path under a torque limit",
+        caption,
+        vec![panel(LawForm::Literal)?, panel(LawForm::Observer)?],
+    ))
+}

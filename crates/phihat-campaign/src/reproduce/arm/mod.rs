@@ -1,0 +1,25 @@
+//! The paper's three-joint arm: Figs. 4 to 11, (50) and order switching, on a surrogate and on others.
+//!
+//! The studies lie in `studies/paper/`, one per set of gains. Every verdict is computed from their runs: change a
+//! study ([`Studies::replaced`]) and it changes.
+
+mod assumptions;
+mod claims;
+mod experiment;
+mod mismatch;
+mod path;
+mod run;
+mod runs;
+mod saturation;
+mod simulation;
+mod steady;
+mod studies;
+mod surrogates;
+mod transient;
+mod variations;
+
+pub use experiment::experiment;
+pub use run::resized;
+pub use simulation::simulation;
+pub(crate) use studies::SHIPPED;
+pub use studies::{Kind, Setting, Studies};

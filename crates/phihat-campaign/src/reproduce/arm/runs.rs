@@ -1,0 +1,54 @@
+//! The runs of every setting in both forms.
+
+use phihat_study::{LawForm, Study};
+
+use super::run::Run;
+use super::studies::{Kind, Setting, Studies};
+
+/// Every setting in both forms of the law.
+#[derive(Debug)]
+pub(crate) struct Runs {
+    runs: Vec<(Setting, LawForm, Run)>,
+}
+
+/// Both forms.
+pub(crate) const FORMS: [LawForm; 2] = [LawForm::Literal, LawForm::Observer];
+
+/// `literal` or `observer`.
+pub(crate) fn form_name(form: LawForm) -> &'static str {
+    match form {
+        LawForm::Literal => "literal",
+        LawForm::Observer => "observer",
+    }
+}
+
+impl Runs {
+    /// Runs all eight, each study changed by `change` before; `done` is told after each.
+    pub(crate) fn of(
+        studies: &Studies,
+        kind: Kind,
+        change: impl Fn(Study) -> Study,
+        mut done: impl FnMut(),
+    ) -> Result<Self, String> {
+        let mut runs = Vec::new();
+        for setting in Setting::ALL {
+            for form in FORMS {
+                let run = Run::of(change(studies.study(kind, setting, form)?))?;
+                runs.push((setting, form, run));
+                done();
+            }
+        }
+        Ok(Self { runs })
+    }
+
+    /// One of them.
+    pub(crate) fn get(&self, setting: Setting, form: LawForm) -> Result<&Run, String> {
+        let found = self.runs.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
+        found.map(|(.., run)| run).ok_or_else(|| format!("{} did not run", setting.label()))
+    }
+
+    /// All of them, in the order of [`Setting::ALL`], literal form first.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Setting, LawForm, &Run)> {
+        self.runs.iter().map(|(setting, form, run)| (*setting, *form, run))
+    }
+}
