@@ -1,5 +1,7 @@
 //! A rival in the simulator's loop, and what it may know of a study's arm.
 
+use std::sync::{Arc, OnceLock};
+
 use phihat_baselines::{All, Running, Supply};
 use phihat_model::ModelError;
 use phihat_sim::{Driver, Moment};
@@ -12,17 +14,27 @@ pub struct Adapter {
     measured: [Vec<f64>; 3],
     wanted: [Vec<f64>; 3],
     clipped: Vec<bool>,
+    broken: Broken,
 }
+
+/// When \[s\] and at which joint a rival first gave a torque that is no number.
+pub(crate) type Broken = Arc<OnceLock<(f64, usize)>>;
 
 impl Adapter {
     /// Puts a rival for `joints` joints behind the simulator's seam.
     pub fn new(rival: Box<dyn Running>, joints: usize) -> Box<Self> {
+        Self::watched(rival, joints, Broken::default())
+    }
+
+    /// The same, and `broken` is told.
+    pub(crate) fn watched(rival: Box<dyn Running>, joints: usize, broken: Broken) -> Box<Self> {
         let zero = || vec![0.0; joints];
         Box::new(Self {
             rival,
             measured: [zero(), zero(), zero()],
             wanted: [zero(), zero(), zero()],
             clipped: vec![false; joints],
+            broken,
         })
     }
 }
@@ -46,6 +58,10 @@ impl Driver for Adapter {
         let [q_d, dq_d, ddq_d] = &self.wanted;
         let all = All { q, dq, tau: acted, clipped: &self.clipped, q_d, dq_d, ddq_d };
         self.rival.update(&all, tau);
+        if let Some(joint) = tau.iter().position(|tau| !tau.is_finite()) {
+            // Only the first counts.
+            self.broken.get_or_init(|| (moment.t, joint));
+        }
     }
 }
 

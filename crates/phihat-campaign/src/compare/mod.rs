@@ -1,13 +1,36 @@
-//! The rivals of the paper's Table 1, measured on the same arms.
+//! The rivals of the paper's Table 1, measured on the same arms: `phihat compare`.
+//!
+//! A [`Plan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
+//! one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
+//! [`World`], with published and with tuned gains, on other motions. What comes of it is a [`Comparison`].
+//!
+//! # Not claimed
+//!
+//! A ranking. Which row is best depends on the column, and the columns on the arms and worlds chosen here.
 
 mod adapter;
+mod ground;
+mod judge;
+mod motion;
+mod plan;
+mod prepare;
+mod promise;
 mod record;
+mod rows;
+mod trial;
 mod tune;
+mod world;
 
 pub use adapter::{Adapter, supply};
+pub use ground::{CompareError, Ground};
+pub use plan::{Extent, Plan};
+pub use prepare::NOISE_CAP;
 pub use record::{
     ArmRecord, Cell, Columns, Comparison, ConditionRecord, Cost, FORMAT, Fairness, Fate, Figures,
     GainsKind, Mark, Measured, RivalRecord, Row, Run, ScalarRecord, Sketch, TuningRecord,
     WorldRecord,
 };
+pub use rows::EASY_SHARES;
+pub use trial::NOMINAL_MASSES;
 pub use tune::{Tuned, tune};
+pub use world::{WORLDS, World, world};

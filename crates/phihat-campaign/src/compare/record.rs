@@ -311,8 +311,8 @@ pub struct Figures {
     pub noise: f64,
     /// Share of samples in which a joint's torque met its limit.
     pub saturated: f64,
-    /// From the end of the last push until every |e| stays inside the larger of its specification and what it
-    /// was before the push \[s\]; `None`: no push, or it did not come back.
+    /// From the end of the last push until every |e| stays inside the larger of its specification and twice what
+    /// it was before the push \[s\]; `None`: no push, or it did not come back.
     pub recovery_s: Option<f64>,
     /// The bound stated before the run, of the joint whose measured error comes closest to it \[rad\].
     pub bound_rad: Option<f64>,

@@ -1,0 +1,133 @@
+//! Before the runs that count: tuning, and how forgiving the gains are.
+
+use phihat_baselines::{Entry, Scalar};
+use phihat_study::Study;
+use serde::{Deserialize, Serialize};
+
+use super::ground::{CompareError, Ground, Task};
+use super::judge::{Bars, judge};
+use super::plan::Extent;
+use super::record::{Fate, Figures, TuningRecord};
+use super::trial::{TrialError, run};
+use super::tune::tune;
+use super::world::TRAINING;
+use crate::hash::share;
+
+/// Torque noise that tuned gains may have, over the torque limit: mean step from sample to sample.
+pub const NOISE_CAP: f64 = 0.01;
+
+/// Cost of noise at its cap \[rad\]: no error of a quieter run that followed is as large.
+const NOISY: f64 = 10.0;
+
+/// Cost of a run that did not reach its end \[rad\], more the sooner it ended: no error of a run that did is as
+/// large.
+const UNFINISHED: f64 = 1e3;
+
+/// What comes before the runs that count.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Prepared {
+    /// The rival does not apply to this arm or task.
+    Refused(String),
+    /// Gains, found.
+    Tuned(TuningRecord),
+    /// Share of draws that kept the specification.
+    Drawn(f64),
+}
+
+/// What one choice of gains came to on the training motions.
+struct Trained {
+    /// \[rad\]
+    cost: f64,
+    /// Whether every motion kept the specification and the cap on noise.
+    kept: bool,
+}
+
+/// The training motions of an arm.
+pub(crate) fn training(ground: &Ground, extent: &Extent) -> Result<Vec<Study>, CompareError> {
+    let span = (extent.training_s, extent.training_settle_s);
+    let motions = 1..=extent.training_motions;
+    motions.map(|k| ground.in_world(TRAINING, Task::Train(k), span)).collect()
+}
+
+/// Tunes a rival on an arm.
+pub(crate) fn tuned(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared {
+    let studies = match training(ground, extent) {
+        Ok(studies) => studies,
+        Err(e) => return Prepared::Refused(e.to_string()),
+    };
+    let published: Vec<f64> = entry.scalars.iter().map(|scalar| scalar.default).collect();
+    if let Err(e) = train(ground, entry, &published, &studies) {
+        return Prepared::Refused(e.to_string());
+    }
+    let mut kept = Vec::new();
+    let tuned = tune(entry.scalars, extent.tuning_runs, 1, |values| {
+        let trained = train(ground, entry, values, &studies);
+        // Gains that the law itself refuses are the worst there are.
+        let trained = trained.unwrap_or(Trained { cost: f64::INFINITY, kept: false });
+        kept.push(trained.kept);
+        trained.cost
+    });
+    Prepared::Tuned(TuningRecord {
+        published,
+        tuned: tuned.values,
+        runs: tuned.history.len(),
+        cost_published: tuned.history[0],
+        cost_tuned: tuned.cost,
+        runs_to_spec: kept.iter().position(|kept| *kept).map(|k| k + 1),
+    })
+}
+
+/// Draws gains within a decade of the published ones, and counts those that keep the specification.
+pub(crate) fn drawn(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared {
+    let studies = match training(ground, extent) {
+        Ok(studies) => studies,
+        Err(e) => return Prepared::Refused(e.to_string()),
+    };
+    let first = &studies[..studies.len().min(1)];
+    let keeps = |k: &usize| {
+        let values: Vec<f64> =
+            entry.scalars.iter().map(|scalar| draw(entry.card.id, scalar, *k)).collect();
+        train(ground, entry, &values, first).is_ok_and(|trained| trained.kept)
+    };
+    let count = (0..extent.draws).filter(keeps).count();
+    Prepared::Drawn(count as f64 / extent.draws.max(1) as f64)
+}
+
+/// A value within a decade of the published one, even in logarithms, inside its range.
+fn draw(id: &str, scalar: &Scalar, k: usize) -> f64 {
+    let low = (scalar.default / 10.0).max(scalar.low);
+    let high = (scalar.default * 10.0).min(scalar.high);
+    let place = share(id, &format!("{} {k}", scalar.name));
+    (low * (high / low).powf(place)).clamp(scalar.low, scalar.high)
+}
+
+/// Mean cost over the motions.
+fn train(
+    ground: &Ground,
+    entry: &Entry,
+    values: &[f64],
+    studies: &[Study],
+) -> Result<Trained, TrialError> {
+    let bars = Bars { error_max: &ground.error_max, limits: &ground.limits, bound: None };
+    let mut sum = Trained { cost: 0.0, kept: true };
+    for study in studies {
+        let trial = run(ground, entry, values, study)?;
+        let (fate, figures) = judge(study, &trial.outcome, trial.broken, &bars);
+        sum.cost += cost(study, &fate, figures.as_ref()) / studies.len() as f64;
+        sum.kept &= fate.followed()
+            && figures.is_some_and(|f| f.error_over_spec <= 1.0 && f.noise <= NOISE_CAP);
+    }
+    Ok(sum)
+}
+
+/// The error where the noise keeps its cap; how far it is beyond where not; how soon it ended where it did.
+fn cost(study: &Study, fate: &Fate, figures: Option<&Figures>) -> f64 {
+    match (fate, figures) {
+        (_, Some(figures)) if figures.noise <= NOISE_CAP => figures.error_rms_rad.min(NOISY),
+        (_, Some(figures)) => (NOISY * figures.noise / NOISE_CAP).min(UNFINISHED),
+        (Fate::Diverged { t, .. } | Fate::NotFinite { t, .. }, None) => {
+            UNFINISHED * (2.0 - t / study.duration)
+        }
+        _ => f64::INFINITY,
+    }
+}

@@ -1,0 +1,273 @@
+//! From runs to the table.
+
+use phihat_baselines::{Entry, Tuning};
+
+use super::adapter::supply;
+use super::ground::{Ground, Task};
+use super::plan::{Case, Known, Plan, Scored};
+use super::prepare::NOISE_CAP;
+use super::promise;
+use super::record::{
+    Cell, Columns, Comparison, Cost, FORMAT, Fairness, Fate, Figures, GainsKind, Mark, Measured,
+    RivalRecord, Row, Run, TuningRecord, WorldRecord,
+};
+use super::trial::NOMINAL_MASSES;
+use super::world::TRAINING;
+use crate::runner::Ended;
+
+/// Share of draws from which gains are easy to find, and from which they are partly so.
+pub const EASY_SHARES: (f64, f64) = (0.5, 0.25);
+
+/// The whole answer.
+pub(crate) fn comparison(
+    plan: &Plan,
+    known: &[Known],
+    cases: &[Case],
+    scored: Vec<Ended<Scored>>,
+) -> Comparison {
+    let mut runs: Vec<(Case, Scored)> =
+        cases.iter().copied().zip(scored.into_iter().map(ended)).collect();
+    beside_exact(plan, &mut runs);
+    let world = |world: &&super::World| WorldRecord {
+        name: world.name.to_owned(),
+        what: world.what.split_whitespace().collect::<Vec<_>>().join(" "),
+    };
+    let rival = |entry: &&Entry| RivalRecord::new(entry.card, entry.needs, entry.scalars);
+    let row_of = |((ground, rival), known)| row(plan, (ground, rival), known, &runs);
+    Comparison {
+        format: FORMAT.to_owned(),
+        phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+        fairness: fairness(plan),
+        arms: plan.grounds.iter().map(Ground::record).collect(),
+        worlds: plan.worlds.iter().map(world).collect(),
+        rivals: plan.rivals.iter().map(rival).collect(),
+        rows: plan.pairs().into_iter().zip(known).map(row_of).collect(),
+    }
+}
+
+fn ended(ended: Ended<Scored>) -> Scored {
+    match ended {
+        Ended::With(scored) => scored,
+        Ended::Panicked(why) => Scored { fate: Fate::Panicked(why), figures: None, sketch: None },
+    }
+}
+
+/// Puts the chatter of the exact world beside that of every other.
+fn beside_exact(plan: &Plan, runs: &mut [(Case, Scored)]) {
+    let exact: Vec<(Case, f64)> = runs
+        .iter()
+        .filter(|(case, _)| plan.worlds[case.world].name == "exact")
+        .filter_map(|(case, scored)| Some((*case, scored.figures.as_ref()?.chatter_nm)))
+        .collect();
+    for (case, scored) in runs {
+        let same = |(other, _): &&(Case, f64)| *other == Case { world: other.world, ..*case };
+        if let (Some(figures), Some((_, exact))) = (&mut scored.figures, exact.iter().find(same)) {
+            figures.chatter_over_exact = (*exact > 0.0).then(|| figures.chatter_nm / exact);
+        }
+    }
+}
+
+fn row(
+    plan: &Plan,
+    (ground, rival): (usize, usize),
+    known: &Known,
+    runs: &[(Case, Scored)],
+) -> Row {
+    let (arm, entry) = (&plan.grounds[ground], plan.rivals[rival]);
+    let mut row = Row {
+        arm: arm.name.clone(),
+        rival: entry.card.id.to_owned(),
+        refused: None,
+        tuning: None,
+        columns: None,
+        cost: None,
+        cells: Vec::new(),
+    };
+    let tuning = match &known.tuning {
+        Ok(tuning) => tuning,
+        Err(why) => {
+            row.refused = Some(why.clone());
+            return row;
+        }
+    };
+    for world in 0..plan.worlds.len() {
+        for gains in [GainsKind::Published, GainsKind::Tuned] {
+            let own = runs.iter().filter(|(case, _)| {
+                (case.ground, case.rival, case.world, case.gains) == (ground, rival, world, gains)
+            });
+            row.cells.push(cell(plan, plan.worlds[world].name, gains, own));
+        }
+    }
+    row.columns = Some(columns(arm, entry, tuning, known.share, &row.cells));
+    row.cost = cost(arm, entry, tuning);
+    row.tuning = Some(tuning.clone());
+    row
+}
+
+fn cell<'r>(
+    plan: &Plan,
+    world: &str,
+    gains: GainsKind,
+    own: impl Iterator<Item = &'r (Case, Scored)>,
+) -> Cell {
+    let own: Vec<_> = own.collect();
+    let run = |(case, scored): &&(Case, Scored)| Run {
+        name: plan.name(case),
+        seed: case.seed,
+        fate: scored.fate.clone(),
+        figures: scored.figures.clone(),
+    };
+    let fates = own.iter().map(|(_, scored)| &scored.fate);
+    let figures = own.iter().filter_map(|(_, scored)| scored.figures.as_ref());
+    Cell {
+        world: world.to_owned(),
+        gains,
+        runs: own.iter().map(run).collect(),
+        worst: figures.cloned().reduce(|a, b| worse(&a, &b)),
+        fate: fates.max_by_key(|fate| fate.badness()).cloned().unwrap_or(Fate::Followed),
+        sketch: own.iter().find_map(|(_, scored)| scored.sketch.clone()),
+    }
+}
+
+/// The worse of every figure.
+fn worse(a: &Figures, b: &Figures) -> Figures {
+    let more = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b)).or(a).or(b);
+    let bounds = [a, b].into_iter().filter(|f| f.bound_over_measured.is_some());
+    let tight = |f: &&Figures| f.bound_over_measured.unwrap_or(f64::INFINITY);
+    let tightest = bounds.min_by(|a, b| tight(a).total_cmp(&tight(b)));
+    Figures {
+        error_rms_rad: a.error_rms_rad.max(b.error_rms_rad),
+        error_max_rad: a.error_max_rad.max(b.error_max_rad),
+        error_over_spec: a.error_over_spec.max(b.error_over_spec),
+        effort: a.effort.max(b.effort),
+        chatter_nm: a.chatter_nm.max(b.chatter_nm),
+        chatter_over_exact: more(a.chatter_over_exact, b.chatter_over_exact),
+        noise: a.noise.max(b.noise),
+        saturated: a.saturated.max(b.saturated),
+        // One that did not come back is the worst.
+        recovery_s: a.recovery_s.zip(b.recovery_s).map(|(a, b)| a.max(b)),
+        bound_rad: tightest.and_then(|f| f.bound_rad),
+        bound_over_measured: tightest.and_then(|f| f.bound_over_measured),
+    }
+}
+
+fn cost(arm: &Ground, entry: &Entry, tuning: &TuningRecord) -> Option<Cost> {
+    let period = arm.study.control.period_ns as f64 * 1e-9;
+    let values = Tuning::new(&tuning.tuned, &arm.units, period).ok()?;
+    let supply = supply(&arm.study, &arm.units, NOMINAL_MASSES).ok()?;
+    let states = entry.build(&values, &supply).ok()?.states();
+    Some(Cost { states, instructions: None })
+}
+
+fn columns(
+    arm: &Ground,
+    entry: &Entry,
+    tuning: &TuningRecord,
+    share: f64,
+    cells: &[Cell],
+) -> Columns {
+    let printed = |get: fn(phihat_baselines::Ticks) -> phihat_baselines::Tick| {
+        entry.card.printed.map(get).map(Mark::from)
+    };
+    let measured = |(mark, why): (Mark, String), printed: Option<Mark>| Measured {
+        mark,
+        printed,
+        agrees: printed.map(|printed| printed == mark),
+        why,
+    };
+    let span = (arm.study.duration, arm.study.spec.settle);
+    let study = arm.in_world(TRAINING, Task::Score(1), span).ok();
+    let condition = study.and_then(|study| promise::condition(arm, entry, &tuning.tuned, &study));
+    let free = if entry.needs.model_free() { Mark::Yes } else { Mark::No };
+    Columns {
+        quantitative: measured(quantitative(cells), printed(|t| t.quantitative)),
+        easy: measured(easy(entry, tuning, share), printed(|t| t.easy)),
+        optimal: measured(
+            promise::optimal(entry, &tuning.tuned, condition.as_ref()),
+            printed(|t| t.optimal),
+        ),
+        model_free: measured((free, format!("handed {}", entry.needs)), printed(|t| t.model_free)),
+        share_of_draws: share,
+        scalars: entry.scalars.len(),
+        condition,
+    }
+}
+
+/// Whether a bound was stated before the runs with tuned gains, and whether it held in all of them.
+fn quantitative(cells: &[Cell]) -> (Mark, String) {
+    let runs = || cells.iter().filter(|c| c.gains == GainsKind::Tuned).flat_map(|c| &c.runs);
+    let ratios: Vec<f64> =
+        runs().filter_map(|run| run.figures.as_ref()?.bound_over_measured).collect();
+    let (stated, all) = (ratios.len(), runs().count());
+    let held = ratios.iter().filter(|ratio| **ratio >= 1.0).count();
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    match (stated, held) {
+        (0, _) => (Mark::No, "states no bound before a run".to_owned()),
+        (stated, held) => {
+            let mark = if held == stated { Mark::Yes } else { Mark::Partly };
+            let why = format!(
+                "bound stated for {stated} of {all} runs, held in {held}; bound/measured from {least:.2}"
+            );
+            (mark, why)
+        }
+    }
+}
+
+/// How much of the gains' neighbourhood keeps the specification.
+fn easy(entry: &Entry, tuning: &TuningRecord, share: f64) -> (Mark, String) {
+    let mark = match share {
+        s if s >= EASY_SHARES.0 => Mark::Yes,
+        s if s >= EASY_SHARES.1 => Mark::Partly,
+        _ => Mark::No,
+    };
+    let needed = match tuning.runs_to_spec {
+        Some(runs) => format!("tuning met it at run {runs}"),
+        None => format!("{} tuning runs did not meet it", tuning.runs),
+    };
+    let scalars = entry.scalars.len();
+    let percent = 100.0 * share;
+    let why =
+        format!("{scalars} free scalars; {percent:.0} % of draws keep the specification; {needed}");
+    (mark, why)
+}
+
+fn fairness(plan: &Plan) -> Fairness {
+    let extent = &plan.extent;
+    let scored = (0..plan.grounds.len()).map(|g| plan.span(g)).map(|(end, from)| end - from);
+    Fairness {
+        optimiser: "CMA-ES in the logarithms of the free scalars, from the published values"
+            .to_owned(),
+        tuning_runs: extent.tuning_runs,
+        training: (
+            usize::try_from(extent.training_motions).unwrap_or(usize::MAX),
+            extent.training_s,
+        ),
+        training_world: TRAINING.name.to_owned(),
+        seeds: extent.seeds,
+        scored_s: scored.fold(0.0, f64::max),
+        nominal_masses: NOMINAL_MASSES,
+        noise_cap: NOISE_CAP,
+        draws: extent.draws,
+        notes: notes(),
+    }
+}
+
+fn notes() -> Vec<String> {
+    [
+        "Every rival is tuned once per arm, not once per world, with the same optimiser, number of evaluations \
+         and seed, from its published gains, inside ranges around them. The cost is the rms error of the worst \
+         joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
+         a run that ends early is worse than all that do not, the more the sooner.",
+        "Motions that are trained on are not scored on. Training is in one world; the other worlds are met for the \
+         first time when they are scored.",
+        "Every rival gets the same nominal inertia per joint as the unit of its torque gains. Rivals that need \
+         a model get the arm's own with lighter links, without payload and without dry friction.",
+        "A law with more free scalars gets no more evaluations: a law with many may be better than its row. \
+         Where an author's tuning procedure is not a choice of scalars, it is not followed.",
+        "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that saturates.",
+        "The specification decides what share of draws is easy. Another specification gives other shares.",
+        "This project chose the arms, worlds and cost, and knows its own law best.",
+    ]
+    .map(|note| note.split_whitespace().collect::<Vec<_>>().join(" "))
+    .to_vec()
+}
