@@ -20,6 +20,23 @@ pub struct Arm {
     pub phi_jump: Vec<f64>,
     /// Largest |φ| \[N·m\] per joint.
     pub phi_max: Vec<f64>,
+    /// Largest torque that the motion demands, `|τ| = |φ + U q̈_d|` \[N·m\] per joint.
+    pub demand_max: Vec<f64>,
+}
+
+impl Arm {
+    /// Smallest inertia ratio `μ` at which a sampled velocity feedback of `gain` \[1/s\] per unit of inertia is
+    /// stable behind the arm's delay of `d` samples:
+    ///
+    /// ```text
+    /// gain T < 2 cos(π d / (2d + 1)) μ          2 μ without delay, μ with one sample
+    /// ```
+    ///
+    /// S. A. Levin, R. M. May, "A note on difference-delay equations", Theor. Population Biology 9, 1976.
+    pub fn ratio_min(&self, gain: f64, period: f64) -> f64 {
+        let d = f64::from(self.delay_samples);
+        gain * period / (2.0 * (core::f64::consts::PI * d / (2.0 * d + 1.0)).cos())
+    }
 }
 
 /// A stability condition and whether it holds.
@@ -37,5 +54,19 @@ impl Condition {
     /// The condition that `larger` is above `smaller`, both positive.
     pub fn above(text: &'static str, larger: f64, smaller: f64) -> Self {
         Self { text, holds: larger > smaller, margin: larger / smaller }
+    }
+
+    /// The condition that the arm's range of inertia ratios is inside a window.
+    pub fn inside(text: &'static str, ratio: [f64; 2], window: [f64; 2]) -> Self {
+        let ([low, high], [floor, ceiling]) = (ratio, window);
+        let holds = low > floor && high < ceiling;
+        Self { text, holds, margin: (low / floor).min(ceiling / high) }
+    }
+
+    /// Both conditions at once, under the text of this one.
+    #[must_use]
+    pub fn and(self, other: &Self) -> Self {
+        let margin = self.margin.min(other.margin);
+        Self { text: self.text, holds: self.holds && other.holds, margin }
     }
 }

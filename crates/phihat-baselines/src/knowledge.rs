@@ -130,6 +130,24 @@ impl Knows for Gravity {
     }
 }
 
+/// The nominal viscous friction of every joint.
+#[derive(Debug, Clone)]
+pub struct Viscous(Vec<f64>);
+
+impl Viscous {
+    /// `F̂` \[N·m·s/rad\], one entry per joint.
+    pub fn values(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl Knows for Viscous {
+    const NEEDS: Needs = Needs { friction: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Ok(Self(supply.viscous.clone()))
+    }
+}
+
 /// Inertial parameters of a link in the regressor: `m, m c, I`.
 const OF_LINK: usize = 10;
 

@@ -31,6 +31,8 @@ mod card;
 mod claim;
 mod error;
 mod knowledge;
+mod lumped;
+mod math;
 mod needs;
 mod rival;
 mod rivals;
@@ -39,7 +41,7 @@ mod tuning;
 pub use card::{Card, Grade, Tick, Ticks};
 pub use claim::{Arm, Condition};
 pub use error::Refusal;
-pub use knowledge::{Gravity, Nominal, Regressor, Supply};
+pub use knowledge::{Gravity, Nominal, Regressor, Supply, Viscous};
 pub use needs::{
     Acceleration, All, Inertia, Knows, Motion, MotionAndTorque, Needs, NoReference, Nothing,
     Period, Positions, PositionsAndTorque, Sees, TorqueMax, Velocity, Wants,

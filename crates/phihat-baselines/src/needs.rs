@@ -194,6 +194,8 @@ pub struct Needs {
     pub derivatives: u8,
     /// One nominal inertia per joint, in the law itself.
     pub inertia: bool,
+    /// One nominal viscous friction per joint.
+    pub friction: bool,
     /// The arm's gravity torque.
     pub gravity: bool,
     /// The arm's whole rigid-body model.
@@ -217,6 +219,7 @@ impl Needs {
         torque: false,
         derivatives: 0,
         inertia: false,
+        friction: false,
         gravity: false,
         model: false,
         regressor: false,
@@ -236,6 +239,7 @@ impl Needs {
             torque: self.torque || other.torque,
             derivatives,
             inertia: self.inertia || other.inertia,
+            friction: self.friction || other.friction,
             gravity: self.gravity || other.gravity,
             model: self.model || other.model,
             regressor: self.regressor || other.regressor,
@@ -246,8 +250,8 @@ impl Needs {
         }
     }
 
-    /// Whether nothing of the arm's dynamics or kinematics is known: one nominal inertia per joint and the
-    /// limits of its drives are not counted as a model.
+    /// Whether nothing of the arm's dynamics or kinematics is known: one nominal inertia and friction per
+    /// joint and the limits of its drives are not counted as a model.
     pub const fn model_free(&self) -> bool {
         !(self.gravity || self.model || self.regressor || self.task)
     }
@@ -262,6 +266,7 @@ impl fmt::Display for Needs {
             (self.derivatives == 1, "reference to velocity"),
             (self.derivatives == 2, "reference to acceleration"),
             (self.inertia, "inertia per joint"),
+            (self.friction, "friction per joint"),
             (self.gravity, "gravity model"),
             (self.model, "model"),
             (self.regressor, "regressor"),
@@ -311,6 +316,14 @@ impl Knows for TorqueMax {
             Some(values) => Ok(Self(values.clone())),
             None => Err(Refusal::NotApplicable("the arm states no torque limits".to_owned())),
         }
+    }
+}
+
+/// The limits of an arm that states them; a law that does without where there are none.
+impl Knows for Option<TorqueMax> {
+    const NEEDS: Needs = TorqueMax::NEEDS;
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Ok(supply.torque_max.clone().map(TorqueMax))
     }
 }
 

@@ -2,16 +2,49 @@
 
 use crate::rival::Entry;
 
+mod adrc;
+mod chen_lee_feng;
 mod computed_torque;
+mod disturbance_observer;
+mod enhanced_time_delay;
+mod funnel;
+mod fuzzy;
 mod h_infinity_pid;
+mod hayat_buss_2016;
+mod industrial_pid;
+mod nric;
+mod park_chung;
 mod pd;
+mod prescribed_performance;
 mod proposed;
+mod super_twisting;
+mod taylor_network;
+mod time_delay;
+mod ultra_local;
+mod yang;
 
 /// Every rival, in the order of the table. One line each.
 pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),
     Entry::of::<computed_torque::ComputedTorque>(),
     Entry::of::<h_infinity_pid::HInfinityPid>(),
+    Entry::of::<nric::Nric>(),
+    Entry::of::<park_chung::ParkChung>(),
+    Entry::of::<chen_lee_feng::ChenLeeFeng>(),
+    Entry::of::<yang::Yang>(),
+    Entry::of::<taylor_network::TaylorNetwork>(),
+    Entry::of::<fuzzy::Fuzzy>(),
+    Entry::of::<ultra_local::UltraLocal>(),
+    Entry::of::<industrial_pid::IndustrialPid>(),
+    Entry::of::<disturbance_observer::DisturbanceObserver>(),
+    Entry::of::<adrc::Adrc>(),
+    Entry::of::<super_twisting::SuperTwisting>(),
+    Entry::of::<funnel::Hackl>(),
+    Entry::of::<funnel::Berger>(),
+    Entry::of::<time_delay::TimeDelay>(),
+    Entry::of::<enhanced_time_delay::EnhancedTimeDelay>(),
+    Entry::of::<prescribed_performance::PrescribedPerformance>(),
+    Entry::of::<hayat_buss_2016::HayatBuss2016>(),
     Entry::of::<proposed::First>(),
     Entry::of::<proposed::Second>(),
 ];

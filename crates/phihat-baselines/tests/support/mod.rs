@@ -100,6 +100,7 @@ impl Bench {
             phi_rate: vec![0.0; n],
             phi_jump: vec![0.0; n],
             phi_max: vec![0.0; n],
+            demand_max: vec![0.0; n],
         }
     }
 

@@ -1,0 +1,96 @@
+//! The disturbance observer on top of a PD with feed-forward of the acceleration.
+
+use crate::card::{Card, Grade};
+use crate::claim::{Arm, Condition};
+use crate::error::Refusal;
+use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::rival::Rival;
+use crate::rivals::proposed::{
+    BANDWIDTH, DAMPING, Law, error_by_peak_gains, first_order_loop, outer_gains, window,
+};
+use crate::tuning::{Scalar, Tuning};
+
+/// Disturbance observer of first order.
+///
+/// # Law
+///
+/// ```text
+/// φ̂ = z − g M̄ q̇,     ż = g (τ_applied − φ̂),     τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂             (1)
+/// ```
+///
+/// That is the paper's law of order 1 with `a_0 = g`, as algebra has it and as a test shows for (1) integrated on
+/// its own. So both are one implementation, [`Law`]: rows of the table that differ do so by their tuning.
+///
+/// # Guarantee
+///
+/// The inertia window and the error by peak gains, as for `proposed-1`.
+///
+/// # Not claimed
+///
+/// Anything in the paper's sense of optimal: a disturbance observer is not derived from a cost.
+///
+/// # References
+///
+/// K. Ohnishi, M. Shibata, T. Murakami, "Motion control for advanced mechatronics", IEEE/ASME Trans. Mechatronics
+/// 1(1), 1996. Grade A.
+#[derive(Debug)]
+pub(crate) struct DisturbanceObserver(Law);
+
+impl Rival for DisturbanceObserver {
+    const CARD: Card = Card {
+        id: "disturbance-observer",
+        title: "Disturbance observer",
+        reference: "",
+        source: "Ohnishi, Shibata, Murakami, IEEE/ASME T-Mech 1(1), 1996",
+        grade: Grade::A,
+        caveat: "",
+        law: "τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂,  φ̂ = g/(s + g) (τ_applied − M̄ q̈)",
+        printed: None,
+    };
+    const SCALARS: &'static [Scalar] = &[
+        BANDWIDTH,
+        DAMPING,
+        Scalar {
+            name: "cutoff",
+            unit: "rad/s",
+            meaning: "g of the observer",
+            default: 100.0,
+            low: 10.0,
+            high: 700.0,
+        },
+    ];
+    type Sees<'a> = MotionAndTorque<'a>;
+    type Wants<'a> = Acceleration<'a>;
+    type Knows = Inertia;
+
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+        let [omega, zeta, cutoff] = tuning.values()?;
+        Law::new(tuning, &inertia, [omega, zeta], &[cutoff]).map(Self)
+    }
+
+    fn update(
+        &mut self,
+        sees: MotionAndTorque<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
+        self.0.update(sees, wants, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.0.joints()
+    }
+
+    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+        let [omega, zeta, g] = tuning.values().ok()?;
+        let [kp, kd] = outer_gains(omega, zeta);
+        Some(window(kp, kd, g, tuning.period(), arm))
+    }
+
+    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+        let [omega, zeta, g] = tuning.values().ok()?;
+        let [kp, kd] = outer_gains(omega, zeta);
+        error_by_peak_gains(1, &first_order_loop(kp, kd, g), tuning, arm)
+    }
+}

@@ -1,0 +1,125 @@
+//! Time-delay control: what the last sample did not explain is what acts now.
+
+use crate::card::{Card, Grade};
+use crate::claim::{Arm, Condition};
+use crate::error::Refusal;
+use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::rival::Rival;
+use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains, window};
+use crate::tuning::{Scalar, Tuning};
+
+/// Time-delay control.
+///
+/// # Law
+///
+/// ```text
+/// τ_k = M̄ (q̈_d − K_d ė − K_p e) + τ_{k−1} − M̄ (q̇_k − q̇_{k−1})/T                        (1)
+/// ```
+///
+/// `τ_{k−1}` is the torque that acted while `q̇` went from one sample to the other. This is the paper's law of
+/// order 1, by forward Euler, with `a_0 = 1/T`: a test holds the two together.
+///
+/// # Guarantee
+///
+/// `|1 − M⁻¹ M̄| < 1` for frozen inertia, that is `M̄ < 2 M`; with the outer loop and the delay counted, the window
+/// of the first-order law at `a_0 = 1/T`.
+///
+/// # Not claimed
+///
+/// A bound on the error. With a sample of transport delay the window asks for `μ > 1 + K_d T`.
+///
+/// # References
+///
+/// K. Youcef-Toumi, O. Ito, "A time delay controller for systems with unknown dynamics", J. Dyn. Sys. Meas.
+/// Control 112, 1990; T. C. Hsia, L. S. Gao, ICRA 1990. Grade A.
+#[derive(Debug)]
+pub(crate) struct TimeDelay {
+    kp: f64,
+    kd: f64,
+    rest: Rest,
+}
+
+/// The time-delay estimate `τ_{k−1} − M̄ (q̇_k − q̇_{k−1})/T` of the lumped dynamics; 0 at the first sample.
+#[derive(Debug)]
+pub(crate) struct Rest {
+    inertia: Vec<f64>,
+    dq: Vec<f64>,
+    started: bool,
+    period: f64,
+}
+
+impl Rest {
+    pub(crate) fn new(inertia: &Inertia, period: f64) -> Self {
+        let inertia = inertia.values().to_vec();
+        Self { dq: vec![0.0; inertia.len()], inertia, started: false, period }
+    }
+
+    /// `τ = M̄ u +` the estimate, with `u` of each joint from its index.
+    pub(crate) fn torque(
+        &mut self,
+        sees: MotionAndTorque<'_>,
+        mut wanted: impl FnMut(usize) -> f64,
+        tau: &mut [f64],
+    ) {
+        for (i, tau) in tau.iter_mut().enumerate() {
+            let m = self.inertia[i];
+            let jerked = m * (sees.dq[i] - self.dq[i]) / self.period;
+            let estimate = if self.started { sees.tau[i] - jerked } else { 0.0 };
+            *tau = m * wanted(i) + estimate;
+            self.dq[i] = sees.dq[i];
+        }
+        self.started = true;
+    }
+
+    /// Scalars that it remembers.
+    pub(crate) fn states(&self) -> usize {
+        self.dq.len()
+    }
+}
+
+impl Rival for TimeDelay {
+    const CARD: Card = Card {
+        id: "time-delay",
+        title: "Time-delay control",
+        reference: "",
+        source: "Youcef-Toumi, Ito, J. Dyn. Sys. Meas. Control 112, 1990",
+        grade: Grade::A,
+        caveat: "",
+        law: "τ = M̄ (q̈_d − K_d ė − K_p e) + τ₋₁ − M̄ (q̇ − q̇₋₁)/T",
+        printed: None,
+    };
+    const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING];
+    type Sees<'a> = MotionAndTorque<'a>;
+    type Wants<'a> = Acceleration<'a>;
+    type Knows = Inertia;
+
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+        let [omega, zeta] = tuning.values()?;
+        let [kp, kd] = outer_gains(omega, zeta);
+        Ok(Self { kp, kd, rest: Rest::new(&inertia, tuning.period()) })
+    }
+
+    fn update(
+        &mut self,
+        sees: MotionAndTorque<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
+        let (kp, kd) = (self.kp, self.kd);
+        let wanted = |i: usize| {
+            wants.ddq[i] - kd * (sees.dq[i] - wants.dq[i]) - kp * (sees.q[i] - wants.q[i])
+        };
+        self.rest.torque(sees, wanted, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.rest.states()
+    }
+
+    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+        let [omega, zeta] = tuning.values().ok()?;
+        let [kp, kd] = outer_gains(omega, zeta);
+        Some(window(kp, kd, 1.0 / tuning.period(), tuning.period(), arm))
+    }
+}
