@@ -30,6 +30,8 @@ pub(crate) fn declared(ground: &Ground, study: &Study) -> Result<Arm, String> {
         phi_rate: along.iter().map(|phi| phi.rate).collect(),
         phi_jump: along.iter().map(|phi| phi.jump).collect(),
         phi_max: along.iter().map(|phi| phi.size).collect(),
+        // Without a nominal inertia φ is the torque itself.
+        demand_max: (0..along.len()).map(|i| demand.phi(i, 0.0).size).collect(),
     })
 }
 
