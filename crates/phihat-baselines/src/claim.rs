@@ -69,4 +69,9 @@ impl Condition {
         let margin = self.margin.min(other.margin);
         Self { text: self.text, holds: self.holds && other.holds, margin }
     }
+
+    /// The condition that the arm's smallest inertia ratio is above [`Arm::ratio_min`] of a velocity gain \[1/s\].
+    pub fn sampled(text: &'static str, gain: f64, period: f64, arm: &Arm) -> Self {
+        Self::above(text, arm.ratio[0], arm.ratio_min(gain, period))
+    }
 }

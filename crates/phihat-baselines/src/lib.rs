@@ -27,6 +27,8 @@
 //! details reconstructed, C stands for a class whose published law was not found.
 #![forbid(unsafe_code)]
 
+mod adaptation;
+mod basis;
 mod card;
 mod claim;
 mod error;
@@ -34,18 +36,21 @@ mod knowledge;
 mod lumped;
 mod math;
 mod needs;
+mod regressor;
 mod rival;
 mod rivals;
+mod sliding;
 mod tuning;
 
 pub use card::{Card, Grade, Tick, Ticks};
 pub use claim::{Arm, Condition};
 pub use error::Refusal;
-pub use knowledge::{Gravity, Nominal, Regressor, Supply, Viscous};
+pub use knowledge::{Gravity, Nominal, Supply, Viscous};
 pub use needs::{
     Acceleration, All, Inertia, Knows, Motion, MotionAndTorque, Needs, NoReference, Nothing,
     Period, Positions, PositionsAndTorque, Sees, TorqueMax, Velocity, Wants,
 };
+pub use regressor::Regressor;
 pub use rival::{Entry, Rival, Running};
 pub use rivals::{RIVALS, rival};
 pub use tuning::{Scalar, Tuning};

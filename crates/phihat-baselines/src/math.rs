@@ -13,7 +13,7 @@ pub(crate) fn sig(x: f64, power: f64) -> f64 {
 /// BᵀP x = q_1/(2 K_p) e + (q_2 + q_1/K_p)/(2 K_d) ė                                    (1)
 /// ```
 ///
-/// All laws here have `q_1 = 100 1/s²`, `q_2 = 1`: only the product with an adaptation gain counts.
+/// [`new`](Self::new) has `q_1 = 100 1/s²`, `q_2 = 1`: in an update only the product with a gain counts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weighted {
     pub(crate) on_error: f64,
@@ -22,7 +22,11 @@ pub(crate) struct Weighted {
 
 impl Weighted {
     pub(crate) fn new(kp: f64, kd: f64) -> Self {
-        let (q1, q2) = (100.0, 1.0);
+        Self::with([kp, kd], [100.0, 1.0])
+    }
+
+    /// (1) for other weights `q_1, q_2`.
+    pub(crate) fn with([kp, kd]: [f64; 2], [q1, q2]: [f64; 2]) -> Self {
         Self { on_error: q1 / (2.0 * kp), on_rate: (q2 + q1 / kp) / (2.0 * kd) }
     }
 

@@ -30,29 +30,36 @@ fn names_are_unique_and_scalars_are_in_their_ranges() {
 /// Wrong sign anywhere and the error grows beyond what no controller at all would leave.
 #[test]
 fn published_gains_follow_the_planar_arm() {
-    let bench = Bench::arm("planar3r");
+    follows(&Bench::arm("planar3r"), 0.06);
+}
+
+/// The same on an arm of seven joints.
+#[test]
+fn published_gains_follow_the_panda() {
+    follows(&Bench::arm("panda"), 0.06);
+}
+
+/// Every rival that applies ends its run within `most` \[rad\]; where it does not, its own condition says so.
+fn follows(bench: &Bench, most: f64) {
     for entry in RIVALS {
-        let run = match entry.build(&bench.published(entry), &bench.supply) {
-            Ok(_) => bench.run(entry, &bench.published(entry)),
+        let (id, tuning) = (entry.card.id, bench.published(entry));
+        match entry.build(&tuning, &bench.supply) {
+            Ok(_) => {}
             Err(Refusal::NotApplicable(why)) => {
-                println!("{:<24} {why}", entry.card.id);
+                println!("{id:<24} {why}");
                 continue;
             }
-            Err(refusal) => panic!("{}: {refusal}", entry.card.id),
-        };
-        assert!(
-            run.complete(&bench),
-            "{} diverged at {:.3} s",
-            entry.card.id,
-            run.t.len() as f64 * PERIOD
-        );
-        println!(
-            "{:<24} rms {:.2e}  max {:.2e}",
-            entry.card.id,
-            run.rms_worst(4.0),
-            run.error_max(4.0)
-        );
-        assert!(run.rms_worst(4.0) < 0.1, "{}: {}", entry.card.id, run.rms_worst(4.0));
+            Err(refusal) => panic!("{id}: {refusal}"),
+        }
+        let run = bench.run(entry, &tuning);
+        let condition = entry.condition(&tuning, &bench.declared());
+        let margin = condition.as_ref().map_or(f64::NAN, |condition| condition.margin);
+        let (rms, max) = (run.rms_worst(4.0), run.error_max(4.0));
+        let seconds = run.t.len() as f64 * PERIOD;
+        println!("{id:<24} {seconds:.1} s  rms {rms:.2e}  max {max:.2e}  margin {margin:.2}");
+        let follows = run.complete(bench) && rms < most;
+        let excused = condition.as_ref().is_some_and(|condition| !condition.holds);
+        assert!(follows || excused, "{id}: {seconds} s, {rms} rad, {condition:?}");
     }
 }
 

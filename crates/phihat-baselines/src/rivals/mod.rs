@@ -7,17 +7,28 @@ mod chen_lee_feng;
 mod computed_torque;
 mod disturbance_observer;
 mod enhanced_time_delay;
+mod fat;
+mod fat_lumped;
+mod filtered_regressor;
+mod finite_time;
 mod funnel;
 mod fuzzy;
 mod h_infinity_pid;
 mod hayat_buss_2016;
 mod industrial_pid;
+mod nonlinear_feedback;
 mod nric;
+mod output_feedback;
 mod park_chung;
 mod pd;
+mod pd_gravity;
+mod pd_plus;
 mod prescribed_performance;
 mod proposed;
+mod robust;
+mod slotine_li;
 mod super_twisting;
+mod switching;
 mod taylor_network;
 mod time_delay;
 mod ultra_local;
@@ -26,7 +37,18 @@ mod yang;
 /// Every rival, in the order of the table. One line each.
 pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),
+    Entry::of::<pd_gravity::PdGravity>(),
+    Entry::of::<pd_plus::PdPlus>(),
     Entry::of::<computed_torque::ComputedTorque>(),
+    Entry::of::<slotine_li::SlotineLi>(),
+    Entry::of::<fat::Fat>(),
+    Entry::of::<fat_lumped::FatLumped>(),
+    Entry::of::<robust::Robust>(),
+    Entry::of::<output_feedback::OutputFeedback>(),
+    Entry::of::<nonlinear_feedback::NonlinearFeedback>(),
+    Entry::of::<filtered_regressor::FilteredRegressor>(),
+    Entry::of::<switching::Switching>(),
+    Entry::of::<finite_time::FiniteTime>(),
     Entry::of::<h_infinity_pid::HInfinityPid>(),
     Entry::of::<nric::Nric>(),
     Entry::of::<park_chung::ParkChung>(),

@@ -21,6 +21,8 @@ pub(crate) struct Bench {
     pub(crate) amplitude: f64,
     pub(crate) start: Vec<f64>,
     pub(crate) duration: f64,
+    /// Eigenvalues of `U^{-1/2} M(q) U^{-1/2}` over the postures.
+    pub(crate) ratio: [f64; 2],
 }
 
 /// What a run leaves.
@@ -40,8 +42,9 @@ impl Bench {
         let robot = Robot::named(name).unwrap();
         let plant = robot.plant_model();
         let n = plant.joint_count();
+        let range = robot.inertia_range(300, 1);
         let supply = Supply {
-            inertia: robot.inertia_range(300, 1).mean,
+            inertia: range.mean.clone(),
             model: plant.clone().with_masses_times(0.8).unwrap(),
             viscous: vec![0.1; n],
             torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
@@ -54,6 +57,7 @@ impl Bench {
             amplitude: 0.3,
             start: center.clone(),
             duration: 8.0,
+            ratio: [range.lambda_min, range.lambda_max],
             center,
             plant,
             supply,
@@ -95,7 +99,7 @@ impl Bench {
         Arm {
             inertia_min: 0.0,
             inertia_max: 0.0,
-            ratio: [0.0, 0.0],
+            ratio: self.ratio,
             delay_samples: 0,
             phi_rate: vec![0.0; n],
             phi_jump: vec![0.0; n],

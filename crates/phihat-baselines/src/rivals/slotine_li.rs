@@ -1,0 +1,140 @@
+//! The adaptive controller of Slotine and Li.
+
+use crate::adaptation::Estimate;
+use crate::card::{Card, Grade, Tick, Ticks};
+use crate::claim::{Arm, Condition};
+use crate::error::Refusal;
+use crate::needs::{Acceleration, Motion};
+use crate::regressor::Regressor;
+use crate::rival::Rival;
+use crate::sliding::Sliding;
+use crate::tuning::{Scalar, Tuning};
+
+/// Passivity-based adaptive control.
+///
+/// # Law
+///
+/// With `s = ė + Λ e`, `q̇_r = q̇_d − Λ e`, `q̈_r = q̈_d − Λ ė`:
+///
+/// ```text
+/// τ = Y(q, q̇, q̇_r, q̈_r) θ̂ − K_D s,     dθ̂/dt = −Γ Yᵀ s − σ θ̂,     θ̂(0) = 0              (1)
+/// ```
+///
+/// `Y` has the identifiable columns only. `Γ` and `K_D` are per unit of the joint's inertia. The estimate stands
+/// still while any joint's torque is limited.
+///
+/// # Guarantee
+///
+/// For `σ = 0`, continuous time and no disturbance, from anywhere: `V = ½ sᵀMs + ½ θ̃ᵀΓ⁻¹θ̃`,
+/// `dV/dt = −sᵀ(K_D + F)s`, so that `e, ė → 0`. With leakage the error stays bounded.
+///
+/// # Not claimed
+///
+/// That the estimates find the parameters: only where the motion excites them. Dry friction has no column.
+///
+/// # References
+///
+/// J.-J. E. Slotine, W. Li, "On the adaptive control of robot manipulators", Int. J. Robotics Research 6(3), 1987.
+/// Leakage: P. A. Ioannou, P. V. Kokotović, 1984. Grade A.
+#[derive(Debug)]
+pub(crate) struct SlotineLi {
+    sliding: Sliding,
+    gain: Vec<f64>,
+    leakage: f64,
+    period: f64,
+    estimate: Estimate,
+}
+
+impl Rival for SlotineLi {
+    const CARD: Card = Card {
+        id: "slotine-li",
+        title: "Adaptive (Slotine, Li)",
+        reference: "[23]",
+        source: "Slotine, Li, Int. J. Robotics Research 6(3), 1987",
+        grade: Grade::A,
+        caveat: "",
+        law: "τ = Y θ̂ − K_D s,  dθ̂/dt = −Γ Yᵀ s − σ θ̂",
+        printed: Some(Ticks {
+            quantitative: Tick::No,
+            easy: Tick::No,
+            optimal: Tick::No,
+            model_free: Tick::No,
+        }),
+    };
+    const SCALARS: &'static [Scalar] = &[
+        Scalar {
+            name: "sliding",
+            unit: "1/s",
+            meaning: "Λ, of the error on s = 0",
+            default: 10.0,
+            low: 1.0,
+            high: 100.0,
+        },
+        Scalar {
+            name: "damping",
+            unit: "1/s",
+            meaning: "K_D of s",
+            default: 80.0,
+            low: 8.0,
+            high: 800.0,
+        },
+        Scalar {
+            name: "adaptation",
+            unit: "1/(kg·m²)",
+            meaning: "γ of Γ = γ U",
+            default: 5.0,
+            low: 0.5,
+            high: 50.0,
+        },
+        Scalar {
+            name: "leakage",
+            unit: "1/s",
+            meaning: "σ, at which estimates are forgotten",
+            default: 0.01,
+            low: 1e-3,
+            high: 0.1,
+        },
+    ];
+    type Sees<'a> = Motion<'a>;
+    type Wants<'a> = Acceleration<'a>;
+    type Knows = Regressor;
+
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+        let [sliding, damping, adaptation, leakage] = tuning.values()?;
+        Ok(Self {
+            sliding: Sliding::new(sliding, tuning.joints()),
+            gain: tuning.per_joint(damping),
+            leakage,
+            period: tuning.period(),
+            estimate: Estimate::new(regressor, tuning, adaptation),
+        })
+    }
+
+    fn update(
+        &mut self,
+        sees: Motion<'_>,
+        wants: Acceleration<'_>,
+        clipped: &[bool],
+        tau: &mut [f64],
+    ) {
+        self.sliding.update(&sees, &wants);
+        let Sliding { s, v, a, .. } = &self.sliding;
+        self.estimate.torque(sees.q, sees.dq, v, a, tau);
+        for (i, tau) in tau.iter_mut().enumerate() {
+            *tau -= self.gain[i] * s[i];
+        }
+        if !clipped.contains(&true) {
+            self.estimate.adapt(s, self.leakage, self.period);
+        }
+    }
+
+    fn states(&self) -> usize {
+        self.estimate.parameters()
+    }
+
+    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+        let [_, damping, ..] = tuning.values::<4>().ok()?;
+        let period = tuning.period();
+        Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))
+    }
+}
