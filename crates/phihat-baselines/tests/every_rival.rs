@@ -1,5 +1,10 @@
 //! What every rival has to pass: found through the list, so that a new one cannot be left out.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::panic,
+    reason = "tests: a panic is the report"
+)]
 
 mod support;
 
