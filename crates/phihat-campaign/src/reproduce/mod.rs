@@ -7,6 +7,7 @@
 mod agreement;
 pub mod arm;
 mod compose;
+pub mod reach;
 mod record;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,6 +59,10 @@ const PARTS: &[(&str, Work)] = &[
     ("arm in experiment", |extent, progress| {
         arm::experiment(&arm::Studies::shipped(), extent, progress)
     }),
+    ("order switching", |extent, progress| {
+        arm::order_switching(&arm::Studies::shipped(), extent, progress)
+    }),
+    ("how far does it hold", reach::reach),
 ];
 
 /// The studies that the parts use: path in the repository (`studies/paper/m1.toml`), as [`Statement`]s

@@ -12,13 +12,14 @@ pub(crate) const SETTLED_RAD: f64 = 1e-2;
 /// A study and what came of it.
 #[derive(Debug)]
 pub(crate) struct Run {
-    pub(crate) study: Study,
+    pub(crate) study: Box<Study>,
     pub(crate) outcome: Outcome,
 }
 
 impl Run {
     /// Runs the gains that the study states, in its form.
     pub(crate) fn of(study: Study) -> Result<Self, String> {
+        let study = Box::new(study);
         let gains = requested_gains(&study).ok_or("the study states no gains")?;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let form = match study.control.form {
