@@ -75,3 +75,37 @@ impl Condition {
         Self::above(text, arm.ratio[0], arm.ratio_min(gain, period))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The delayed velocity loop itself, `v ← v − (gain T/μ) v` of `d` samples ago, 2 % inside and outside.
+    #[test]
+    fn the_smallest_inertia_is_where_the_delayed_loop_turns() {
+        for delay_samples in 0..5 {
+            let none = vec![];
+            let arm = Arm {
+                inertia_min: 0.0,
+                inertia_max: 0.0,
+                ratio: [1.0, 1.0],
+                delay_samples,
+                phi_rate: none.clone(),
+                phi_jump: none.clone(),
+                phi_max: none.clone(),
+                demand_max: none,
+            };
+            let edge = arm.ratio_min(100.0, 1e-3);
+            let grows = |mu: f64| {
+                let mut past = vec![1.0; delay_samples as usize + 1];
+                for _ in 0..4000 {
+                    let next = past[0] - 100.0 * 1e-3 / mu * past[past.len() - 1];
+                    past.rotate_right(1);
+                    past[0] = next;
+                }
+                past.iter().any(|v| v.abs() > 1.0)
+            };
+            assert!(grows(0.98 * edge) && !grows(1.02 * edge), "{delay_samples}: {edge}");
+        }
+    }
+}

@@ -31,7 +31,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// (3) for an arm whose `φ` is not the declared one: `φ` holds `(M − M̄) q̈`, and the declared one is that along
+/// (2) to the digit behind a delay: the observer knows the torque that acted, and bears somewhat less inertia than
+/// the rule says. (3) for an arm whose `φ` is not the declared one: `φ` holds `(M − M̄) q̈`, and the declared one is that along
 /// the reference. The certificates of `phihat-design` are stricter; this is the claim that any user can compute.
 ///
 /// # References

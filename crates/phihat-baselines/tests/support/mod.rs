@@ -1,6 +1,8 @@
 //! A plant and a loop of the tests' own: exact sensors, torque held over a sample, torque limits.
 #![allow(dead_code, clippy::unwrap_used, reason = "tests; each file uses its part")]
 
+pub(crate) mod joints;
+
 use core::f64::consts::TAU;
 
 use phihat_baselines::{All, Arm, Entry, Supply, Tuning};
