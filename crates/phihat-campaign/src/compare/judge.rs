@@ -4,7 +4,7 @@ use phihat_sim::{JointTrace, Outcome, Trace};
 use phihat_study::Study;
 
 use super::motion::amplitudes;
-use super::record::{Fate, Figures, Sketch};
+use super::row::{Fate, Figures, Sketch};
 
 /// Slices of a sketch.
 const SLICES: usize = 100;

@@ -9,6 +9,7 @@
 //! A ranking. Which row is best depends on the column, and the columns on the arms and worlds chosen here.
 
 mod adapter;
+mod case;
 mod ground;
 mod judge;
 mod motion;
@@ -16,6 +17,7 @@ mod plan;
 mod prepare;
 mod promise;
 mod record;
+mod row;
 mod rows;
 mod trial;
 mod tune;
@@ -26,9 +28,11 @@ pub use ground::{CompareError, Ground};
 pub use plan::{Extent, Plan};
 pub use prepare::NOISE_CAP;
 pub use record::{
-    ArmRecord, Cell, Columns, Comparison, ConditionRecord, Cost, FORMAT, Fairness, Fate, Figures,
-    GainsKind, Mark, Measured, RivalRecord, Row, Run, ScalarRecord, Sketch, TuningRecord,
-    WorldRecord,
+    ArmRecord, Comparison, FORMAT, Fairness, Mark, RivalRecord, ScalarRecord, WorldRecord,
+};
+pub use row::{
+    Cell, Columns, ConditionRecord, Cost, Fate, Figures, GainsKind, Measured, Row, Run, Sketch,
+    TuningRecord,
 };
 pub use rows::EASY_SHARES;
 pub use trial::NOMINAL_MASSES;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::ground::{CompareError, Ground, Task};
 use super::judge::{Bars, judge};
 use super::plan::Extent;
-use super::record::{Fate, Figures, TuningRecord};
+use super::row::{Fate, Figures, TuningRecord};
 use super::trial::{TrialError, run};
 use super::tune::tune;
 use super::world::TRAINING;
