@@ -7,8 +7,16 @@
 mod agreement;
 pub mod arm;
 mod compose;
+mod draw;
+mod gains;
+mod joint;
+mod orders;
 pub mod reach;
 mod record;
+mod said;
+mod table1;
+mod table2;
+mod theory;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -53,12 +61,16 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, String>;
 /// Every part, in the order of the page. One line each; long ones first would end sooner, but threads
 /// take the next one as they become free.
 const PARTS: &[(&str, Work)] = &[
+    ("theory", theory::theory),
+    ("table 1", |_, _| Ok(table1::table1())),
     ("arm in simulation", |extent, progress| {
         arm::simulation(&arm::Studies::shipped(), extent, progress)
     }),
     ("arm in experiment", |extent, progress| {
         arm::experiment(&arm::Studies::shipped(), extent, progress)
     }),
+    ("table 2", table2::table2),
+    ("order", orders::orders),
     ("order switching", |extent, progress| {
         arm::order_switching(&arm::Studies::shipped(), extent, progress)
     }),

@@ -21,6 +21,7 @@ mod transient;
 mod variations;
 
 pub use experiment::experiment;
+pub(crate) use run::Run;
 pub use run::resized;
 pub use simulation::simulation;
 pub(crate) use studies::SHIPPED;

@@ -1,0 +1,37 @@
+//! The gains that the paper's experiments may have had, and what its tables print.
+
+use phihat_design::claims::Law;
+
+/// `K_p` and `K_d` of Table 2 (C).
+pub(crate) const OUTER: (f64, f64) = (400.0, 40.0);
+
+/// `φ_max` that Table 2 (A) was computed with: not printed, it follows from `K_p` and `K_d` at m = 1.
+pub(crate) const PHI_MAX: f64 = 22.2;
+
+/// A law with the printed outer loop.
+pub(crate) fn law(a: &[f64]) -> Law {
+    Law { kp: OUTER.0, kd: OUTER.1, a: a.to_vec() }
+}
+
+/// m = 1: `a_0 = K̃ + 1/γ²` with the printed `K̃ = 68.9` and `γ ≈ 1.2`.
+pub(crate) fn first() -> Law {
+    law(&[69.6])
+}
+
+/// m = 2, hypothesis H1: `a_1 = 69.6`, `a_0 = b_0 a_1` with the printed `b_0 = 69.6`.
+pub(crate) fn second_h1() -> Law {
+    law(&[69.6 * 69.6, 69.6])
+}
+
+/// m = 2, ours: the double pole at 69.6 rad/s, which has a certificate.
+pub(crate) fn second_h3() -> Law {
+    law(&[69.6 * 69.6, 2.0 * 69.6])
+}
+
+/// `K̃` of the certificate of [`second_h3`].
+pub(crate) const K_TILDE_H3: f64 = 100.0;
+
+/// Every estimator pole at `rate` \[rad/s\].
+pub(crate) fn equal_rate(order: usize, rate: f64) -> Law {
+    law(&phihat_design::claims::times::estimator_at(order, rate))
+}

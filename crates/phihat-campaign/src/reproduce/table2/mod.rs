@@ -1,0 +1,127 @@
+//! Table 2: which of its numbers follow from the formulas, printed and corrected, and what the gains are worth.
+
+mod column;
+mod first;
+mod second;
+
+use phihat_design::claims::paper::Feedback;
+use phihat_design::claims::{ErrorLimits, MinimalGains};
+
+use super::compose::{number, three, words};
+use super::gains::PHI_MAX;
+use super::record::{Section, Statement, Table, Verdict};
+use super::said::Said;
+use super::{Extent, Part};
+use column::{COLUMNS, Column, limits};
+use first::{a1, b1, c1, equal_rows, kd_sign};
+use second::{a2, b2, c2};
+
+/// Everything about Table 2.
+pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
+    let mut statements = vec![a1()?, kd_sign()];
+    progress(0.2);
+    statements.extend([b1()?, equal_rows()?, a2()?, b2()?]);
+    progress(0.7);
+    statements.extend([c1()?, c2()?, higher(), number_of_table()]);
+    let tables = vec![rows_table(), newton_table()?];
+    progress(1.0);
+    let section = Section {
+        id: "table-2".to_owned(),
+        title: "Table 2: control parameters".to_owned(),
+        text: words(&[
+            "Columns (A) ignore xᵀSBBᵀSx, columns (B) include it, columns (C) were used. φ_max is not printed. Each row of \
+             (44) is solved here for the φ_max at which it is an equality: a column that comes from (44) \
+             has the same one in all rows.",
+        ]),
+        statements,
+        tables,
+        figures: Vec::new(),
+    };
+    Ok(Part { assumptions: Vec::new(), sections: vec![section] })
+}
+
+/// "Higher than required".
+fn higher() -> Statement {
+    let below = |used: &Column, least: &Column| {
+        let pairs = [(used.k_tilde, least.k_tilde), (used.kp, least.kp), (used.kd, least.kd)];
+        pairs.iter().filter(|(used, least)| used < least).count()
+    };
+    let (one, two) = (below(&COLUMNS[2], &COLUMNS[0]), below(&COLUMNS[5], &COLUMNS[3]));
+    let of_b = below(&COLUMNS[2], &COLUMNS[1]) + below(&COLUMNS[5], &COLUMNS[4]);
+    Said {
+        id: "table2-higher",
+        place: "Sec. VII-A",
+        claim: "The gains that were used are higher than required",
+        paper: "higher than the required values",
+    }
+    .found(
+        format!("below column (A): {one} gain at m = 1, {two} at m = 2 (K̃ = 68.9 < 222, 174.7); below (B): {of_b}"),
+        Verdict::of(one + two + of_b == 0, of_b == 0),
+        "They are higher than columns (B). The K̃ of columns (A) is two to three times what was used.",
+        vec![number("gains below column (A)", "", (one + two) as f64, 0.0)],
+    )
+}
+
+/// "Mentioned in table 1".
+fn number_of_table() -> Statement {
+    Said {
+        id: "erratum-table-number",
+        place: "Sec. VII-A",
+        claim: "The control parameters stand in Table 1",
+        paper: "table 1",
+    }
+    .found(
+        "Table 2 has gains, Table 1 has ticks",
+        Verdict::of(false, COLUMNS.iter().all(|column| column.kp > 0.0)),
+        "Table 2.",
+        Vec::new(),
+    )
+}
+
+fn rows_table() -> Table {
+    let row = |column: &Column, feedback| {
+        let cells = column.phi_of_rows(feedback).into_iter().map(three);
+        let mut cells: Vec<String> = cells.collect();
+        cells.resize(4, "—".to_owned());
+        let term = if feedback == Feedback::Included { "with" } else { "without" };
+        [column.name.to_owned(), term.to_owned()].into_iter().chain(cells).collect()
+    };
+    let both = [Feedback::Ignored, Feedback::Included];
+    Table {
+        id: "table-2-rows".to_owned(),
+        title: "φ_max at which each row of (44) is an equality at the printed gains; a_{m−1} = K̃"
+            .to_owned(),
+        columns: words(&["column", "xᵀSBBᵀSx", "row 1", "row 2", "row 3", "row 4"]),
+        rows: COLUMNS.iter().flat_map(|c| both.map(|feedback| row(c, feedback))).collect(),
+    }
+}
+
+fn newton_table() -> Result<Table, String> {
+    let mut rows = Vec::new();
+    for order in 1..=3 {
+        for (feedback, letter) in [(Feedback::Ignored, "A"), (Feedback::Included, "B")] {
+            let x_max = match order {
+                3 => vec![1e-5, 1e-4, 1e-3, 1e-2, 1e-1],
+                _ => limits(order),
+            };
+            let limits = ErrorLimits { phi_max: PHI_MAX, x_max };
+            let found = MinimalGains::newton(&limits, feedback).map_err(|e| e.to_string())?;
+            let b: Vec<_> = found.b.iter().map(|b| three((*b).into())).collect();
+            rows.push(words(&[
+                format!("m = {order} ({letter})"),
+                three(found.k_tilde.into()),
+                three(found.kp.into()),
+                three(found.kd.into()),
+                if b.is_empty() { "—".to_owned() } else { b.join(", ") },
+            ]));
+        }
+    }
+    Ok(Table {
+        id: "table-2-newton".to_owned(),
+        title: format!(
+            "Least gains, every row of (44) an equality, by Newton's method at φ_max = {PHI_MAX}"
+        ),
+        columns: words(&["column", "K̃ [1/s]", "K_p [1/s²]", "K_d [1/s]", "b_0, b_1"]),
+        rows,
+    })
+}

@@ -1,0 +1,129 @@
+//! m = 2.
+
+use phihat_design::claims::paper::Feedback;
+use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains, polynomial};
+
+use super::super::compose::{number, three};
+use super::super::gains::{PHI_MAX, second_h1, second_h3};
+use super::super::record::{Statement, Verdict};
+use super::super::said::Said;
+use super::column::{COLUMNS, limits, refusal};
+
+/// b_0 = 0.
+pub(super) fn a2() -> Result<Statement, String> {
+    let column = &COLUMNS[3];
+    let law = Law { a: vec![0.0, 1.05 * column.k_tilde], ..column.law() };
+    let refused = refusal(&law, column.k_tilde)?;
+    let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
+    let phi: Vec<_> = column.phi_of_rows(Feedback::Ignored).into_iter().map(three).collect();
+    let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
+    let ours = MinimalGains::newton(&limits, Feedback::Ignored).map_err(|e| e.to_string())?;
+    Ok(Said {
+        id: "table2-a2",
+        place: "Table 2 (A), m = 2",
+        claim: "The least gains of order 2 by (44)",
+        paper: "174.7, 57, 39.9, b_0 = 0",
+    }
+    .found(
+        format!(
+            "{shown}; rows need φ_max = {}; Newton at {PHI_MAX}: {:.0}, {:.1}, {:.1}, {:.2}",
+            phi.join(", "),
+            ours.k_tilde,
+            ours.kp,
+            ours.kd,
+            ours.b.first().copied().unwrap_or(f64::NAN)
+        ),
+        Verdict::of(refused.is_none() && (ours.k_tilde - column.k_tilde).abs() < 1.0, false),
+        "b_0 = 0 violates A1: Q and S are singular, (40) is infinite, and a_0 = 0 makes it an estimator of order 1 with \
+         an idle state. No single φ_max gives the four numbers; a Newton iteration that had not converged \
+         would.",
+        vec![
+            number("Q_11", "", refused.map(|r| r.value), 1e-9),
+            number("K̃ by Newton", "1/s", ours.k_tilde, 1e-6),
+            number("K_p by Newton", "1/s²", ours.kp, 1e-6),
+            number("K_d by Newton", "1/s", ours.kd, 1e-6),
+        ],
+    )
+    .assuming(&["phi-max"]))
+}
+
+/// K̃ = 63.4, 100, 20, 20: the one column with a certificate at m = 2.
+pub(super) fn b2() -> Result<Statement, String> {
+    let column = &COLUMNS[4];
+    let law = column.law();
+    let raised = Law { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law };
+    let refused = refusal(&raised, column.k_tilde)?;
+    let rows: Vec<f64> = column.phi_of_rows(Feedback::Included).into_iter().flatten().collect();
+    let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|f| rows.iter().copied().reduce(f).unwrap_or(f64::NAN));
+    let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
+    let ours = MinimalGains::newton(&limits, Feedback::Included).map_err(|e| e.to_string())?;
+    let same = high / low < 1.01 && (low / PHI_MAX - 1.0).abs() < 0.01;
+    Ok(Said {
+        id: "table2-b2",
+        place: "Table 2 (B), m = 2",
+        claim: "The least gains of order 2 with xᵀSBBᵀSx included",
+        paper: "63.4, 100, 20, b_0 = 20",
+    }
+    .found(
+        format!(
+            "rows need φ_max = {} … {}; Newton at {PHI_MAX}: {:.1}, {:.1}, {:.1}, {:.2}",
+            three(low.into()),
+            three(high.into()),
+            ours.k_tilde,
+            ours.kp,
+            ours.kd,
+            ours.b.first().copied().unwrap_or(f64::NAN)
+        ),
+        Verdict::of(same, false),
+        format!(
+            "{} The first row is an equality at φ_max = 44.4, twice 22.2, to the last printed digit; the other rows \
+             then fall short by up to {:.0} %. K_p = 100 and K_d = 20 are what m = 1 gives. All rows hold for \
+             φ_max up to {}.",
+            if refused.is_none() { "The only column of m = 2 that satisfies A1 to A3." } else { "No certificate." },
+            100.0 * (1.0 - low / high),
+            three(low.into())
+        ),
+        vec![
+            number("least φ_max of a row", "", low, 1e-9),
+            number("largest φ_max of a row", "", high, 1e-9),
+            number("K̃ by Newton", "1/s", ours.k_tilde, 1e-6),
+        ],
+    )
+    .assuming(&["phi-max"]))
+}
+
+/// (C), m = 2.
+pub(super) fn c2() -> Result<Statement, String> {
+    let column = &COLUMNS[5];
+    let refused = refusal(&second_h1(), column.k_tilde)?;
+    let at_any = |law: &Law| Attenuation::of(law).map_err(|e| e.to_string());
+    let (h1, h2, h3) = (
+        at_any(&second_h1())?.return_difference,
+        at_any(&Law { a: vec![69.6 * 139.2, 139.2], ..second_h1() })?.return_difference,
+        at_any(&second_h3())?.return_difference,
+    );
+    let stable = polynomial::is_hurwitz(&second_h1().denominator(1.0));
+    let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
+    Ok(Said {
+        id: "table2-c2",
+        place: "Table 2 (C), m = 2",
+        claim: "The gains that were used satisfy A1 to A3",
+        paper: "68.9, 400, 40, b_0 = 69.6",
+    }
+    .found(
+        format!("{shown}; K̃ that works: H1 {}, H2 {}, H3 from {}", three(h1), three(h2), three(h3)),
+        Verdict::of(refused.is_none(), h3.is_some() && h1.is_none()),
+        format!(
+            "A3 asks for K̃ > 2b_0 = 139.2. Theorems 2, 3 and 5 say nothing about the gains of the experiments, whatever γ was: \
+             b_0 = 69.6 with K̃ < a_1 needs a_1² > 2a_0, estimator damping above 1/√2. The loop itself is {} at \
+             M = 1. Halving b_0 (H3) is enough for a certificate.",
+            if stable { "stable" } else { "unstable" }
+        ),
+        vec![
+            number("Q_44", "", refused.map(|r| r.value), 1e-6),
+            number("least K̃, H3", "1/s", h3, 1e-6),
+        ],
+    )
+    .assuming(&["gains"]))
+}

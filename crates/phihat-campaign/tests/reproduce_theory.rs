@@ -1,0 +1,147 @@
+//! For this to be wrong, closed forms written down here, the tables as printed and the exact loops of the reproduction
+//! would have to agree by accident.
+#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+use phihat_campaign::reproduce::{
+    Content, Extent, Reproduction, Statement, Verdict, reproduce_only,
+};
+
+fn part(name: &str) -> Reproduction {
+    reproduce_only(Some(name), Extent { quick: true }, 1, &|_, _| ()).unwrap()
+}
+
+fn all() -> &'static [Statement] {
+    static ALL: OnceLock<Vec<Statement>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let parts = ["theory", "table 1", "table 2", "order"].map(part);
+        let sections = parts.into_iter().flat_map(|part| part.sections);
+        sections.flat_map(|section| section.statements).collect()
+    })
+}
+
+fn statement(id: &str) -> &'static Statement {
+    all().iter().find(|statement| statement.id == id).unwrap()
+}
+
+fn value(id: &str, number: usize) -> f64 {
+    statement(id).numbers[number].value.unwrap()
+}
+
+fn near(value: f64, expected: f64, relative: f64) {
+    assert!((value - expected).abs() <= relative * expected.abs(), "{value} is not {expected}");
+}
+
+/// `|φ̃/φ| = (ω/|jω + a|)^m` for equal poles.
+#[test]
+fn what_theorem_1_leaves_is_the_closed_form() {
+    let omega = core::f64::consts::TAU / 6.17;
+    for (number, power) in [(0, 1), (1, 2), (2, 3)] {
+        near(value("theorem1-convergence", number), (omega / omega.hypot(69.6)).powi(power), 1e-4);
+    }
+    assert_eq!(statement("theorem1-convergence").verdict, Verdict::WithCorrection);
+    near(value("lemma1-start", 0), -69.6 * 40.0 * 0.1, 1e-9);
+    near(value("lemma1-start", 1), -(69.6 * 40.0 + 69.6 * 69.6) * 0.1, 1e-9);
+}
+
+/// Residual of entry (3, 3) of (13) with the printed `Q_33`: `K̃ b_0² − K̃ b_0` over its largest term.
+#[test]
+fn the_residual_of_the_printed_q33_is_its_own_error() {
+    let (k, b, kp, kd) = (100.0, 34.8, 400.0, 40.0);
+    let s34: f64 = kd + b;
+    let s23 = b * kd * kd + k * kp + b * k * kd + kp * kd - b * kp;
+    // 2 (S_23 − K_p S_34) − a_1 S_34² + S_34²/γ² + Q_33, a_1 = 139.2.
+    let largest = (139.2 * s34 * s34).max(s23 - kp * s34);
+    near(value("erratum-q33", 0), k * (b * b - b) / largest, 1e-6);
+    near(value("erratum-q33", 2), (139.2_f64 - 100.0).sqrt().recip(), 1e-9);
+}
+
+/// The value of the game by the last 2×2 block of (18), and the errors of m = 1 by peak-to-peak gains of a PD
+/// loop with a lag, found elsewhere.
+#[test]
+fn game_and_bounds() {
+    let (k, b, kd, x): (f64, f64, f64, [f64; 2]) = (100.0, 34.8, 40.0, [0.1, 0.5]);
+    let s33 = kd * kd + b * k + k * kd;
+    let expected = s33 * x[0] * x[0] + 2.0 * (kd + b) * x[0] * x[1] + x[1] * x[1];
+    near(value("theorem4-value", 0), expected, 1e-6);
+    assert!(value("theorem4-value", 2) < expected);
+    assert!(
+        value("l2-gain-bound", 1) <= value("l2-gain-bound", 0)
+            && value("l2-gain-bound", 2) <= value("l2-gain-bound", 0)
+    );
+    near(value("theorem5-radius", 0), 207.0, 1e-2);
+    near(value("theorem5-sharp", 0), 5.02e-4 * 22.2, 1e-3);
+    near(value("theorem5-sharp", 1), 1.69e-2 * 22.2, 5e-3);
+    near(value("theorem5-sharp", 2), 1.96e-4 * 22.2, 2e-3);
+}
+
+#[test]
+fn table_2_in_numbers() {
+    near(value("table2-a1", 0), 444.0, 1e-9);
+    near(value("erratum-kd", 0), 500.0_f64.sqrt() - 10.0, 1e-9);
+    near(value("table2-b1", 0), -3.3 * 156.0, 1e-9);
+    near(value("table2-c2", 0), 68.9 - 139.2, 1e-6);
+    // Row 1 of (44), m = 2 (B): ½K̃(b_0 K_p ∬e + BᵀSx).
+    let x = [1e-4, 1e-3, 1e-2, 1e-1];
+    let pull = 2000.0 * x[0] + 500.0 * x[1] + 40.0 * x[2] + x[3];
+    near(value("table2-b2", 1), 0.5 * 63.4 * (2000.0 * x[0] + pull), 1e-9);
+}
+
+/// A ramp of slope c leaves c/a_0 at m = 1, a parabola with φ̈ = c the same over a_0 at m = 2.
+#[test]
+fn what_is_left_of_polynomials() {
+    near(value("fig13-polynomials", 0), 20.0 / 20.0, 1e-6);
+    near(value("fig13-polynomials", 1), 20.0 / 400.0, 1e-6);
+    assert_eq!(statement("fig13-polynomials").verdict, Verdict::Reproduced);
+    assert!(value("erratum-hyperbolic", 0) > 1e-3);
+    let falls = |id: &str| (1..3).all(|k| value(id, k) < value(id, k - 1));
+    assert!(falls("fig12-gain") && falls("fig13-real"));
+}
+
+#[test]
+fn errata_come_out_as_corrections() {
+    let errata = part("theory").sections.into_iter().find(|s| s.id == "errata").unwrap();
+    let rows = &errata.tables[0].rows;
+    assert!(rows.len() >= 19);
+    for row in rows {
+        for id in row[3].split(", ").filter(|id| *id != "erratum-table3-unit") {
+            assert_ne!(statement(id).verdict, Verdict::Reproduced, "{id}");
+        }
+    }
+    for sound in ["lemma1-forms", "theorem2-conditions", "theorem2-first-order", "theorem2-a2"] {
+        assert_eq!(statement(sound).verdict, Verdict::Reproduced, "{:?}", statement(sound));
+    }
+    for sound in ["remark9-choi", "l2-gain-bound", "theorem3-dissipation", "theorem4-worst-case"] {
+        assert_eq!(statement(sound).verdict, Verdict::Reproduced, "{:?}", statement(sound));
+    }
+}
+
+/// What a page needs: unique names, square tables, curves that can be drawn.
+#[test]
+fn well_formed() {
+    let mut ids = BTreeSet::new();
+    for name in ["theory", "table 1", "table 2", "order"] {
+        for section in part(name).sections {
+            assert!(ids.insert(section.id.clone()), "{}", section.id);
+            for statement in &section.statements {
+                assert!(ids.insert(statement.id.clone()), "{}", statement.id);
+                assert!(!statement.ours.is_empty() && !statement.why.is_empty());
+            }
+            for table in &section.tables {
+                assert!(
+                    table.rows.iter().all(|row| row.len() == table.columns.len()),
+                    "{}",
+                    table.id
+                );
+            }
+            for panel in section.figures.iter().flat_map(|figure| &figure.panels) {
+                let Content::Lines { series, .. } = &panel.content else { continue };
+                assert!((1..=6).contains(&series.len()), "{}", panel.title);
+                let finite = |point: &[f64; 2]| point.iter().all(|v| v.is_finite());
+                assert!(series.iter().all(|s| s.points.len() > 10 && s.points.iter().all(finite)));
+            }
+        }
+    }
+}
