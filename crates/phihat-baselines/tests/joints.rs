@@ -246,11 +246,10 @@ fn inertia_windows_are_where_the_loop_says() {
             let mut joints = joints.clone();
             joints.ratio = ratio;
             let points = joints.run(entry, &tuning, |_| 0.0);
-            let most = |from: f64, to: f64| {
-                let part = points.iter().filter(|p| p.t >= from && p.t < to);
-                part.map(|p| p.e.abs() + 1e-2 * p.de.abs()).fold(0.0, f64::max)
-            };
-            points.last().unwrap().t > 19.0 && most(15.0, 20.0) < 0.9 * most(0.0, 5.0)
+            // A start so small grows or dies out before a law notices that it is not linear.
+            let late = points.iter().filter(|p| p.t >= 15.0);
+            let most = late.map(|p| p.e.abs() + 1e-2 * p.de.abs()).fold(0.0, f64::max);
+            points.last().unwrap().t > 19.0 && most < joints.start
         };
         for (wanted, factor) in ends.into_iter().zip([0.99, 1.01]) {
             if !wanted {
