@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::test::cargo;
+
 /// The README's main job.
 const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda.toml"];
 
@@ -13,8 +15,14 @@ const PICTURES: [&str; 2] = ["error-steady", "unknown-dynamics"];
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";
 
-/// Runs the main job and writes its output and pictures.
+/// The reproduction of the paper that the repository keeps.
+const KEPT: &str = "docs/reproduction";
+/// What is made to be kept or compared; it stays in the build folder.
+const FRESH: &str = "target/reproduction";
+
+/// Runs the main job and writes its output and pictures, and the paper's reproduction.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
+    reproduction(root)?;
     let (before, after) = frame(root)?;
     let printed = output(root)?;
     write(&root.join("README.md"), &format!("{before}{OPEN}{printed}{CLOSE}{after}"))?;
@@ -23,6 +31,37 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
         write(&root.join(format!("docs/pictures/panda-{name}.svg")), &svg)?;
     }
     Ok(())
+}
+
+/// Reproduces the paper and keeps data, page and figures.
+fn reproduction(root: &Path) -> Result<(), String> {
+    let (fresh, kept) = (root.join(FRESH), root.join(KEPT));
+    for old in [&fresh, &kept.join("figures")] {
+        if old.exists() {
+            fs::remove_dir_all(old).map_err(|e| format!("{}: {e}", old.display()))?;
+        }
+    }
+    let build = ["run", "--quiet", "--release", "-p", "phihat-cli", "--features", "png"];
+    let verb = ["--bin", "phihat", "--", "reproduce", "--out", FRESH];
+    cargo(root, &[&build[..], &verb].concat())?;
+    for name in ["reproduction.json", "report.html"] {
+        copy(&fresh.join(name), &kept.join(name))?;
+    }
+    let figures = fs::read_dir(fresh.join("figures")).map_err(|e| e.to_string())?;
+    for figure in figures {
+        let figure = figure.map_err(|e| e.to_string())?;
+        copy(&figure.path(), &kept.join("figures").join(figure.file_name()))?;
+    }
+    Ok(())
+}
+
+/// Whether a quick reproduction still says what the kept one does: verdicts, and numbers within their tolerance.
+pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
+    let kept = format!("{KEPT}/reproduction.json");
+    let verb = ["phihat", "reproduce", "--quick", "--out", FRESH, "--against", &kept];
+    cargo(root, &verb).map_err(|why| {
+        format!("{why}; if the change is meant, run `cargo xtask bless` and look at the diff")
+    })
 }
 
 /// Whether README and pictures are what the program prints and draws now.
@@ -66,6 +105,13 @@ fn output(root: &Path) -> Result<String, String> {
 
 fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    if let Some(folder) = to.parent() {
+        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    fs::copy(from, to).map(|_| ()).map_err(|e| format!("{}: {e}", from.display()))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

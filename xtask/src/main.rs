@@ -16,7 +16,7 @@ const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
-  cargo xtask bless            runs the main job and puts its output and pictures into the README";
+  cargo xtask bless            the README's output and pictures, and docs/reproduction, as they are now";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

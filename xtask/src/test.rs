@@ -9,7 +9,7 @@ use crate::{bindings, bless, instructions, rules};
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 17] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -21,6 +21,9 @@ const STEPS: [Step; 15] = [
     ("traces as Parquet", |root| {
         cargo(root, &["test", "-p", "phihat-sim", "--features", "parquet", "--test", "parquet"])
     }),
+    ("figures as PNG", |root| {
+        cargo(root, &["test", "-p", "phihat-cli", "--features", "png", "--lib", "png"])
+    }),
     ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
     ("documentation", documentation),
     ("the core cannot panic or allocate", rules::core_is_bare),
@@ -28,6 +31,7 @@ const STEPS: [Step; 15] = [
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
     ("the README prints what is printed", bless::check),
+    ("the paper's reproduction is what the repository keeps", bless::reproduced),
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
     ("Python", bindings::python),
@@ -108,8 +112,17 @@ fn browser(root: &Path) -> Result<(), String> {
     cargo(root, &["phihat", "run", "studies/panda_design.toml"])?;
     let pages = ["panda", "first", "panda_design"].map(page);
     command(&folder, "node", &["check.mjs", &pages[0], &pages[1], &pages[2]])?;
-    let hostile = root.join("target/hostile").display().to_string();
+    // Made up, with everything that the page can show; and the paper's, where it was made.
+    let made_up = root.join("target/reproduction-page").display().to_string();
     let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];
+    cargo(root, &[&demo[..], &[&made_up, "reproduction"]].concat())?;
+    let mut arguments = vec!["check.mjs".to_owned(), "--reproduction".to_owned()];
+    arguments.push(format!("{made_up}/page.html"));
+    let fresh = root.join("target/reproduction/report.html");
+    arguments.extend(fresh.exists().then(|| fresh.display().to_string()));
+    let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+    command(&folder, "node", &arguments)?;
+    let hostile = root.join("target/hostile").display().to_string();
     cargo(root, &[&demo[..], &[&hostile, "hostile"]].concat())?;
     let mut pages: Vec<String> = std::fs::read_dir(&hostile)
         .map_err(|e| format!("{hostile}: {e}"))?

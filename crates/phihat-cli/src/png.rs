@@ -23,10 +23,15 @@ mod painter {
     }
 
     impl Painter {
-        /// Looks for a font without serifs, or any.
+        /// With the machine's fonts.
         pub(crate) fn new() -> Result<Self, String> {
             let mut fonts = fontdb::Database::new();
             fonts.load_system_fonts();
+            Self::with(fonts)
+        }
+
+        /// Looks for a font without serifs, or any.
+        fn with(mut fonts: fontdb::Database) -> Result<Self, String> {
             let has =
                 |family: &str| fonts.faces().any(|f| f.families.iter().any(|n| n.0 == family));
             let known = ["DejaVu Sans", "Arial", "Liberation Sans", "Noto Sans", "Helvetica"];
@@ -54,6 +59,50 @@ mod painter {
             pixels.fill(Color::WHITE);
             resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
             pixels.encode_png().map_err(|e| format!("no PNG: {e}"))
+        }
+    }
+
+    #[cfg(test)]
+    #[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+    mod tests {
+        use super::{Painter, fontdb};
+        use resvg::tiny_skia::Pixmap;
+
+        /// Two by one centimetres, the right half blue.
+        const HALVES: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" width="2cm" height="1cm" viewBox="0 0 200 100">
+            <rect x="100" y="0" width="100" height="100" fill="#0072B2"/>WORDS</svg>"##;
+
+        fn pixels(painter: &Painter, words: &str) -> Pixmap {
+            Pixmap::decode_png(&painter.paint(&HALVES.replace("WORDS", words)).unwrap()).unwrap()
+        }
+
+        fn bare() -> Painter {
+            Painter { fonts: fontdb::Database::new().into(), family: String::new() }
+        }
+
+        #[test]
+        fn a_centimetre_is_a_hundred_pixels_and_colours_are_where_they_belong() {
+            let plain = pixels(&bare(), "");
+            assert_eq!((plain.width(), plain.height()), (200, 100));
+            let at = |x, y| plain.pixel(x, y).map(|p| (p.red(), p.green(), p.blue(), p.alpha()));
+            assert_eq!(at(50, 50), Some((255, 255, 255, 255)));
+            assert_eq!(at(150, 50), Some((0, 114, 178, 255)));
+        }
+
+        #[test]
+        fn words_are_written_or_there_is_one_line_of_why() {
+            let words =
+                r#"<text x="10" y="60" font-family="sans-serif" font-size="40">φ̂ mm</text>"#;
+            let dark = |map: &Pixmap| {
+                map.pixels().iter().filter(|p| p.red() < 64 && p.blue() < 64).count()
+            };
+            match Painter::new() {
+                Ok(painter) => assert!(dark(&pixels(&painter, words)) > 200, "no text"),
+                Err(why) => assert!(why.contains("no font"), "{why}"),
+            }
+            let none = Painter::with(fontdb::Database::new()).unwrap_err();
+            assert_eq!(none, "no PNG: this machine has no font; the SVG files are complete");
+            assert!(bare().paint("<svg").unwrap_err().starts_with("no PNG: "));
         }
     }
 }

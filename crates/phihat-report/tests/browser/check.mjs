@@ -3,6 +3,7 @@
 //   cd crates/phihat-report/tests/browser && npm ci
 //   node check.mjs PAGE.html...                  ordinary pages: every check
 //   node check.mjs --hostile PAGE.html...        pages full of hostile names: nothing may run
+//   node check.mjs --reproduction PAGE.html...   pages of the paper's reproduction
 //
 // Chromium: the one of the system (`apt-get install chromium fonts-dejavu-core`), or CHROMIUM=PATH.
 // With SHOTS=FOLDER it leaves pictures there. The last line is `N passed, N failed`; the exit code
@@ -15,6 +16,7 @@ import { pathToFileURL } from "node:url";
 
 const words = process.argv.slice(2);
 const hostile = words.includes("--hostile");
+const reproduction = words.includes("--reproduction");
 const pages = words.filter((word) => !word.startsWith("--"));
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
@@ -161,6 +163,50 @@ async function harmless(browser, file) {
   await context.close();
 }
 
+// The page of the reproduction: no script at all; the choice of verdicts is made of styles.
+async function reproduced(browser, file) {
+  const name = basename(file);
+  for (const [view, options] of [
+    ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
+    ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
+    ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
+  ]) {
+    const { context, page, seen } = await open(browser, file, options);
+    const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
+    const figures = await page.locator("figure svg[role=img]").evaluateAll((all) => all.map((svg) => svg.getBoundingClientRect()));
+    check(name, `${view}: figures are seen`, figures.length > 0 && figures.every((box) => box.width > 250 && box.height > 80), `${figures.length}`);
+    check(name, `${view}: no figure failed`, !(await page.content()).includes("could not be drawn"));
+    const visible = () => page.locator("tr.statement").evaluateAll((all) => all.filter((row) => row.checkVisibility()).map((row) => row.className));
+    const counts = await page.locator(".counts li").evaluateAll((all) => all.map((li) => [li.className, Number(li.textContent.match(/\d+/)[0])]));
+    const all = (await visible()).length;
+    check(name, `${view}: every statement is counted`, all > 0 && all === counts.reduce((sum, [, count]) => sum + count, 0), JSON.stringify(counts));
+    for (const [verdict, count] of counts) {
+      await page.check(`#show-${verdict}`);
+      const left = await visible();
+      check(name, `${view}: ${verdict} alone`, left.length === count && left.every((row) => row.split(" ").includes(verdict)), `${left.length} of ${count}`);
+      const empty = await page.locator(".part").evaluateAll((parts) => parts.some((part) => part.checkVisibility() && ![...part.querySelectorAll("tr.statement")].some((row) => row.checkVisibility())));
+      check(name, `${view}: ${verdict}: no section without a statement`, !empty);
+    }
+    await page.check("#show-all");
+    check(name, `${view}: all again`, (await visible()).length === all);
+    await page.locator(".group a").last().click();
+    const target = await page.evaluate(() => { const box = document.querySelector("tr:target").getBoundingClientRect(); return box.top >= 0 && box.top < innerHeight; });
+    check(name, `${view}: a link leads to its statement`, target);
+    check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
+    check(name, `${view}: asks for nothing`, seen.requests.every((url) => url.split("#")[0] === seen.requests[0]), seen.requests.join(" "));
+    if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
+    if (view === "light") {
+      await page.emulateMedia({ media: "print" });
+      const numbers = await page.locator(".evidence > :not(summary)").evaluateAll((shown) => shown.every((node) => node.checkVisibility({ contentVisibilityAuto: true })));
+      check(name, "print: numbers and studies are shown", numbers);
+      check(name, "print: the choice is not", !(await page.locator(".choice").isVisible()));
+      if (shots) await page.pdf({ path: `${shots}/${name}.pdf`, preferCSSPageSize: true });
+    }
+    await context.close();
+  }
+}
+
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
   .find((path) => path && existsSync(path));
 if (!executablePath || pages.length === 0) {
@@ -173,6 +219,7 @@ const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] }
 for (const file of pages) {
   try {
     if (hostile) await harmless(browser, file);
+    else if (reproduction) await reproduced(browser, file);
     else {
       await looks(browser, file);
       await works(browser, file);
