@@ -52,8 +52,8 @@ mod painter {
             };
             let tree = Tree::from_str(svg, &options).map_err(|e| format!("no PNG: {e}"))?;
             let scale = PIXELS_PER_CM / CSS_PIXELS_PER_CM;
-            let size = tree.size().to_int_size().scale_by(scale);
-            let size = size.ok_or("no PNG: the figure has no size")?;
+            let size = tree.size().scale_by(scale);
+            let size = size.ok_or("no PNG: the figure has no size")?.to_int_size();
             let mut pixels = Pixmap::new(size.width(), size.height())
                 .ok_or("no PNG: the figure is too large")?;
             pixels.fill(Color::WHITE);

@@ -119,7 +119,7 @@ fn a_part_says_so() {
     part.quick = true;
     let words = text(&all(&page(&part), "main")[0]);
     assert!(words.contains("A part of it only: what was chosen by “figures”"), "{words}");
-    assert!(words.contains("phihat reproduce --quick --only figures"), "{words}");
+    assert!(words.contains("phihat reproduce --quick --only \"figures\""), "{words}");
     let empty = Reproduction { sections: vec![], assumptions: vec![], ..reproduction() };
     assert!(text(&all(&page(&empty), "main")[0]).contains("0 of 0 statements"));
 }

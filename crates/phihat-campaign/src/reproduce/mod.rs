@@ -154,6 +154,7 @@ pub fn reproduce_only(
         }
         whole.sections.extend(result.sections);
     }
+    whole.round();
     Ok(whole)
 }
 

@@ -104,7 +104,7 @@ fn again(reproduction: &Reproduction) -> Markup {
         h2 id="again" { "Make it again" }
         pre tabindex="0" aria-label="command" { code {
             "phihat reproduce" (quick)
-            @if let Some(only) = &reproduction.only { " --only " (line(only)) }
+            @if let Some(only) = &reproduction.only { " --only \"" (line(only)) "\"" }
         } }
         p {
             "It leaves this page, every figure as SVG, every number in reproduction.json, and the studies. A study runs alone: "

@@ -27,6 +27,8 @@ const BOTTOM: u32 = 136;
 const TOP: u32 = 14;
 /// Height of a line of text.
 const LINE: u32 = 68;
+/// Between the panels of a column.
+const GAP: u32 = 20;
 /// Widths of one character of text and of the title, about.
 const CHARACTER: u32 = 27;
 const TITLE_CHARACTER: u32 = 33;
@@ -102,7 +104,7 @@ impl Layout {
             columns: columns as usize,
             rows: panels.len().div_ceil(columns as usize).max(1),
             width,
-            head: lines * LINE,
+            head: lines * LINE + GAP,
             axes,
         }
     }
@@ -130,7 +132,7 @@ fn paint(layout: &Layout, panels: &[data::Panel], root: &Area<'_>) -> Result<(),
     key::draw(&layout.key, &header, (40, y))?;
     for (panel, area) in panels.iter().zip(body.split_evenly((layout.rows, layout.columns))) {
         let (head, axes) = area.split_vertically(layout.head);
-        let mut y = 4;
+        let mut y = 20;
         for line in wrapped(&panel.title, (layout.width - 100) / CHARACTER) {
             let font = ("sans-serif", TEXT).into_font();
             head.draw(&Text::new(line, (60, y), font)).map_err(told)?;

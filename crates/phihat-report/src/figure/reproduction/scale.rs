@@ -66,7 +66,9 @@ impl Scale {
 
     /// What a tick says.
     pub(super) fn label(&self, coordinate: f64) -> String {
-        if self.log { power(10.0_f64.powf(coordinate)) } else { tick(coordinate, self.length()) }
+        let value = if self.log { 10.0_f64.powf(coordinate) } else { coordinate };
+        let short = (1e-4..1e5).contains(&value.abs()) || value.abs() < 1e-9 * self.length();
+        if short && !self.log { tick(value, self.length()) } else { power(value) }
     }
 }
 
@@ -91,7 +93,7 @@ fn ticks(range: &Range<f64>, log: bool) -> Vec<f64> {
 
 /// A power of ten where that is shorter: `10⁻⁶`, but `0.001`.
 fn power(value: f64) -> String {
-    if (1e-3..1e5).contains(&value) {
+    if (1e-3..1e5).contains(&value.abs()) {
         return stated(value);
     }
     let text = format!("{value:e}");
@@ -107,6 +109,7 @@ fn power(value: f64) -> String {
     let raised: String = raised.collect();
     match digits.parse::<f64>().map(stated).as_deref() {
         Ok("1") => format!("10{raised}"),
+        Ok("-1") => format!("-10{raised}"),
         Ok(digits) => format!("{digits}·10{raised}"),
         Err(_) => text,
     }
@@ -167,8 +170,15 @@ mod tests {
 
     #[test]
     fn powers_of_ten_are_raised() {
-        let cases =
-            [(1e-6, "10⁻⁶"), (2e-13, "2·10⁻¹³"), (1e5, "10⁵"), (0.02, "0.02"), (500.0, "500")];
+        let cases = [
+            (1e-6, "10⁻⁶"),
+            (2e-13, "2·10⁻¹³"),
+            (1e5, "10⁵"),
+            (0.02, "0.02"),
+            (500.0, "500"),
+            (-1e6, "-10⁶"),
+            (-5e5, "-5·10⁵"),
+        ];
         for (value, text) in cases {
             assert_eq!(power(value), text);
         }
