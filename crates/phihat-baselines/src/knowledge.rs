@@ -1,11 +1,13 @@
 //! What can be known of an arm before a run, and the models that rivals compute with.
 
 use core::fmt;
+use std::sync::Arc;
 
 use phihat_model::{Model, Workspace};
 
 use crate::error::Refusal;
 use crate::needs::{Knows, Needs};
+use crate::orbit::Curve;
 
 /// Everything that could be handed to a rival. What it declares decides what it gets.
 #[derive(Debug, Clone)]
@@ -20,6 +22,8 @@ pub struct Supply {
     pub torque_max: Option<Vec<f64>>,
     /// The period of the task \[s\].
     pub task_period: Option<f64>,
+    /// The task as a closed path.
+    pub orbit: Option<Arc<dyn Curve>>,
 }
 
 impl Supply {

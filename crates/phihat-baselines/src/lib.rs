@@ -36,6 +36,7 @@ mod knowledge;
 mod lumped;
 mod math;
 mod needs;
+mod orbit;
 mod regressor;
 mod rival;
 mod rivals;
@@ -50,6 +51,7 @@ pub use needs::{
     Acceleration, All, Inertia, Knows, Motion, MotionAndTorque, Needs, NoReference, Nothing,
     Period, Positions, PositionsAndTorque, Sees, TorqueMax, Velocity, Wants,
 };
+pub use orbit::{Curve, Orbit};
 pub use regressor::Regressor;
 pub use rival::{Entry, Rival, Running};
 pub use rivals::{RIVALS, rival};

@@ -19,7 +19,9 @@ fn learnt(id: &str, rates: &[usize]) -> (f64, f64) {
         let run = bench.run(entry, &tuning);
         assert!(run.complete(&bench), "{id} diverged");
         let late = run.rms_worst(18.8);
-        rates.iter().for_each(|rate| values[*rate] *= 1e-9);
+        for rate in rates {
+            values[*rate] *= 1e-9;
+        }
         late
     };
     (late(), late())

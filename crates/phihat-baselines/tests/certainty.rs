@@ -190,3 +190,24 @@ fn the_conditions_of_sampling_are_those_of_a_single_inertia() {
         assert!(found.holds && (found.margin - margin).abs() < 1e-9, "{found:?}");
     }
 }
+
+/// With an exact model the arm ends on the path and runs along it at the task's own speed, at no set time.
+#[test]
+fn the_orbit_is_reached_and_run_at_its_own_speed() {
+    let mut bench = displaced(12.0);
+    let path = bench.supply.orbit.clone().unwrap();
+    let entry = rival("orbital").unwrap();
+    let run = bench.run(entry, &bench.published(entry));
+    let off = run.distance(path.as_ref(), 10.0);
+    assert!(off < 2e-3, "{off}");
+    // A turn later it is where it was.
+    let turn = run.t.len() - 1 - 6170;
+    let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 5e-3);
+    assert!(near(&run.q[turn], run.q.last().unwrap()), "{:?}", run.q[turn]);
+    assert!(run.error_max(10.0) > 0.05, "not on the time table either");
+    // Dry friction slows it down: the path is kept, the turn is not completed.
+    bench.friction.1.fill(0.2);
+    let run = bench.run(entry, &bench.published(entry));
+    assert!(run.distance(path.as_ref(), 8.0) < 0.03);
+    assert!(!near(&run.q[turn], run.q.last().unwrap()));
+}

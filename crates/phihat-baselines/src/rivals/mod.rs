@@ -18,6 +18,7 @@ mod hayat_buss_2016;
 mod industrial_pid;
 mod nonlinear_feedback;
 mod nric;
+mod orbital;
 mod output_feedback;
 mod park_chung;
 mod pd;
@@ -49,6 +50,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<filtered_regressor::FilteredRegressor>(),
     Entry::of::<switching::Switching>(),
     Entry::of::<finite_time::FiniteTime>(),
+    Entry::of::<orbital::Orbital>(),
     Entry::of::<h_infinity_pid::HInfinityPid>(),
     Entry::of::<nric::Nric>(),
     Entry::of::<park_chung::ParkChung>(),

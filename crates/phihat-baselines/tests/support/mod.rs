@@ -4,8 +4,9 @@
 pub(crate) mod joints;
 
 use core::f64::consts::TAU;
+use std::sync::Arc;
 
-use phihat_baselines::{All, Arm, Entry, Supply, Tuning};
+use phihat_baselines::{All, Arm, Curve, Entry, Supply, Tuning};
 use phihat_model::{Model, Robot, Workspace};
 
 /// Sample period \[s\].
@@ -27,6 +28,29 @@ pub(crate) struct Bench {
     pub(crate) ratio: [f64; 2],
 }
 
+/// The motion's path once it is faded in.
+#[derive(Debug)]
+pub(crate) struct Sines {
+    pub(crate) center: Vec<f64>,
+    pub(crate) amplitude: f64,
+}
+
+impl Curve for Sines {
+    fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        let w = TAU / self.period();
+        for i in 0..q.len() {
+            let (sin, cos) = (w * theta + 0.7 * i as f64).sin_cos();
+            q[i] = self.center[i] + self.amplitude * sin;
+            dq[i] = self.amplitude * w * cos;
+            ddq[i] = -self.amplitude * w * w * sin;
+        }
+    }
+
+    fn period(&self) -> f64 {
+        6.17
+    }
+}
+
 /// What a run leaves.
 #[derive(Debug, Default)]
 pub(crate) struct Run {
@@ -45,14 +69,16 @@ impl Bench {
         let plant = robot.plant_model();
         let n = plant.joint_count();
         let range = robot.inertia_range(300, 1);
-        let supply = Supply {
+        let mut supply = Supply {
             inertia: range.mean.clone(),
             model: plant.clone().with_masses_times(0.8).unwrap(),
             viscous: vec![0.1; n],
             torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
             task_period: Some(6.17),
+            orbit: None,
         };
         let center = robot.poses["ready"].clone();
+        supply.orbit = Some(Arc::new(Sines { center: center.clone(), amplitude: 0.3 }));
         Self {
             friction: (vec![0.1; n], vec![0.2; n]),
             torque_max: f64::INFINITY,
@@ -234,6 +260,24 @@ impl Run {
     /// The same of the worst joint.
     pub(crate) fn rms_worst(&self, from: f64) -> f64 {
         (0..self.e[0].len()).map(|i| self.rms(i, from)).fold(0.0, f64::max)
+    }
+
+    /// Largest distance from a path from a time on \[rad\], over places a thousandth of a turn apart.
+    pub(crate) fn distance(&self, path: &dyn Curve, from: f64) -> f64 {
+        let first = self.t.partition_point(|t| *t < from);
+        let n = self.q[0].len();
+        let (mut slope, mut bend) = (vec![0.0; n], vec![0.0; n]);
+        let mut place = |k: u32| {
+            let mut q = vec![0.0; n];
+            path.at(path.period() * f64::from(k) / 1000.0, &mut q, &mut slope, &mut bend);
+            q
+        };
+        let places: Vec<_> = (0..1000).map(&mut place).collect();
+        let apart = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        };
+        let nearest = |q: &Vec<f64>| places.iter().map(|p| apart(q, p)).fold(f64::MAX, f64::min);
+        self.q[first..].iter().step_by(10).map(nearest).fold(0.0, f64::max)
     }
 
     /// Largest |e| of any joint from a time on \[rad\].

@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use phihat_baselines::{All, Running, Supply};
+use phihat_baselines::{All, Curve, Running, Supply};
 use phihat_model::ModelError;
-use phihat_sim::{Driver, Moment};
+use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
 use phihat_study::{Reference, Study};
 
 /// A rival that the simulator can drive with.
@@ -83,7 +83,43 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         viscous: viscous.enumerate().map(known).collect(),
         torque_max: study.control.torque_max.clone(),
         task_period: period(&study.reference),
+        orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
     })
+}
+
+/// One turn of a study's reference, after its start.
+#[derive(Debug)]
+struct Turn {
+    motion: PlannedMotion,
+    start: f64,
+    period: f64,
+}
+
+impl Turn {
+    fn of(study: &Study) -> Option<Self> {
+        let period = period(&study.reference)?;
+        let start = match &study.reference {
+            Reference::Sines { fade_in, .. } | Reference::Cartesian { fade_in, .. } => *fade_in,
+            _ => 0.0,
+        };
+        let duration = start + 2.0 * period;
+        let motion = PlannedMotion::new(&study.reference, &study.robot, duration).ok()?;
+        Some(Self { motion, start, period })
+    }
+}
+
+impl Curve for Turn {
+    fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        // The middle of two turns: away from both ends of the motion.
+        let t = self.start + 0.5 * self.period + theta.rem_euclid(self.period);
+        for joint in 0..q.len() {
+            [q[joint], dq[joint], ddq[joint]] = self.motion.at(joint, t);
+        }
+    }
+
+    fn period(&self) -> f64 {
+        self.period
+    }
 }
 
 /// Longest common period that is looked for \[s\].
