@@ -16,6 +16,7 @@
 
 mod certificate;
 mod chart;
+mod comparison;
 mod decimate;
 mod faults;
 mod figure;
@@ -31,6 +32,7 @@ mod table;
 mod text;
 mod verdict;
 
+pub use comparison::{Beaten, Loss, comparison_page, losses};
 pub use faults::faults_page;
 pub use figure::{Figure, figures, reproduction_figures};
 pub use page::page;

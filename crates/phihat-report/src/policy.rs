@@ -12,6 +12,9 @@ pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
 const FAULTS_STYLE: &str = include_str!("../assets/faults.css");
 const REPRODUCTION_STYLE: &str = include_str!("../assets/reproduction.css");
+/// What sorts the tables of a comparison.
+pub(crate) const COMPARISON_SCRIPT: &str = include_str!("../assets/comparison.js");
+const COMPARISON_STYLE: &str = include_str!("../assets/comparison.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
@@ -28,6 +31,20 @@ pub(crate) fn faults_style() -> String {
 /// The style sheet of a reproduction.
 pub(crate) fn reproduction_style() -> String {
     format!("{PAGE_STYLE}\n{REPRODUCTION_STYLE}")
+}
+
+/// The style sheet of a comparison.
+pub(crate) fn comparison_style() -> String {
+    format!("{PAGE_STYLE}\n{COMPARISON_STYLE}")
+}
+
+/// A page with one script of ours: it and the style sheet run by hash, nothing else does.
+pub(crate) fn scripted_policy(script: &str, style: &str) -> String {
+    let (script, style) = (hash(script), hash(style));
+    format!(
+        "default-src 'none'; script-src '{script}'; style-src '{style}'; \
+         base-uri 'none'; form-action 'none'"
+    )
 }
 
 /// A page without scripts: nothing is loaded from anywhere, one style sheet runs by hash.

@@ -1,0 +1,117 @@
+//! The sortable table of every arm: one row per law, the best of each column marked for whoever has it.
+
+use maud::{Markup, html};
+use phihat_campaign::compare::{ArmRecord, Comparison, GainsKind, Row, WorldRecord};
+
+use super::quantity::{Of, QUANTITIES, Quantity};
+use super::{anchor, fate, fate_in_full, main_world, named};
+use crate::number::{number, stated};
+use crate::text::line;
+
+/// The table of the main world, and those of the others, folded.
+pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    let main = main_world(comparison);
+    let others = || comparison.worlds.iter().filter(|world| Some(world.name.as_str()) != main);
+    let first = comparison.worlds.iter().find(|world| Some(world.name.as_str()) == main);
+    html! {
+        h3 { "Figures, gains tuned" }
+        p.hint {
+            "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among laws "
+            "whose arm followed. The order is the paper's; with a script, a heading sorts."
+        }
+        @if let Some(world) = first { (table(comparison, arm, world)) }
+        @if others().next().is_some() {
+            details.worlds {
+                summary { "The same in the other worlds" }
+                @for world in others() { (table(comparison, arm, world)) }
+            }
+        }
+    }
+}
+
+fn table(comparison: &Comparison, arm: &ArmRecord, world: &WorldRecord) -> Markup {
+    let best: Vec<_> =
+        QUANTITIES.iter().map(|q| q.best(comparison, &arm.name, &world.name)).collect();
+    let label = format!("Table: figures on {} in {}", line(&arm.name), line(&world.name));
+    html! {
+        div.scroll.wide tabindex="0" role="region" aria-label=(label) {
+            table.sortable {
+                caption { span { "World “" (line(&world.name)) "”: " (line(&world.what)) } }
+                thead { tr {
+                    th scope="col" { "law" }
+                    th scope="col" { "grade" }
+                    th scope="col" { "model free" }
+                    th scope="col" { "here" }
+                    @for quantity in &QUANTITIES { th scope="col" {
+                        (quantity.name)
+                        @if !quantity.unit.is_empty() { " " span.unit { "[" (quantity.unit) "]" } }
+                    } }
+                } }
+                tbody { @for (place, row) in comparison.rows_of(&arm.name).enumerate() {
+                    (line_of(comparison, row, world, &best, place))
+                } }
+            }
+        }
+    }
+}
+
+fn line_of(
+    comparison: &Comparison,
+    row: &Row,
+    world: &WorldRecord,
+    best: &[Option<f64>],
+    place: usize,
+) -> Markup {
+    let rival = comparison.rival(&row.rival);
+    let grade = rival.map_or("", |rival| rival.grade.as_str());
+    let model_free = rival.is_some_and(|rival| rival.needs.model_free());
+    html! { tr {
+        th scope="row" data-v=(place) { (named(comparison, row)) }
+        td data-v=(grade_key(grade)) { (line(grade)) }
+        td data-v=(u8::from(!model_free)) { @if model_free { "yes" } @else { "no" } }
+        (here(row, world))
+        @for (quantity, best) in QUANTITIES.iter().zip(best) {
+            (value(quantity, row, world, *best))
+        }
+    } }
+}
+
+fn grade_key(grade: &str) -> u8 {
+    match grade {
+        "A" => 0,
+        "B" => 1,
+        _ => 2,
+    }
+}
+
+/// What became of the arm in this world.
+fn here(row: &Row, world: &WorldRecord) -> Markup {
+    if let Some(why) = &row.refused {
+        return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };
+    }
+    let Some(cell) = row.cell(&world.name, GainsKind::Tuned) else { return html! { td { "–" } } };
+    let (symbol, word) = fate(&cell.fate);
+    html! { td.outside[!cell.fate.followed()] data-v=(cell.fate.badness()) {
+        (symbol) " " (word)
+        @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate)) } }
+    } }
+}
+
+fn value(quantity: &Quantity, row: &Row, world: &WorldRecord, best: Option<f64>) -> Markup {
+    let cell = row.cell(&world.name, GainsKind::Tuned);
+    let shown = quantity.of_cell(row, cell).filter(|_| row.refused.is_none());
+    let Some(shown) = shown else { return html! { td { "–" } } };
+    let eligible = quantity.eligible(row, Some(&world.name));
+    let is_best = eligible.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
+    let broken = quantity.name == "bound / measured" && shown < 1.0;
+    let text = match quantity.of {
+        Of::World(_) => number(shown),
+        Of::Row(_) => stated(shown),
+    };
+    let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
+    html! { td.best[is_best].outside[broken] data-v=(shown) {
+        @if is_best { span.star title="best of the column" { "★ " } }
+        @if matches!(quantity.of, Of::World(_)) { a href=(target) { (text) } } @else { (text) }
+        @if broken { span.note { "broken" } }
+    } }
+}

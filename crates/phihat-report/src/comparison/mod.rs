@@ -1,0 +1,121 @@
+//! The page of a comparison: every rival on every arm in every world, and where another row is better.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use phihat_campaign::compare::{ArmRecord, Comparison, Fate, Row};
+
+use crate::policy::{COMPARISON_SCRIPT, comparison_style, scripted_policy};
+use crate::text::line;
+
+mod cards;
+mod figures;
+mod heat;
+mod labels;
+mod losses;
+mod quantity;
+mod scatter;
+mod summary;
+mod terms;
+mod ticks;
+mod traces;
+
+pub use losses::{Beaten, Loss, losses};
+
+/// The self-contained page of a comparison. `command` is the one that made it: every run's is made from it.
+///
+/// The page works without its script, which only sorts tables and opens what a link points at.
+pub fn comparison_page(comparison: &Comparison, command: &str) -> String {
+    let style = comparison_style();
+    let arms: Vec<_> = comparison.arms.iter().map(|arm| line(&arm.name)).collect();
+    let title = format!("Rivals compared: {}", arms.join(", "));
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(scripted_policy(COMPARISON_SCRIPT, &style));
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { (title) " – phihat" }
+                style { (PreEscaped(style)) }
+            }
+            body {
+                main {
+                    (summary::heading(comparison, &title))
+                    (summary::another_row(comparison))
+                    @for arm in &comparison.arms { (arm_part(comparison, arm)) }
+                    (traces::traces(comparison, command))
+                    (cards::cards(comparison))
+                    (terms::fairness(comparison, command))
+                    (terms::not_claimed())
+                }
+                script { (PreEscaped(COMPARISON_SCRIPT)) }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+fn arm_part(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    html! {
+        h2 id=(anchor("arm", &arm.name)) { (line(&arm.name)) ": " (line(&arm.robot)) }
+        (figures::tables(comparison, arm))
+        (scatter::plot(comparison, arm))
+        (heat::map(comparison, arm))
+        (ticks::table(comparison, arm))
+    }
+}
+
+/// A name as the target of a link; the kind keeps names of different things apart.
+fn anchor(kind: &str, id: &str) -> String {
+    let id = id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    format!("{kind}-{}", id.collect::<String>())
+}
+
+/// A rival's name for people, else its id.
+fn title(comparison: &Comparison, id: &str) -> String {
+    line(comparison.rival(id).map_or(id, |rival| &rival.title))
+}
+
+/// A rival's name with a link to its card, and its grade.
+fn named(comparison: &Comparison, row: &Row) -> Markup {
+    let rival = comparison.rival(&row.rival);
+    html! {
+        a href=(format!("#{}", anchor("rival", &row.rival))) { (title(comparison, &row.rival)) }
+        @if let Some(rival) = rival.filter(|rival| !rival.reference.is_empty()) {
+            " " span.unit { (line(&rival.reference)) }
+        }
+    }
+}
+
+/// The world whose figures stand in the table of every arm: the one that gains are tuned in, else the first.
+fn main_world(comparison: &Comparison) -> Option<&str> {
+    let tuned = |name: &str| name == comparison.fairness.training_world;
+    let worlds = || comparison.worlds.iter().map(|world| world.name.as_str());
+    worlds().find(|name| tuned(name)).or_else(|| worlds().next())
+}
+
+/// What became of a run: a symbol and a word, so that no colour is needed.
+fn fate(fate: &Fate) -> (&'static str, &'static str) {
+    match fate {
+        Fate::Followed => ("✓", "followed"),
+        Fate::Lost { .. } => ("▲", "did not follow"),
+        Fate::Diverged { .. } => ("✗", "diverged"),
+        Fate::NotFinite { .. } => ("⊘", "not a number"),
+        Fate::Refused(_) => ("–", "does not apply"),
+        Fate::Panicked(_) => ("‼", "program fault"),
+    }
+}
+
+/// The same with time, joint or reason.
+fn fate_in_full(of: &Fate) -> String {
+    let word = fate(of).1;
+    match of {
+        Fate::Followed => word.to_owned(),
+        Fate::Lost { joint } => format!("{word}: {}", line(joint)),
+        Fate::Diverged { t, joint } | Fate::NotFinite { t, joint } => {
+            format!("{word} at {} s: {}", crate::number::stated(*t), line(joint))
+        }
+        Fate::Refused(why) | Fate::Panicked(why) => format!("{word}: {}", line(why)),
+    }
+}

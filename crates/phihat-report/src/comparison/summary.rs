@@ -1,0 +1,124 @@
+//! The top of the page: what was compared, and when to pick another row.
+
+use maud::{Markup, html};
+use phihat_campaign::compare::{Comparison, GainsKind};
+
+use super::losses::{Beaten, Loss, losses, proposed};
+use super::{anchor, main_world, title};
+use crate::number::{number, stated};
+use crate::text::line;
+
+pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
+    let runs: usize = comparison.rows.iter().flat_map(|r| &r.cells).map(|c| c.runs.len()).sum();
+    let refused = comparison.rows.iter().filter(|row| row.refused.is_some()).count();
+    html! { header {
+        h1 { (page) }
+        p.byline {
+            "phihat " (line(&comparison.phihat_version)) " · " (comparison.rivals.len()) " laws · "
+            (comparison.worlds.len()) " worlds · " (runs) " runs · simulated"
+        }
+        div.verdict {
+            p {
+                "Every law is tuned by the same optimiser with the same number of runs, on motions that it is not scored "
+                "on, and then meets every world. No law is declared the winner: each column has its own best row."
+            }
+            ul {
+                @for arm in &comparison.arms { li { (tally(comparison, &arm.name)) } }
+                @if refused > 0 { li {
+                    (refused) " of " (comparison.rows.len())
+                    " rows have no figures, because the law does not apply to the arm or its task; each says why."
+                } }
+            }
+            p.hint {
+                a href="#another-row" { "When to pick another row" } " · "
+                @for arm in &comparison.arms { a href=(format!("#{}", anchor("arm", &arm.name))) { (line(&arm.name)) } " · " }
+                a href="#traces" { "traces" } " · " a href="#cards" { "the laws" } " · "
+                a href="#terms" { "terms" } " · " a href="#not-claimed" { "not claimed" }
+            }
+        }
+    } }
+}
+
+/// How many rows follow everywhere, and which are best in which column.
+fn tally(comparison: &Comparison, arm: &str) -> Markup {
+    let rows: Vec<_> = comparison.rows_of(arm).filter(|row| row.refused.is_none()).collect();
+    let all = comparison.worlds.len();
+    let everywhere = rows.iter().filter(|row| super::quantity::worlds_followed(row) == all).count();
+    let spec = rows.iter().filter(|row| {
+        let cells = row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
+        let kept = |cell: &phihat_campaign::compare::Cell| {
+            cell.fate.followed() && cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0)
+        };
+        cells.filter(|cell| kept(cell)).count() == all
+    });
+    html! {
+        strong { (line(arm)) } ": " (everywhere) " of " (rows.len()) " laws follow in all " (all) " worlds with tuned gains; "
+        (spec.count()) " keep the specification in all of them."
+    }
+}
+
+/// Where the proposed law is not the best row, in the order of the table.
+pub(super) fn another_row(comparison: &Comparison) -> Markup {
+    let losses = losses(comparison);
+    let world = main_world(comparison).map(line).unwrap_or_default();
+    html! {
+        h2 id="another-row" { "When to pick another row" }
+        p {
+            "The program that made this page is built around the proposed law. Below is every column in which some "
+            "other row is better by more than 2 %, over all worlds, gains tuned; the tables have the same figures "
+            "for “" (world) "”."
+        }
+        @for id in proposed(comparison) {
+            (against(comparison, id, &losses))
+        }
+        @if proposed(comparison).next().is_none() {
+            p { "The proposed law was not among the laws of this comparison." }
+        }
+    }
+}
+
+fn against(comparison: &Comparison, id: &str, losses: &[Loss]) -> Markup {
+    let of: Vec<_> = losses.iter().filter(|loss| loss.ours == id).collect();
+    let ran = comparison.rows.iter().any(|row| row.rival == id && row.refused.is_none());
+    html! {
+        h3 { "Instead of " (title(comparison, id)) }
+        @if !ran {
+            p { "It was not run on any arm: there is nothing to compare." }
+        } @else if of.is_empty() {
+            p.no-losses { "In these runs no other row is better in any column." }
+        } @else {
+            ul.losses { @for loss in of { li {
+                strong { "If " (loss.counts) " counts most" } " (" (loss.column) "): another row is better in "
+                (loss.cases) " of " (loss.compared) " cases. " (beaten(comparison, loss, &loss.most))
+                @match &loss.model_free {
+                    None => { " No row without a model of the arm is better." }
+                    Some(same) if *same == loss.most => {}
+                    Some(other) => { " Without a model of the arm: " (beaten(comparison, loss, other)) }
+                }
+            } } }
+        }
+    }
+}
+
+/// One case in words.
+fn beaten(comparison: &Comparison, loss: &Loss, case: &Beaten) -> Markup {
+    let unit = if loss.unit.is_empty() { String::new() } else { format!(" {}", loss.unit) };
+    let by = comparison.rival(&case.by);
+    html! {
+        a href=(format!("#{}", anchor("rival", &case.by))) { (title(comparison, &case.by)) }
+        @if let Some(rival) = by.filter(|rival| !rival.needs.model_free()) {
+            " (needs " (line(&rival.needs_words)) ")"
+        }
+        " on " (line(&case.arm))
+        @if let Some(world) = &case.world { " in “" (line(world)) "”" }
+        ": " (number(case.theirs)) (unit)
+        @match case.mine {
+            Some(mine) => {
+                " against " (number(mine)) (unit)
+                @if case.factor().is_finite() { ", " (stated((10.0 * case.factor()).round() / 10.0)) " times" }
+                "."
+            }
+            None => ", where this row has nothing to compare: its arm did not follow, or it states no bound that held."
+        }
+    }
+}
