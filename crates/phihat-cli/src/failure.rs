@@ -24,6 +24,11 @@ impl Failure {
         Self(error.render())
     }
 
+    /// Laid out already, `error:` included.
+    pub(crate) fn rendered(text: &str) -> Self {
+        Self(text.to_owned())
+    }
+
     /// About anything else.
     pub(crate) fn plain(why: impl fmt::Display) -> Self {
         Self(format!("error: {why}"))

@@ -8,6 +8,7 @@
     reason = "a command line speaks to a terminal"
 )]
 
+mod compare;
 mod design;
 mod export;
 mod failure;
@@ -59,6 +60,7 @@ enum Verb {
     Export(export::Export),
     Simulate(simulate::Simulate),
     Faults(faults::Faults),
+    Compare(compare::Compare),
     Report(report::Report),
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
@@ -81,6 +83,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
         Verb::Faults(faults) => faults.execute(),
+        Verb::Compare(compare) => compare.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),

@@ -1,6 +1,6 @@
 //! The charts of a run: which quantity, in which unit, against which bound.
 
-use crate::record::Record;
+use crate::record::Seen;
 use phihat_sim::{JointMetrics, JointTrace};
 
 /// Beyond this a sample is drawn as a gap: the run has diverged, and no axis helps.
@@ -68,7 +68,7 @@ const fn curve(label: &'static str, unit: &'static str, dashed: bool) -> Curve {
 }
 
 /// The charts of a record, in the order of the page.
-pub(crate) fn charts(record: &Record<'_>) -> Vec<Chart> {
+pub(crate) fn charts(record: &Seen<'_>) -> Vec<Chart> {
     let joints = &record.metrics.joints;
     let mut charts = vec![tracking(record), error(record)];
     if joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()) {
@@ -81,7 +81,7 @@ pub(crate) fn charts(record: &Record<'_>) -> Vec<Chart> {
     charts
 }
 
-fn tracking(record: &Record<'_>) -> Chart {
+fn tracking(record: &Seen<'_>) -> Chart {
     let curves = vec![curve("q", "rad", false), curve("q_d", "rad", true)];
     Chart {
         stem: "tracking",
@@ -95,7 +95,7 @@ fn tracking(record: &Record<'_>) -> Chart {
     }
 }
 
-fn error(record: &Record<'_>) -> Chart {
+fn error(record: &Seen<'_>) -> Chart {
     Chart {
         stem: "error",
         title: "Error e = q − q_d against its bound",
@@ -108,7 +108,7 @@ fn error(record: &Record<'_>) -> Chart {
     }
 }
 
-fn error_integral(record: &Record<'_>) -> Chart {
+fn error_integral(record: &Seen<'_>) -> Chart {
     let bound: BoundOf = |m| m.error_integral_spec_rad_s;
     Chart {
         stem: "error-integral",
@@ -122,7 +122,7 @@ fn error_integral(record: &Record<'_>) -> Chart {
     }
 }
 
-fn velocity_error(record: &Record<'_>) -> Chart {
+fn velocity_error(record: &Seen<'_>) -> Chart {
     let bound: BoundOf = |m| m.velocity_error_spec_rad_s;
     Chart {
         stem: "velocity-error",
@@ -136,7 +136,7 @@ fn velocity_error(record: &Record<'_>) -> Chart {
     }
 }
 
-fn torque(record: &Record<'_>) -> Chart {
+fn torque(record: &Seen<'_>) -> Chart {
     let columns: Columns = |j| vec![j.tau_applied.clone(), j.tau_command.clone()];
     Chart {
         stem: "torque",
@@ -150,7 +150,7 @@ fn torque(record: &Record<'_>) -> Chart {
     }
 }
 
-fn unknown_dynamics(record: &Record<'_>) -> Chart {
+fn unknown_dynamics(record: &Seen<'_>) -> Chart {
     Chart {
         stem: "unknown-dynamics",
         title: "Unknown dynamics φ and its estimate φ̂",
@@ -163,7 +163,7 @@ fn unknown_dynamics(record: &Record<'_>) -> Chart {
     }
 }
 
-fn phase(record: &Record<'_>) -> Chart {
+fn phase(record: &Seen<'_>) -> Chart {
     let columns: Columns = |j| vec![j.e.clone(), j.de.clone()];
     Chart {
         stem: "phase",
@@ -177,7 +177,7 @@ fn phase(record: &Record<'_>) -> Chart {
     }
 }
 
-fn torque_step(record: &Record<'_>) -> Chart {
+fn torque_step(record: &Seen<'_>) -> Chart {
     Chart {
         stem: "torque-step",
         title: "Torque change per sample against the rate limit",
@@ -196,7 +196,7 @@ fn steps(tau: &[f64]) -> Vec<f64> {
     tau.first().map(|_| f64::NAN).into_iter().chain(changes).collect()
 }
 
-fn panels(record: &Record<'_>, scale: f64, columns: Columns, bound: BoundOf) -> Vec<Panel> {
+fn panels(record: &Seen<'_>, scale: f64, columns: Columns, bound: BoundOf) -> Vec<Panel> {
     let samples = record.trace.t_ns.len();
     let panel = |(j, joint): (usize, &JointTrace)| Panel {
         joint: crate::text::line(&joint.name),
@@ -213,12 +213,12 @@ fn drawable(column: &[f64], samples: usize, scale: f64) -> Vec<f64> {
 }
 
 /// Time of every sample \[s\].
-pub(crate) fn times(record: &Record<'_>) -> Vec<f64> {
+pub(crate) fn times(record: &Seen<'_>) -> Vec<f64> {
     record.trace.t_ns.iter().map(|&t| t as f64 * 1e-9).collect()
 }
 
 /// Index of the first sample of the steady part.
-pub(crate) fn settle_index(record: &Record<'_>) -> usize {
+pub(crate) fn settle_index(record: &Seen<'_>) -> usize {
     let settle = record.metrics.settle_s;
     record.trace.t_ns.partition_point(|&t| (t as f64 * 1e-9) < settle)
 }

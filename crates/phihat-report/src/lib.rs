@@ -32,7 +32,7 @@ mod table;
 mod text;
 mod verdict;
 
-pub use comparison::{Beaten, Loss, comparison_page, losses};
+pub use comparison::{Beaten, Loss, Trial, comparison_page, comparison_table, losses, trial_page};
 pub use faults::faults_page;
 pub use figure::{Figure, figures, reproduction_figures};
 pub use page::page;

@@ -155,7 +155,7 @@ fn plots(record: &Record<'_>) -> Markup {
             div id="cards" {}
         }
         section.static aria-labelledby="plots" {
-            @for figure in run_figures(record) { figure { (PreEscaped(&figure.svg)) } }
+            @for figure in run_figures(&record.seen()) { figure { (PreEscaped(&figure.svg)) } }
         }
         p.hint {
             "Drawn from " (samples) " samples per signal. Start-up and steady part are each cut into " (stretches)

@@ -52,8 +52,9 @@ pub(crate) fn buckets(joints: usize) -> usize {
 
 /// The JSON text, fit to stand inside `<script type="application/json">`.
 pub(crate) fn payload(record: &Record<'_>) -> String {
-    let (t, settle) = (times(record), settle_index(record));
-    let charts = charts(record);
+    let seen = record.seen();
+    let (t, settle) = (times(&seen), settle_index(&seen));
+    let charts = charts(&seen);
     let data = Payload {
         settle_s: record.metrics.settle_s,
         end_s: t.last().copied().unwrap_or(0.0),

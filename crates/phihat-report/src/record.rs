@@ -19,6 +19,19 @@ pub struct Record<'a> {
     pub metrics: &'a Metrics,
 }
 
+/// What was seen of a run, whatever law drove it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub trace: &'a Trace,
+    pub metrics: &'a Metrics,
+}
+
+impl<'a> Record<'a> {
+    pub(crate) fn seen(&self) -> Seen<'a> {
+        Seen { trace: self.trace, metrics: self.metrics }
+    }
+}
+
 /// Origin of a run: what ran, where, under which seed.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 pub struct RunInfo {

@@ -202,7 +202,8 @@ fn marks_lie_where_their_figures_are() {
         numbers.map(|n| n.parse().unwrap()).collect::<Vec<_>>().try_into().unwrap()
     };
     let leaders = Selector::parse("path.leader").unwrap();
-    let at: Vec<_> = plot.select(&leaders).map(|path| start(path.value().attr("d").unwrap())).collect();
+    let at: Vec<_> =
+        plot.select(&leaders).map(|path| start(path.value().attr("d").unwrap())).collect();
     // Decades of error are equal steps up, and the effort is their root: all on one straight line.
     let step = at[1][1] - at[0][1];
     assert!(step < -50.0, "{at:?}");

@@ -21,6 +21,7 @@ mod row;
 mod rows;
 mod trial;
 mod tune;
+mod work;
 mod world;
 
 pub use adapter::{Adapter, supply};

@@ -183,6 +183,11 @@ impl Plan {
         (0..self.grounds.len()).flat_map(|g| rivals.clone().map(move |r| (g, r))).collect()
     }
 
+    /// The names of the runs that count, in the order of the answer.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        self.cases().into_iter().map(|case| self.name(&case))
+    }
+
     /// Every run that counts, in the order of the answer.
     pub(crate) fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();

@@ -115,3 +115,46 @@ fn value(quantity: &Quantity, row: &Row, world: &WorldRecord, best: Option<f64>)
         @if broken { span.note { "broken" } }
     } }
 }
+
+/// The same table as text: headings, then one row per law; `*` marks the best of a column.
+pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<Vec<String>> {
+    let short = |q: &Quantity| match q.unit {
+        "" => q.name.to_owned(),
+        unit => format!("{} [{unit}]", q.name),
+    };
+    let heading = ["law", "grade", "model free", "here"].map(str::to_owned);
+    let mut lines = vec![heading.into_iter().chain(QUANTITIES.iter().map(short)).collect()];
+    for row in comparison.rows_of(arm) {
+        let rival = comparison.rival(&row.rival);
+        let free = rival.is_some_and(|rival| rival.needs.model_free());
+        let cell = row.cell(world, GainsKind::Tuned);
+        let here = cell.map_or("does not apply", |cell| fate(&cell.fate).1);
+        let mut texts = vec![
+            line(&row.rival),
+            rival.map(|rival| line(&rival.grade)).unwrap_or_default(),
+            if free { "yes" } else { "no" }.to_owned(),
+            here.to_owned(),
+        ];
+        texts.extend(QUANTITIES.iter().map(|quantity| as_text(comparison, quantity, row, world)));
+        lines.push(texts);
+    }
+    lines
+}
+
+fn as_text(comparison: &Comparison, quantity: &Quantity, row: &Row, world: &str) -> String {
+    let shown = quantity.of_cell(row, row.cell(world, GainsKind::Tuned));
+    let Some(shown) = shown.filter(|_| row.refused.is_none()) else { return "–".to_owned() };
+    let best = quantity.best(comparison, &row.arm, world);
+    let mine = quantity.eligible(row, Some(world));
+    let is_best = mine.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
+    let text = match quantity.of {
+        Of::World(_) => three_digits(shown),
+        Of::Row(_) => stated(shown),
+    };
+    if is_best { format!("{text} *") } else { text }
+}
+
+/// Three significant digits: a terminal is narrow.
+fn three_digits(value: f64) -> String {
+    stated(format!("{value:.2e}").parse().unwrap_or(value))
+}

@@ -1,6 +1,7 @@
 //! Where the proposed law is not the best choice: found in the data, not written by hand.
 
 use phihat_campaign::compare::{Comparison, GainsKind, Row};
+use serde::Serialize;
 
 use super::quantity::{Of, QUANTITIES, Quantity};
 
@@ -8,7 +9,7 @@ use super::quantity::{Of, QUANTITIES, Quantity};
 const EQUAL: f64 = 0.02;
 
 /// A column in which other rows are better than a row of the proposed law.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Loss {
     /// Id of the proposed law's row.
     pub ours: String,
@@ -29,7 +30,7 @@ pub struct Loss {
 }
 
 /// One case: who was better, and by how much.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Beaten {
     /// The arm.
     pub arm: String,

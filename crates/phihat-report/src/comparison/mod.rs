@@ -17,8 +17,11 @@ mod summary;
 mod terms;
 mod ticks;
 mod traces;
+mod trial;
 
+pub use figures::comparison_table;
 pub use losses::{Beaten, Loss, losses};
+pub use trial::{Trial, trial_page};
 
 /// The self-contained page of a comparison. `command` is the one that made it: every run's is made from it.
 ///

@@ -46,6 +46,9 @@ fn kind(needs: &Needs) -> Kind {
     }
 }
 
+/// Ticks are looked for from 10^−30 to 10^30.
+const DECADES: i32 = 30;
+
 /// A logarithmic axis from data to the figure.
 pub(super) struct Axis {
     low: f64,
@@ -73,8 +76,8 @@ impl Axis {
     /// 1, 2 and 5 of every decade; over three decades and more, 1 alone.
     fn ticks(&self) -> Vec<f64> {
         let digits: &[f64] = if self.high - self.low > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let decades = (self.low.floor() as i32)..=(self.high.ceil() as i32);
-        let all = decades.flat_map(|d| digits.iter().map(move |digit| digit * 10f64.powi(d)));
+        let all = (-DECADES..=DECADES)
+            .flat_map(|d| digits.iter().map(move |digit| digit * 10f64.powi(d)));
         all.filter(|v| (self.low..=self.high).contains(&v.log10())).collect()
     }
 }

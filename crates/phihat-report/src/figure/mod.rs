@@ -2,7 +2,7 @@
 
 use crate::chart::{Chart, Plane, charts, settle_index, times};
 use crate::decimate::kept;
-use crate::record::Record;
+use crate::record::{Record, Seen};
 use crate::text::short;
 use panel::{Ink, draw_panel};
 use plotters::prelude::*;
@@ -40,11 +40,11 @@ const BUCKETS: usize = 220;
 
 /// Every figure of a record: those of the run, and those of what was proved about its gains.
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
-    run_figures(record).into_iter().chain(claim_figures(record)).collect()
+    run_figures(&record.seen()).into_iter().chain(claim_figures(record)).collect()
 }
 
 /// The figures of the run, in the order of the page.
-pub(crate) fn run_figures(record: &Record<'_>) -> Vec<Figure> {
+pub(crate) fn run_figures(record: &Seen<'_>) -> Vec<Figure> {
     let (t, settle) = (times(record), settle_index(record));
     let settle_s = record.metrics.settle_s;
     let mut figures = vec![];

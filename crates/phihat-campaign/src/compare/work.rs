@@ -1,0 +1,24 @@
+//! How much work the parts of a plan are, for those who wait.
+
+use super::plan::Plan;
+
+impl Plan {
+    /// The share of the whole work that the first `done` of its jobs are, 0 to 1: a tuning is many runs, a run
+    /// that counts is one.
+    pub fn share_done(&self, done: usize) -> f64 {
+        let extent = &self.extent;
+        let seconds = |ground: usize| self.span(ground).0;
+        let grounds = self.grounds.len();
+        let scored = (0..grounds).map(seconds).sum::<f64>() / grounds.max(1) as f64;
+        let training = extent.training_motions as f64 * extent.training_s;
+        // Tunings and draws take turns.
+        let prepared = 0.5 * (extent.tuning_runs + extent.draws) as f64 * training;
+        let first = 2 * self.pairs().len();
+        let later = first * self.worlds.len() * usize::try_from(extent.seeds).unwrap_or(1);
+        let work = |jobs: usize| {
+            prepared * jobs.min(first) as f64 + scored * jobs.saturating_sub(first) as f64
+        };
+        let whole = work(first + later);
+        if whole > 0.0 { (work(done) / whole).min(1.0) } else { 1.0 }
+    }
+}

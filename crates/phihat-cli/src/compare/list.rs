@@ -1,0 +1,98 @@
+//! The rivals at hand, and what is known of one.
+
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{ContentArrangement, Table};
+use phihat_baselines::{Entry, RIVALS, rival as find};
+use phihat_campaign::compare::{CompareError, Mark, RivalRecord};
+
+use super::unusable;
+use crate::failure::Failure;
+
+/// Columns of the tables.
+const WIDTH: u16 = 120;
+
+fn record(entry: &Entry) -> RivalRecord {
+    RivalRecord::new(entry.card, entry.needs, entry.scalars)
+}
+
+/// Prints the list.
+pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
+    let records: Vec<_> = RIVALS.iter().map(record).collect();
+    if as_json {
+        println!("{}", serde_json::to_string_pretty(&records).map_err(Failure::plain)?);
+        return Ok(());
+    }
+    let mut table = table(["id", "title", "grade", "is handed", "free scalars"]);
+    for rival in &records {
+        let scalars: Vec<_> = rival.scalars.iter().map(|scalar| scalar.name.as_str()).collect();
+        let scalars = scalars.join(", ");
+        table.add_row([&rival.id, &rival.title, &rival.grade, &rival.needs_words, &scalars]);
+    }
+    println!("{table}");
+    println!("`phihat compare --rival ID` shows one.");
+    Ok(())
+}
+
+/// Prints one card.
+pub(super) fn rival(id: &str, as_json: bool) -> Result<(), Failure> {
+    let entry = find(id).ok_or_else(|| unusable(&CompareError::Rival(id.to_owned())))?;
+    let rival = record(entry);
+    if as_json {
+        println!("{}", serde_json::to_string_pretty(&rival).map_err(Failure::plain)?);
+        return Ok(());
+    }
+    println!("{} · {} {}", rival.id, rival.title, rival.reference);
+    for law in rival.law.lines() {
+        println!("  {law}");
+    }
+    println!("source: {}", rival.source);
+    println!("grade: {} ({})", rival.grade, grade(&rival.grade));
+    if !rival.caveat.is_empty() {
+        println!("caveat: {}", rival.caveat);
+    }
+    let free = if rival.needs.model_free() { "model free" } else { "not model free" };
+    println!("is handed: {} ({free})", rival.needs_words);
+    if let Some(marks) = rival.printed {
+        let [quantitative, easy, optimal, model_free] = marks.map(word);
+        println!(
+            "the paper prints: quantitative performance {quantitative}, easy tuning {easy}, optimal {optimal}, \
+             model free {model_free}"
+        );
+    }
+    if rival.scalars.is_empty() {
+        println!("no free scalar");
+        return Ok(());
+    }
+    let mut table = table(["scalar", "unit", "published", "range", "meaning"]);
+    for s in &rival.scalars {
+        let range = format!("{} … {}", s.range[0], s.range[1]);
+        table.add_row([&s.name, &s.unit, &s.default.to_string(), &range, &s.meaning]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+fn table<const N: usize>(header: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(WIDTH);
+    table.set_header(header);
+    table
+}
+
+fn grade(grade: &str) -> &'static str {
+    match grade {
+        "A" => "textbook, or confirmed in a public source or code",
+        "B" => "structure confirmed, details reconstructed",
+        _ => "the published law was not found: a law of its class stands for it",
+    }
+}
+
+fn word(mark: Mark) -> &'static str {
+    match mark {
+        Mark::Yes => "✓",
+        Mark::No => "✗",
+        Mark::Partly => "–",
+    }
+}

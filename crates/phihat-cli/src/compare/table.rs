@@ -1,0 +1,66 @@
+//! A comparison on the terminal.
+
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, ContentArrangement, Table};
+use phihat_campaign::compare::{Comparison, GainsKind, Row};
+use serde_json::json;
+
+/// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.
+pub(super) fn overview(comparison: &Comparison) -> String {
+    let tuned_in = &comparison.fairness.training_world;
+    let worlds = || comparison.worlds.iter().map(|world| world.name.as_str());
+    let world = worlds().find(|name| name == tuned_in).or_else(|| worlds().next()).unwrap_or("");
+    let mut text = Vec::new();
+    for arm in &comparison.arms {
+        text.push(format!("{}, world `{world}`, gains tuned; * is the best of a column", arm.name));
+        text.push(table(&phihat_report::comparison_table(comparison, &arm.name, world)));
+    }
+    let refused = comparison.rows.iter().filter_map(|row| Some((row, row.refused.as_ref()?)));
+    text.extend(refused.map(|(row, why)| format!("{} on {}: {why}", row.rival, row.arm)));
+    let mut beaten: Vec<(String, Vec<&str>)> = Vec::new();
+    for loss in phihat_report::losses(comparison) {
+        match beaten.iter_mut().find(|(ours, _)| *ours == loss.ours) {
+            Some((_, columns)) => columns.push(loss.column),
+            None => beaten.push((loss.ours, vec![loss.column])),
+        }
+    }
+    for (ours, columns) in beaten {
+        text.push(format!("another row is better than {ours} in: {}", columns.join(", ")));
+    }
+    text.join("\n")
+}
+
+fn table(lines: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(WIDTH);
+    let mut lines = lines.iter();
+    if let Some(heading) = lines.next() {
+        table.set_header(heading);
+    }
+    for line in lines {
+        table.add_row(line);
+    }
+    for column in table.column_iter_mut().skip(4) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.to_string()
+}
+
+/// Columns of the table.
+const WIDTH: u16 = 160;
+
+/// A row in few words, for programs; compare.json has all of it.
+pub(super) fn row(row: &Row) -> serde_json::Value {
+    let tuned = || row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
+    let cells =
+        tuned().map(|cell| json!({ "world": cell.world, "fate": cell.fate, "worst": cell.worst }));
+    json!({
+        "arm": row.arm,
+        "rival": row.rival,
+        "refused": row.refused,
+        "worlds_followed": tuned().filter(|cell| cell.fate.followed()).count(),
+        "tuned": cells.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,100 @@
+//! One run of a comparison again, with everything it leaves.
+
+use core::fmt;
+use std::path::{Path, PathBuf};
+
+use phihat_campaign::compare::{Comparison, Plan};
+use phihat_report::{Trial, trial_page};
+use phihat_sim::{Metrics, Outcome};
+use serde_json::json;
+
+use super::unusable;
+use crate::failure::Failure;
+use crate::files;
+
+/// What a run left.
+pub(super) struct Kept {
+    folder: PathBuf,
+    ended: Option<String>,
+    metrics: Metrics,
+}
+
+/// Runs it, and writes study, trace, metrics and report to `FOLDER/runs/NAME/`.
+pub(super) fn keep(
+    plan: &Plan,
+    comparison: &Comparison,
+    name: &str,
+    folder: &Path,
+    command: &str,
+) -> Result<Kept, Failure> {
+    let (study, outcome) = plan.repeat(comparison, name).map_err(|e| unusable(&e))?;
+    let metrics = Metrics::of(&outcome.trace, &study);
+    let folder = folder.join("runs").join(name);
+    files::make_folder(&folder)?;
+    let ended = ended(&outcome);
+    let page = trial_page(&Trial {
+        name,
+        law: comparison.rivals.first().map_or("", |rival| &rival.title),
+        gains: &gains(comparison, name),
+        ended: ended.as_deref(),
+        study: &study.text,
+        trace: &outcome.trace,
+        metrics: &metrics,
+        command,
+    });
+    let mut trace = Vec::new();
+    outcome.trace.write_csv(&mut trace).map_err(|e| Failure::at(&folder.join("trace.csv"), e))?;
+    let figures = format!("{:#}\n", json!(metrics));
+    files::write_all(&[
+        (folder.join("study.toml"), study.text.clone().into_bytes()),
+        (folder.join("metrics.json"), figures.into_bytes()),
+        (folder.join("trace.csv"), trace),
+        (folder.join("report.html"), page.into_bytes()),
+    ])?;
+    Ok(Kept { folder, ended, metrics })
+}
+
+/// The scalars that the run had: name, value, unit.
+fn gains(comparison: &Comparison, name: &str) -> Vec<(String, f64, String)> {
+    let (Some(rival), Some(row)) = (comparison.rivals.first(), comparison.rows.first()) else {
+        return Vec::new();
+    };
+    let Some(tuning) = &row.tuning else { return Vec::new() };
+    let tuned = name.split('/').nth(3) == Some("tuned");
+    let values = if tuned { &tuning.tuned } else { &tuning.published };
+    let with = |(scalar, value): (&phihat_campaign::compare::ScalarRecord, &f64)| {
+        (scalar.name.clone(), *value, scalar.unit.clone())
+    };
+    rival.scalars.iter().zip(values).map(with).collect()
+}
+
+/// Why the run ended before its time.
+fn ended(outcome: &Outcome) -> Option<String> {
+    let diverged = outcome.divergence.as_ref().map(|d| {
+        format!("The arm diverged at {} s, joint {}, and the run was stopped.", d.t, d.joint)
+    });
+    let stopped = outcome.abort.as_ref();
+    diverged.or_else(|| stopped.map(|a| format!("The robot stopped at {} s: {}.", a.t, a.reason)))
+}
+
+impl Kept {
+    /// For programs.
+    pub(super) fn document(&self) -> serde_json::Value {
+        json!({
+            "folder": self.folder,
+            "report": self.folder.join("report.html"),
+            "ended": self.ended,
+            "metrics": self.metrics,
+        })
+    }
+}
+
+impl fmt::Display for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(why) = &self.ended {
+            writeln!(f, "{why}")?;
+        }
+        writeln!(f, "trace: {}", self.folder.join("trace.csv").display())?;
+        write!(f, "report: {}", self.folder.join("report.html").display())
+    }
+}

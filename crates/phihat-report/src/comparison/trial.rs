@@ -1,0 +1,84 @@
+//! The page of one run of a comparison: what the arm did under a law that is not this project's.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use phihat_sim::{Metrics, Trace};
+
+use crate::figure::run_figures;
+use crate::number::stated;
+use crate::policy::{comparison_style, still_policy};
+use crate::record::Seen;
+use crate::table;
+use crate::text::{line, visible};
+
+/// One run of a comparison.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial<'a> {
+    /// Its name, `ARM/RIVAL/WORLD/published|tuned/SEED`.
+    pub name: &'a str,
+    /// The law's name for people.
+    pub law: &'a str,
+    /// Its scalars: name, value, unit.
+    pub gains: &'a [(String, f64, String)],
+    /// Where the run ended early, and why; `None`: it did not.
+    pub ended: Option<&'a str>,
+    /// The study that was run, as text.
+    pub study: &'a str,
+    /// Every signal of every joint.
+    pub trace: &'a Trace,
+    /// The figures of the run.
+    pub metrics: &'a Metrics,
+    /// The command that makes it again.
+    pub command: &'a str,
+}
+
+/// The self-contained page of a run. φ is the torque beside `U q̈`, in the law's own unit of inertia; a law without
+/// an estimate of it has none.
+pub fn trial_page(trial: &Trial<'_>) -> String {
+    let style = comparison_style();
+    let title = line(trial.name);
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(still_policy(&style));
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { (title) " – phihat" }
+                style { (PreEscaped(style)) }
+            }
+            body { main {
+                header {
+                    h1 { (title) }
+                    p.byline { (line(trial.law)) " · simulated" }
+                    @if let Some(why) = trial.ended { p.verdict.outside { strong { "The run ended early." } " " (line(why)) } }
+                }
+                (table::tracking(trial.metrics))
+                (table::torque(trial.metrics))
+                h2 { "Figures" }
+                div { @for figure in run_figures(&Seen { trace: trial.trace, metrics: trial.metrics }) {
+                    @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
+                } }
+                (gains(trial))
+                h2 { "Study" }
+                pre tabindex="0" { (visible(trial.study)) }
+                p { "Made again by " code { (line(trial.command)) } "." }
+                h2 { "Not claimed" }
+                p { "One simulated run of a law as it is written here: not its authors' program, and nothing about other runs." }
+            } }
+        }
+    };
+    markup.into_string()
+}
+
+fn gains(trial: &Trial<'_>) -> Markup {
+    html! {
+        h2 { "Gains" }
+        @if trial.gains.is_empty() { p { "The law has no free scalar." } }
+        dl { @for (name, value, unit) in trial.gains {
+            dt { (line(name)) }
+            dd { (stated(*value)) " " (line(unit)) }
+        } }
+    }
+}
