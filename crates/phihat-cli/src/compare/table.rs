@@ -49,7 +49,7 @@ fn table(lines: &[Vec<String>]) -> String {
 }
 
 /// Columns of the table.
-const WIDTH: u16 = 160;
+const WIDTH: u16 = 150;
 
 /// A row in few words, for programs; compare.json has all of it.
 pub(super) fn row(row: &Row) -> serde_json::Value {

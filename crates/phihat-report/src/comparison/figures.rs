@@ -116,14 +116,12 @@ fn value(quantity: &Quantity, row: &Row, world: &WorldRecord, best: Option<f64>)
     } }
 }
 
-/// The same table as text: headings, then one row per law; `*` marks the best of a column.
+/// The main columns of the same table as text: headings, then one row per law; `*` marks the best of a column.
 pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<Vec<String>> {
-    let short = |q: &Quantity| match q.unit {
-        "" => q.name.to_owned(),
-        unit => format!("{} [{unit}]", q.name),
-    };
-    let heading = ["law", "grade", "model free", "here"].map(str::to_owned);
-    let mut lines = vec![heading.into_iter().chain(QUANTITIES.iter().map(short)).collect()];
+    let shown = || QUANTITIES.iter().filter(|quantity| !quantity.short.is_empty());
+    let heading = ["law", "grade", "model free", "here"].into_iter();
+    let heading = heading.chain(shown().map(|quantity| quantity.short)).map(str::to_owned);
+    let mut lines: Vec<Vec<String>> = vec![heading.collect()];
     for row in comparison.rows_of(arm) {
         let rival = comparison.rival(&row.rival);
         let free = rival.is_some_and(|rival| rival.needs.model_free());
@@ -135,7 +133,7 @@ pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<
             if free { "yes" } else { "no" }.to_owned(),
             here.to_owned(),
         ];
-        texts.extend(QUANTITIES.iter().map(|quantity| as_text(comparison, quantity, row, world)));
+        texts.extend(shown().map(|quantity| as_text(comparison, quantity, row, world)));
         lines.push(texts);
     }
     lines
@@ -147,11 +145,7 @@ fn as_text(comparison: &Comparison, quantity: &Quantity, row: &Row, world: &str)
     let best = quantity.best(comparison, &row.arm, world);
     let mine = quantity.eligible(row, Some(world));
     let is_best = mine.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
-    let text = match quantity.of {
-        Of::World(_) => three_digits(shown),
-        Of::Row(_) => stated(shown),
-    };
-    if is_best { format!("{text} *") } else { text }
+    format!("{}{}", three_digits(shown), if is_best { " *" } else { "" })
 }
 
 /// Three significant digits: a terminal is narrow.

@@ -18,6 +18,8 @@ pub(super) enum Better {
 pub(super) struct Quantity {
     /// Heading.
     pub name: &'static str,
+    /// Heading where there is little room, with its unit; empty: not shown there.
+    pub short: &'static str,
     /// Unit; empty for none.
     pub unit: &'static str,
     /// For whom it matters: `If … counts most`.
@@ -36,52 +38,59 @@ pub(super) enum Of {
 }
 
 const fn world(
-    name: &'static str,
+    (name, short): (&'static str, &'static str),
     unit: &'static str,
     counts: &'static str,
     of: fn(&Figures) -> Option<f64>,
 ) -> Quantity {
-    Quantity { name, unit, counts, better: Better::Less, of: Of::World(of) }
+    Quantity { name, short, unit, counts, better: Better::Less, of: Of::World(of) }
 }
 
 const fn row(
-    name: &'static str,
+    (name, short): (&'static str, &'static str),
     counts: &'static str,
     better: Better,
     of: fn(&Row) -> Option<f64>,
 ) -> Quantity {
-    Quantity { name, unit: "", counts, better, of: Of::Row(of) }
+    Quantity { name, short, unit: "", counts, better, of: Of::Row(of) }
 }
 
 /// Every column, in the order of the table.
 pub(super) const QUANTITIES: [Quantity; 12] = [
-    world("error, rms", "mrad", "the error over the whole motion", |f| {
+    world(("error, rms", "rms [mrad]"), "mrad", "the error over the whole motion", |f| {
         Some(MILLI * f.error_rms_rad)
     }),
-    world("error, largest", "mrad", "the largest error", |f| Some(MILLI * f.error_max_rad)),
-    world("effort", "% of limit", "little torque", |f| Some(100.0 * f.effort)),
-    world("chatter", "N·m", "a quiet drive", |f| Some(f.chatter_nm)),
-    world("recovery", "s", "a quick return after a push", |f| f.recovery_s),
+    world(("error, largest", "max [mrad]"), "mrad", "the largest error", |f| {
+        Some(MILLI * f.error_max_rad)
+    }),
+    world(("effort", "effort [%]"), "% of limit", "little torque", |f| Some(100.0 * f.effort)),
+    world(("chatter", "chatter [N·m]"), "N·m", "a quiet drive", |f| Some(f.chatter_nm)),
+    world(("recovery", ""), "s", "a quick return after a push", |f| f.recovery_s),
     // A bound that was broken is no bound: it is shown, and never better.
-    world("bound / measured", "", "a tight bound stated before the run", |f| f.bound_over_measured),
-    row("share of draws", "gains that need no search", Better::More, |row| {
+    world(("bound / measured", "bound/meas."), "", "a tight bound stated before the run", |f| {
+        f.bound_over_measured
+    }),
+    row(("share of draws", "draws"), "gains that need no search", Better::More, |row| {
         row.columns.as_ref().map(|columns| columns.share_of_draws)
     }),
-    row("runs to spec", "few runs until the gains do", Better::Less, |row| {
+    row(("runs to spec", ""), "few runs until the gains do", Better::Less, |row| {
         row.tuning.as_ref()?.runs_to_spec.map(|runs| runs as f64)
     }),
-    row("scalars", "few numbers to choose", Better::Less, |row| {
+    row(("scalars", ""), "few numbers to choose", Better::Less, |row| {
         row.columns.as_ref().map(|columns| columns.scalars as f64)
     }),
-    row("states", "little memory", Better::Less, |row| {
+    row(("states", ""), "little memory", Better::Less, |row| {
         row.cost.as_ref().map(|cost| cost.states as f64)
     }),
-    row("instructions", "a small processor", Better::Less, |row| {
+    row(("instructions", ""), "a small processor", Better::Less, |row| {
         row.cost.as_ref()?.instructions.map(|count| count as f64)
     }),
-    row("worlds followed", "the number of worlds in which the arm follows", Better::More, |row| {
-        (!row.cells.is_empty()).then(|| worlds_followed(row) as f64)
-    }),
+    row(
+        ("worlds followed", "worlds"),
+        "the number of worlds in which the arm follows",
+        Better::More,
+        |row| (!row.cells.is_empty()).then(|| worlds_followed(row) as f64),
+    ),
 ];
 
 /// Worlds in which every run with the tuned gains followed its reference.

@@ -1,0 +1,135 @@
+//! The comparison as a command: resumable with the same bytes, every run again by its name, names that there are not.
+#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+
+use support::{folder, json, phihat};
+
+const SMALL: [&str; 9] = [
+    "compare",
+    "studies/table1.toml",
+    "--quick",
+    "--only",
+    "pd,computed-torque,proposed-2",
+    "--worlds",
+    "exact",
+    "--threads",
+    "1",
+];
+
+fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&SMALL[..], more].concat()
+}
+
+#[test]
+fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_again() {
+    let folder = folder("compare");
+    let whole = phihat(&folder, &small(&["--out", "whole"]));
+    assert_eq!(whole.code, 0, "{}{}", whole.out, whole.err);
+    for told in ["computed-torque", "proposed-2", "draws", "report: whole/report.html"] {
+        assert!(whole.out.contains(told), "{}", whole.out);
+    }
+    let kept = |out: &str, name: &str| fs::read(folder.join(out).join(name)).unwrap();
+    // What a crash leaves: half of the journal, and half a line.
+    let journal = String::from_utf8(kept("whole", "journal.jsonl")).unwrap();
+    let lines: Vec<_> = journal.lines().collect();
+    // Tuning and draws of three rivals, and published and tuned gains of each in one world.
+    assert_eq!(lines.len(), 12);
+    fs::create_dir(folder.join("cut")).unwrap();
+    let cut = format!("{}\n{}", lines[..7].join("\n"), &lines[7][..40]);
+    fs::write(folder.join("cut/journal.jsonl"), cut).unwrap();
+    let resumed = phihat(&folder, &small(&["--out", "cut"]));
+    assert_eq!(resumed.code, 0, "{}", resumed.err);
+    assert!(resumed.err.contains("1 damaged lines"), "{}", resumed.err);
+    assert_eq!(kept("cut", "compare.json"), kept("whole", "compare.json"));
+
+    let page = String::from_utf8(kept("whole", "report.html")).unwrap();
+    let name = "table1/pd/exact/tuned/1";
+    let command = format!("phihat compare studies/table1.toml --quick --out whole --trace {name}");
+    assert!(page.contains(&command));
+    let words: Vec<_> = command.split(' ').skip(1).collect();
+    let again = phihat(&folder, &words);
+    assert_eq!(again.code, 0, "{}{}", again.out, again.err);
+    // The trace has the error that the comparison has: worst joint, after the settling time.
+    let trace = String::from_utf8(kept("whole", &format!("runs/{name}/trace.csv"))).unwrap();
+    let largest = largest_error(&trace, 2.0);
+    let all: serde_json::Value = serde_json::from_slice(&kept("whole", "compare.json")).unwrap();
+    let row = all["rows"].as_array().unwrap().iter().find(|row| row["rival"] == "pd").unwrap();
+    let cells = row["cells"].as_array().unwrap();
+    let tuned = cells.iter().find(|cell| cell["gains"] == "tuned").unwrap();
+    let stated = tuned["worst"]["error_max_rad"].as_f64().unwrap();
+    assert!((largest - stated).abs() < 1e-6 * stated, "{largest} {stated}");
+    let report = kept("whole", &format!("runs/{name}/report.html"));
+    assert!(String::from_utf8(report).unwrap().contains("bandwidth"));
+}
+
+/// Largest |e| of any joint from a time on.
+fn largest_error(csv: &str, from: f64) -> f64 {
+    let mut lines = csv.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let place = |wanted: &str| names.iter().position(|name| *name == wanted).unwrap();
+    let (time, error) = (place("t_s"), place("e_rad"));
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let cells = lines.map(|line| line.split(',').collect::<Vec<_>>());
+    let scored = cells.filter(|cells| number(cells[time]) >= from);
+    scored.fold(0.0, |most: f64, cells| most.max(number(cells[error]).abs()))
+}
+
+#[test]
+fn one_json_document_has_every_row_and_the_losses() {
+    let folder = folder("compare-json");
+    let document = json(&folder, &small(&["--json"]));
+    assert_eq!(document["folder"], "out/table1/compare");
+    assert_eq!(document["worlds"], serde_json::json!(["exact"]));
+    assert_eq!(document["rows"].as_array().unwrap().len(), 3);
+    assert_eq!(document["runs"], 6);
+    assert_eq!(document["rows"][0]["tuned"][0]["world"], "exact");
+    let losses = document["losses"].as_array().unwrap();
+    // A law without memory has less of it than one with an estimator.
+    let memory = losses.iter().find(|loss| loss["column"] == "states").unwrap();
+    assert_eq!(memory["ours"], "proposed-2");
+    assert_eq!(memory["most"]["theirs"], 0.0);
+}
+
+#[test]
+fn rivals_are_listed_and_shown() {
+    let folder = folder("compare-list");
+    let list = json(&folder, &["compare", "--list", "--json"]);
+    let ids: Vec<_> = list.as_array().unwrap().iter().map(|r| r["id"].as_str().unwrap()).collect();
+    assert!(ids.contains(&"pd") && ids.contains(&"proposed-2"), "{ids:?}");
+    let table = phihat(&folder, &["compare", "--list"]);
+    assert!(ids.iter().all(|id| table.out.contains(id)), "{}", table.out);
+    let card = phihat(&folder, &["compare", "--rival", "computed-torque"]);
+    assert_eq!(card.code, 0);
+    for told in ["grade: A", "not model free", "bandwidth", "rad/s", "source:"] {
+        assert!(card.out.contains(told), "{told}: {}", card.out);
+    }
+}
+
+#[test]
+fn bad_words_are_refused_with_what_would_be_right() {
+    let folder = folder("compare-refused");
+    let study = "studies/table1.toml";
+    for (words, told) in [
+        (&["compare"][..], "STUDIES"),
+        (&["compare", "--rival", "computed-torqe"], "did you mean `computed-torque`?"),
+        (&["compare", study, "--only", "pdd"], "did you mean `pd`?"),
+        (&["compare", study, "--worlds", "frction"], "did you mean `friction`?"),
+        (&["compare", study, study], "same name"),
+        (&["compare", "studies/absent.toml"], "absent.toml"),
+        (&["compare", study, "--trace", "table1/pd"], "ARM/RIVAL/WORLD"),
+        (&["compare", study, "--trace", "table2/pd/exact/tuned/1"], "ARM/RIVAL/WORLD"),
+        (&["compare", study, "--trace", "table1/pd/exact/tuned/9"], "ARM/RIVAL/WORLD"),
+        (&["compare", study, "--threads", "0"], "0"),
+        (&["compare", study, "--seeds", "0"], "0"),
+        (&["compare", study, "--list"], "--list"),
+    ] {
+        let answer = phihat(&folder, words);
+        assert_eq!(answer.code, 2, "{words:?}: {}", answer.out);
+        assert!(answer.err.contains(told), "{words:?}: {}", answer.err);
+        assert!(!answer.err.contains("error: error"), "{words:?}: {}", answer.err);
+        assert!(!folder.join("out").exists(), "{words:?}");
+    }
+}
