@@ -201,6 +201,24 @@ fn enhanced_time_delay_without_its_powers_is_time_delay_control() {
     assert!(left(200.0) < 0.5 * left(1e-12), "{} {}", left(200.0), left(1e-12));
 }
 
+/// `M̄ < 2 M`, with and without delay: the estimate is of the torque that acted.
+#[test]
+fn time_delay_estimates_converge_above_half_the_inertia() {
+    let entry = rival("time-delay").unwrap();
+    for (delay, ratio, stable) in
+        [(0, 0.6, true), (0, 0.45, false), (1, 0.65, true), (1, 0.45, false)]
+    {
+        let mut joints = Joints::new();
+        (joints.delay, joints.ratio, joints.start) = (delay, ratio, 1e-6);
+        let end = last(&joints.run(entry, &joints.tuned(&[5.0, 1.0]), |_| 0.0));
+        assert_eq!(
+            end.t > 3.9 && end.de.abs() < 1e-5,
+            stable,
+            "delay {delay}, ratio {ratio}: {end:?}"
+        );
+    }
+}
+
 fn arm(ratio: f64) -> Arm {
     Arm {
         inertia_min: 0.0,

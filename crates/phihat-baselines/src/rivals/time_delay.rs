@@ -26,7 +26,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// A bound on the error. With a sample of transport delay the window asks for `μ > 1 + K_d T`.
+/// A bound on the error. Behind a delay the window's lower end, `μ > 1 + K_d T` at one sample, is on the safe side:
+/// it is that of a law fed with the torque it commanded. This one is fed with the torque that acted, and
+/// `φ̂_k = (1 − 1/μ) τ_{k−1}` is stable from `μ = ½` on whatever the delay, but for the outer loop.
 ///
 /// # References
 ///
