@@ -164,7 +164,7 @@ impl Reproduction {
         match self.assumptions.iter_mut().find(|other| other.id == assumption.id) {
             None => self.assumptions.push(assumption),
             Some(other) if other.influence.is_empty() => other.influence = assumption.influence,
-            Some(other) if !assumption.influence.is_empty() => {
+            Some(other) if !other.influence.contains(&assumption.influence) => {
                 other.influence = format!("{} {}", other.influence, assumption.influence);
             }
             Some(_) => {}

@@ -5,9 +5,13 @@ use phihat_study::{LawForm, Study};
 use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::{Kind, Setting, Studies, path_of};
+use super::transient::SHOWN_S;
 use super::{assumptions, saturation, steady, surrogates, transient};
 use crate::reproduce::compose::{axis, curve, figure, lines, rests_on, section};
 use crate::reproduce::{Extent, Figure, Panel, Part};
+
+/// Samples from one point of a drawn path to the next.
+const STRIDE: usize = 8;
 
 /// Figs. 9 to 11, on the surrogate arm and on others.
 ///
@@ -65,20 +69,30 @@ fn unlimited(mut study: Study) -> Study {
 }
 
 fn tip_figure(runs: &Runs) -> Result<Figure, String> {
+    // What does not settle is drawn for as long as the paper shows its joint.
+    let shown = |run: &Run| {
+        let samples = run.outcome.trace.len();
+        if run.settled_at().is_some() { samples } else { run.outcome.trace.index_at(SHOWN_S) }
+    };
     let panel = |form: LawForm| -> Result<_, String> {
-        let tips = |setting: Setting| runs.get(setting, form).and_then(|run: &Run| run.tips(8));
-        let desired = tips(Setting::First)?;
+        let tips = |setting: Setting| -> Result<_, String> {
+            let run = runs.get(setting, form)?;
+            let tips = run.tips(STRIDE)?;
+            Ok((tips, shown(run).div_ceil(STRIDE)))
+        };
+        let ((first, first_shown), (second, second_shown)) =
+            (tips(Setting::First)?, tips(Setting::H3)?);
         let series = vec![
-            curve("desired", desired.iter().map(|[_, wanted]| *wanted)),
-            curve("m = 1", desired.iter().map(|[tip, _]| *tip)),
-            curve("m = 2, H3", tips(Setting::H3)?.iter().map(|[tip, _]| *tip)),
+            curve("desired", first.iter().map(|[_, wanted]| *wanted)),
+            curve("m = 1", first.iter().take(first_shown).map(|[tip, _]| *tip)),
+            curve("m = 2, H3", second.iter().take(second_shown).map(|[tip, _]| *tip)),
         ];
         let title = format!("{} form", form_name(form));
         let panel = lines(&title, (axis("x [m]"), axis("y [m]")), series, Vec::new());
         Ok(Panel { equal: true, ..panel })
     };
-    let caption = "The tip under a torque limit of 50 N·m, two turns. A form that winds up never comes to \
-                   the path.";
+    let caption = "The tip under the study's torque limit, two turns; of a run that does not settle, the \
+                   first 1.5 s.";
     Ok(figure(
         "fig-10",
         "Fig. 10: the path under a torque limit",

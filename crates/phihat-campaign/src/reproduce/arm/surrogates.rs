@@ -7,7 +7,7 @@ use super::run::resized;
 use super::runs::Runs;
 use super::studies::{Kind, Studies};
 use super::variations::{Other, PATHS, WORLDS};
-use crate::reproduce::compose::{figure, log_axis, rests_on, section, table};
+use crate::reproduce::compose::{figure, log_axis, rests_on, section, table, three};
 use crate::reproduce::{Assumption, Content, Extent, Panel, Section};
 
 /// How many times as heavy the links are.
@@ -162,40 +162,58 @@ impl Varied {
 
     /// Writes what was measured into the assumptions.
     pub(crate) fn tell(&self, assumptions: &mut [Assumption]) {
-        let all = self.arms.len();
         for assumption in assumptions {
-            let mut said = Vec::new();
-            if assumption.id == "arm" {
-                said.extend(self.claims.iter().enumerate().map(|(i, claim)| {
-                    format!(
-                        "{}: printed form on {} of {all} arms, observer form on {}.",
-                        claim.says,
-                        self.share(i, 0),
-                        self.share(i, 1)
-                    )
-                }));
+            let said =
+                if assumption.id == "arm" { self.over_arms() } else { self.over(&assumption.id) };
+            if !said.is_empty() {
+                assumption.influence = said;
             }
-            let varied = || self.others.iter().filter(|(id, ..)| *id == assumption.id);
-            let all: Vec<&str> = varied().map(|(_, says, _)| *says).collect();
-            for (i, claim) in self.claims.iter().enumerate().filter(|_| !all.is_empty()) {
-                let holds = |form: usize| {
-                    let lost = varied().filter(|(.., answers)| !answers[i][form]);
-                    let lost: Vec<&str> = lost.map(|(_, says, _)| *says).collect();
-                    match lost.len() {
-                        0 => "in every case".to_owned(),
-                        n if n == all.len() => "in no case".to_owned(),
-                        _ => format!("but for: {}", lost.join(", ")),
-                    }
-                };
-                said.push(format!(
-                    "Varied to: {}. {}: printed form holds {}; observer form {}.",
-                    all.join(", "),
-                    claim.says,
-                    holds(0),
-                    holds(1)
-                ));
-            }
-            assumption.influence = said.join(" ");
         }
+    }
+
+    fn over_arms(&self) -> String {
+        let all = self.arms.len();
+        let ends = |all: &[f64]| {
+            let (first, last) = (all.first(), all.last());
+            format!("{} to {}", three(first.copied()), three(last.copied()))
+        };
+        let (links, rotors) = (ends(&self.links), ends(&self.armatures));
+        let claims = self.claims.iter().enumerate().map(|(i, claim)| {
+            let (printed, ours) = (self.share(i, 0), self.share(i, 1));
+            format!(
+                " “{}”: printed form on {printed} of {all} arms, observer form on {ours}.",
+                claim.says
+            )
+        });
+        let claims: String = claims.collect();
+        format!("Links {links} times as heavy, rotors of {rotors} kg·m².{claims}")
+    }
+
+    /// What the variations of one assumption did; empty where there were none.
+    fn over(&self, id: &str) -> String {
+        let varied = || self.others.iter().filter(|(other, ..)| *other == id);
+        let all: Vec<&str> = varied().map(|(_, says, _)| *says).collect();
+        if all.is_empty() {
+            return String::new();
+        }
+        let claims = self.claims.iter().enumerate().map(|(i, claim)| {
+            let holds = |form: usize| {
+                let lost = varied().filter(|(.., answers)| !answers[i][form]);
+                let lost: Vec<&str> = lost.map(|(_, says, _)| *says).collect();
+                match lost.len() {
+                    0 => "in every case".to_owned(),
+                    n if n == all.len() => "in no case".to_owned(),
+                    _ => format!("but for: {}", lost.join(", ")),
+                }
+            };
+            format!(
+                " “{}” holds: printed form {}; observer form {}.",
+                claim.says,
+                holds(0),
+                holds(1)
+            )
+        });
+        let claims: String = claims.collect();
+        format!("Varied one at a time: {}.{claims}", all.join("; "))
     }
 }
