@@ -16,6 +16,7 @@ mod record;
 mod said;
 mod table1;
 mod table2;
+mod table3;
 mod theory;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -70,7 +71,8 @@ const PARTS: &[(&str, Work)] = &[
         arm::experiment(&arm::Studies::shipped(), extent, progress)
     }),
     ("table 2", table2::table2),
-    ("order", orders::orders),
+    ("figures 12 and 13", orders::orders),
+    ("table 3", table3::table3),
     ("order switching", |extent, progress| {
         arm::order_switching(&arm::Studies::shipped(), extent, progress)
     }),
@@ -79,7 +81,13 @@ const PARTS: &[(&str, Work)] = &[
 
 /// The studies that the parts use: path in the repository (`studies/paper/m1.toml`), as [`Statement`]s
 /// name them, and text. A path in a text holds from there.
-const STUDIES: &[(&str, &str)] = arm::SHIPPED;
+const STUDIES: &[(&str, &str)] = &{
+    let mut all = [("", ""); arm::SHIPPED.len() + table3::SHIPPED.len()];
+    let (first, second) = all.split_at_mut(arm::SHIPPED.len());
+    first.copy_from_slice(arm::SHIPPED);
+    second.copy_from_slice(&table3::SHIPPED);
+    all
+};
 
 /// The studies behind the statements: path, as [`Statement::studies`] names it, and text.
 pub fn studies() -> &'static [(&'static str, &'static str)] {
