@@ -1,0 +1,78 @@
+//! Table 3 with ours beside it, the gains found, and Fig. 14.
+
+use super::super::compose::{axis, curve, figure, lines, table, three, words};
+use super::super::record::{Figure, Table};
+use super::Arm;
+use super::bench::{LAWS, Score};
+use super::printed::PRINTED;
+
+pub(super) fn errors_table(arm: &Arm) -> Table {
+    let cell = |v: f64| three(Some(v * 1e4));
+    let rows = (0..7).map(|joint| {
+        let printed = PRINTED[joint].map(|v| three(v.into()));
+        let of = |scores: &[Score]| -> Vec<String> {
+            scores.iter().map(|s| cell(s.square.get(joint).copied().unwrap_or(f64::NAN))).collect()
+        };
+        let cells = printed.into_iter().chain(of(&arm.paper)).chain(of(&arm.fair));
+        [format!("{}", joint + 1)].into_iter().chain(cells).collect()
+    });
+    let columns = [
+        "joint",
+        "paper: PD",
+        "Chung",
+        "proposed",
+        "paper's protocol: PD",
+        "H∞ PID",
+        "proposed",
+        "tuned alike: PD",
+        "H∞ PID",
+        "proposed",
+    ];
+    let title = format!("(51) in 1e-4 rad²: the paper's arm as printed, and {}", arm.bench.arm);
+    table(&format!("table-3-{}", arm.bench.arm), &title, &columns, rows.collect())
+}
+
+pub(super) fn gains_table(arm: &Arm) -> Table {
+    let rows = LAWS.iter().zip(&arm.values).enumerate().map(|(law, ((id, name), values))| {
+        let scalars = phihat_baselines::rival(id).map_or(&[][..], |entry| entry.scalars);
+        let pairs =
+            scalars.iter().zip(values).map(|(s, v)| format!("{} {}", s.name, three((*v).into())));
+        let noise = |score: &Score| format!("{:.2} %", 100.0 * score.noise);
+        words(&[
+            (*name).to_owned(),
+            pairs.collect::<Vec<_>>().join(", "),
+            noise(&arm.paper[law]),
+            noise(&arm.fair[law]),
+        ])
+    });
+    let title = format!(
+        "Tuned gains on {}, and torque noise: mean step per sample over the torque limit",
+        arm.bench.arm
+    );
+    let columns = ["law", "tuned gains", "noise, paper's protocol", "noise, tuned"];
+    table(&format!("table-3-gains-{}", arm.bench.arm), &title, &columns, rows.collect())
+}
+
+/// Errors over time, joint by joint.
+pub(super) fn fig_14(arm: &Arm) -> Figure {
+    let panels = (0..7).map(|joint| {
+        let series = LAWS.iter().zip(&arm.paper).map(|((_, name), score)| {
+            let errors = score.errors.get(joint).map_or(&[][..], |e| e);
+            let points = errors.iter().enumerate().map(|(k, e)| [k as f64 * score.period, 1e3 * e]);
+            curve(name, points)
+        });
+        lines(
+            &format!("joint {}", joint + 1),
+            (axis("t [s]"), axis("e [mrad]")),
+            series.collect(),
+            Vec::new(),
+        )
+    });
+    figure(
+        &format!("fig-14-{}", arm.bench.arm),
+        &format!("Fig. 14 on {}: errors of the three laws, the paper's protocol", arm.bench.arm),
+        "PD keeps an error under load; the two laws with integral action do not. The paper's arm, references and gains are not \
+         published.",
+        panels.collect(),
+    )
+}
