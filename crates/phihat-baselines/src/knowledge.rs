@@ -22,6 +22,8 @@ pub struct Supply {
     pub torque_max: Option<Vec<f64>>,
     /// The period of the task \[s\].
     pub task_period: Option<f64>,
+    /// The frame at the arm's tip.
+    pub tip: String,
     /// The task as a closed path.
     pub orbit: Option<Arc<dyn Curve>>,
 }

@@ -37,6 +37,7 @@ mod lumped;
 mod math;
 mod needs;
 mod orbit;
+mod planar;
 mod regressor;
 mod rival;
 mod rivals;
@@ -52,6 +53,7 @@ pub use needs::{
     Period, Positions, PositionsAndTorque, Sees, TorqueMax, Velocity, Wants,
 };
 pub use orbit::{Curve, Orbit};
+pub use planar::{LINKS, Planar, Tip};
 pub use regressor::Regressor;
 pub use rival::{Entry, Rival, Running};
 pub use rivals::{RIVALS, rival};

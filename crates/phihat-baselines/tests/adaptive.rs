@@ -3,7 +3,7 @@
 
 mod support;
 
-use phihat_baselines::{Tuning, rival};
+use phihat_baselines::{Knows, Planar, Tuning, rival};
 use phihat_model::Workspace;
 use support::{Bench, PERIOD};
 
@@ -92,4 +92,54 @@ fn the_filtered_regressor_learns_faster() {
     };
     let (filtered, plain) = (error("filtered-regressor"), error("slotine-li"));
     assert!(filtered < 0.7 * plain, "{filtered} against {plain}");
+}
+
+/// What the law is about: with lengths believed 10 % too long the tip gets where it shall. Its form of the kinematics
+/// is the model's.
+#[test]
+fn the_tip_is_followed_with_lengths_that_are_not_known() {
+    let mut bench = Bench::arm("planar3r").exact();
+    bench.duration = 25.0;
+    let entry = rival("task-space").unwrap();
+    let tuning =
+        |length_rate| Tuning::new(&[10.0, 160.0, 5.0, length_rate], &bench.supply.inertia, PERIOD);
+    let (run, ignorant) =
+        (bench.run(entry, &tuning(5.0).unwrap()), bench.run(entry, &tuning(1e-6).unwrap()));
+    let planar = Planar::of(&bench.supply).unwrap();
+    let tip = bench.plant.frame(&bench.supply.tip).unwrap();
+    let mut ws = Workspace::new(&bench.plant);
+    let mut place = |q: &[f64]| {
+        bench.plant.forward_kinematics(&mut ws, q);
+        bench.plant.pose(&ws, tip).p
+    };
+    let far = |a: [f64; 3], b: [f64; 3]| {
+        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    };
+    let (one, other) = (&run.q[1000], &run.q[4000]);
+    let ([a, _], [b, _]) = (planar.tip(one, &[0.0; 3]), planar.tip(other, &[0.0; 3]));
+    let seen = (a[0] - b[0]).hypot(a[1] - b[1]);
+    assert!(seen > 0.05 && (far(place(one), place(other)) - seen).abs() < 1e-9);
+    let worst = |run: &support::Run, from: usize| {
+        (from..from + 3000)
+            .map(|k| {
+                let wanted: Vec<_> = (0..3).map(|i| bench.reference(i, run.t[k])[0]).collect();
+                let (q, q_d) =
+                    (planar.tip(&run.q[k], &[0.0; 3])[0], planar.tip(&wanted, &[0.0; 3])[0]);
+                (q[0] - q_d[0]).hypot(q[1] - q_d[1])
+            })
+            .fold(0.0, f64::max)
+    };
+    let (early, late) = (worst(&run, 1000), worst(&run, 22_000));
+    assert!(early > 1e-3 && late < 0.25 * early, "{early} to {late} m");
+    let never = worst(&ignorant, 22_000);
+    assert!(late < 0.2 * never, "{late} m, and {never} m where lengths are not learnt");
+}
+
+#[test]
+fn an_arm_in_space_has_no_planar_kinematics() {
+    let bench = Bench::arm("panda");
+    let entry = rival("task-space").unwrap();
+    let refused = entry.build(&bench.published(entry), &bench.supply).unwrap_err();
+    assert!(refused.to_string().contains("redundant"), "{refused}");
+    assert!(entry.needs.task && !entry.needs.model_free());
 }

@@ -30,6 +30,7 @@ mod robust;
 mod slotine_li;
 mod super_twisting;
 mod switching;
+mod task_space;
 mod taylor_network;
 mod time_delay;
 mod ultra_local;
@@ -45,6 +46,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<fat::Fat>(),
     Entry::of::<fat_lumped::FatLumped>(),
     Entry::of::<robust::Robust>(),
+    Entry::of::<task_space::TaskSpace>(),
     Entry::of::<output_feedback::OutputFeedback>(),
     Entry::of::<nonlinear_feedback::NonlinearFeedback>(),
     Entry::of::<filtered_regressor::FilteredRegressor>(),

@@ -75,6 +75,7 @@ impl Bench {
             viscous: vec![0.1; n],
             torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
             task_period: Some(6.17),
+            tip: robot.tip.clone(),
             orbit: None,
         };
         let center = robot.poses["ready"].clone();

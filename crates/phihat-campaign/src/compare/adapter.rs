@@ -83,6 +83,7 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         viscous: viscous.enumerate().map(known).collect(),
         torque_max: study.control.torque_max.clone(),
         task_period: period(&study.reference),
+        tip: robot.tip.clone(),
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
     })
 }
