@@ -21,7 +21,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         command(root, "apt-get", &["update", "-qq"])?;
         command(root, "apt-get", &["install", "-y", "-qq", "valgrind"])?;
     }
-    let program = build(root)?;
+    let program = build(root, "phihat")?;
     let mut wrong = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for (class, bound) in [
@@ -54,9 +54,9 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
 }
 
 /// The bench for any processor: callgrind does not know the newest instructions.
-fn build(root: &Path) -> Result<String, String> {
+pub(crate) fn build(root: &Path, package: &str) -> Result<String, String> {
     let output = Command::new("cargo")
-        .args(["bench", "-p", "phihat", "--bench", "instructions", "--no-run"])
+        .args(["bench", "-p", package, "--bench", "instructions", "--no-run"])
         .args(["--message-format", "json"])
         .env("RUSTFLAGS", "")
         .env("CARGO_TARGET_DIR", root.join("target/instructions"))
@@ -72,9 +72,14 @@ fn build(root: &Path) -> Result<String, String> {
 
 /// Instructions of a whole run.
 fn count(program: &str, class: &str, samples: u32) -> Result<f64, String> {
+    collected(program, &[class, &samples.to_string()])
+}
+
+/// Instructions of a program with these arguments.
+pub(crate) fn collected(program: &str, arguments: &[&str]) -> Result<f64, String> {
     let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", program, class])
-        .arg(samples.to_string())
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", program])
+        .args(arguments)
         .output()
         .map_err(|e| format!("valgrind cannot be started: {e}"))?;
     let text = String::from_utf8_lossy(&output.stderr);

@@ -7,6 +7,7 @@ mod bench;
 mod bindings;
 mod bless;
 mod instructions;
+mod rivals;
 mod rules;
 mod test;
 
@@ -16,6 +17,7 @@ const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
+  cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask bless            the README's output and pictures, and docs/reproduction, as they are now";
 
 fn main() -> ExitCode {
@@ -23,6 +25,7 @@ fn main() -> ExitCode {
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
+        Some((verb, _)) if verb == "rivals" => rivals::run(&test::root()),
         Some((verb, rest)) if verb == "soak" => {
             let samples = rest.first().map_or("1000000000", String::as_str);
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];

@@ -7,7 +7,7 @@ use super::motion::amplitudes;
 use super::row::{Fate, Figures, Sketch};
 
 /// Slices of a sketch.
-const SLICES: usize = 100;
+const SLICES: usize = 60;
 
 /// An error of this share of a joint's own motion is not following.
 const LOST: f64 = 1.0;

@@ -16,7 +16,7 @@ use crate::journal::Journal;
 use crate::runner::{Ended, Progress, run_all};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
-pub(crate) const EDITION: &str = "compare 2";
+pub(crate) const EDITION: &str = "compare 3";
 
 /// How much is done.
 #[derive(Debug, Clone, PartialEq)]

@@ -88,7 +88,7 @@ pub struct ConditionRecord {
 pub struct Cost {
     /// Scalars remembered from one sample to the next.
     pub states: usize,
-    /// Instructions per update, where they were counted.
+    /// Instructions per update with published gains, where they were counted on this robot.
     pub instructions: Option<u64>,
 }
 

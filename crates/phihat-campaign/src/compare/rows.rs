@@ -1,6 +1,7 @@
 //! From runs to the table.
 
 use phihat_baselines::{Entry, Tuning};
+use toml::Table;
 
 use super::adapter::supply;
 use super::case::{Case, Scored};
@@ -155,7 +156,13 @@ fn cost(arm: &Ground, entry: &Entry, tuning: &TuningRecord) -> Option<Cost> {
     let values = Tuning::new(&tuning.tuned, &arm.units, period).ok()?;
     let supply = supply(&arm.study, &arm.units, NOMINAL_MASSES).ok()?;
     let states = entry.build(&values, &supply).ok()?.states();
-    Some(Cost { states, instructions: None })
+    Some(Cost { states, instructions: instructions(&arm.study.robot.name, entry.card.id) })
+}
+
+/// Instructions of an update, as they were last counted on an arm; `None` where they were not.
+fn instructions(robot: &str, rival: &str) -> Option<u64> {
+    let counted: Table = include_str!("instructions.toml").parse().ok()?;
+    counted.get(robot)?.get(rival)?.as_integer()?.try_into().ok()
 }
 
 fn columns(
