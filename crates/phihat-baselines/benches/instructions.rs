@@ -26,6 +26,7 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
         viscous: vec![0.1; n],
         torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
         task_period: Some(5.0),
+        tip: robot.tip.clone(),
         orbit: None,
     };
     let mut running = match rival(id) {
