@@ -122,6 +122,11 @@ fn browser(root: &Path) -> Result<(), String> {
     arguments.extend(fresh.exists().then(|| fresh.display().to_string()));
     let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
     command(&folder, "node", &arguments)?;
+    let small = "compare studies/table1.toml --quick --only pd,computed-torque,proposed-2 --worlds exact,friction";
+    let out = root.join("out/browser-compare").display().to_string();
+    let words = ["phihat"].into_iter().chain(small.split(' ')).chain(["--out", &out]);
+    cargo(root, &words.collect::<Vec<_>>())?;
+    command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
     let hostile = root.join("target/hostile").display().to_string();
     cargo(root, &[&demo[..], &[&hostile, "hostile"]].concat())?;
     let mut pages: Vec<String> = std::fs::read_dir(&hostile)

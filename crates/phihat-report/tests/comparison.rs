@@ -109,7 +109,7 @@ fn sort_keys_are_numbers_and_the_best_of_a_column_is_marked_whoever_has_it() {
     let main = select(&document, ".wide table.sortable")[0];
     let shown =
         text(main.select(&Selector::parse("tbody tr td:nth-of-type(4)").unwrap()).next().unwrap());
-    assert_eq!(shown, "6.000");
+    assert_eq!(shown, "6");
 }
 
 #[test]
@@ -213,6 +213,20 @@ fn marks_lie_where_their_figures_are() {
     }
     let svg = plot.html();
     roxmltree::Document::parse(&svg).unwrap();
+}
+
+#[test]
+fn torque_beyond_the_cap_is_marked_where_the_arm_followed() {
+    let mut all = comparison([3.0, 2.0, 8.0, 1.0]);
+    assert!(!text(parsed(&all).root_element()).contains("beyond the cap on noise"));
+    for cell in &mut all.rows[0].cells {
+        if let Some(figures) = &mut cell.worst {
+            figures.noise = 2.0 * all.fairness.noise_cap;
+        }
+    }
+    let document = parsed(&all);
+    let noted = select(&document, ".wide td .note").into_iter().map(text);
+    assert_eq!(noted.filter(|note| note == "≈ beyond the cap on noise").count(), WORLDS.len());
 }
 
 #[test]

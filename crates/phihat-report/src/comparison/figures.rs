@@ -4,8 +4,8 @@ use maud::{Markup, html};
 use phihat_campaign::compare::{ArmRecord, Comparison, GainsKind, Row, WorldRecord};
 
 use super::quantity::{Of, QUANTITIES, Quantity};
-use super::{anchor, fate, fate_in_full, main_world, named};
-use crate::number::{number, stated};
+use super::{anchor, fate, fate_in_full, is_noisy, main_world, named};
+use crate::number::stated;
 use crate::text::line;
 
 /// The table of the main world, and those of the others, folded.
@@ -69,7 +69,7 @@ fn line_of(
         th scope="row" data-v=(place) { (named(comparison, row)) }
         td data-v=(grade_key(grade)) { (line(grade)) }
         td data-v=(u8::from(!model_free)) { @if model_free { "yes" } @else { "no" } }
-        (here(row, world))
+        (here(comparison, row, world))
         @for (quantity, best) in QUANTITIES.iter().zip(best) {
             (value(quantity, row, world, *best))
         }
@@ -85,7 +85,7 @@ fn grade_key(grade: &str) -> u8 {
 }
 
 /// What became of the arm in this world.
-fn here(row: &Row, world: &WorldRecord) -> Markup {
+fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     if let Some(why) = &row.refused {
         return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };
     }
@@ -93,6 +93,7 @@ fn here(row: &Row, world: &WorldRecord) -> Markup {
     let (symbol, word) = fate(&cell.fate);
     html! { td.outside[!cell.fate.followed()] data-v=(cell.fate.badness()) {
         (symbol) " " (word)
+        @if is_noisy(comparison, cell) { span.note { "≈ beyond the cap on noise" } }
         @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate)) } }
     } }
 }
@@ -104,10 +105,7 @@ fn value(quantity: &Quantity, row: &Row, world: &WorldRecord, best: Option<f64>)
     let eligible = quantity.eligible(row, Some(&world.name));
     let is_best = eligible.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
     let broken = quantity.name == "bound / measured" && shown < 1.0;
-    let text = match quantity.of {
-        Of::World(_) => number(shown),
-        Of::Row(_) => stated(shown),
-    };
+    let text = three_digits(shown);
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td.best[is_best].outside[broken] data-v=(shown) {
         @if is_best { span.star title="best of the column" { "★ " } }
@@ -126,7 +124,11 @@ pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<
         let rival = comparison.rival(&row.rival);
         let free = rival.is_some_and(|rival| rival.needs.model_free());
         let cell = row.cell(world, GainsKind::Tuned);
-        let here = cell.map_or("does not apply", |cell| fate(&cell.fate).1);
+        let here = match cell {
+            None => "does not apply",
+            Some(cell) if is_noisy(comparison, cell) => "≈ noisy",
+            Some(cell) => fate(&cell.fate).1,
+        };
         let mut texts = vec![
             line(&row.rival),
             rival.map(|rival| line(&rival.grade)).unwrap_or_default(),

@@ -1,7 +1,7 @@
 //! The page of a comparison: every rival on every arm in every world, and where another row is better.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use phihat_campaign::compare::{ArmRecord, Comparison, Fate, Row};
+use phihat_campaign::compare::{ArmRecord, Cell, Comparison, Fate, Row};
 
 use crate::policy::{COMPARISON_SCRIPT, comparison_style, scripted_policy};
 use crate::text::line;
@@ -63,7 +63,7 @@ fn arm_part(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         h2 id=(anchor("arm", &arm.name)) { (line(&arm.name)) ": " (line(&arm.robot)) }
         (figures::tables(comparison, arm))
-        (scatter::plot(comparison, arm))
+        (scatter::plots(comparison, arm))
         (heat::map(comparison, arm))
         (ticks::table(comparison, arm))
     }
@@ -108,6 +108,12 @@ fn fate(fate: &Fate) -> (&'static str, &'static str) {
         Fate::Refused(_) => ("–", "does not apply"),
         Fate::Panicked(_) => ("‼", "program fault"),
     }
+}
+
+/// Whether the torque of an arm that followed is noisier than tuned gains may be in training: it may shake.
+fn is_noisy(comparison: &Comparison, cell: &Cell) -> bool {
+    let noise = cell.worst.as_ref().map_or(0.0, |figures| figures.noise);
+    cell.fate.followed() && noise > comparison.fairness.noise_cap
 }
 
 /// The same with time, joint or reason.

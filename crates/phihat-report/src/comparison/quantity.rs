@@ -22,7 +22,7 @@ pub(super) struct Quantity {
     pub short: &'static str,
     /// Unit; empty for none.
     pub unit: &'static str,
-    /// For whom it matters: `If … counts most`.
+    /// What matters to those who sort by it.
     pub counts: &'static str,
     pub better: Better,
     pub of: Of,

@@ -1,25 +1,25 @@
-//! Error against effort, both logarithmic: a labelled mark per law.
+//! Error against effort and against chatter, logarithmic: a labelled mark per law.
 
 use maud::{Markup, html};
 use phihat_baselines::Needs;
-use phihat_campaign::compare::{ArmRecord, Comparison, GainsKind, Row};
+use phihat_campaign::compare::{ArmRecord, Comparison, Figures, GainsKind, Row};
 
-use super::labels::{Spot, placed};
+use super::labels::heights as heights_of;
 use super::{main_world, title};
 use crate::number::{number, tick};
 use crate::text::{line, short};
 use crate::verdict::MILLI;
 
 /// Size of the figure, and its margins: left, top, right, bottom.
-pub(super) const SIZE: [f64; 2] = [900.0, 560.0];
-pub(super) const MARGIN: [f64; 4] = [70.0, 16.0, 24.0, 56.0];
+const SIZE: [f64; 2] = [960.0, 640.0];
+const MARGIN: [f64; 4] = [70.0, 16.0, 270.0, 56.0];
 
 /// A law's place in the figure.
 struct Point {
     name: String,
     kind: Kind,
     error: f64,
-    effort: f64,
+    price: f64,
 }
 
 /// What a law knows of the arm, by which marks differ in shape and colour.
@@ -50,7 +50,7 @@ fn kind(needs: &Needs) -> Kind {
 const DECADES: i32 = 30;
 
 /// A logarithmic axis from data to the figure.
-pub(super) struct Axis {
+struct Axis {
     low: f64,
     high: f64,
     from: f64,
@@ -59,7 +59,7 @@ pub(super) struct Axis {
 
 impl Axis {
     /// An axis that holds the positive `values` with some room, from one place of the figure to another.
-    pub(super) fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let logs = values.filter(|v| v.is_finite() && *v > 0.0).map(f64::log10);
         let (low, high) =
             logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -69,7 +69,7 @@ impl Axis {
     }
 
     /// Where a value lies.
-    pub(super) fn at(&self, value: f64) -> f64 {
+    fn at(&self, value: f64) -> f64 {
         self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
@@ -82,21 +82,47 @@ impl Axis {
     }
 }
 
-pub(super) fn plot(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+/// What the error is drawn against.
+struct Against {
+    title: &'static str,
+    axis: &'static str,
+    unit: &'static str,
+    of: fn(&Figures) -> f64,
+}
+
+const AGAINST: [Against; 2] = [
+    Against {
+        title: "Error against effort",
+        axis: "rms torque [% of the joint's limit]",
+        unit: "% of the torque limit",
+        of: |figures| 100.0 * figures.effort,
+    },
+    Against {
+        title: "Error against chatter",
+        axis: "mean change of torque per sample [N·m]",
+        unit: "N·m per sample",
+        of: |figures| figures.chatter_nm,
+    },
+];
+
+/// The error against what it costs, each a figure.
+pub(super) fn plots(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     let Some(world) = main_world(comparison) else { return html! {} };
-    let points: Vec<_> =
-        comparison.rows_of(&arm.name).filter_map(|row| point(comparison, row, world)).collect();
+    html! { @for against in &AGAINST { (plot(comparison, arm, world, against)) } }
+}
+
+fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against) -> Markup {
+    let place = |row| point(comparison, row, world, against.of);
+    let points: Vec<_> = comparison.rows_of(&arm.name).filter_map(place).collect();
     let rows = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
-    let absent: Vec<_> = rows
-        .filter(|row| point(comparison, row, world).is_none())
-        .map(|row| title(comparison, &row.rival))
-        .collect();
-    let name = format!("Error against effort on {}, “{}”", line(&arm.name), line(world));
+    let absent = rows.filter(|row| place(row).is_none());
+    let absent: Vec<_> = absent.map(|row| title(comparison, &row.rival)).collect();
+    let name = format!("{} on {}, “{}”", against.title, line(&arm.name), line(world));
     html! {
-        h3 { "Error against effort" }
+        h3 { (against.title) }
         figure.plot {
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
-            @else { (drawing(&points, &name)) }
+            @else { (drawing(&points, &name, against)) }
             figcaption {
                 (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
@@ -106,40 +132,44 @@ pub(super) fn plot(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 }
 
 /// A law whose arm followed.
-fn point(comparison: &Comparison, row: &Row, world: &str) -> Option<Point> {
+fn point(
+    comparison: &Comparison,
+    row: &Row,
+    world: &str,
+    price: fn(&Figures) -> f64,
+) -> Option<Point> {
     let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.fate.followed())?;
     let figures = cell.worst.as_ref()?;
-    let (error, effort) = (MILLI * figures.error_rms_rad, 100.0 * figures.effort);
+    let (error, price) = (MILLI * figures.error_rms_rad, price(figures));
     let drawable = |value: f64| value.is_finite() && value > 0.0;
-    (drawable(error) && drawable(effort)).then(|| Point {
-        name: short(&title(comparison, &row.rival), 30),
+    (drawable(error) && drawable(price)).then(|| Point {
+        name: short(&title(comparison, &row.rival), 36),
         kind: comparison.rival(&row.rival).map_or(Kind::Free, |rival| kind(&rival.needs)),
         error,
-        effort,
+        price,
     })
 }
 
-fn drawing(points: &[Point], name: &str) -> Markup {
+fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     let [width, height] = SIZE;
     let [left, top, right, bottom] = MARGIN;
-    let x = Axis::around(points.iter().map(|p| p.effort), left, width - right);
+    let x = Axis::around(points.iter().map(|p| p.price), left, width - right);
     let y = Axis::around(points.iter().map(|p| p.error), height - bottom, top);
-    let spots: Vec<_> = points
-        .iter()
-        .map(|p| Spot { x: x.at(p.effort), y: y.at(p.error), letters: p.name.chars().count() })
-        .collect();
-    let labels = placed(&spots);
+    let at: Vec<_> = points.iter().map(|p| [x.at(p.price), y.at(p.error)]).collect();
+    let heights: Vec<_> = at.iter().map(|[_, y]| *y).collect();
+    let labels = heights_of(&heights, top, height - bottom);
+    let column = width - right + 14.0;
     html! {
         svg role="img" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
-            (axes(&x, &y))
-            @for (spot, label) in spots.iter().zip(&labels) {
-                path.leader d=(format!("M{:.1} {:.1}L{:.1} {:.1}", spot.x, spot.y, label.foot[0], label.foot[1])) {}
+            (axes(&x, &y, against.axis))
+            @for ([x, y], label) in at.iter().zip(&labels) {
+                path.leader d=(format!("M{x:.1} {y:.1}L{:.1} {label:.1}", column - 3.0)) {}
             }
-            @for ((point, spot), label) in points.iter().zip(&spots).zip(&labels) {
+            @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {
                 g class=(class(point.kind)) {
-                    title { (point.name) ": " (number(point.error)) " mrad, " (number(point.effort)) " % of the torque limit" }
-                    (mark(point.kind, spot.x, spot.y))
-                    text x=(format!("{:.1}", label.x)) y=(format!("{:.1}", label.y)) { (point.name) }
+                    title { (point.name) ": " (number(point.error)) " mrad, " (number(point.price)) " " (against.unit) }
+                    (mark(point.kind, *x, *y))
+                    text x=(column) y=(format!("{:.1}", label + 4.0)) { (point.name) }
                 }
             }
         }
@@ -163,7 +193,7 @@ fn mark(kind: Kind, x: f64, y: f64) -> Markup {
     html! { path.mark d=(d) {} }
 }
 
-fn axes(x: &Axis, y: &Axis) -> Markup {
+fn axes(x: &Axis, y: &Axis, name: &str) -> Markup {
     let [width, height] = SIZE;
     let [left, top, right, bottom] = MARGIN;
     let (low, end) = (height - bottom, width - right);
@@ -177,7 +207,7 @@ fn axes(x: &Axis, y: &Axis) -> Markup {
             text.tick.beside x=(left - 8.0) y=(format!("{:.1}", y.at(value) + 5.0)) { (tick(value, value)) }
         }
         path.frame d=(format!("M{left} {top}V{low}H{end}")) {}
-        text.tick.below x=(f64::midpoint(left, end)) y=(height - 8.0) { "rms torque [% of the joint's limit]" }
+        text.tick.below x=(f64::midpoint(left, end)) y=(height - 8.0) { (name) }
         text.tick.below transform=(format!("translate(16 {}) rotate(-90)", f64::midpoint(top, low))) { "rms error [mrad]" }
     }
 }

@@ -88,7 +88,7 @@ fn against(comparison: &Comparison, id: &str, losses: &[Loss]) -> Markup {
             p.no-losses { "In these runs no other row is better in any column." }
         } @else {
             ul.losses { @for loss in of { li {
-                strong { "If " (loss.counts) " counts most" } " (" (loss.column) "): another row is better in "
+                strong { "If what matters most is " (loss.counts) } " (" (loss.column) "): another row is better in "
                 (loss.cases) " of " (loss.compared) " cases. " (beaten(comparison, loss, &loss.most))
                 @match &loss.model_free {
                     None => { " No row without a model of the arm is better." }
@@ -98,6 +98,14 @@ fn against(comparison: &Comparison, id: &str, losses: &[Loss]) -> Markup {
             } } }
         }
     }
+}
+
+/// `5 %` or `3.2 times`.
+fn by_how_much(factor: f64) -> String {
+    if factor < 1.5 {
+        return format!("{} %", stated((100.0 * (factor - 1.0)).round()));
+    }
+    format!("{} times", stated((10.0 * factor).round() / 10.0))
 }
 
 /// One case in words.
@@ -115,7 +123,7 @@ fn beaten(comparison: &Comparison, loss: &Loss, case: &Beaten) -> Markup {
         @match case.mine {
             Some(mine) => {
                 " against " (number(mine)) (unit)
-                @if case.factor().is_finite() { ", " (stated((10.0 * case.factor()).round() / 10.0)) " times" }
+                @if case.factor().is_finite() { ", " (by_how_much(case.factor())) }
                 "."
             }
             None => ", where this row has nothing to compare: its arm did not follow, or it states no bound that held."

@@ -3,6 +3,7 @@
 //   cd crates/phihat-report/tests/browser && npm ci
 //   node check.mjs PAGE.html...                  ordinary pages: every check
 //   node check.mjs --hostile PAGE.html...        pages full of hostile names: nothing may run
+//   node check.mjs --comparison PAGE.html...     pages of a comparison: sorting, links, phone, paper
 //   node check.mjs --reproduction PAGE.html...   pages of the paper's reproduction
 //
 // Chromium: the one of the system (`apt-get install chromium fonts-dejavu-core`), or CHROMIUM=PATH.
@@ -16,6 +17,7 @@ import { pathToFileURL } from "node:url";
 
 const words = process.argv.slice(2);
 const hostile = words.includes("--hostile");
+const comparison = words.includes("--comparison");
 const reproduction = words.includes("--reproduction");
 const pages = words.filter((word) => !word.startsWith("--"));
 const shots = process.env.SHOTS;
@@ -207,6 +209,49 @@ async function reproduced(browser, file) {
   }
 }
 
+// A comparison: its tables sort by mouse and keyboard, its links open what they point at, and it reads without a script.
+async function compares(browser, file) {
+  const name = basename(file);
+  for (const [view, options] of [
+    ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
+    ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
+    ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
+  ]) {
+    const { context, page, seen } = await open(browser, file, options);
+    const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
+    check(name, `${view}: the plot is drawn`, (await page.locator(".plot > svg .mark").count()) > 1);
+    check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
+    check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
+    if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
+    await context.close();
+  }
+
+  const { context, page, seen } = await open(browser, file, { viewport: { width: 1280, height: 900 } });
+  const table = page.locator("table.sortable").first();
+  const heading = table.locator("thead th").nth(4);
+  const keys = () => table.locator("tbody tr").evaluateAll((rows) => rows.map((row) => row.cells[4].dataset.v).filter((v) => v !== undefined).map(Number));
+  const sorted = (values, sign) => values.every((v, k) => k === 0 || sign * (v - values[k - 1]) >= 0);
+  await heading.locator("button").click();
+  check(name, "a click sorts upwards", sorted(await keys(), 1) && (await heading.getAttribute("aria-sort")) === "ascending");
+  await heading.locator("button").focus();
+  await page.keyboard.press("Enter");
+  check(name, "the keyboard sorts downwards", sorted(await keys(), -1) && (await heading.getAttribute("aria-sort")) === "descending");
+  await page.locator("table.map td a").first().click();
+  await page.waitForTimeout(100);
+  const target = page.locator("details.cells:target");
+  check(name, "a link opens the cells behind it", (await target.count()) === 1 && (await target.locator(".sketch svg").first().isVisible()));
+  await page.emulateMedia({ media: "print" });
+  check(name, "print: figures and map are shown", (await table.isVisible()) && (await page.locator("table.map").first().isVisible()));
+  if (shots) await page.pdf({ path: `${shots}/${name}.pdf`, preferCSSPageSize: true });
+  check(name, "nothing was said on the console", seen.errors.length === 0, seen.errors.join("; "));
+  await context.close();
+
+  const bare = await open(browser, file, { javaScriptEnabled: false });
+  check(name, "without scripts: plain tables", (await bare.page.locator("table.sortable").first().isVisible()) && (await bare.page.locator("th button").count()) === 0);
+  await bare.context.close();
+}
+
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
   .find((path) => path && existsSync(path));
 if (!executablePath || pages.length === 0) {
@@ -219,6 +264,7 @@ const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] }
 for (const file of pages) {
   try {
     if (hostile) await harmless(browser, file);
+    else if (comparison) await compares(browser, file);
     else if (reproduction) await reproduced(browser, file);
     else {
       await looks(browser, file);
