@@ -99,7 +99,9 @@ pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
                         }
                         td data-label="missing in the paper" { (line(&assumption.missing)) }
                         td data-label="assumed" { (line(&assumption.assumed)) }
-                        td data-label="influence" { (line(&assumption.influence)) }
+                        td data-label="influence" {
+                            @if assumption.influence.is_empty() { "not varied" } @else { (line(&assumption.influence)) }
+                        }
                     }
                 } }
             }
