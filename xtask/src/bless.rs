@@ -55,10 +55,10 @@ fn reproduction(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether a quick reproduction still says what the kept one does: verdicts, and numbers within their tolerance.
+/// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.
 pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     let kept = format!("{KEPT}/reproduction.json");
-    let verb = ["phihat", "reproduce", "--quick", "--out", FRESH, "--against", &kept];
+    let verb = ["phihat", "reproduce", "--out", FRESH, "--against", &kept];
     cargo(root, &verb).map_err(|why| {
         format!("{why}; if the change is meant, run `cargo xtask bless` and look at the diff")
     })

@@ -27,7 +27,7 @@ use crate::png;
 #[command(
     after_help = "Exit code 0: every part ran; 1: with --against, something differs.\n\nExamples:\n  \
     phihat reproduce\n  \
-    phihat reproduce --quick --against docs/reproduction/reproduction.json"
+    phihat reproduce --against docs/reproduction/reproduction.json"
 )]
 pub(crate) struct Reproduce {
     /// Coarser maps and sweeps.
