@@ -284,6 +284,7 @@ fn notes() -> Vec<String> {
         "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that saturates.",
         "The bound of this project's law counts encoder, filter and delay. Those of other laws are the formulas of \
          their proofs, which mostly do not: a broken one shows that, and not that the law is the worse one.",
+        "A law that follows a path and no time table is judged by its distance to the path.",
         "To follow is not to be quiet: a torque that jumps from limit to limit can hold an arm on its path. \
          Chatter and noise show it.",
         "The specification decides what share of draws is easy. Another specification gives other shares.",
