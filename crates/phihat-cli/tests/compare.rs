@@ -1,5 +1,5 @@
 //! The comparison as a command: resumable with the same bytes, every run again by its name, names that there are not.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 mod support;
 

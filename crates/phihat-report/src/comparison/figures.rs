@@ -17,7 +17,7 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
         h3 { "Figures, gains tuned" }
         p.hint {
             "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among laws "
-            "whose arm followed. The order is the paper's; with a script, a heading sorts."
+            "whose arm followed, and those within 0.5 % of it. The order is the paper's; with a script, a heading sorts."
         }
         @if let Some(world) = first { (table(comparison, arm, world)) }
         @if others().next().is_some() {
@@ -103,12 +103,12 @@ fn value(quantity: &Quantity, row: &Row, world: &WorldRecord, best: Option<f64>)
     let shown = quantity.of_cell(row, cell).filter(|_| row.refused.is_none());
     let Some(shown) = shown else { return html! { td { "–" } } };
     let eligible = quantity.eligible(row, Some(&world.name));
-    let is_best = eligible.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
+    let is_best = quantity.is_best(eligible, best);
     let broken = quantity.name == "bound / measured" && shown < 1.0;
     let text = three_digits(shown);
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td.best[is_best].outside[broken] data-v=(shown) {
-        @if is_best { span.star title="best of the column" { "★ " } }
+        @if is_best { span.star title="best of the column" { "★\u{a0}" } }
         @if matches!(quantity.of, Of::World(_)) { a href=(target) { (text) } } @else { (text) }
         @if broken { span.note { "broken" } }
     } }
@@ -146,7 +146,7 @@ fn as_text(comparison: &Comparison, quantity: &Quantity, row: &Row, world: &str)
     let Some(shown) = shown.filter(|_| row.refused.is_none()) else { return "–".to_owned() };
     let best = quantity.best(comparison, &row.arm, world);
     let mine = quantity.eligible(row, Some(world));
-    let is_best = mine.zip(best).is_some_and(|(mine, best)| !quantity.prefers(best, mine));
+    let is_best = quantity.is_best(mine, best);
     format!("{}{}", three_digits(shown), if is_best { " *" } else { "" })
 }
 

@@ -13,6 +13,9 @@ pub(super) enum Better {
     More,
 }
 
+/// Values that differ less than this, over the best, are marked alike.
+const NEAR: f64 = 5e-3;
+
 /// A column.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quantity {
@@ -123,6 +126,12 @@ impl Quantity {
             Better::Less => a < b,
             Better::More => a > b,
         }
+    }
+
+    /// Whether a value is the best one, or too near to tell them apart where they are read.
+    pub(super) fn is_best(&self, mine: Option<f64>, best: Option<f64>) -> bool {
+        let near = |mine: f64, best: f64| (mine - best).abs() <= NEAR * best.abs();
+        mine.zip(best).is_some_and(|(mine, best)| near(mine, best) || self.prefers(mine, best))
     }
 
     /// The best value of an arm's rows in a world.
