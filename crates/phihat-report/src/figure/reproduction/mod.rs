@@ -22,7 +22,7 @@ pub fn reproduction_figures(reproduction: &data::Reproduction) -> Vec<Figure> {
 
 /// Room around a panel's axes \[px\].
 const LEFT: u32 = 236;
-const RIGHT: u32 = 60;
+const RIGHT: u32 = 84;
 const BOTTOM: u32 = 136;
 const TOP: u32 = 14;
 /// Height of a line of text.
