@@ -24,11 +24,12 @@ const ARROWS: [(&str, &[&str]); 12] = [
             "phihat-study",
         ],
     ),
-    ("phihat-report", &["phihat-campaign", "phihat-design", "phihat-sim"]),
+    ("phihat-report", &["phihat-baselines", "phihat-campaign", "phihat-design", "phihat-sim"]),
     (
         "phihat-cli",
         &[
             "phihat",
+            "phihat-baselines",
             "phihat-campaign",
             "phihat-design",
             "phihat-model",

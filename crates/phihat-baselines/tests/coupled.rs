@@ -146,7 +146,7 @@ fn same(one: (&str, &[f64]), other: (&str, &[f64]), tolerance: f64) {
 /// Identities between laws, on the coupled arm with dry friction.
 #[test]
 fn time_delay_control_is_the_first_order_law_with_an_estimator_of_one_sample() {
-    same(("time-delay", &[20.0, 1.0]), ("proposed-1", &[20.0, 1.0, 1e5]), 1e-9);
+    same(("time-delay", &[20.0, 1.0, 1.0]), ("proposed-1", &[20.0, 1.0, 1e5]), 1e-9);
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn a_load_that_grows_leaves_the_error_of_the_transfer_function() {
     let cases = [
         ("proposed-1", 1.0 / (a0 * kp)),
         ("disturbance-observer", 1.0 / (100.0 * kp)),
-        ("time-delay", PERIOD / kp),
+        ("time-delay", PERIOD / (0.5 * kp)),
         ("hayat-buss-2016", 1.0 / (a0 * kp + 20.0 * WEIGHT[0])),
         ("industrial-pid", 1.0 / (kp * 5.0)),
         ("h-infinity-pid", 1.0 / (choi * 200.0)),
@@ -188,13 +188,13 @@ fn enhanced_time_delay_without_its_powers_is_time_delay_control() {
     let mut joints = Joints::new();
     joints.start = 0.2;
     let load = |t: f64| 20.0 * (3.0 * t).sin();
-    let tuning = joints.tuned(&[100.0, 20.0, 1e-12, 1.0, 1.0]);
+    let tuning = joints.tuned(&[100.0, 20.0, 1e-12, 1.0, 1.0, 1.0]);
     let enhanced = joints.run(rival("enhanced-time-delay").unwrap(), &tuning, load);
-    let plain = joints.run(rival("time-delay").unwrap(), &joints.tuned(&[10.0, 1.0]), load);
+    let plain = joints.run(rival("time-delay").unwrap(), &joints.tuned(&[10.0, 1.0, 1.0]), load);
     assert!(enhanced.iter().zip(&plain).all(|(a, b)| (a.e - b.e).abs() < 1e-9));
     // K_S pulls ė − ė(0) + ∫D, which the late estimate leaves behind, to zero.
     let left = |ks: f64| {
-        let tuning = joints.tuned(&[100.0, 20.0, ks, 1.0, 1.0]);
+        let tuning = joints.tuned(&[100.0, 20.0, ks, 1.0, 1.0, 1.0]);
         let points = joints.run(rival("enhanced-time-delay").unwrap(), &tuning, load);
         points.iter().filter(|p| p.t > 2.0).map(|p| p.e.abs()).fold(0.0, f64::max)
     };
@@ -210,7 +210,7 @@ fn time_delay_estimates_converge_above_half_the_inertia() {
     {
         let mut joints = Joints::new();
         (joints.delay, joints.ratio, joints.start) = (delay, ratio, 1e-6);
-        let end = last(&joints.run(entry, &joints.tuned(&[5.0, 1.0]), |_| 0.0));
+        let end = last(&joints.run(entry, &joints.tuned(&[5.0, 1.0, 1.0]), |_| 0.0));
         assert_eq!(
             end.t > 3.9 && end.de.abs() < 1e-5,
             stable,

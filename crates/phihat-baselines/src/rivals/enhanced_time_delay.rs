@@ -6,7 +6,7 @@ use crate::error::Refusal;
 use crate::math::sig;
 use crate::needs::{Acceleration, Inertia, MotionAndTorque};
 use crate::rival::Rival;
-use crate::rivals::time_delay::Rest;
+use crate::rivals::time_delay::{INERTIA_SHARE, Rest};
 use crate::tuning::{Scalar, Tuning};
 
 /// Inclusive and enhanced time-delay control.
@@ -99,15 +99,16 @@ impl Rival for EnhancedTimeDelay {
             low: 0.5,
             high: 1.0,
         },
+        INERTIA_SHARE,
     ];
     type Sees<'a> = MotionAndTorque<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
-        let [kp, kd, ks, first, third] = tuning.values()?;
+        let [kp, kd, ks, first, third, share] = tuning.values()?;
         let period = tuning.period();
-        let (rest, sum) = (Rest::new(&inertia, period), vec![0.0; inertia.values().len()]);
+        let (rest, sum) = (Rest::new(&inertia, share, period), vec![0.0; inertia.values().len()]);
         let powers = [first, 2.0 * first / (1.0 + first), third];
         Ok(Self { kp, kd, ks, powers, sum, started: false, rest, period })
     }
@@ -138,7 +139,8 @@ impl Rival for EnhancedTimeDelay {
         self.sum.len() + self.rest.states()
     }
 
-    fn condition(_: &Tuning, arm: &Arm) -> Option<Condition> {
-        Some(Condition::above("M̄ < 2 M", arm.ratio[0], 0.5))
+    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+        let [.., share] = tuning.values::<6>().ok()?;
+        Some(Condition::above("M̄ < 2 M", arm.ratio[0], 0.5 * share))
     }
 }

@@ -50,9 +50,21 @@ pub(crate) struct Rest {
     period: f64,
 }
 
+/// `M̄` is the law's gain against noise: authors raise it until noise shows. Half the joint's mean inertia keeps
+/// `M̄ < 2 M` on arms whose inertia varies sixfold.
+pub(crate) const INERTIA_SHARE: Scalar = Scalar {
+    name: "inertia_share",
+    unit: "",
+    meaning: "M̄ over the joint's nominal inertia",
+    default: 0.5,
+    low: 0.05,
+    high: 2.0,
+};
+
 impl Rest {
-    pub(crate) fn new(inertia: &Inertia, period: f64) -> Self {
-        let inertia = inertia.values().to_vec();
+    /// With `M̄` a share of the joints' nominal inertia.
+    pub(crate) fn new(inertia: &Inertia, share: f64, period: f64) -> Self {
+        let inertia: Vec<f64> = inertia.values().iter().map(|inertia| share * inertia).collect();
         Self { dq: vec![0.0; inertia.len()], inertia, started: false, period }
     }
 
@@ -90,15 +102,15 @@ impl Rival for TimeDelay {
         law: "τ = M̄ (q̈_d − K_d ė − K_p e) + τ₋₁ − M̄ (q̇ − q̇₋₁)/T",
         printed: None,
     };
-    const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING];
+    const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING, INERTIA_SHARE];
     type Sees<'a> = MotionAndTorque<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
-        let [omega, zeta] = tuning.values()?;
+        let [omega, zeta, share] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
-        Ok(Self { kp, kd, rest: Rest::new(&inertia, tuning.period()) })
+        Ok(Self { kp, kd, rest: Rest::new(&inertia, share, tuning.period()) })
     }
 
     fn update(
@@ -120,8 +132,9 @@ impl Rival for TimeDelay {
     }
 
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
-        let [omega, zeta] = tuning.values().ok()?;
+        let [omega, zeta, share] = tuning.values().ok()?;
         let [kp, kd] = outer_gains(omega, zeta);
-        Some(window(kp, kd, 1.0 / tuning.period(), tuning.period(), arm))
+        let arm = Arm { ratio: arm.ratio.map(|ratio| ratio / share), ..arm.clone() };
+        Some(window(kp, kd, 1.0 / tuning.period(), tuning.period(), &arm))
     }
 }

@@ -161,7 +161,8 @@ const CLAIMED: [&str; 2] = ["park-chung", "chen-lee-feng"];
 
 /// Whether a certificate of optimality holds for these gains, and why.
 ///
-/// The law of this project: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the gains. Others
+/// The law of this project: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the gains; or, weaker,
+/// some `Q ⪰ 0` that need not be diagonal. Others
 /// whose authors claim optimality: the condition that their proof rests on. All others claim none.
 pub(crate) fn optimal(
     entry: &Entry,
@@ -193,13 +194,19 @@ fn by(margin: Option<f64>) -> String {
 
 fn inverse_optimal(law: &Law) -> (Mark, String) {
     let refuted = |e: &dyn core::fmt::Display| (Mark::No, format!("no certificate: {e}"));
-    let k_tilde = match Attenuation::of(law).map(|found| found.k_tilde()) {
-        Ok(Some(k_tilde)) => k_tilde,
-        Ok(None) => {
-            let why = "no diagonal Q ≻ 0 exists for these gains, at any K̃";
-            return (Mark::No, why.to_owned());
-        }
+    let found = match Attenuation::of(law) {
+        Ok(found) => found,
         Err(e) => return refuted(&e),
+    };
+    let Some(k_tilde) = found.k_tilde() else {
+        let none = "no diagonal Q ≻ 0 exists for these gains, at any K̃";
+        return match found.gamma_return_difference {
+            Some(gamma) => (
+                Mark::Partly,
+                format!("{none}; the return difference proves some Q ⪰ 0, γ > {gamma:.3}"),
+            ),
+            None => (Mark::No, format!("{none}, and none that is not diagonal")),
+        };
     };
     match Optimality::at(law, k_tilde) {
         Ok(claim) => match claim.certified() {
