@@ -35,7 +35,7 @@ pub(crate) fn path(runs: &Runs) -> Result<Section, String> {
             format!("({:.3}, {:.3}) m", start[0], start[1]),
             format!(
                 "The links are 0.305 + 0.208 + 0.370 = 0.883 m long: this is the stretched arm, a singular \
-                 pose. No joint moves the tip along the arm there (at most {along:.0e} m/rad). A law in \
+                 pose. No joint moves the tip along the arm there (at most {along:.3} m/rad). A law in \
                  joint space does not mind; one in task space has no answer."
             ),
         ),

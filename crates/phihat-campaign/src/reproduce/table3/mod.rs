@@ -84,7 +84,7 @@ fn page(arms: &[Arm]) -> Section {
     }
     section.statements = statements;
     section.tables = arms.iter().flat_map(|arm| [errors_table(arm), gains_table(arm)]).collect();
-    section.figures = arms.iter().map(fig_14).collect();
+    section.figures = arms.iter().flat_map(fig_14).collect();
     section
 }
 

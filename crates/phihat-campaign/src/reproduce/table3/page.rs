@@ -1,7 +1,7 @@
 //! Table 3 with ours beside it, the gains found, and Fig. 14.
 
 use super::super::compose::{axis, curve, figure, lines, table, three, words};
-use super::super::record::{Figure, Table};
+use super::super::record::{Figure, Panel, Table};
 use super::Arm;
 use super::bench::{LAWS, Score};
 use super::printed::PRINTED;
@@ -53,10 +53,30 @@ pub(super) fn gains_table(arm: &Arm) -> Table {
     table(&format!("table-3-gains-{}", arm.bench.arm), &title, &columns, rows.collect())
 }
 
-/// Errors over time, joint by joint.
-pub(super) fn fig_14(arm: &Arm) -> Figure {
+/// Errors over time, joint by joint: of all laws, and of those with integral action by themselves, which the first
+/// leaves one line.
+pub(super) fn fig_14(arm: &Arm) -> [Figure; 2] {
+    let name = arm.bench.arm;
+    let all = figure(
+        &format!("fig-14-{name}"),
+        &format!("Fig. 14 on {name}: errors of the three laws, the paper's protocol"),
+        "PD keeps an error under load; the two laws with integral action do not. The paper's arm, references and gains are not \
+         published.",
+        errors(arm, 0),
+    );
+    let close = figure(
+        &format!("fig-14-{name}-close"),
+        &format!("Fig. 14 on {name}: the two laws with integral action"),
+        "The same runs without PD, beside which they are one line.",
+        errors(arm, 1),
+    );
+    [all, close]
+}
+
+/// A panel per joint with the laws from `first` on.
+fn errors(arm: &Arm, first: usize) -> Vec<Panel> {
     let panels = (0..7).map(|joint| {
-        let series = LAWS.iter().zip(&arm.paper).map(|((_, name), score)| {
+        let series = LAWS.iter().zip(&arm.paper).skip(first).map(|((_, name), score)| {
             let errors = score.errors.get(joint).map_or(&[][..], |e| e);
             let points = errors.iter().enumerate().map(|(k, e)| [k as f64 * score.period, 1e3 * e]);
             curve(name, points)
@@ -68,11 +88,5 @@ pub(super) fn fig_14(arm: &Arm) -> Figure {
             Vec::new(),
         )
     });
-    figure(
-        &format!("fig-14-{}", arm.bench.arm),
-        &format!("Fig. 14 on {}: errors of the three laws, the paper's protocol", arm.bench.arm),
-        "PD keeps an error under load; the two laws with integral action do not. The paper's arm, references and gains are not \
-         published.",
-        panels.collect(),
-    )
+    panels.collect()
 }
