@@ -23,7 +23,7 @@ fn a_load_that_grows_leaves_the_error_of_the_transfer_function() {
     let cases = [
         ("proposed-1", 1.0 / (a0 * kp)),
         ("disturbance-observer", 1.0 / (100.0 * kp)),
-        ("time-delay", PERIOD / (0.5 * kp)),
+        ("time-delay", PERIOD / (0.1 * kp)),
         ("hayat-buss-2016", 1.0 / (a0 * kp + 20.0 * WEIGHT[0])),
         ("industrial-pid", 1.0 / (kp * 5.0)),
         ("h-infinity-pid", 1.0 / (choi * 200.0)),

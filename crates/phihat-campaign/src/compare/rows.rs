@@ -274,7 +274,8 @@ fn notes() -> Vec<String> {
         "Every rival is tuned once per arm, not once per world, with the same optimiser, number of evaluations \
          and seed, from its published gains, inside ranges around them. The cost is the rms error of the worst \
          joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
-         a run that ends early is worse than all that do not, the more the sooner.",
+         a run that does not follow, or meets the torque limits in more than 2 % of its samples, is worse than \
+         any noise; a run that ends early is worse than all that do not, the more the sooner.",
         "Motions that are trained on are not scored on. Training is in one world; the other worlds are met for the \
          first time when they are scored.",
         "Every rival gets the same nominal inertia per joint as the unit of its torque gains. Rivals that need \
