@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use phihat_baselines::{All, RIVALS, Supply, Tuning, rival};
+use phihat_baselines::{All, DesignedJoint, RIVALS, Supply, Tuning, rival};
 use phihat_model::Robot;
 
 /// Positions and velocities that keep changing, made of nothing that costs much beside an update.
@@ -20,8 +20,11 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let model = robot.plant_model();
     let n = model.joint_count();
     let center = &robot.poses["ready"];
+    let inertia = robot.inertia_range(20, 1).mean;
+    let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
     let supply = Supply {
-        inertia: robot.inertia_range(20, 1).mean,
+        designed: Ok(inertia.iter().map(first_order).collect()),
+        inertia,
         model: model.with_masses_times(0.8).unwrap(),
         viscous: vec![0.1; n],
         torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),

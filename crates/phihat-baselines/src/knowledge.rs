@@ -6,6 +6,7 @@ use std::sync::Arc;
 use phihat_model::{Model, Workspace};
 
 use crate::error::Refusal;
+use crate::facts::DesignedJoint;
 use crate::needs::{Knows, Needs};
 use crate::orbit::Curve;
 
@@ -26,6 +27,8 @@ pub struct Supply {
     pub tip: String,
     /// The task as a closed path.
     pub orbit: Option<Arc<dyn Curve>>,
+    /// The gains that this project's design gives for the arm's specification; or why there are none.
+    pub designed: Result<Vec<DesignedJoint>, String>,
 }
 
 impl Supply {

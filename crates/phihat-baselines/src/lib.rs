@@ -32,9 +32,11 @@ mod basis;
 mod card;
 mod claim;
 mod error;
+mod facts;
 mod knowledge;
 mod lumped;
 mod math;
+mod measured;
 mod needs;
 mod orbit;
 mod planar;
@@ -47,11 +49,12 @@ mod tuning;
 pub use card::{Card, Grade, Tick, Ticks};
 pub use claim::{Arm, Condition};
 pub use error::Refusal;
+pub use facts::{Designed, DesignedJoint, Inertia, Nothing, Period, TorqueMax};
 pub use knowledge::{Gravity, Nominal, Supply, Viscous};
-pub use needs::{
-    Acceleration, All, Inertia, Knows, Motion, MotionAndTorque, Needs, NoReference, Nothing,
-    Period, Positions, PositionsAndTorque, Sees, TorqueMax, Velocity, Wants,
+pub use measured::{
+    Acceleration, Motion, MotionAndTorque, NoReference, Positions, PositionsAndTorque, Velocity,
 };
+pub use needs::{All, Knows, Needs, Sees, Wants};
 pub use orbit::{Curve, Orbit};
 pub use planar::{LINKS, Planar, Tip};
 pub use regressor::Regressor;

@@ -1,6 +1,6 @@
 //! The low-passed lumped dynamics of every joint, for laws that add something to its estimator.
 
-use crate::needs::MotionAndTorque;
+use crate::measured::MotionAndTorque;
 
 /// `φ̂ = g/(s + g) φ`, `φ = τ_applied − M̄ q̈`, with its exact sampled pole and without a derivative:
 ///

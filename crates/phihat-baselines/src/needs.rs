@@ -55,133 +55,6 @@ pub trait Knows: Sized {
     fn of(supply: &Supply) -> Result<Self, Refusal>;
 }
 
-/// Measured positions.
-#[derive(Debug, Clone, Copy)]
-pub struct Positions<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-}
-
-/// Measured positions and velocities.
-#[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-    /// \[rad/s\]
-    pub dq: &'a [f64],
-}
-
-/// Measured positions, and the torque that acted.
-#[derive(Debug, Clone, Copy)]
-pub struct PositionsAndTorque<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-    /// \[N·m\], mean since the previous sample.
-    pub tau: &'a [f64],
-}
-
-/// Measured positions and velocities, and the torque that acted.
-#[derive(Debug, Clone, Copy)]
-pub struct MotionAndTorque<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-    /// \[rad/s\]
-    pub dq: &'a [f64],
-    /// \[N·m\], mean since the previous sample.
-    pub tau: &'a [f64],
-}
-
-/// The desired position and velocity.
-#[derive(Debug, Clone, Copy)]
-pub struct Velocity<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-    /// \[rad/s\]
-    pub dq: &'a [f64],
-}
-
-/// The desired position, velocity and acceleration.
-#[derive(Debug, Clone, Copy)]
-pub struct Acceleration<'a> {
-    /// \[rad\]
-    pub q: &'a [f64],
-    /// \[rad/s\]
-    pub dq: &'a [f64],
-    /// \[rad/s²\]
-    pub ddq: &'a [f64],
-}
-
-/// The clock alone: a rival that follows an orbit and not a time.
-#[derive(Debug, Clone, Copy)]
-pub struct NoReference;
-
-impl<'a> Sees<'a> for Positions<'a> {
-    const NEEDS: Needs = Needs::NONE;
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q }
-    }
-}
-
-impl<'a> Sees<'a> for Motion<'a> {
-    const NEEDS: Needs = Needs { velocity: true, ..Needs::NONE };
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q, dq: all.dq }
-    }
-}
-
-impl<'a> Sees<'a> for PositionsAndTorque<'a> {
-    const NEEDS: Needs = Needs { torque: true, ..Needs::NONE };
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q, tau: all.tau }
-    }
-}
-
-impl<'a> Sees<'a> for MotionAndTorque<'a> {
-    const NEEDS: Needs = Needs { velocity: true, torque: true, ..Needs::NONE };
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q, dq: all.dq, tau: all.tau }
-    }
-}
-
-impl<'a> Wants<'a> for Velocity<'a> {
-    const NEEDS: Needs = Needs { derivatives: 1, ..Needs::NONE };
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q_d, dq: all.dq_d }
-    }
-}
-
-impl<'a> Wants<'a> for Acceleration<'a> {
-    const NEEDS: Needs = Needs { derivatives: 2, ..Needs::NONE };
-    fn of(all: &All<'a>) -> Self {
-        Self { q: all.q_d, dq: all.dq_d, ddq: all.ddq_d }
-    }
-}
-
-impl Wants<'_> for NoReference {
-    const NEEDS: Needs = Needs::NONE;
-    fn of(_: &All<'_>) -> Self {
-        Self
-    }
-}
-
-/// No knowledge of the arm.
-#[derive(Debug, Clone, Copy)]
-pub struct Nothing;
-
-impl Knows for Nothing {
-    const NEEDS: Needs = Needs::NONE;
-    fn of(_: &Supply) -> Result<Self, Refusal> {
-        Ok(Self)
-    }
-}
-
-impl<A: Knows, B: Knows> Knows for (A, B) {
-    const NEEDS: Needs = A::NEEDS.and(B::NEEDS);
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        Ok((A::of(supply)?, B::of(supply)?))
-    }
-}
-
 /// What a rival declares to need, read from its types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[allow(clippy::struct_excessive_bools, reason = "independent facts, each a column of a table")]
@@ -194,6 +67,8 @@ pub struct Needs {
     pub derivatives: u8,
     /// One nominal inertia per joint, in the law itself.
     pub inertia: bool,
+    /// Gains that were designed for the arm's range of inertia and a bound on its load.
+    pub designed: bool,
     /// One nominal viscous friction per joint.
     pub friction: bool,
     /// The arm's gravity torque.
@@ -219,6 +94,7 @@ impl Needs {
         torque: false,
         derivatives: 0,
         inertia: false,
+        designed: false,
         friction: false,
         gravity: false,
         model: false,
@@ -239,6 +115,7 @@ impl Needs {
             torque: self.torque || other.torque,
             derivatives,
             inertia: self.inertia || other.inertia,
+            designed: self.designed || other.designed,
             friction: self.friction || other.friction,
             gravity: self.gravity || other.gravity,
             model: self.model || other.model,
@@ -266,6 +143,7 @@ impl fmt::Display for Needs {
             (self.derivatives == 1, "reference to velocity"),
             (self.derivatives == 2, "reference to acceleration"),
             (self.inertia, "inertia per joint"),
+            (self.designed, "designed gains"),
             (self.friction, "friction per joint"),
             (self.gravity, "gravity model"),
             (self.model, "model"),
@@ -277,71 +155,5 @@ impl fmt::Display for Needs {
         ];
         words.extend(flags.iter().filter(|(needed, _)| *needed).map(|(_, word)| *word));
         f.write_str(&words.join(", "))
-    }
-}
-
-/// One nominal inertia `M̄` per joint \[kg·m²\].
-#[derive(Debug, Clone)]
-pub struct Inertia(Vec<f64>);
-
-impl Inertia {
-    /// `M̄` \[kg·m²\], one entry per joint.
-    pub fn values(&self) -> &[f64] {
-        &self.0
-    }
-}
-
-impl Knows for Inertia {
-    const NEEDS: Needs = Needs { inertia: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        Ok(Self(supply.inertia.clone()))
-    }
-}
-
-/// The most torque of each joint \[N·m\].
-#[derive(Debug, Clone)]
-pub struct TorqueMax(Vec<f64>);
-
-impl TorqueMax {
-    /// \[N·m\], one entry per joint.
-    pub fn values(&self) -> &[f64] {
-        &self.0
-    }
-}
-
-impl Knows for TorqueMax {
-    const NEEDS: Needs = Needs { limits: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        match &supply.torque_max {
-            Some(values) => Ok(Self(values.clone())),
-            None => Err(Refusal::NotApplicable("the arm states no torque limits".to_owned())),
-        }
-    }
-}
-
-/// The limits of an arm that states them; a law that does without where there are none.
-impl Knows for Option<TorqueMax> {
-    const NEEDS: Needs = TorqueMax::NEEDS;
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        Ok(supply.torque_max.clone().map(TorqueMax))
-    }
-}
-
-/// The period of the task \[s\].
-#[derive(Debug, Clone, Copy)]
-pub struct Period(f64);
-
-impl Period {
-    /// \[s\]
-    pub fn seconds(&self) -> f64 {
-        self.0
-    }
-}
-
-impl Knows for Period {
-    const NEEDS: Needs = Needs { period: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        let missing = || Refusal::NotApplicable("the reference has no period".to_owned());
-        supply.task_period.map(Self).ok_or_else(missing)
     }
 }

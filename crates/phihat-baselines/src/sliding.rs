@@ -1,6 +1,6 @@
 //! The sliding variable and the motion that goes with it.
 
-use crate::needs::{Acceleration, Motion};
+use crate::measured::{Acceleration, Motion};
 
 /// `s = ė + Λ e`, `q̇_r = q̇_d − Λ e`, `q̈_r = q̈_d − Λ ė`.
 #[derive(Debug)]

@@ -155,6 +155,11 @@ fn the_earlier_law_without_its_correction_is_the_first_order_law() {
 }
 
 #[test]
+fn designed_gains_run_the_law_they_were_designed_for() {
+    same(("proposed-designed", &[]), ("proposed-1", &[20.0, 1.0, 69.6]), 1e-12);
+}
+
+#[test]
 fn adaptive_robust_dob_without_its_terms_is_the_first_order_law() {
     // (s + 20)² = s² + (λ + k) s + λ k.
     let bare = [20.0, 20.0, 1e-12, 50.0, 1e-12, 1.0, 0.1];
@@ -233,9 +238,10 @@ fn published_gains_on_seven_joints() {
     }
 }
 
-const SECOND_HALF: [&str; 20] = [
+const SECOND_HALF: [&str; 21] = [
     "proposed-1",
     "proposed-2",
+    "proposed-designed",
     "h-infinity-pid",
     "nric",
     "park-chung",

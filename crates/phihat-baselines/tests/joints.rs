@@ -329,6 +329,9 @@ fn seven_times_the_inertia_takes_seven_times_the_torque() {
             for unit in &mut joints.supply.inertia {
                 *unit *= factor;
             }
+            for joint in joints.supply.designed.iter_mut().flatten() {
+                joint.inertia *= factor;
+            }
             joints.supply.viscous.fill(0.0);
             joints.run(entry, &joints.published(entry), |t| 5.0 * (4.0 * t).sin())
         };

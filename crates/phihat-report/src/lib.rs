@@ -32,7 +32,9 @@ mod table;
 mod text;
 mod verdict;
 
-pub use comparison::{Beaten, Loss, Trial, comparison_page, comparison_table, losses, trial_page};
+pub use comparison::{
+    Beaten, Loss, Trial, comparison_page, comparison_table, losses, main_world, trial_page,
+};
 pub use faults::faults_page;
 pub use figure::{Figure, figures, reproduction_figures};
 pub use page::page;

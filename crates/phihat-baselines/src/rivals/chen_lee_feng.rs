@@ -4,7 +4,7 @@ use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 

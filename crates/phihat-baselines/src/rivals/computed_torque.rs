@@ -3,7 +3,7 @@
 use crate::card::{Card, Grade};
 use crate::error::Refusal;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
 use crate::tuning::{Scalar, Tuning};

@@ -3,7 +3,8 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::facts::Inertia;
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::{
     BANDWIDTH, DAMPING, Law, error_by_peak_gains, first_order_loop, outer_gains, window,

@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Inertia;
 use crate::math::sig;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::time_delay::{INERTIA_SHARE, Rest};
 use crate::tuning::{Scalar, Tuning};

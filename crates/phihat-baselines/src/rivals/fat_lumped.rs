@@ -4,8 +4,9 @@ use crate::basis::{BASIS, Basis, sum};
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::{Inertia, Period};
 use crate::math::Weighted;
-use crate::needs::{Acceleration, Inertia, Motion, Period};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 

@@ -6,7 +6,7 @@ use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::needs::{Acceleration, Motion, MotionAndTorque};
+use crate::measured::{Acceleration, Motion, MotionAndTorque};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
 use crate::sliding::Sliding;

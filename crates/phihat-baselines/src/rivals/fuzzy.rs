@@ -2,8 +2,9 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::error::Refusal;
+use crate::facts::Inertia;
 use crate::math::Weighted;
-use crate::needs::{Acceleration, Inertia, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
 use crate::tuning::{Scalar, Tuning};

@@ -3,9 +3,10 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Inertia;
 use crate::lumped::Lumped;
 use crate::math::Weighted;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, error_by_peak_gains, outer_gains};
 use crate::tuning::{Scalar, Tuning};

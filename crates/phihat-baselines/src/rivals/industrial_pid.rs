@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Inertia;
 use crate::knowledge::{Gravity, Viscous};
-use crate::needs::{Acceleration, Inertia, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
 use crate::tuning::{Scalar, Tuning};

@@ -26,6 +26,7 @@ mod pd_gravity;
 mod pd_plus;
 mod prescribed_performance;
 mod proposed;
+mod proposed_designed;
 mod robust;
 mod slotine_li;
 mod super_twisting;
@@ -73,6 +74,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<hayat_buss_2016::HayatBuss2016>(),
     Entry::of::<proposed::First>(),
     Entry::of::<proposed::Second>(),
+    Entry::of::<proposed_designed::ProposedDesigned>(),
 ];
 
 /// The rival of an id.

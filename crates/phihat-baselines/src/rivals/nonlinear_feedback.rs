@@ -5,7 +5,7 @@ use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::knowledge::Nominal;
 use crate::math::Weighted;
-use crate::needs::{Acceleration, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 

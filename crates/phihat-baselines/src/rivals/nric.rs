@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::TorqueMax;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion, TorqueMax};
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::rivals::h_infinity_pid::{self, HInfinityPid};
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};

@@ -4,7 +4,7 @@ use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion, NoReference};
+use crate::measured::{Acceleration, Motion, NoReference};
 use crate::orbit::Orbit;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;

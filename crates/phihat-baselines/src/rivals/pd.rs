@@ -2,7 +2,8 @@
 
 use crate::card::{Card, Grade};
 use crate::error::Refusal;
-use crate::needs::{Motion, Nothing, Velocity};
+use crate::facts::Nothing;
+use crate::measured::{Motion, Velocity};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 

@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Nothing;
 use crate::knowledge::Gravity;
-use crate::needs::{Motion, Velocity};
+use crate::measured::{Motion, Velocity};
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
 use crate::tuning::{Scalar, Tuning};
@@ -54,7 +55,7 @@ impl Rival for PdGravity {
     type Knows = Gravity;
 
     fn new(tuning: &Tuning, model: Gravity) -> Result<Self, Refusal> {
-        let feedback = Pd::new(tuning, crate::needs::Nothing)?;
+        let feedback = Pd::new(tuning, Nothing)?;
         Ok(Self { feedback, model, gravity: vec![0.0; tuning.joints()] })
     }
 

@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Nothing;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion, Nothing, Velocity};
+use crate::measured::{Acceleration, Motion, Velocity};
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
 use crate::tuning::{Scalar, Tuning};

@@ -5,8 +5,9 @@ use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::{DesignedJoint, Inertia};
 use crate::math::peak_gain;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 
@@ -62,7 +63,7 @@ pub(crate) struct Law {
     states: Vec<JointState<f64>>,
 }
 
-const PRINTED: Ticks =
+pub(crate) const PRINTED: Ticks =
     Ticks { quantitative: Tick::Yes, easy: Tick::Yes, optimal: Tick::Yes, model_free: Tick::Yes };
 
 pub(crate) const BANDWIDTH: Scalar = Scalar {
@@ -109,18 +110,25 @@ impl Law {
         outer: [f64; 2],
         a: &[f64],
     ) -> Result<Self, Refusal> {
-        let [omega, zeta] = outer;
-        let joint = |inertia: &f64| {
+        let [kp, kd] = outer_gains(outer[0], outer[1]);
+        let joint = |inertia: &f64| DesignedJoint { inertia: *inertia, kp, kd, a: a.to_vec() };
+        let joints: Vec<_> = inertia.values().iter().map(joint).collect();
+        Self::of(&joints, tuning.period())
+    }
+
+    /// The law of every joint by itself, sampled every `period` \[s\].
+    pub(crate) fn of(joints: &[DesignedJoint], period: f64) -> Result<Self, Refusal> {
+        let gains = joints.iter().map(|joint| {
             JointGains::new(&JointDesign {
-                inertia: *inertia,
-                kp: omega * omega,
-                kd: 2.0 * zeta * omega,
-                a,
-                period: tuning.period(),
+                inertia: joint.inertia,
+                kp: joint.kp,
+                kd: joint.kd,
+                a: &joint.a,
+                period,
                 form: Form::Observer,
             })
-        };
-        let gains: Result<Vec<_>, _> = inertia.values().iter().map(joint).collect();
+        });
+        let gains: Result<Vec<_>, _> = gains.collect();
         let gains = gains.map_err(|e| Refusal::Tuning(e.to_string()))?;
         Ok(Self { states: vec![JointState::new(); gains.len()], gains })
     }

@@ -4,7 +4,7 @@ use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::knowledge::Nominal;
-use crate::needs::{Acceleration, Motion, MotionAndTorque};
+use crate::measured::{Acceleration, Motion, MotionAndTorque};
 use crate::rival::Rival;
 use crate::sliding::Sliding;
 use crate::tuning::{Scalar, Tuning};

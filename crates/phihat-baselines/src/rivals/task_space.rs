@@ -4,7 +4,7 @@ use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::needs::{Acceleration, Motion};
+use crate::measured::{Acceleration, Motion};
 use crate::planar::{LINKS, Planar, Tip, running};
 use crate::regressor::Regressor;
 use crate::rival::Rival;

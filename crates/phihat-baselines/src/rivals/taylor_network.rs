@@ -3,7 +3,8 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::needs::{Acceleration, Motion, Nothing};
+use crate::facts::Nothing;
+use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 

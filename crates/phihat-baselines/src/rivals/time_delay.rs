@@ -3,7 +3,8 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::facts::Inertia;
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains, window};
 use crate::tuning::{Scalar, Tuning};

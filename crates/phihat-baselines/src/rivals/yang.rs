@@ -3,8 +3,9 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
+use crate::facts::Inertia;
 use crate::lumped::Lumped;
-use crate::needs::{Acceleration, Inertia, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::window;
 use crate::tuning::{Scalar, Tuning};

@@ -6,7 +6,7 @@ pub(crate) mod joints;
 use core::f64::consts::TAU;
 use std::sync::Arc;
 
-use phihat_baselines::{All, Arm, Curve, Entry, Supply, Tuning};
+use phihat_baselines::{All, Arm, Curve, DesignedJoint, Entry, Supply, Tuning};
 use phihat_model::{Model, Robot, Workspace};
 
 /// Sample period \[s\].
@@ -61,6 +61,12 @@ pub(crate) struct Run {
     pub(crate) tau: Vec<Vec<f64>>,
 }
 
+/// Gains as a design might give them: the published ones of order 1.
+fn designed(inertia: &[f64]) -> Vec<DesignedJoint> {
+    let joint = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
+    inertia.iter().map(joint).collect()
+}
+
 impl Bench {
     /// An arm of the project, upright, with friction; the nominal model has links of 0.8 times the mass and no
     /// dry friction. `center` of the motion is the pose `ready`, and the run starts on it.
@@ -77,6 +83,7 @@ impl Bench {
             task_period: Some(6.17),
             tip: robot.tip.clone(),
             orbit: None,
+            designed: Ok(designed(&range.mean)),
         };
         let center = robot.poses["ready"].clone();
         supply.orbit = Some(Arc::new(Sines { center: center.clone(), amplitude: 0.3 }));

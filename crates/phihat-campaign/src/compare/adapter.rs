@@ -85,6 +85,7 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         task_period: period(&study.reference),
         tip: robot.tip.clone(),
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
+        designed: Err("no gains were designed for this arm".to_owned()),
     })
 }
 

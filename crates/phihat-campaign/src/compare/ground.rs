@@ -1,15 +1,21 @@
 //! An arm of the comparison: a study, and the studies that it becomes in every world and with every motion.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
+use phihat_baselines::{Entry, Supply};
 use phihat_design::Arm as Inertias;
+use phihat_model::ModelError;
 use phihat_sim::{Demand, Driver, Moment, Motion, SimError, Simulation};
 use phihat_study::Study;
 use thiserror::Error;
 use toml::{Table, Value};
 
+use super::adapter::supply;
 use super::motion::Reach;
+use super::own::Own;
 use super::record::ArmRecord;
+use super::trial::NOMINAL_MASSES;
 use super::world::World;
 use crate::faults::set;
 
@@ -63,6 +69,7 @@ pub struct Ground {
     pub(crate) error_max: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
+    designed: OnceLock<Result<Own, String>>,
 }
 
 /// A driver that does nothing: to see whether a study can be simulated.
@@ -130,12 +137,32 @@ impl Ground {
             eigenvalues: [plain.low, plain.high],
             error_max,
             limits,
+            designed: OnceLock::new(),
             study,
         })
     }
 
     pub(crate) fn joints(&self) -> usize {
         self.units.len()
+    }
+
+    /// The gains that this project's design gives for the study's specification, or why there are none; designed
+    /// when first asked for.
+    pub(crate) fn designed(&self) -> &Result<Own, String> {
+        self.designed.get_or_init(|| Own::designed(&self.study))
+    }
+
+    /// What a rival may know of the arm in one of its worlds.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`]: the nominal model cannot be made.
+    pub(crate) fn supply(&self, entry: &Entry, study: &Study) -> Result<Supply, ModelError> {
+        let mut supply = supply(study, &self.units, NOMINAL_MASSES)?;
+        if entry.needs.designed {
+            supply.designed = self.designed().as_ref().map(Own::joints).map_err(Clone::clone);
+        }
+        Ok(supply)
     }
 
     /// The arm in a world with a task, as a study of its own that `phihat run` would read.

@@ -13,6 +13,7 @@ mod case;
 mod ground;
 mod judge;
 mod motion;
+mod own;
 mod plan;
 mod prepare;
 mod promise;

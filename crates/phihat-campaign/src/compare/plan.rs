@@ -16,7 +16,7 @@ use crate::journal::Journal;
 use crate::runner::{Ended, Progress, run_all};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
-pub(crate) const EDITION: &str = "compare 3";
+pub(crate) const EDITION: &str = "compare 4";
 
 /// How much is done.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ pub struct Extent {
     pub seeds: u64,
     /// Evaluations of every tuning.
     pub tuning_runs: usize,
-    /// Motions of an evaluation.
+    /// Motions of an evaluation, each in every world that is trained in.
     pub training_motions: u64,
     /// Their length \[s\].
     pub training_s: f64,
@@ -48,11 +48,11 @@ impl Extent {
             only: Vec::new(),
             worlds: Vec::new(),
             seeds: 1,
-            tuning_runs: 30,
+            tuning_runs: 60,
             training_motions: 1,
             training_s: 3.0,
             training_settle_s: 1.5,
-            draws: 12,
+            draws: 24,
             scored_max_s: 3.0,
         }
     }
@@ -61,10 +61,10 @@ impl Extent {
     pub fn full() -> Self {
         Self {
             seeds: 3,
-            tuning_runs: 150,
+            tuning_runs: 300,
             training_motions: 2,
             training_s: 4.0,
-            draws: 60,
+            draws: 100,
             scored_max_s: f64::INFINITY,
             ..Self::quick()
         }

@@ -49,11 +49,12 @@ struct Trained {
     kept: bool,
 }
 
-/// The training motions of an arm.
+/// The training motions of an arm, each in every world that is trained in.
 pub(crate) fn training(ground: &Ground, extent: &Extent) -> Result<Vec<Study>, CompareError> {
     let span = (extent.training_s, extent.training_settle_s);
     let motions = 1..=extent.training_motions;
-    motions.map(|k| ground.in_world(TRAINING, Task::Train(k), span)).collect()
+    let runs = motions.flat_map(|k| TRAINING.map(|world| (world, k)));
+    runs.map(|(world, k)| ground.in_world(world, Task::Train(k), span)).collect()
 }
 
 /// Tunes a rival on an arm.
@@ -90,14 +91,17 @@ pub(crate) fn drawn(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared
         Ok(studies) => studies,
         Err(e) => return Prepared::Refused(e.to_string()),
     };
-    let first = &studies[..studies.len().min(1)];
+    // One motion in every world.
+    let first = &studies[..studies.len().min(TRAINING.len())];
     let keeps = |k: &usize| {
         let values: Vec<f64> =
             entry.scalars.iter().map(|scalar| draw(entry.card.id, scalar, *k)).collect();
         train(ground, entry, &values, first).is_ok_and(|trained| trained.kept)
     };
-    let count = (0..extent.draws).filter(keeps).count();
-    Prepared::Drawn(count as f64 / extent.draws.max(1) as f64)
+    // Without a free scalar all draws are the same.
+    let draws = if entry.scalars.is_empty() { 1 } else { extent.draws.max(1) };
+    let count = (0..draws).filter(keeps).count();
+    Prepared::Drawn(count as f64 / draws as f64)
 }
 
 /// A value within a decade of the published one, even in logarithms, inside its range.

@@ -34,10 +34,10 @@ pub struct Fairness {
     pub optimiser: String,
     /// Evaluations that each rival's tuning had on each arm.
     pub tuning_runs: usize,
-    /// Motions that an evaluation simulates, and their length \[s\].
+    /// Motions that an evaluation simulates in every world that is tuned in, and their length \[s\].
     pub training: (usize, f64),
-    /// The world that is tuned in.
-    pub training_world: String,
+    /// The worlds that are tuned in.
+    pub training_worlds: Vec<String>,
     /// Motions that are scored on in every world: the study's own, and drawn ones; none of the training.
     pub seeds: u64,
     /// Length of a scored run \[s\]; the first part, up to the study's `settle_s`, is not scored.

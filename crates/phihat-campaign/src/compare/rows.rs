@@ -3,7 +3,6 @@
 use phihat_baselines::{Entry, Tuning};
 use toml::Table;
 
-use super::adapter::supply;
 use super::case::{Case, Scored};
 use super::ground::{Ground, Task};
 use super::plan::{Known, Plan};
@@ -154,7 +153,7 @@ fn worse(a: &Figures, b: &Figures) -> Figures {
 fn cost(arm: &Ground, entry: &Entry, tuning: &TuningRecord) -> Option<Cost> {
     let period = arm.study.control.period_ns as f64 * 1e-9;
     let values = Tuning::new(&tuning.tuned, &arm.units, period).ok()?;
-    let supply = supply(&arm.study, &arm.units, NOMINAL_MASSES).ok()?;
+    let supply = arm.supply(entry, &arm.study).ok()?;
     let states = entry.build(&values, &supply).ok()?.states();
     Some(Cost { states, instructions: instructions(&arm.study.robot.name, entry.card.id) })
 }
@@ -182,17 +181,16 @@ fn columns(
         why,
     };
     let span = (arm.study.duration, arm.study.spec.settle);
-    let study = arm.in_world(TRAINING, Task::Score(1), span).ok();
+    let study = arm.in_world(TRAINING[0], Task::Score(1), span).ok();
     let condition = study.and_then(|study| promise::condition(arm, entry, &tuning.tuned, &study));
-    let free = if entry.needs.model_free() { Mark::Yes } else { Mark::No };
     Columns {
         quantitative: measured(quantitative(cells), printed(|t| t.quantitative)),
         easy: measured(easy(entry, tuning, share), printed(|t| t.easy)),
         optimal: measured(
-            promise::optimal(entry, &tuning.tuned, condition.as_ref()),
+            promise::optimal(arm, entry, &tuning.tuned, condition.as_ref()),
             printed(|t| t.optimal),
         ),
-        model_free: measured((free, format!("handed {}", entry.needs)), printed(|t| t.model_free)),
+        model_free: measured(model_free(entry), printed(|t| t.model_free)),
         share_of_draws: share,
         scalars: entry.scalars.len(),
         condition,
@@ -230,6 +228,22 @@ fn quantitative(cells: &[Cell]) -> (Mark, String) {
     }
 }
 
+/// Whether the law, or whoever chose its gains, knew a model of the arm.
+fn model_free(entry: &Entry) -> (Mark, String) {
+    let handed = format!("handed {}", entry.needs);
+    match (entry.needs.model_free(), entry.needs.designed) {
+        (false, _) => (Mark::No, handed),
+        (true, false) => (Mark::Yes, handed),
+        (true, true) => (
+            Mark::Partly,
+            format!(
+                "{handed}; the law has no model, and its design wants the range of the arm's inertia and a bound on \
+                 its load, here computed from a model"
+            ),
+        ),
+    }
+}
+
 /// How much of the gains' neighbourhood keeps the specification.
 fn easy(entry: &Entry, tuning: &TuningRecord, share: f64) -> (Mark, String) {
     let mark = match share {
@@ -242,6 +256,10 @@ fn easy(entry: &Entry, tuning: &TuningRecord, share: f64) -> (Mark, String) {
         None => format!("{} tuning runs did not meet it", tuning.runs),
     };
     let scalars = entry.scalars.len();
+    if scalars == 0 {
+        let kept = if share > 0.0 { "kept" } else { "did not keep" };
+        return (mark, format!("no free scalar; the designed gains {kept} the specification"));
+    }
     let percent = 100.0 * share;
     let why =
         format!("{scalars} free scalars; {percent:.0} % of draws keep the specification; {needed}");
@@ -259,7 +277,7 @@ fn fairness(plan: &Plan) -> Fairness {
             usize::try_from(extent.training_motions).unwrap_or(usize::MAX),
             extent.training_s,
         ),
-        training_world: TRAINING.name.to_owned(),
+        training_worlds: TRAINING.map(|world| world.name.to_owned()).to_vec(),
         seeds: extent.seeds,
         scored_s: scored.fold(0.0, f64::max),
         nominal_masses: NOMINAL_MASSES,
@@ -276,10 +294,13 @@ fn notes() -> Vec<String> {
          joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
          a run that does not follow, or meets the torque limits in more than 2 % of its samples, is worse than \
          any noise; a run that ends early is worse than all that do not, the more the sooner.",
-        "Motions that are trained on are not scored on. Training is in one world; the other worlds are met for the \
-         first time when they are scored.",
+        "Motions that are trained on are not scored on. Training is in two worlds, friction and payload, so that gains \
+         have to bear the arm with and without its load; the other worlds are met for the first time when they are \
+         scored.",
         "Every rival gets the same nominal inertia per joint as the unit of its torque gains. Rivals that need \
          a model get the arm's own with lighter links, without payload and without dry friction.",
+        "The row with designed gains is not tuned: its gains come from the specification, the study's loop and the \
+         range of inertia and load of the arm with its payload; dry friction of the worlds was not declared to it.",
         "A law with more free scalars gets no more evaluations: a law with many may be better than its row. \
          Where an author's tuning procedure is not a choice of scalars, it is not followed.",
         "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that saturates.",

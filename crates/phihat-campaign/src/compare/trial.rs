@@ -7,7 +7,7 @@ use phihat_sim::{Outcome, SimError, Simulation, Trace};
 use phihat_study::Study;
 use thiserror::Error;
 
-use super::adapter::{Adapter, Broken, supply};
+use super::adapter::{Adapter, Broken};
 use super::ground::Ground;
 
 /// Link masses of the nominal model over the arm's.
@@ -44,7 +44,7 @@ pub(crate) fn run(
 ) -> Result<Trial, TrialError> {
     let period = study.control.period_ns as f64 * 1e-9;
     let tuning = Tuning::new(values, &ground.units, period)?;
-    let supply = supply(study, &ground.units, NOMINAL_MASSES)?;
+    let supply = ground.supply(entry, study)?;
     let rival = entry.build(&tuning, &supply)?;
     let broken = Broken::default();
     let driver = Adapter::watched(rival, ground.joints(), Arc::clone(&broken));
@@ -82,7 +82,8 @@ fn transversal(trace: &mut Trace, supply: &Supply) -> Result<(), Refusal> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-    use super::{NOMINAL_MASSES, Study, Trace, supply, transversal};
+    use super::super::adapter::supply;
+    use super::{NOMINAL_MASSES, Study, Trace, transversal};
 
     /// Late by a fifth of a second, and beside the path by a little: the first does not count, the second does.
     #[test]

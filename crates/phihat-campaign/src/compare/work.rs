@@ -1,6 +1,7 @@
 //! How much work the parts of a plan are, for those who wait.
 
 use super::plan::Plan;
+use super::world::TRAINING;
 
 impl Plan {
     /// The share of the whole work that the first `done` of its jobs are, 0 to 1: a tuning is many runs, a run
@@ -10,9 +11,10 @@ impl Plan {
         let seconds = |ground: usize| self.span(ground).0;
         let grounds = self.grounds.len();
         let scored = (0..grounds).map(seconds).sum::<f64>() / grounds.max(1) as f64;
-        let training = extent.training_motions as f64 * extent.training_s;
-        // Tunings and draws take turns.
-        let prepared = 0.5 * (extent.tuning_runs + extent.draws) as f64 * training;
+        let evaluations = extent.tuning_runs as f64 * extent.training_motions as f64;
+        // Tunings and draws take turns; a draw has one motion.
+        let training = TRAINING.len() as f64 * extent.training_s;
+        let prepared = 0.5 * (evaluations + extent.draws as f64) * training;
         let first = 2 * self.pairs().len();
         let later = first * self.worlds.len() * usize::try_from(extent.seeds).unwrap_or(1);
         let work = |jobs: usize| {

@@ -7,9 +7,7 @@ use serde_json::json;
 
 /// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.
 pub(super) fn overview(comparison: &Comparison) -> String {
-    let tuned_in = &comparison.fairness.training_world;
-    let worlds = || comparison.worlds.iter().map(|world| world.name.as_str());
-    let world = worlds().find(|name| name == tuned_in).or_else(|| worlds().next()).unwrap_or("");
+    let world = phihat_report::main_world(comparison).unwrap_or_default();
     let mut text = Vec::new();
     for arm in &comparison.arms {
         text.push(format!("{}, world `{world}`, gains tuned; * is the best of a column", arm.name));

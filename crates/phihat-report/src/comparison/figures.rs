@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use phihat_campaign::compare::{ArmRecord, Comparison, GainsKind, Row, WorldRecord};
 
 use super::quantity::{Of, QUANTITIES, Quantity};
-use super::{anchor, fate, fate_in_full, is_noisy, main_world, named};
+use super::{anchor, fate, fate_in_full, main_world, named, unrest};
 use crate::number::stated;
 use crate::text::line;
 
@@ -93,7 +93,7 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     let (symbol, word) = fate(&cell.fate);
     html! { td.outside[!cell.fate.followed()] data-v=(cell.fate.badness()) {
         (symbol) " " (word)
-        @if is_noisy(comparison, cell) { span.note { "≈ beyond the cap on noise" } }
+        @if let Some([_, why]) = unrest(comparison, cell) { span.note { (why) } }
         @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate)) } }
     } }
 }
@@ -126,8 +126,7 @@ pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<
         let cell = row.cell(world, GainsKind::Tuned);
         let here = match cell {
             None => "does not apply",
-            Some(cell) if is_noisy(comparison, cell) => "≈ noisy",
-            Some(cell) => fate(&cell.fate).1,
+            Some(cell) => unrest(comparison, cell).map_or(fate(&cell.fate).1, |[short, _]| short),
         };
         let mut texts = vec![
             line(&row.rival),

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use phihat_campaign::compare::{ArmRecord, Cell, Comparison, GainsKind, Row};
 
-use super::{anchor, fate, fate_in_full, is_noisy, named};
+use super::{anchor, fate, fate_in_full, named, unrest};
 use crate::number::stated;
 use crate::text::line;
 
@@ -18,7 +18,7 @@ pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
             span.r0 { "✓ up to 1: kept" } span.r1 { "to 3" } span.r2 { "to 10" } span.r3 { "beyond" }
             span.rlost { "▲ did not follow" } span.rgone { "✗ diverged" } span.rgone { "⊘ not a number" }
             span.rnone { "– does not apply" }
-            span { "≈ torque noise beyond the cap of the tuning" }
+            span { "≈ torque noise beyond the cap of the tuning, or at the torque limits" }
             " Large: tuned gains. Small: the published ones."
         }
         div.scroll tabindex="0" role="region" aria-label=(format!("Table: robustness on {}", line(&arm.name))) {
@@ -45,8 +45,8 @@ fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
     };
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td class=(class(tuned)) { a href=(target) title=(fate_in_full(&tuned.fate)) {
-        (mark(tuned)) @if is_noisy(comparison, tuned) { " ≈" }
-        @if let Some(published) = published { span.note { "published " (mark(published)) @if is_noisy(comparison, published) { " ≈" } } }
+        (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
+        @if let Some(published) = published { span.note { "published " (mark(published)) @if unrest(comparison, published).is_some() { " ≈" } } }
     } } }
 }
 

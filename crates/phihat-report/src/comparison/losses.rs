@@ -111,7 +111,10 @@ fn can_be_compared(
     row: &Row,
     world: Option<&str>,
 ) -> bool {
-    let ran = world.is_none_or(|world| row.cell(world, GainsKind::Tuned).is_some());
+    let ran = match world {
+        Some(world) => row.cell(world, GainsKind::Tuned).is_some(),
+        None => !column.is_about_choice() || column.of_cell(row, None).is_some(),
+    };
     ran && comparison.rows_of(&row.arm).any(|other| column.eligible(other, world).is_some())
 }
 

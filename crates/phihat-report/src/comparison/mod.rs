@@ -91,11 +91,11 @@ fn named(comparison: &Comparison, row: &Row) -> Markup {
     }
 }
 
-/// The world whose figures stand in the table of every arm: the one that gains are tuned in, else the first.
-fn main_world(comparison: &Comparison) -> Option<&str> {
-    let tuned = |name: &str| name == comparison.fairness.training_world;
+/// The world whose figures stand in the table of every arm: the first that gains are tuned in, else the first.
+pub fn main_world(comparison: &Comparison) -> Option<&str> {
+    let tuned = comparison.fairness.training_worlds.first();
     let worlds = || comparison.worlds.iter().map(|world| world.name.as_str());
-    worlds().find(|name| tuned(name)).or_else(|| worlds().next())
+    worlds().find(|name| tuned.is_some_and(|tuned| tuned == name)).or_else(|| worlds().next())
 }
 
 /// What became of a run: a symbol and a word, so that no colour is needed.
@@ -110,10 +110,21 @@ fn fate(fate: &Fate) -> (&'static str, &'static str) {
     }
 }
 
-/// Whether the torque of an arm that followed is noisier than tuned gains may be in training: it may shake.
-fn is_noisy(comparison: &Comparison, cell: &Cell) -> bool {
-    let noise = cell.worst.as_ref().map_or(0.0, |figures| figures.noise);
-    cell.fate.followed() && noise > comparison.fairness.noise_cap
+/// Share of samples at a torque limit from which on the arm is said to live on its limits.
+const LIMITED: f64 = 0.02;
+
+/// What is wrong with an arm that followed all the same: its torque is noisier than tuned gains may be in
+/// training, or it lives on limits that leave room for the motion, as in a limit cycle. `[in short, in full]`
+fn unrest(comparison: &Comparison, cell: &Cell) -> Option<[&'static str; 2]> {
+    let figures = cell.worst.as_ref().filter(|_| cell.fate.followed())?;
+    // There the limits are drawn in on purpose.
+    let limited = figures.saturated > LIMITED && cell.world != "saturation";
+    let noisy = figures.noise > comparison.fairness.noise_cap;
+    match (limited, noisy) {
+        (true, _) => Some(["≈ at limits", "≈ at its torque limits"]),
+        (false, true) => Some(["≈ noisy", "≈ beyond the cap on noise"]),
+        (false, false) => None,
+    }
 }
 
 /// The same with time, joint or reason.

@@ -1,6 +1,6 @@
 //! What rows are compared by: one list for the tables, the marks of the best, and the losses.
 
-use phihat_campaign::compare::{Cell, Comparison, Figures, GainsKind, Row};
+use phihat_campaign::compare::{Cell, Columns, Comparison, Figures, GainsKind, Row};
 
 use crate::verdict::MILLI;
 
@@ -74,13 +74,13 @@ pub(super) const QUANTITIES: [Quantity; 12] = [
         f.bound_over_measured
     }),
     row(("share of draws", "draws"), "gains that need no search", Better::More, |row| {
-        row.columns.as_ref().map(|columns| columns.share_of_draws)
+        chosen(row).map(|columns| columns.share_of_draws)
     }),
     row(("runs to spec", ""), "few runs until the gains do", Better::Less, |row| {
         row.tuning.as_ref()?.runs_to_spec.map(|runs| runs as f64)
     }),
     row(("scalars", ""), "few numbers to choose", Better::Less, |row| {
-        row.columns.as_ref().map(|columns| columns.scalars as f64)
+        chosen(row).map(|columns| columns.scalars as f64)
     }),
     row(("states", ""), "little memory", Better::Less, |row| {
         row.cost.as_ref().map(|cost| cost.states as f64)
@@ -96,6 +96,11 @@ pub(super) const QUANTITIES: [Quantity; 12] = [
     ),
 ];
 
+/// The columns of a row with something to choose: designed gains are not compared by how hard they are to find.
+fn chosen(row: &Row) -> Option<&Columns> {
+    row.columns.as_ref().filter(|columns| columns.scalars > 0)
+}
+
 /// Worlds in which every run with the tuned gains followed its reference.
 pub(super) fn worlds_followed(row: &Row) -> usize {
     let tuned = row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
@@ -103,6 +108,11 @@ pub(super) fn worlds_followed(row: &Row) -> usize {
 }
 
 impl Quantity {
+    /// Whether it says how hard gains are to find: nothing that could be said of designed ones.
+    pub(super) fn is_about_choice(&self) -> bool {
+        matches!(self.name, "share of draws" | "scalars")
+    }
+
     /// The value that is shown of a cell, finite; whatever became of the arm.
     pub(super) fn of_cell(&self, row: &Row, cell: Option<&Cell>) -> Option<f64> {
         let value = match self.of {

@@ -14,7 +14,7 @@ pub(super) fn fairness(comparison: &Comparison, command: &str) -> Markup {
         dl {
             dt { "optimiser" } dd { (line(&terms.optimiser)) }
             dt { "budget" } dd { (terms.tuning_runs) " evaluations for every law with a free scalar, on every arm" }
-            dt { "tuned on" } dd { (motions) " motions of " (stated(length)) " s in the world “" (line(&terms.training_world)) "”" }
+            dt { "tuned on" } dd { (motions) " motions of " (stated(length)) " s in the worlds “" (line(&terms.training_worlds.join("”, “"))) "”" }
             dt { "scored on" } dd { (terms.seeds) " other motions of " (stated(terms.scored_s)) " s in every world; the study's own is the first" }
             dt { "nominal model" } dd { "links " (stated(terms.nominal_masses)) " times as heavy as the arm's, for every law that is handed a model" }
             dt { "cap on torque noise" } dd { (stated(terms.noise_cap)) " of the joint's torque limit, for tuned gains" }

@@ -141,7 +141,7 @@ pub(crate) fn comparison(rms: [f64; 4]) -> Comparison {
             optimiser: "CMA-ES".to_owned(),
             tuning_runs: 40,
             training: (2, 3.0),
-            training_world: "delay".to_owned(),
+            training_worlds: vec!["delay".to_owned(), "payload".to_owned()],
             seeds: 1,
             scored_s: 3.0,
             nominal_masses: 0.8,

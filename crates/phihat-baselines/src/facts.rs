@@ -1,0 +1,120 @@
+//! What a rival can know of an arm before it starts, short of a model: facts, each a type.
+
+use crate::error::Refusal;
+use crate::knowledge::Supply;
+use crate::needs::{Knows, Needs};
+
+/// No knowledge of the arm.
+#[derive(Debug, Clone, Copy)]
+pub struct Nothing;
+
+impl Knows for Nothing {
+    const NEEDS: Needs = Needs::NONE;
+    fn of(_: &Supply) -> Result<Self, Refusal> {
+        Ok(Self)
+    }
+}
+
+impl<A: Knows, B: Knows> Knows for (A, B) {
+    const NEEDS: Needs = A::NEEDS.and(B::NEEDS);
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Ok((A::of(supply)?, B::of(supply)?))
+    }
+}
+
+/// One nominal inertia `M̄` per joint \[kg·m²\].
+#[derive(Debug, Clone)]
+pub struct Inertia(Vec<f64>);
+
+impl Inertia {
+    /// `M̄` \[kg·m²\], one entry per joint.
+    pub fn values(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl Knows for Inertia {
+    const NEEDS: Needs = Needs { inertia: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Ok(Self(supply.inertia.clone()))
+    }
+}
+
+/// The most torque of each joint \[N·m\].
+#[derive(Debug, Clone)]
+pub struct TorqueMax(Vec<f64>);
+
+impl TorqueMax {
+    /// \[N·m\], one entry per joint.
+    pub fn values(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl Knows for TorqueMax {
+    const NEEDS: Needs = Needs { limits: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        match &supply.torque_max {
+            Some(values) => Ok(Self(values.clone())),
+            None => Err(Refusal::NotApplicable("the arm states no torque limits".to_owned())),
+        }
+    }
+}
+
+/// The limits of an arm that states them; a law that does without where there are none.
+impl Knows for Option<TorqueMax> {
+    const NEEDS: Needs = TorqueMax::NEEDS;
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        Ok(supply.torque_max.clone().map(TorqueMax))
+    }
+}
+
+/// The period of the task \[s\].
+#[derive(Debug, Clone, Copy)]
+pub struct Period(f64);
+
+impl Period {
+    /// \[s\]
+    pub fn seconds(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Knows for Period {
+    const NEEDS: Needs = Needs { period: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        let missing = || Refusal::NotApplicable("the reference has no period".to_owned());
+        supply.task_period.map(Self).ok_or_else(missing)
+    }
+}
+
+/// Gains of this project's law that its own design gave for the arm's specification.
+#[derive(Debug, Clone)]
+pub struct Designed(Vec<DesignedJoint>);
+
+/// The law of one joint, as it was designed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignedJoint {
+    /// Nominal inertia `M̄` \[kg·m²\].
+    pub inertia: f64,
+    /// `K_p` \[1/s²\].
+    pub kp: f64,
+    /// `K_d` \[1/s\].
+    pub kd: f64,
+    /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\].
+    pub a: Vec<f64>,
+}
+
+impl Designed {
+    /// One entry per joint.
+    pub fn joints(&self) -> &[DesignedJoint] {
+        &self.0
+    }
+}
+
+impl Knows for Designed {
+    const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        supply.designed.clone().map(Self).map_err(Refusal::NotApplicable)
+    }
+}
