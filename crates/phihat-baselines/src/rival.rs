@@ -48,6 +48,12 @@ pub trait Rival: Debug + Send + Sized + 'static {
         None
     }
 
+    /// The condition that its authors' proof of optimality puts on the gains; `None` where there is no such proof, or
+    /// none that is known here.
+    fn optimality(_tuning: &Tuning) -> Option<Condition> {
+        None
+    }
+
     /// Largest |e| \[rad\] per joint after the transient that it promises before a run; `None` where it makes no
     /// such promise. `arm` has what is declared of the arm and its load.
     fn bound(_tuning: &Tuning, _arm: &Arm) -> Option<Vec<f64>> {
@@ -90,6 +96,7 @@ pub struct Entry {
     pub scalars: &'static [Scalar],
     build: Build,
     condition: fn(&Tuning, &Arm) -> Option<Condition>,
+    optimality: fn(&Tuning) -> Option<Condition>,
     bound: fn(&Tuning, &Arm) -> Option<Vec<f64>>,
 }
 
@@ -104,6 +111,7 @@ impl Entry {
             scalars: R::SCALARS,
             build: |tuning, supply| Ok(Box::new(Handed(R::new(tuning, R::Knows::of(supply)?)?))),
             condition: R::condition,
+            optimality: R::optimality,
             bound: R::bound,
         }
     }
@@ -120,6 +128,11 @@ impl Entry {
     /// See [`Rival::condition`].
     pub fn condition(&self, tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         (self.condition)(tuning, arm)
+    }
+
+    /// See [`Rival::optimality`].
+    pub fn optimality(&self, tuning: &Tuning) -> Option<Condition> {
+        (self.optimality)(tuning)
     }
 
     /// See [`Rival::bound`].

@@ -26,7 +26,7 @@ use crate::tuning::{Scalar, Tuning};
 /// # Guarantee
 ///
 /// Gain at most `γ` from mismatch to the cost for every `γ > √β`: the condition `β < γ²` of the source is met by the
-/// choice of a level. With an exact model `V = ½ sᵀMs + Λ eᵀUe/β` has `V̇ = −(ėᵀUė + Λ² eᵀUe)/β`.
+/// choice of a level, so that gains fail it nowhere. With an exact model `V = ½ sᵀMs + Λ eᵀUe/β` has `V̇ = −(ėᵀUė + Λ² eᵀUe)/β`.
 ///
 /// # Not claimed
 ///
@@ -102,9 +102,14 @@ impl Rival for ChenLeeFeng {
         0
     }
 
+    fn optimality(_: &Tuning) -> Option<Condition> {
+        let text = "β < γ² for some level γ, which is free";
+        Some(Condition { text, holds: true, margin: f64::INFINITY })
+    }
+
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         let [_, damping] = tuning.values().ok()?;
         let floor = arm.ratio_min(damping, tuning.period());
-        Some(Condition::above("T/β < 2μ, with delay less", arm.ratio[0], floor))
+        Some(Condition::above("T/β < cμ; c = 2, behind one sample of delay 1", arm.ratio[0], floor))
     }
 }

@@ -91,16 +91,17 @@ pub(crate) const ATTENUATION: Scalar = Scalar {
     high: 3.0,
 };
 
+/// Whether (2) holds for `K_P, K_I`: what the proof of optimality asks for.
+pub(crate) fn proof([proportional, integral]: [f64; 2]) -> Condition {
+    Condition::above("K_P² > 2 K_I", proportional * proportional, 2.0 * integral)
+}
+
 /// Whether (2) and the sampled condition hold for `K_P, K_I, K, γ`.
 pub(crate) fn certificate(values: [f64; 4], period: f64, arm: &Arm) -> Condition {
     let [proportional, integral, gain, gamma] = values;
-    let text = "K_P² > 2 K_I and (K + 1/γ²) T < 2μ";
-    let floor = arm.ratio_min(gain + 1.0 / (gamma * gamma), period);
-    Condition::above(text, proportional * proportional, 2.0 * integral).and(&Condition::above(
-        text,
-        arm.ratio[0],
-        floor,
-    ))
+    let text = "K_P² > 2 K_I and (K + 1/γ²) T < cμ; c = 2, behind one sample of delay 1";
+    let sampled = Condition::sampled(text, gain + 1.0 / (gamma * gamma), period, arm);
+    sampled.and(&proof([proportional, integral]))
 }
 
 impl HInfinityPid {
@@ -199,6 +200,11 @@ impl Rival for HInfinityPid {
 
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         Some(certificate(tuning.values().ok()?, tuning.period(), arm))
+    }
+
+    fn optimality(tuning: &Tuning) -> Option<Condition> {
+        let [proportional, integral, ..] = tuning.values::<4>().ok()?;
+        Some(proof([proportional, integral]))
     }
 
     fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {

@@ -126,7 +126,8 @@ impl Rival for HayatBuss2016 {
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         let c = closed_loop(tuning)?;
         let window = [arm.ratio_min(c[2], tuning.period()), c[2] * c[1] / c[0]];
-        Some(Condition::inside("(K_d + a₀)T/2 < μ < c₂c₁/c₀ of (2)", arm.ratio, window))
+        let text = "(K_d + a₀)T/c < μ < c₂c₁/c₀ of (2); c = 2, behind one sample of delay 1";
+        Some(Condition::inside(text, arm.ratio, window))
     }
 
     fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {

@@ -119,6 +119,7 @@ impl Rival for IndustrialPid {
         let [omega, zeta, rate] = tuning.values().ok()?;
         let kd = 2.0 * zeta * omega;
         let floor = arm.ratio_min(kd, tuning.period());
-        Some(Condition::inside("K_D T/(2U) < μ < 2 ζ ω T_i", arm.ratio, [floor, kd / rate]))
+        let text = "2 ζ ω T/c < μ < 2 ζ ω T_i; c = 2, behind one sample of delay 1";
+        Some(Condition::inside(text, arm.ratio, [floor, kd / rate]))
     }
 }

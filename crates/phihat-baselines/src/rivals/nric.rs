@@ -151,4 +151,9 @@ impl Rival for Nric {
         let values = [proportional, integral, gain, gamma];
         Some(h_infinity_pid::certificate(values, tuning.period(), arm))
     }
+
+    fn optimality(tuning: &Tuning) -> Option<Condition> {
+        let [_, _, proportional, integral, ..] = tuning.values::<6>().ok()?;
+        Some(h_infinity_pid::proof([proportional, integral]))
+    }
 }

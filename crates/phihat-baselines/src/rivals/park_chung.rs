@@ -6,7 +6,7 @@ use crate::error::Refusal;
 use crate::knowledge::Nominal;
 use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
-use crate::rivals::h_infinity_pid::{HInfinityPid, certificate};
+use crate::rivals::h_infinity_pid::{HInfinityPid, certificate, proof};
 use crate::tuning::{Scalar, Tuning};
 
 /// H-infinity PID with compensation by the model.
@@ -90,5 +90,10 @@ impl Rival for ParkChung {
 
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         Some(certificate(tuning.values().ok()?, tuning.period(), arm))
+    }
+
+    fn optimality(tuning: &Tuning) -> Option<Condition> {
+        let [proportional, integral, ..] = tuning.values::<4>().ok()?;
+        Some(proof([proportional, integral]))
     }
 }

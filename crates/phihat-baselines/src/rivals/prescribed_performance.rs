@@ -109,7 +109,11 @@ impl Rival for PrescribedPerformance {
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         let [_, end, _, gain] = tuning.values().ok()?;
         let floor = arm.ratio_min(2.0 * gain / end, tuning.period());
-        Some(Condition::above("2K T/ρ_∞ < 2μ, with delay less", arm.ratio[0], floor))
+        Some(Condition::above(
+            "2K T/ρ_∞ < cμ; c = 2, behind one sample of delay 1",
+            arm.ratio[0],
+            floor,
+        ))
     }
 
     fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {

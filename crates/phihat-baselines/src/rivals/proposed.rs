@@ -22,11 +22,11 @@ use crate::tuning::{Scalar, Tuning};
 /// # Guarantee
 ///
 /// Frozen inertia of ratio `μ` to `M̄`: stable inside the window (2), its lower end from sampling and delay
-/// ([`Arm::ratio_min`]), its upper end in continuous time. The error of a joint by peak gains, with
+/// ([`Arm::ratio_min`]: `c` is 2 without delay and 1 behind one sample), its upper end in continuous time. The error of a joint by peak gains, with
 /// `G(s) = s/((s² + K_d s + K_p)(s + a_0))` and `‖·‖₁` the integral of the impulse response's modulus:
 ///
 /// ```text
-/// (K_d + a_0) T / 2 < μ < (K_d + a_0)(K_p + a_0 K_d)/(a_0 K_p)                         (2)
+/// (K_d + a_0) T / c < μ < (K_d + a_0)(K_p + a_0 K_d)/(a_0 K_p)                         (2)
 /// M̄ |e| ≤ ‖G/s‖₁ max|φ̇| + ‖G‖₁ max|jump of φ|                                          (3)
 /// ```
 ///
@@ -151,7 +151,7 @@ impl Law {
 pub(crate) fn window(kp: f64, kd: f64, a0: f64, period: f64, arm: &Arm) -> Condition {
     let ceiling = (kd + a0) * (kp + a0 * kd) / (a0 * kp);
     Condition::inside(
-        "(K_d + a₀)T/2 < μ < (K_d + a₀)(K_p + a₀K_d)/(a₀K_p)",
+        "(K_d + a₀)T/c < μ < (K_d + a₀)(K_p + a₀K_d)/(a₀K_p); c = 2, behind one sample of delay 1",
         arm.ratio,
         [arm.ratio_min(kd + a0, period), ceiling],
     )
@@ -268,7 +268,7 @@ impl Rival for Second {
         let ceiling = (c[3] * c[2] * c[1] - c[3] * c[3] * c[0]) / (c[1] * c[1]);
         let floor = arm.ratio_min(c[3], tuning.period());
         Some(Condition::inside(
-            "(K_d + a₁)T/2 < μ < (c₃c₂c₁ − c₃²c₀)/c₁², (s² + K_d s + K_p)(s² + a₁s + a₀)",
+            "(K_d + a₁)T/c < μ < (c₃c₂c₁ − c₃²c₀)/c₁² of (s² + K_d s + K_p)(s² + a₁s + a₀); c = 2, behind one sample of delay 1",
             arm.ratio,
             [floor, ceiling],
         ))

@@ -163,6 +163,6 @@ impl Rival for TaylorNetwork {
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
         let [_, gain, ..] = tuning.values::<4>().ok()?;
         let floor = arm.ratio_min(gain, tuning.period());
-        Some(Condition::above("k T < 2μ, with delay less", arm.ratio[0], floor))
+        Some(Condition::above("k T < cμ; c = 2, behind one sample of delay 1", arm.ratio[0], floor))
     }
 }

@@ -24,13 +24,16 @@ pub(crate) struct Own {
 }
 
 impl Own {
-    /// The law of a row, where it is this project's.
+    /// The law of a row, where it is this project's, under whatever name.
     pub(crate) fn of(ground: &Ground, entry: &Entry, values: &[f64]) -> Option<Self> {
         if entry.needs.designed {
             return ground.designed().as_ref().ok().cloned();
         }
         let (omega, zeta, a) = match (entry.card.id, values) {
-            ("proposed-1", [omega, zeta, estimator]) => (omega, zeta, vec![*estimator]),
+            // A disturbance observer is the law of order 1, by algebra: what is proved of one holds for the other.
+            ("proposed-1" | "disturbance-observer", [omega, zeta, estimator]) => {
+                (omega, zeta, vec![*estimator])
+            }
             ("proposed-2", [omega, zeta, estimator, damping]) => {
                 (omega, zeta, vec![estimator * estimator, 2.0 * damping * estimator])
             }

@@ -1,6 +1,6 @@
 //! What is known of a rival before a run: the bound it states, its condition, its certificate.
 
-use phihat_baselines::{Arm, Entry, Tick, Tuning};
+use phihat_baselines::{Arm, Condition, Entry, Tick, Tuning};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -90,34 +90,31 @@ const CLAIMED: [&str; 2] = ["park-chung", "chen-lee-feng"];
 
 /// Whether a certificate of optimality holds for these gains, and why.
 ///
-/// The law of this project: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the gains; or, weaker,
-/// some `Q ⪰ 0` that need not be diagonal. Others
-/// whose authors claim optimality: the condition that their proof rests on. All others claim none.
-pub(crate) fn optimal(
-    ground: &Ground,
-    entry: &Entry,
-    values: &[f64],
-    condition: Option<&ConditionRecord>,
-) -> (Mark, String) {
+/// The law of this project, under whatever name: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the
+/// gains; or, weaker, some `Q ⪰ 0` that need not be diagonal. Others whose authors claim optimality: the condition
+/// that their proof puts on the gains, for the continuous loop like ours. All others claim none.
+pub(crate) fn optimal(ground: &Ground, entry: &Entry, values: &[f64]) -> (Mark, String) {
     if let Some(own) = Own::of(ground, entry, values) {
         return own.optimal();
     }
     let ticked = entry.card.printed.is_some_and(|ticks| ticks.optimal == Tick::Yes);
-    match (ticked || CLAIMED.contains(&entry.card.id), condition) {
-        (false, _) => (Mark::No, "no certificate is claimed".to_owned()),
-        (true, None) => (
+    if !ticked && !CLAIMED.contains(&entry.card.id) {
+        return (Mark::No, "no certificate is claimed".to_owned());
+    }
+    let period = ground.study.control.period_ns as f64 * 1e-9;
+    let tuning = Tuning::new(values, &ground.units, period).ok();
+    match tuning.and_then(|tuning| entry.optimality(&tuning)) {
+        None => (
             Mark::No,
-            "claimed, but without a condition that gains could be held against".to_owned(),
+            "claimed; no condition of the proof is known here that gains could be held against"
+                .to_owned(),
         ),
-        (true, Some(ConditionRecord { text, holds: true, margin })) => {
-            (Mark::Yes, format!("the proof's condition {text} holds{}", by(*margin)))
-        }
-        (true, Some(ConditionRecord { text, holds: false, margin })) => {
-            (Mark::No, format!("the proof's condition {text} does not hold{}", by(*margin)))
+        Some(Condition { text, holds, margin }) => {
+            let (mark, holds) =
+                if holds { (Mark::Yes, "holds") } else { (Mark::No, "does not hold") };
+            let by =
+                if margin.is_finite() { format!(" (ratio {margin:.3})") } else { String::new() };
+            (mark, format!("the proof's condition {text} {holds}{by}"))
         }
     }
-}
-
-fn by(margin: Option<f64>) -> String {
-    margin.map_or(String::new(), |margin| format!(" (ratio {margin:.3})"))
 }

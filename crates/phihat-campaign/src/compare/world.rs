@@ -65,6 +65,9 @@ pub const WORLDS: &[World] = &[
 /// Figures of the whole row are those of the first.
 pub(crate) const TRAINING: [&World; 2] = [&WORLDS[4], &WORLDS[3]];
 
+/// The world whose torque limits are drawn in on purpose.
+pub(crate) const SATURATION: &str = WORLDS[5].name;
+
 /// Dry friction over the torque limit.
 const DRY: f64 = 0.02;
 
