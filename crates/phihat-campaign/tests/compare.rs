@@ -8,9 +8,7 @@ use phihat_baselines::{
     Arm, Card, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
 };
 use phihat_campaign::Journal;
-use phihat_campaign::compare::{
-    Cell, Comparison, Extent, Fate, Figures, GainsKind, Mark, Plan, RivalRecord,
-};
+use phihat_campaign::compare::{Cell, Comparison, Extent, Fate, Figures, GainsKind, Mark, Plan};
 use phihat_model::Workspace;
 
 /// What a test's rival does.
@@ -186,24 +184,34 @@ fn the_answer_does_not_depend_on_how_it_was_run() {
     assert_eq!(text(&back), one);
 }
 
-/// The same number of evaluations for every rival of the list, whatever its dimension; what does not apply says why.
+/// The same number of evaluations for every rival of the list, whatever its dimension; what does not apply says why;
+/// and with exact sensors every law that applies follows on both arms, tuned or not.
 #[test]
-fn everybody_is_tuned_with_the_same_budget() {
-    let plan = Plan::new(&[study("fair", "", MOVING)], short(&["exact"])).unwrap();
+fn everybody_is_tuned_with_the_same_budget_and_follows_with_exact_sensors() {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    let studies = ["table1.toml", "table1_panda.toml"].map(|name| studies.join(name));
+    let plan = Plan::new(&studies, short(&["exact"])).unwrap();
     let comparison = done(&plan, &journal("fair"), 2);
-    assert_eq!(comparison.rows.len(), plan.rivals.len());
+    assert_eq!(comparison.rows.len(), 2 * plan.rivals.len());
+    let mut refused = Vec::new();
     for row in &comparison.rows {
-        let record: &RivalRecord = comparison.rival(&row.rival).unwrap();
+        let (name, record) = (&row.rival, comparison.rival(&row.rival).unwrap());
         let Some(tuning) = &row.tuning else {
-            assert!(!row.refused.as_ref().unwrap().is_empty(), "{}", row.rival);
+            assert!(!row.refused.as_ref().unwrap().is_empty(), "{name}");
+            refused.push((row.arm.as_str(), name.as_str()));
             continue;
         };
-        assert_eq!(tuning.runs, if record.scalars.is_empty() { 1 } else { 4 }, "{}", row.rival);
-        assert!(tuning.cost_tuned <= tuning.cost_published, "{}", row.rival);
+        assert_eq!(tuning.runs, if record.scalars.is_empty() { 1 } else { 4 }, "{name}");
+        assert!(tuning.cost_tuned <= tuning.cost_published, "{name}");
         for (value, scalar) in tuning.tuned.iter().zip(&record.scalars) {
-            assert!((scalar.range[0]..=scalar.range[1]).contains(value), "{}", row.rival);
+            assert!((scalar.range[0]..=scalar.range[1]).contains(value), "{name}");
+        }
+        for gains in [GainsKind::Published, GainsKind::Tuned] {
+            let fate = &row.cell("exact", gains).unwrap().fate;
+            assert!(fate.followed(), "{} {name} {gains:?}: {fate:?}", row.arm);
         }
     }
+    assert_eq!(refused, [("table1_panda", "task-space")]);
 }
 
 /// A law that says nothing, one that breaks for one sample, one that runs away, beside one that works: each is
