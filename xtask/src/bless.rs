@@ -55,6 +55,13 @@ fn reproduction(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// Measures the rivals on both arms, in full, and keeps the page. What was interrupted goes on where it was.
+pub(crate) fn comparison(root: &Path) -> Result<(), String> {
+    let studies = ["studies/table1.toml", "studies/table1_panda.toml"];
+    cargo(root, &[&["phihat", "compare"], &studies[..]].concat())?;
+    copy(&root.join("out/compare/report.html"), &root.join("docs/comparison/report.html"))
+}
+
 /// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.
 pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     let kept = format!("{KEPT}/reproduction.json");

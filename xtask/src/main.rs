@@ -18,6 +18,7 @@ const USAGE: &str = "usage:
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
+  cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
   cargo xtask bless            the README's output and pictures, and docs/reproduction, as they are now";
 
 fn main() -> ExitCode {
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
+        Some((verb, _)) if verb == "table1" => bless::comparison(&test::root()),
         Some((verb, _)) if verb == "rivals" => rivals::run(&test::root()),
         Some((verb, rest)) if verb == "soak" => {
             let samples = rest.first().map_or("1000000000", String::as_str);
