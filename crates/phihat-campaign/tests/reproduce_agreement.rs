@@ -1,7 +1,9 @@
 //! Wrong if a reproduction that says something else passed for the same, or the same one for another.
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
-use phihat_campaign::reproduce::{FORMAT, Kept, Number, Reproduction, Section, Statement, Verdict};
+use phihat_campaign::reproduce::{
+    FORMAT, Kept, Number, Origin, Reproduction, Section, Statement, Verdict,
+};
 
 fn number(name: &str, value: Option<f64>, tolerance: f64) -> Number {
     Number { name: name.into(), unit: "mrad".into(), value, tolerance }
@@ -11,6 +13,7 @@ fn statement(id: &str) -> Statement {
     Statement {
         id: id.into(),
         place: "(40)".into(),
+        origin: Origin::Paper,
         claim: "The error stays in the ball.".into(),
         paper: "2 mrad".into(),
         ours: "3 mrad".into(),

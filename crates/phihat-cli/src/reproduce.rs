@@ -11,7 +11,7 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_campaign::reproduce::{
-    Extent, Kept, Reproduction, Statement, Verdict, parts, reproduce_only, studies,
+    Extent, Kept, Origin, Reproduction, Statement, Verdict, parts, reproduce_only, studies,
 };
 use serde_json::json;
 
@@ -143,12 +143,12 @@ impl Reproduce {
         let statements: Vec<_> = statements(reproduction)
             .map(|s| {
                 json!({
-                    "id": s.id, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
+                    "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
                     "verdict": s.verdict, "why": s.why, "numbers": s.numbers,
                 })
             })
             .collect();
-        let count = |verdict| statements_of(reproduction, verdict);
+        let count = |verdict| reproduction.of(Origin::Paper, verdict).count();
         json!({
             "folder": self.out,
             "report": self.out.join("report.html"),
@@ -158,6 +158,10 @@ impl Reproduce {
                 "with_correction": count(Verdict::WithCorrection),
                 "not_reproducible": count(Verdict::NotReproducible),
             },
+            "not_counted": {
+                "again": reproduction.count(Origin::Again),
+                "ours": reproduction.count(Origin::Ours),
+            },
             "statements": statements,
             "differs": differs,
         })
@@ -166,10 +170,6 @@ impl Reproduce {
 
 fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
     reproduction.sections.iter().flat_map(|section| &section.statements)
-}
-
-fn statements_of(reproduction: &Reproduction, verdict: Verdict) -> usize {
-    statements(reproduction).filter(|s| s.verdict == verdict).count()
 }
 
 /// One line per statement, section by section, and the counts.
@@ -193,9 +193,15 @@ fn overview(reproduction: &Reproduction) -> String {
         text.push(format!("{}\n{table}", section.title));
     }
     let counts = Verdict::ALL.map(|verdict| {
-        format!("{} {} {}", verdict.sign(), statements_of(reproduction, verdict), verdict.words())
+        let count = reproduction.of(Origin::Paper, verdict).count();
+        format!("{} {count} {}", verdict.sign(), verdict.words())
     });
-    text.push(counts.join(" · "));
+    text.push(format!(
+        "of the paper: {}; not counted: {} looked at once more, {} findings of this project",
+        counts.join(" · "),
+        reproduction.count(Origin::Again),
+        reproduction.count(Origin::Ours)
+    ));
     text.join("\n")
 }
 

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use base64::Engine as _;
-use phihat_campaign::reproduce::{Content, Reproduction, Verdict};
+use phihat_campaign::reproduce::{Content, Origin, Reproduction, Verdict};
 use phihat_report::{reproduction_figures, reproduction_page};
 use scraper::{ElementRef, Html, Selector};
 use sha2::{Digest, Sha256};
@@ -42,7 +42,7 @@ fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
         assert_eq!(cells[4], word);
         for part in [
             "largest |e|: 1.93 mrad (agrees within 2.0 %)",
-            "of the literal form: none",
+            "of the printed form: none",
             "phihat run studies/paper/m1.toml",
             "Rests on rotor-inertia",
             &statement.id,
@@ -64,9 +64,29 @@ fn counts_are_those_of_the_verdicts() {
     let document = page(&whole);
     let counts: Vec<_> = all(&document, ".counts li").iter().map(text).collect();
     assert_eq!(counts, ["✓ 2 reproduced", "◐ 0 with correction", "✗ 1 not reproducible"]);
-    assert!(text(&all(&document, ".verdict")[0]).starts_with("2 of 3 statements hold as printed."));
+    assert!(
+        text(&all(&document, ".verdict")[0])
+            .starts_with("2 of 3 statements of the paper hold as printed.")
+    );
     let listed = |class: &str| all(&document, &format!(".group.{class} li")).len();
     assert_eq!([listed("reproduced"), listed("corrected"), listed("not")], [2, 0, 1]);
+}
+
+/// What the paper does not state, or states twice, is on the page and in no count.
+#[test]
+fn findings_of_ours_are_not_counted_among_the_papers() {
+    let mut whole = reproduction();
+    whole.sections[0].statements[0].origin = Origin::Ours;
+    let (ours, id) = (&whole.sections[0].statements[0], whole.sections[0].statements[0].id.clone());
+    let document = page(&whole);
+    let verdict = text(&all(&document, ".verdict")[0]);
+    assert!(verdict.starts_with("0 of 2 statements of the paper hold as printed."), "{verdict}");
+    assert!(verdict.ends_with("0 statements looked at once more, and 1 findings of this project."));
+    let beside = all(&document, ".beside li");
+    assert!(beside.len() == 1 && text(&beside[0]).contains(&ours.claim));
+    let row = text(&all(&document, &format!("#claim-{id} th"))[0]);
+    assert!(row.contains("a finding of this project"), "{row}");
+    assert_eq!(all(&document, ".group.reproduced li").len(), 0);
 }
 
 #[test]

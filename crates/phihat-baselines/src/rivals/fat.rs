@@ -1,7 +1,7 @@
 //! Regressor-free adaptive control by function approximation.
 
 use crate::basis::{BASIS, Basis, sum};
-use crate::card::{Card, Grade, Tick, Ticks};
+use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::facts::Period;
@@ -61,12 +61,7 @@ impl Rival for Fat {
         grade: Grade::B,
         caveat: "the update law is written after the monograph of Huang and Chien; five harmonics and one rate for M and C are this project's",
         law: "τ = M̂ q̈_r + Ĉ q̇_r + ĝ − K_D s,  every entry wᵀ z(t),  dw/dt = −γ s (·) z − σ w",
-        printed: Some(Ticks {
-            quantitative: Tick::No,
-            easy: Tick::No,
-            optimal: Tick::No,
-            model_free: Tick::Yes,
-        }),
+        printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
         Scalar {

@@ -1,6 +1,6 @@
 //! A fuzzy estimate of the lumped dynamics, for the class of Fateh and others.
 
-use crate::card::{Card, Grade, Tick, Ticks};
+use crate::card::{Card, Grade};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::Weighted;
@@ -63,12 +63,7 @@ impl Rival for Fuzzy {
         grade: Grade::C,
         caveat: "the published law commands voltages; this is its counterpart for torques",
         law: "τ = M̄ (q̈_d − K_d ė − K_p e − pᵀξ(e, ė)),  ṗ = γ BᵀPx ξ",
-        printed: Some(Ticks {
-            quantitative: Tick::No,
-            easy: Tick::No,
-            optimal: Tick::No,
-            model_free: Tick::Yes,
-        }),
+        printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
         BANDWIDTH,

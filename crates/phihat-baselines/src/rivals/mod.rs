@@ -37,31 +37,32 @@ mod time_delay;
 mod ultra_local;
 mod yang;
 
-/// Every rival, in the order of the table. One line each.
+/// Every rival: plain laws, the rows of the paper's Table 1 in its order, other laws, and the paper's own, its last row.
+/// One line each.
 pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),
     Entry::of::<pd_gravity::PdGravity>(),
     Entry::of::<pd_plus::PdPlus>(),
     Entry::of::<computed_torque::ComputedTorque>(),
     Entry::of::<slotine_li::SlotineLi>(),
-    Entry::of::<fat::Fat>(),
     Entry::of::<fat_lumped::FatLumped>(),
     Entry::of::<robust::Robust>(),
     Entry::of::<task_space::TaskSpace>(),
     Entry::of::<output_feedback::OutputFeedback>(),
     Entry::of::<nonlinear_feedback::NonlinearFeedback>(),
     Entry::of::<filtered_regressor::FilteredRegressor>(),
+    Entry::of::<yang::Yang>(),
     Entry::of::<switching::Switching>(),
     Entry::of::<finite_time::FiniteTime>(),
     Entry::of::<orbital::Orbital>(),
-    Entry::of::<h_infinity_pid::HInfinityPid>(),
     Entry::of::<nric::Nric>(),
-    Entry::of::<park_chung::ParkChung>(),
-    Entry::of::<chen_lee_feng::ChenLeeFeng>(),
-    Entry::of::<yang::Yang>(),
+    Entry::of::<h_infinity_pid::HInfinityPid>(),
+    Entry::of::<fat::Fat>(),
     Entry::of::<taylor_network::TaylorNetwork>(),
     Entry::of::<fuzzy::Fuzzy>(),
     Entry::of::<ultra_local::UltraLocal>(),
+    Entry::of::<park_chung::ParkChung>(),
+    Entry::of::<chen_lee_feng::ChenLeeFeng>(),
     Entry::of::<industrial_pid::IndustrialPid>(),
     Entry::of::<disturbance_observer::DisturbanceObserver>(),
     Entry::of::<adrc::Adrc>(),

@@ -1,6 +1,6 @@
 //! A multidimensional Taylor network as inverse controller, for the class of Zhang and Yan.
 
-use crate::card::{Card, Grade, Tick, Ticks};
+use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
 use crate::facts::Nothing;
@@ -72,12 +72,7 @@ impl Rival for TaylorNetwork {
         grade: Grade::C,
         caveat: "the published law drives a motor: a polynomial network as inverse controller stands for it",
         law: "τ = U (W p(q_d, q̇_d, q̈_d) − k s),  Ẇ = −Γ s pᵀ/(1 + pᵀp) − σ W",
-        printed: Some(Ticks {
-            quantitative: Tick::No,
-            easy: Tick::No,
-            optimal: Tick::No,
-            model_free: Tick::Yes,
-        }),
+        printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
         Scalar {

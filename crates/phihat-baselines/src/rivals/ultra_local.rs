@@ -1,6 +1,6 @@
 //! An ultra-local model with robust adaptive laws, for the class of Safaei and others.
 
-use crate::card::{Card, Grade, Tick, Ticks};
+use crate::card::{Card, Grade};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::Weighted;
@@ -55,12 +55,7 @@ impl Rival for UltraLocal {
         grade: Grade::C,
         caveat: "the published law was not found: an ultra-local model with leaky adaptation stands for it",
         law: "τ = M̄ (q̈_d − K_d ė − K_p e − θ̂ᵀ(q, q̇) − δ̂),  θ̂˙ = Γ₁ BᵀPx (q, q̇) − σ θ̂,  δ̂˙ = Γ₂ BᵀPx − σ δ̂",
-        printed: Some(Ticks {
-            quantitative: Tick::No,
-            easy: Tick::No,
-            optimal: Tick::No,
-            model_free: Tick::Yes,
-        }),
+        printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
         BANDWIDTH,

@@ -1,7 +1,7 @@
 //! Small words for putting a [`Section`](super::Section) together.
 
 use super::record::{
-    Axis, Bound, Content, Figure, Number, Panel, Section, Series, Statement, Table, Verdict,
+    Axis, Bound, Content, Figure, Number, Origin, Panel, Section, Series, Statement, Table, Verdict,
 };
 
 /// Most points of a curve: more than a figure can show.
@@ -106,6 +106,7 @@ pub(crate) fn statement(
     Statement {
         id: id.to_owned(),
         place: place.to_owned(),
+        origin: Origin::Paper,
         claim: claim.to_owned(),
         paper: paper.to_owned(),
         ours,

@@ -23,10 +23,23 @@ pub(crate) fn second_h1() -> Law {
     law(&[69.6 * 69.6, 69.6])
 }
 
+/// m = 2, hypothesis H2: `a_1 = 139.2`, on the edge of A3 at the printed `b_0 = 69.6`.
+pub(crate) fn second_h2() -> Law {
+    law(&[69.6 * 139.2, 139.2])
+}
+
 /// m = 2, ours: the double pole at 69.6 rad/s, which has a certificate.
 pub(crate) fn second_h3() -> Law {
     law(&[69.6 * 69.6, 2.0 * 69.6])
 }
+
+/// m = 1 and the three hypotheses of m = 2, with their names.
+pub(crate) fn all() -> [(&'static str, Law); 4] {
+    [("m = 1", first()), ("H1", second_h1()), ("H2", second_h2()), ("H3", second_h3())]
+}
+
+/// `K̃` of Table 2 (C).
+pub(crate) const K_TILDE: f64 = 68.9;
 
 /// `K̃` of the certificate of [`second_h3`].
 pub(crate) const K_TILDE_H3: f64 = 100.0;

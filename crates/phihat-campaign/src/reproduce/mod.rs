@@ -26,8 +26,8 @@ use thiserror::Error;
 
 pub use agreement::Kept;
 pub use record::{
-    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Panel, Reproduction, Section, Series,
-    Statement, Table, Verdict,
+    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Origin, Panel, Reproduction, Section,
+    Series, Statement, Table, Verdict,
 };
 
 /// How much is done.
@@ -63,7 +63,7 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, String>;
 /// take the next one as they become free.
 const PARTS: &[(&str, Work)] = &[
     ("theory", theory::theory),
-    ("table 1", |_, _| Ok(table1::table1())),
+    ("table 1", |_, _| table1::table1()),
     ("arm in simulation", |extent, progress| {
         arm::simulation(&arm::Studies::shipped(), extent, progress)
     }),

@@ -70,13 +70,16 @@ pub struct Section {
     pub figures: Vec<Figure>,
 }
 
-/// One statement of the paper, what it states and what was measured or computed.
+/// One statement, what it states and what was measured or computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
     /// Short name, unique: `fig7-m1-error`.
     pub id: String,
     /// Where it stands: `Fig. 7 (a)`, `(40)`, `Theorem 2`, `Table 2 (B)`.
     pub place: String,
+    /// Whose it is: only the paper's are counted as such.
+    #[serde(default)]
+    pub origin: Origin,
     /// What is claimed, in our words.
     pub claim: String,
     /// The paper's value or wording, as short as it can be.
@@ -95,6 +98,19 @@ pub struct Statement {
     pub studies: Vec<String>,
 }
 
+/// Whose a statement is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// The paper states it.
+    #[default]
+    Paper,
+    /// The paper states it, and another statement counts it already: here it is looked at once more.
+    Again,
+    /// A finding of this project about what the paper states.
+    Ours,
+}
+
 /// What came of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -105,6 +121,19 @@ pub enum Verdict {
     WithCorrection,
     /// It does not hold, or the paper does not print what it would take.
     NotReproducible,
+}
+
+impl Reproduction {
+    /// The statements of an origin and a verdict.
+    pub fn of(&self, origin: Origin, verdict: Verdict) -> impl Iterator<Item = &Statement> {
+        let all = self.sections.iter().flat_map(|section| &section.statements);
+        all.filter(move |statement| statement.origin == origin && statement.verdict == verdict)
+    }
+
+    /// How many statements of an origin there are.
+    pub fn count(&self, origin: Origin) -> usize {
+        Verdict::ALL.iter().map(|verdict| self.of(origin, *verdict).count()).sum()
+    }
 }
 
 impl Verdict {

@@ -1,6 +1,6 @@
 //! A statement of the paper, and what was found.
 
-use super::record::{Number, Statement, Verdict};
+use super::record::{Number, Origin, Statement, Verdict};
 
 /// What the paper says, before it is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +27,7 @@ impl Said<'_> {
         Statement {
             id: self.id.to_owned(),
             place: self.place.to_owned(),
+            origin: Origin::Paper,
             claim: self.claim.to_owned(),
             paper: self.paper.to_owned(),
             ours: ours.into(),
@@ -45,6 +46,18 @@ impl Statement {
     pub(crate) fn assuming(mut self, ids: &[&str]) -> Self {
         self.assumptions = super::compose::words(ids);
         self
+    }
+
+    /// It is no statement of the paper but a finding of this project about one.
+    #[must_use]
+    pub(crate) fn ours(self) -> Self {
+        Self { origin: Origin::Ours, ..self }
+    }
+
+    /// Another statement counts it already.
+    #[must_use]
+    pub(crate) fn again(self) -> Self {
+        Self { origin: Origin::Again, ..self }
     }
 
     /// The studies behind it.

@@ -17,7 +17,8 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
         h3 { "Figures, gains tuned" }
         p.hint {
             "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among laws "
-            "whose arm followed, and those within 0.5 % of it. The order is the paper's; with a script, a heading sorts."
+            "whose arm followed, and those within 0.5 % of it. Plain laws come first, then the paper's Table 1 in its order, other "
+            "laws, and the paper's own; with a script, a heading sorts."
         }
         @if let Some(world) = first { (table(comparison, arm, world)) }
         @if others().next().is_some() {

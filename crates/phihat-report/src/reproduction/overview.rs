@@ -1,35 +1,40 @@
 //! What came of the paper, at a glance: counts, links, assumptions.
 
 use maud::{Markup, html};
-use phihat_campaign::reproduce::{Reproduction, Statement, Verdict};
+use phihat_campaign::reproduce::{Origin, Reproduction, Statement, Verdict};
 
 use super::{PAPER, anchor, class, statements};
 use crate::text::line;
 
+/// The paper's statements of a verdict: what is counted.
 fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &Statement> {
-    statements(reproduction).filter(move |statement| statement.verdict == verdict)
+    reproduction.of(Origin::Paper, verdict)
 }
 
 pub(super) fn header(reproduction: &Reproduction) -> Markup {
-    let count = statements(reproduction).count();
+    let count = reproduction.count(Origin::Paper);
+    let (again, ours) = (reproduction.count(Origin::Again), reproduction.count(Origin::Ours));
     let correct = of(reproduction, Verdict::Reproduced).count();
     html! {
         header {
             h1 { "The paper, reproduced" }
             p.byline { (PAPER) }
             p.byline {
-                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements · computed and simulated"
+                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements of the paper · computed and simulated"
                 @if reproduction.quick { " · quick: coarser maps and sweeps" }
             }
             @if let Some(only) = &reproduction.only {
                 p.partial { strong { "A part of it only:" } " what was chosen by “" (line(only)) "”." }
             }
             div.verdict {
-                p { strong { (correct) " of " (count) " statements hold as printed." } }
+                p { strong { (correct) " of " (count) " statements of the paper hold as printed." } }
                 ul.counts { @for verdict in Verdict::ALL {
                     @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
                     li.(class) { span.sign { (sign) } " " (of(reproduction, verdict).count()) " " (word) }
                 } }
+                @if again + ours > 0 {
+                    p { "Not counted: " (again) " statements looked at once more, and " (ours) " findings of this project." }
+                }
             }
         }
     }
@@ -62,16 +67,39 @@ pub(super) fn overview(reproduction: &Reproduction) -> Markup {
                 } } }
             }
         } }
+        (beside(reproduction))
         nav aria-label="sections" {
             h3 { "Sections" }
             ol { @for section in &reproduction.sections { li {
                 a href=(format!("#{}", anchor("section", &section.id))) { (line(&section.title)) }
                 @for verdict in Verdict::ALL {
-                    @let count = section.statements.iter().filter(|s| s.verdict == verdict).count();
+                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
                     @if count > 0 { span.tally { (verdict.sign()) " " (count) } }
                 }
             } } }
         }
+    }
+}
+
+/// What is on the page and not counted.
+fn beside(reproduction: &Reproduction) -> Markup {
+    let all = || statements(reproduction).filter(|statement| statement.origin != Origin::Paper);
+    html! { @if all().next().is_some() {
+        h3 { "Not counted" }
+        ul.beside { @for statement in all() { li {
+            span.sign { (statement.verdict.sign()) } " "
+            a href=(format!("#{}", anchor("claim", &statement.id))) { (line(&statement.place)) }
+            " " (line(&statement.claim)) " (" (whose(statement)) ")"
+        } } }
+    } }
+}
+
+/// Why a statement is not counted, in a word; empty for the paper's.
+pub(super) fn whose(statement: &Statement) -> &'static str {
+    match statement.origin {
+        Origin::Paper => "",
+        Origin::Again => "looked at once more",
+        Origin::Ours => "a finding of this project",
     }
 }
 

@@ -1,8 +1,9 @@
 //! Statements: the paper's value beside ours, and everything needed to doubt either.
 
 use maud::{Markup, html};
-use phihat_campaign::reproduce::{Number, Section, Statement};
+use phihat_campaign::reproduce::{Number, Origin, Section, Statement};
 
+use super::overview::whose;
 use super::{anchor, class};
 use crate::number::{percent, stated};
 use crate::text::line;
@@ -32,6 +33,7 @@ fn row(statement: &Statement) -> Markup {
         tr.statement.(class(statement.verdict)) id=(id) {
             th scope="row" {
                 a href=(format!("#{id}")) { (line(&statement.place)) }
+                @if statement.origin != Origin::Paper { span.note { (whose(statement)) } }
             }
             td data-label="what is stated" {
                 (line(&statement.claim))

@@ -3,8 +3,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use phihat_campaign::reproduce::{
-    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Panel, Reproduction, Section, Series,
-    Statement, Table, Verdict,
+    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Origin, Panel, Reproduction, Section,
+    Series, Statement, Table, Verdict,
 };
 
 /// Two sections, a statement of every verdict, a table, and every kind of figure.
@@ -62,12 +62,13 @@ fn statement(id: &str, verdict: Verdict) -> Statement {
     Statement {
         id: id.into(),
         place: "Fig. 7 (a)".into(),
+        origin: Origin::Paper,
         claim: format!("The error of joint 2 stays in its bound ({id})."),
         paper: "|e| ≤ 2 mrad".into(),
         ours: "|e| ≤ 1.93 mrad".into(),
         verdict,
         why: "Measured after 1.5 s at 1 kHz.".into(),
-        numbers: vec![number("largest |e|", Some(1.93)), number("of the literal form", None)],
+        numbers: vec![number("largest |e|", Some(1.93)), number("of the printed form", None)],
         assumptions: vec!["rotor-inertia".into()],
         studies: vec!["studies/paper/m1.toml".into()],
     }

@@ -51,6 +51,8 @@ pub(super) fn a1() -> Result<Statement, String> {
             number("K̃ by (44)", "1/s", least.k_tilde, 1e-9),
             number("K_p from K̃ = 222", "1/s²", kp, 1e-9),
             number("K_d from K̃ = 222, + c", "1/s", c + root, 1e-9),
+            number("K_p by (44)", "1/s²", least.kp, 1e-9),
+            number("K_d by (44)", "1/s", least.kd, 1e-9),
         ],
     )
     .assuming(&["phi-max"]))
@@ -109,6 +111,8 @@ pub(super) fn b1() -> Result<Statement, String> {
         vec![
             number("Q_22", "", refused.map(|r| r.value), 1e-9),
             number("K̃ by Newton", "1/s", ours.k_tilde, 1e-6),
+            number("K_p by Newton", "1/s²", ours.kp, 1e-6),
+            number("K_d by Newton", "1/s", ours.kd, 1e-6),
         ],
     )
     .assuming(&["phi-max"]))
@@ -140,13 +144,16 @@ pub(super) fn equal_rows() -> Result<Statement, String> {
          and 3 give K_p = ė_max/∫e_max, rows 2 and 3 K_d − 2K_p/K_d = ė_max/e_max. No choice of φ_max or γ \
          gives the columns; other limits than (48) would, but they differ between (A) and (B).",
         vec![number("largest relative deviation from 100 and 20", "", spread, 1e6)],
-    ))
+    )
+    .again())
 }
 
 /// (C), m = 1.
 pub(super) fn c1() -> Result<Statement, String> {
     let refused = refusal(&first(), COLUMNS[2].k_tilde)?;
-    let gamma = Attenuation::of(&first()).map_err(|e| e.to_string())?.gamma_diagonal;
+    let least = Attenuation::of(&first()).map_err(|e| e.to_string())?.gamma_diagonal;
+    let k_tilde = COLUMNS[2].k_tilde;
+    let gamma = (first().a_top() - k_tilde).sqrt().recip();
     Ok(Said {
         id: "table2-c1",
         place: "Table 2 (C), m = 1",
@@ -155,13 +162,19 @@ pub(super) fn c1() -> Result<Statement, String> {
     }
     .found(
         format!(
-            "{}; γ down to {}",
+            "{}; γ = {} at the printed K̃ = {k_tilde} and a_0 = {}; down to {} at a smaller K̃",
             if refused.is_none() { "certified" } else { "refused" },
-            three(gamma)
+            three(gamma.into()),
+            first().a_top(),
+            three(least)
         ),
         Verdict::of(refused.is_none(), false),
-        "B2: 1600 > 800.",
-        vec![number("infimum of γ", "", gamma, 1e-6)],
+        "B2: 1600 > 800. The law has a_0 alone, which is assumed here; K̃ is part of the proof: any K̃ in (0, a_0) gives a \
+         certificate, each for its own cost; the smallest γ belongs to K̃ → 0.",
+        vec![
+            number("γ at the printed K̃", "", gamma, 1e-9),
+            number("infimum of γ over K̃", "", least, 1e-6),
+        ],
     )
     .assuming(&["gains"]))
 }

@@ -47,6 +47,7 @@ fn higher() -> Statement {
         pairs.iter().filter(|(used, least)| used < least).count()
     };
     let (one, two) = (below(&COLUMNS[2], &COLUMNS[0]), below(&COLUMNS[5], &COLUMNS[3]));
+    let factors = [&COLUMNS[0], &COLUMNS[3]].map(|a| a.k_tilde / COLUMNS[2].k_tilde);
     let of_b = below(&COLUMNS[2], &COLUMNS[1]) + below(&COLUMNS[5], &COLUMNS[4]);
     Said {
         id: "table2-higher",
@@ -57,8 +58,16 @@ fn higher() -> Statement {
     .found(
         format!("below column (A): {one} gain at m = 1, {two} at m = 2 (K̃ = 68.9 < 222, 174.7); below (B): {of_b}"),
         Verdict::of(one + two + of_b == 0, of_b == 0),
-        "They are higher than columns (B). The K̃ of columns (A) is two to three times what was used.",
-        vec![number("gains below column (A)", "", (one + two) as f64, 0.0)],
+        format!(
+            "They are not lower than columns (B). The K̃ of columns (A) is {:.1} and {:.1} times what was used (m = 1, 2).",
+            factors[0], factors[1]
+        ),
+        vec![
+            number("gains below column (A)", "", (one + two) as f64, 0.0),
+            number("gains below column (B)", "", of_b as f64, 0.0),
+            number("K̃ of (A) over that of (C), m = 1", "", factors[0], 1e-9),
+            number("K̃ of (A) over that of (C), m = 2", "", factors[1], 1e-9),
+        ],
     )
 }
 

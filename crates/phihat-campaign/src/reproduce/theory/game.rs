@@ -4,10 +4,11 @@ use phihat_design::claims::matrix::{Matrix, apply, dot, product, sum, transpose}
 use phihat_design::claims::{Certified, Law, Optimality};
 
 use super::super::compose::{number, three, words};
-use super::super::gains::{K_TILDE_H3, second_h3};
-use super::super::joint::{flow, outer, zeros};
+use super::super::gains::{K_TILDE_H3, all, second_h3};
+use super::super::joint::{flow, length, outer, zeros};
 use super::super::record::{Section, Statement, Verdict};
 use super::super::said::Said;
+use super::printed::{Q33, Scalars, residual_13};
 
 /// A step that resolves the estimator \[s\].
 const STEP: f64 = 1e-3;
@@ -21,13 +22,54 @@ pub(super) fn theorem_4() -> Result<Section, String> {
         id: "theorem-4".to_owned(),
         title: "Theorem 4: the law is one side of a game".to_owned(),
         text: words(&[
-            "J = ∫(xᵀQx + φ̂ᵀRφ̂ − γ²dᵀd), d = −φ. Both players use linear feedback, and J is found from \
+            "J = ∫(xᵀQx + φ̂ᵀRφ̂ − γ²dᵀd), d = −φ, at the gains H3: H1 and H2 have no Q ≻ 0, and so no such game. Both players use linear feedback, and J is found from \
                        the exact flow of the loop, without S: ∫₀^∞ e^{Aᵀt} W e^{At} dt by doubling.",
         ]),
-        statements: vec![worst_case(&law, c), saddle(&law, c)],
+        statements: vec![condition(), worst_case(&law, c), saddle(&law, c)],
         tables: Vec::new(),
         figures: Vec::new(),
     })
+}
+
+/// `ρ⁻¹(|x|)/|x_Δ| = 1/γ²` for all x, with a ρ of class K∞.
+fn condition() -> Statement {
+    let spread = |law: &Law| {
+        let row: Vec<f64> = law.k().iter().map(|k| k / law.a_top()).collect();
+        let n = row.len();
+        let x_delta = |x: &[f64]| (dot(&row, x) / length(x)).abs();
+        // Across the row in its last two entries, and along it.
+        let mut across = vec![0.0; n];
+        (across[n - 2], across[n - 1]) = (row[n - 1], -row[n - 2]);
+        (x_delta(&across), x_delta(&row))
+    };
+    let all = all().map(|(name, law)| (name, spread(&law)));
+    let possible = all.iter().all(|(_, (low, high))| low / high > 1.0 - 1e-9);
+    // In (13) the factor is the constant, and nothing is left over.
+    let h3 = second_h3();
+    let scalars = Scalars::of(&h3, K_TILDE_H3);
+    let gamma = (h3.a_top() - K_TILDE_H3).sqrt().recip();
+    let rest = residual_13(&h3, gamma, &scalars.q(Q33::Corrected), &scalars.s());
+    let said = all.iter().map(|(name, (low, high))| {
+        format!("{name}: {} … {}", three((*low).into()), three((*high).into()))
+    });
+    Said {
+        id: "theorem4-condition",
+        place: "Theorem 4",
+        claim: "The law is optimal if ρ⁻¹(|x|)/|x_Δ| = 1/γ², ρ ∈ K∞",
+        paper: "ρ⁻¹(|x|)/|x_Δ| = 1/γ²",
+    }
+    .found(
+        format!("|x_Δ| at |x| = 1: {}", said.collect::<Vec<_>>().join("; ")),
+        Verdict::of(possible, rest < 1e-9),
+        format!(
+            "No ρ of class K∞ can meet the condition: ρ⁻¹(1) would have to be |x_Δ|/γ² for every x of length 1, and that is \
+             anything from 0, where x_Δ = 0, to |SB|/γ². Only where x = 0 may ρ⁻¹(|x|) vanish. What is true: with the \
+             constant 1/γ² in place of ρ⁻¹(|x|)/|x_Δ|, the law solves (13) (H3: to {rest:.0e}). It is then no \
+             longer a law of Theorem 3, and its ISS comes from (27)."
+        ),
+        all.iter().map(|(name, (_, high))| number(&format!("largest |x_Δ| at |x| = 1, {name}"), "", *high, 1e-9)).collect(),
+    )
+    .assuming(&["gains"])
 }
 
 /// The disturbance that costs most, from a Riccati differential equation that starts at zero.
@@ -46,7 +88,7 @@ fn worst_case(law: &Law, c: &Certified) -> Statement {
         paper: "d = γ⁻²BᵀSx",
     }
     .found(
-        format!("d = ({}) x found; its matrix is S to {apart:.0e}", found.join(", ")),
+        format!("H3: d = ({}) x found; its matrix is S to {apart:.0e}", found.join(", ")),
         Verdict::of(apart < 1e-6, false),
         "With the law fixed, the largest J over all disturbances of length T is x₀ᵀP(T)x₀, \
          Ṗ = (A−BK)ᵀP + P(A−BK) + Q + KᵀRK + γ⁻²PBBᵀP, P(0) = 0, integrated until it stands still. S is not in it.",
@@ -145,11 +187,11 @@ fn saddle(law: &Law, c: &Certified) -> Statement {
     }
     .found(
         format!(
-            "J(u*, d*) = {} = +2V(x(0)) to {off:.0e}; every other d costs less, every other u more",
+            "H3: J(u*, d*) = {} = +2V(x(0)) to {off:.0e}; every other d costs less, every other u more",
             three(played.into())
         ),
         Verdict::of((played + value).abs() < 1e-6 * value && saddle, off < 1e-6 && saddle),
-        "It is a saddle point. The signs of the last lines are not right as our copy of the paper has them: \
+        "A saddle point, where there is a certificate. The signs of the last lines are not right as our copy of the paper has them: \
          −∫ 2V̇ is +2V(x(0)), and (u + R⁻¹BᵀSx)ᵀR(u + R⁻¹BᵀSx) enters with a plus, as one line above.",
         vec![
             number("J(u*, d*)", "", played, 1e-6),

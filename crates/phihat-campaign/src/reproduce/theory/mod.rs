@@ -1,5 +1,7 @@
 //! The paper's theorems, each as a numerical check, and its errata by computation.
 
+mod alpha;
+mod background;
 mod bounds;
 mod convergence;
 mod gain;
@@ -7,16 +9,19 @@ mod game;
 mod iss;
 mod optimal;
 mod printed;
+mod recipe;
 mod remark_9;
 mod rows;
 mod table;
+mod unmeasured;
 
 use super::{Assumption, Extent, Part};
 
-/// Lemma 1, Theorems 1 to 5, (11), Remark 9.
+/// Sec. II, Lemma 1, Theorems 1 to 5, (11), Remark 9, Sec. V.
 pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
     let draws = if extent.quick { 200 } else { 2000 };
-    let mut sections = vec![convergence::lemma_1(), convergence::theorem_1()];
+    let mut sections =
+        vec![background::section_2(), convergence::lemma_1(), convergence::theorem_1()];
     progress(0.1);
     sections.push(optimal::theorem_2(draws)?);
     progress(0.3);
@@ -27,8 +32,10 @@ pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Str
     progress(0.6);
     sections.push(game::theorem_4()?);
     progress(0.8);
-    sections.push(bounds::theorem_5(draws)?);
+    sections.push(bounds::theorem_5()?);
     progress(0.95);
+    sections.push(recipe::recipe()?);
+    sections.push(unmeasured::unmeasured());
     sections.push(table::errata());
     progress(1.0);
     Ok(Part { assumptions: assumptions(), sections })

@@ -11,8 +11,9 @@ use super::super::super::compare::supply;
 use super::super::compose::{number, three};
 use super::super::draw::Draw;
 use super::super::gains::first;
-use super::super::record::{Section, Verdict};
+use super::super::record::{Section, Statement, Verdict};
 use super::super::said::Said;
+use super::printed::q22;
 
 /// The two laws side by side, and their conditions.
 pub(super) fn remark_9() -> Result<Section, String> {
@@ -20,15 +21,6 @@ pub(super) fn remark_9() -> Result<Section, String> {
     let (gain, k_p) = (law.kd + law.a_top(), law.kp + law.a_top() * law.kd);
     let choi = [k_p / gain, law.a_top() * law.kp / gain, 0.5 * gain, (0.5 * gain).sqrt().recip()];
     let (apart, size) = torque_difference(&law, choi, 1e-3)?;
-    let mut draw = Draw(9);
-    let mut margin = f64::INFINITY;
-    for _ in 0..1000 {
-        let law = draw.law(1);
-        if law.kd * law.kd > 2.0 * law.kp {
-            let (k, kp) = (law.kd + law.a_top(), law.kp + law.a_top() * law.kd);
-            margin = margin.min((kp / k).powi(2) / (2.0 * law.a_top() * law.kp / k));
-        }
-    }
     let equal = Said {
         id: "remark9-choi",
         place: "Remarks 9, 10",
@@ -45,27 +37,88 @@ pub(super) fn remark_9() -> Result<Section, String> {
          Table 3 are two tunings of one structure.",
         vec![number("largest difference, relative", "", apart / size, 1e6)],
     );
-    let implies = Said {
-        id: "remark9-b2",
-        place: "Remark 9, B2",
-        claim: "The two sets of conditions go together",
-        paper: "B2: K_d² > 2K_p",
-    }
-    .found(
-        format!("B2 gives K_P² ≥ {} · 2K_I, Choi's condition", three(margin.into())),
-        Verdict::of(margin > 1.0, false),
-        "(K_p + a_0K_d)² − 2a_0K_p(K_d + a_0) = K_p² + a_0²(K_d² − 2K_p): B2 implies K_P² > 2K_I, so Choi's proof, which \
-         keeps the true M(q) and C(q, q̇), covers m = 1.",
-        vec![number("least K_P²/(2K_I) under B2", "", margin, 1e-6)],
-    );
     Ok(Section {
         id: "remark-9".to_owned(),
         title: "Remark 9: the H-infinity PID".to_owned(),
         text: Vec::new(),
-        statements: vec![equal, implies],
+        statements: vec![equal, conditions_of_q(), condition_of_choi()],
         tables: Vec::new(),
         figures: Vec::new(),
     })
+}
+
+/// Laws of order 1 on both sides of B2.
+fn laws() -> Vec<Law> {
+    let mut draw = Draw(9);
+    let mut law = || {
+        let law = draw.law(1);
+        Law { kd: (2.0 * law.kp).sqrt() * draw.between(0.3, 2.0), ..law }
+    };
+    (0..2000).map(|_| law()).collect()
+}
+
+fn b2(law: &Law) -> bool {
+    law.kd * law.kd > 2.0 * law.kp
+}
+
+/// B1 and B2 are what (22) asks for, no less and no more.
+fn conditions_of_q() -> Statement {
+    let (mut same, mut meet) = (0_usize, 0_usize);
+    let laws = laws();
+    for law in &laws {
+        let definite = q22(0.9 * law.a_top(), law.kp, law.kd).iter().all(|q| *q > 0.0);
+        same += usize::from(definite == b2(law));
+        meet += usize::from(b2(law));
+    }
+    Said {
+        id: "remark9-b2",
+        place: "Remark 9, B1, B2",
+        claim: "The conditions for Q of (22) are B1 and B2",
+        paper: "a_0, K_p, K_d > 0; K_d² > 2K_p",
+    }
+    .found(
+        format!("Q ≻ 0 exactly where B2 holds, at {same} of {} random laws with B1, {meet} of which meet B2", laws.len()),
+        Verdict::of(same == laws.len() && 0 < meet && meet < laws.len(), false),
+        "With K̃ > 0 the only entry of (22) that can fail is K̃(K_d² − 2K_p). They are the conditions for this Q; for \
+         optimality with another Q they are not needed (see A2).",
+        vec![
+            number("share of laws at which Q ≻ 0 and B2 say the same", "", same as f64 / laws.len() as f64, 0.0),
+            number("share of laws that meet B2", "", meet as f64 / laws.len() as f64, 0.0),
+        ],
+    )
+}
+
+/// B2 gives Choi's condition, and Choi's condition does not give B2.
+fn condition_of_choi() -> Statement {
+    let ratio = |law: &Law| {
+        let (k, kp) = (law.kd + law.a_top(), law.kp + law.a_top() * law.kd);
+        (kp / k).powi(2) / (2.0 * law.a_top() * law.kp / k)
+    };
+    let margin = laws().iter().filter(|law| b2(law)).map(ratio).fold(f64::INFINITY, f64::min);
+    let light = Law { kd: 28.0, ..first() };
+    let other = ratio(&light);
+    Said {
+        id: "remark9-choi-condition",
+        place: "Remark 9, B2",
+        claim: "B2 gives the condition K_P² > 2K_I of Choi et al.; it does not follow from it",
+        paper: "not stated",
+    }
+    .found(
+        format!(
+            "under B2, K_P² ≥ {} · 2K_I; K_p = 400, K_d = 28, a_0 = 69.6: K_P² = {} · 2K_I, and K_d² = 784 < 800",
+            three(margin.into()),
+            three(other.into())
+        ),
+        Verdict::of(margin > 1.0 && other > 1.0 && !b2(&light), false),
+        "(K_p + a_0K_d)² − 2a_0K_p(K_d + a_0) = K_p² + a_0²(K_d² − 2K_p): B2 makes it positive, so that the proof of Choi \
+         et al., which keeps the true M(q) and C(q, q̇), covers every law of order 1 with B2. The term K_p² leaves \
+         room for laws without.",
+        vec![
+            number("least K_P²/(2K_I) under B2", "", margin, 1e-6),
+            number("K_P²/(2K_I) at K_d = 28, without B2", "", other, 1e-9),
+        ],
+    )
+    .ours()
 }
 
 /// Largest `|τ − τ_Choi − q̈_d|` and largest |τ_Choi| over one second of smooth measurements, on three joints.

@@ -5,7 +5,9 @@ use super::super::record::{Section, Table};
 
 /// Place, printed, correct, id of the statement that computes it.
 const ERRATA: &[[&str; 4]] = &[
-    ["(12), (15)", "B ∈ ℝ^{(m+2)n×1}, a stray C", "B ∈ ℝ^{(m+2)n×n}", "erratum-shapes"],
+    ["(1)", "C ∈ ℝ^{n×1}", "C ∈ ℝ^{n×n}", "erratum-shapes"],
+    ["(15)", "B ∈ ℝ^{(m+2)n×1}", "B ∈ ℝ^{(m+2)n×n}", "erratum-shapes"],
+    ["Remark 5", "only a_i, K_p and K_d to tune", "and M̄, printed as 1", "remark5-parameters"],
     [
         "Abstract, Sec. II-B",
         "(9), (10) start at φ̂ = 0",
@@ -25,14 +27,34 @@ const ERRATA: &[[&str; 4]] = &[
         "q_i and S in closed form for every m",
         "theorem2-orders",
     ],
+    [
+        "(20), Sec. III-B",
+        "proved in Sec. V; α = 1 in Sec. IV-B",
+        "Sec. IV-C, both",
+        "erratum-references",
+    ],
     ["Sec. III-B", "stable for φ ∈ L₂[0, ∞)", "bounded for bounded φ", "erratum-l2"],
     ["(32), (34)", "no term with x[1]", "− K̃b_0²K_p² x[1]²", "erratum-32"],
+    ["After (28)", "also asymptotically stable", "at d = 0", "eq28-asymptotic"],
+    [
+        "Theorem 4",
+        "ρ⁻¹(|x|)/|x_Δ| = 1/γ²",
+        "1/γ² in its place: no ρ ∈ K∞ does",
+        "theorem4-condition",
+    ],
     ["Theorem 4, proof", "J = −2V(x(0)) − …", "J = +2V(x(0)) + …", "theorem4-value"],
     ["(39)", "φ̂ = +(K̃ + I/γ²)x_Δ", "minus", "erratum-39"],
-    ["(40)", "ultimate bound", "√cond(S) times it", "theorem5-radius, erratum-40-cond"],
+    ["(40)", "ultimate bound", "√cond(S) times it", "theorem5-radius"],
     ["End of proof of Theorem 5", "V̇ < 0 iff |x| ≤ …", "if |x| > …", "erratum-40-sign"],
     ["(44)", "row by row, a bound", "no bound", "theorem5-componentwise"],
     ["After (44), K_d", "√(2K_p + c²) − c", "+ c", "erratum-kd"],
+    [
+        "Sec. V-A, m = 1",
+        "no analytical solution with xᵀSBBᵀSx",
+        "in closed form",
+        "analytical-first",
+    ],
+    ["Sec. V-B", "third order: faster", "smaller, not faster", "third-order-faster"],
     ["Table 2 (A), m = 1", "K̃ = 222", "444 by its own formula", "table2-a1"],
     ["Table 2 (B), m = 1", "K_d = 0", "violates B2", "table2-b1"],
     ["Table 2 (A), m = 2", "b_0 = 0", "violates A1", "table2-a2"],

@@ -1,0 +1,81 @@
+//! Theorem 3: what α > ½ is enough for, with φ and with ρ.
+
+use phihat_design::claims::Law;
+use phihat_design::claims::iss::decrease;
+use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot};
+
+use super::super::compose::{number, three};
+use super::super::draw::Draw;
+use super::super::gains::K_TILDE_H3;
+use super::super::joint::length;
+use super::super::record::{Statement, Verdict};
+use super::super::said::Said;
+use super::printed::Scalars;
+
+/// `ρ⁻¹` of three kinds.
+const RHO: [(&str, fn(f64) -> f64); 3] =
+    [("r", |r| r), ("√r", f64::sqrt), ("1000 r³", |r| 1e3 * r * r * r)];
+
+/// Of random (x, ρ), at how many `V̇ > 0` under (29) with `|φ|` a multiple of `ρ⁻¹(|x|)`, of the worse sign. One times
+/// is `|x| = ρ(|φ|)`, the edge of (28).
+fn rises(law: &Law, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usize {
+    let (a, mut draw) = (law.a_matrix(), Draw(12));
+    let n = a.len();
+    let mut rises = 0;
+    for k in 0..draws {
+        let x = draw.spread(n, 5.0);
+        let sx = apply(s, &x);
+        let (x_delta, push) = (sx[n - 1], RHO[k % RHO.len()].1(length(&x)));
+        let phi_hat = -(gain + push / x_delta.abs()) * x_delta;
+        let phi = -times * push * x_delta.signum();
+        let mut rate = apply(&a, &x);
+        rate[n - 1] += phi_hat - phi;
+        let size: f64 = sx.iter().zip(&rate).map(|(s, r)| (s * r).abs()).sum();
+        rises += usize::from(dot(&sx, &rate) > 1e-9 * size);
+    }
+    rises
+}
+
+/// α > ½.
+pub(super) fn alpha(law: &Law, draws: usize) -> Statement {
+    let s = Scalars::of(law, K_TILDE_H3).s();
+    let b = law.g();
+    let decreasing = |alpha: f64| {
+        let scaled = Law { a: b.iter().map(|b| b * alpha * K_TILDE_H3).collect(), ..law.clone() };
+        failing_pivot(&decrease(&scaled, &s)).is_none()
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if decreasing(middle) { high = middle } else { low = middle }
+    }
+    let above = (0..=50).all(|k| decreasing(0.5 + 1e-6 + f64::from(k) * 0.05));
+    let both = |times| -> usize {
+        [0.501, 1.0].iter().map(|alpha| rises(law, &s, alpha * K_TILDE_H3, (draws, times))).sum()
+    };
+    let (broken, beyond) = (both(1.0), both(100.0));
+    let names = RHO.map(|(name, _)| name).join(", ");
+    Said {
+        id: "theorem3-alpha",
+        place: "Theorem 3, (29)",
+        claim: "Under A1 to A3, α > ½ suffices, with any ρ",
+        paper: "α > 1/2, ρ ∈ K∞",
+    }
+    .found(
+        format!(
+            "H3: V̇ < 0 at φ = 0 for α from {} on; at |φ| = ρ⁻¹(|x|) of the worse sign, V̇ > 0 at {broken} of {} random x for \
+             α = 0.501 and 1 and ρ⁻¹(r) = {names} (at 100 times that |φ|: {beyond})",
+            three(high.into()),
+            2 * draws
+        ),
+        Verdict::of(above && high <= 0.5 + 1e-9 && broken == 0 && beyond > 0, false),
+        "−V̇ = ½xᵀ(Q + (2α − 1)K̃ SBBᵀS)x + |x_Δ|ρ⁻¹(|x|) + x_Δφ, and the last two terms are not negative together as long as \
+         |φ| ≤ ρ⁻¹(|x|), whatever ρ is: above ½ everything helps. Q leaves a little room below it. The \
+         feedback (29) itself jumps where x_Δ changes sign, unless ρ⁻¹(|x|)/|x_Δ| is replaced by a constant.",
+        vec![
+            number("least α with V̇ < 0 at φ = 0", "", high, 1e-4),
+            number("states with V̇ > 0 under the worse φ", "", broken as f64, 0.0),
+        ],
+    )
+    .assuming(&["gains"])
+}
