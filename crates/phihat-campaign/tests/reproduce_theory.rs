@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use phihat_campaign::reproduce::{
-    Content, Extent, Reproduction, Statement, Verdict, reproduce_only,
+    Content, Extent, Origin, Reproduction, Statement, Verdict, reproduce_only,
 };
 
 fn part(name: &str) -> Reproduction {
@@ -43,7 +43,11 @@ fn what_theorem_1_leaves_is_the_closed_form() {
     }
     assert_eq!(statement("theorem1-convergence").verdict, Verdict::WithCorrection);
     near(value("lemma1-start", 0), -69.6 * 40.0 * 0.1, 1e-9);
-    near(value("lemma1-start", 1), -(69.6 * 40.0 + 69.6 * 69.6) * 0.1, 1e-9);
+    // H1, H2, H3: −(a_1 K_d + a_0) e.
+    for (number, [a_0, a_1]) in [(1, [4844.16, 69.6]), (2, [9688.32, 139.2]), (3, [4844.16, 139.2])]
+    {
+        near(value("lemma1-start", number), -(a_1 * 40.0 + a_0) * 0.1, 1e-9);
+    }
 }
 
 /// Residual of entry (3, 3) of (13) with the printed `Q_33`: `K̃ b_0² − K̃ b_0` over its largest term.
@@ -74,7 +78,13 @@ fn game_and_bounds() {
     near(value("theorem5-radius", 0), 207.0, 1e-2);
     near(value("theorem5-sharp", 0), 5.02e-4 * 22.2, 1e-3);
     near(value("theorem5-sharp", 1), 1.69e-2 * 22.2, 5e-3);
-    near(value("theorem5-sharp", 2), 1.96e-4 * 22.2, 2e-3);
+    near(value("theorem5-sharp", 6), 1.96e-4 * 22.2, 2e-3);
+    // H1 and H2 are there as well: the loop is stable with them, only the certificate is not.
+    assert_eq!(statement("theorem5-sharp").numbers.len(), 9);
+    assert!((0..4).all(|law| value("theorem5-sharp", 2 * law + 1) > 0.1));
+    // m = 1: γ² = 1/(69.6 − 68.9), and at ω = 0 the gain is (K̃/a_0 + 1)/a_0.
+    near(value("l2-gain-bound", 3), 1.0 / 0.7, 1e-9);
+    near(value("l2-gain-bound", 5), (68.9 / 69.6 + 1.0) / 69.6, 1e-6);
 }
 
 #[test]
@@ -83,6 +93,13 @@ fn table_2_in_numbers() {
     near(value("erratum-kd", 0), 500.0_f64.sqrt() - 10.0, 1e-9);
     near(value("table2-b1", 0), -3.3 * 156.0, 1e-9);
     near(value("table2-c2", 0), 68.9 - 139.2, 1e-6);
+    // H1 and H2 have no K̃, and half the printed b_0 is not enough at the printed K̃.
+    let c2 = statement("table2-c2");
+    assert!(c2.numbers[1].value.is_none() && c2.numbers[2].value.is_none());
+    near(value("table2-c2", 4), 68.9 - 69.6, 1e-6);
+    assert_eq!(c2.verdict, Verdict::NotReproducible);
+    near(value("table2-c1", 0), 0.7_f64.sqrt().recip(), 1e-6);
+    near(value("table2-higher", 2), 222.0 / 68.9, 1e-9);
     // Row 1 of (44), m = 2 (B): ½K̃(b_0 K_p ∬e + BᵀSx).
     let x = [1e-4, 1e-3, 1e-2, 1e-1];
     let pull = 2000.0 * x[0] + 500.0 * x[1] + 40.0 * x[2] + x[3];
@@ -98,6 +115,58 @@ fn what_is_left_of_polynomials() {
     assert!(value("erratum-hyperbolic", 0) > 1e-3);
     let falls = |id: &str| (1..3).all(|k| value(id, k) < value(id, k - 1));
     assert!(falls("fig12-gain") && falls("fig13-real"));
+}
+
+/// Each against a closed form of its own.
+#[test]
+fn what_the_paper_says_around_its_theorems() {
+    // Routh for μs³ + (K_d + a_0)s² + (K_p + K_d a_0)s + K_p a_0.
+    let (kp, kd, a) = (400.0, 40.0, 69.6);
+    near(value("remark5-parameters", 0), (kd + a) * (kp + kd * a) / (kp * a), 1e-9);
+    // φ/(a_0 K_p), and the integral is the first entry of x.
+    near(value("eq28-asymptotic", 0), 22.2 / (a * kp), 1e-6);
+    near(value("eq28-asymptotic", 1), 22.2 / (a * a * kp), 1e-6);
+    near(value("theorem4-condition", 0), kp.hypot(kd).hypot(1.0), 1e-9);
+    // With K_p = 100 and K_d = 20 the row of ė reads K̃ (0.1 + ½·0.6) = 2φ.
+    near(value("analytical-first", 0), 22.2 / (0.5 * 0.1 + 0.5 * 0.4), 1e-9);
+    // e^{−rt} = 0.01, and (rt − 1)e^{−rt} = 0.01.
+    near(value("third-order-faster", 0), 100.0_f64.ln() / 20.0, 1e-3);
+    let rt = 20.0 * value("third-order-faster", 1);
+    near((rt - 1.0) * (-rt).exp(), 0.01, 1e-2);
+    assert!(value("third-order-faster", 2) > value("third-order-faster", 1));
+    // K_P²/(2K_I) at K_d = 28: more than 1 without B2.
+    let (gain, k_p) = (28.0 + a, kp + a * 28.0);
+    near(value("remark9-choi-condition", 1), k_p * k_p / (2.0 * a * kp * gain), 1e-9);
+    assert!(value("remark9-choi-condition", 1) > 1.0 && 28.0 * 28.0 < 2.0 * kp);
+    // Any ρ, up to the edge of (28) and not beyond.
+    near(value("theorem3-alpha", 0), 0.456, 1e-2);
+    assert_eq!(value("theorem3-alpha", 1).to_bits(), 0);
+}
+
+/// Thirteen rows, one of them "-", one of them two laws of which one is handed a model.
+#[test]
+fn table_1_has_the_rows_of_the_paper() {
+    let rows: Vec<f64> = (0..3).map(|number| value("table1-model-free", number)).collect();
+    assert_eq!(rows, [13.0, 12.0, 1.0]);
+    let ours = &statement("table1-model-free").ours;
+    assert!(ours.contains("[5], [12] (nric)") && ours.ends_with("\"-\": [22]"), "{ours}");
+    for id in ["fat", "taylor-network", "fuzzy", "ultra-local"] {
+        assert!(phihat_baselines::rival(id).unwrap().card.printed.is_none(), "{id}");
+    }
+}
+
+/// What is not the paper's is not counted as such, and nothing is said of H1 and H2 that needs a certificate.
+#[test]
+fn whose_statement_it_is() {
+    let of = |origin| all().iter().filter(move |s| s.origin == origin).map(|s| s.id.as_str());
+    let ours: Vec<_> = of(Origin::Ours).collect();
+    assert_eq!(ours, ["remark9-choi-condition", "erratum-40-cond", "step3-gain"]);
+    let again: Vec<_> = of(Origin::Again).collect();
+    assert_eq!(again, ["term-ignored", "table2-equal-rows", "eq50-joint"]);
+    for id in ["theorem4-worst-case", "theorem4-value"] {
+        assert!(statement(id).ours.starts_with("H3: "), "{id}");
+    }
+    assert!(all().iter().all(|s| !s.ours.contains("literal") && !s.why.contains("literal")));
 }
 
 #[test]

@@ -12,9 +12,8 @@ use super::super::record::{Statement, Verdict};
 use super::super::said::Said;
 use super::printed::Scalars;
 
-/// `ρ⁻¹` of three kinds.
-const RHO: [(&str, fn(f64) -> f64); 3] =
-    [("r", |r| r), ("√r", f64::sqrt), ("1000 r³", |r| 1e3 * r * r * r)];
+/// `ρ⁻¹` of three kinds, `f r^p`: name, f, p.
+const RHO: [(&str, f64, f64); 3] = [("r", 1.0, 1.0), ("√r", 1.0, 0.5), ("1000 r³", 1e3, 3.0)];
 
 /// Of random (x, ρ), at how many `V̇ > 0` under (29) with `|φ|` a multiple of `ρ⁻¹(|x|)`, of the worse sign. One times
 /// is `|x| = ρ(|φ|)`, the edge of (28).
@@ -25,7 +24,8 @@ fn rises(law: &Law, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usiz
     for k in 0..draws {
         let x = draw.spread(n, 5.0);
         let sx = apply(s, &x);
-        let (x_delta, push) = (sx[n - 1], RHO[k % RHO.len()].1(length(&x)));
+        let (_, factor, power) = RHO[k % RHO.len()];
+        let (x_delta, push) = (sx[n - 1], factor * length(&x).powf(power));
         let phi_hat = -(gain + push / x_delta.abs()) * x_delta;
         let phi = -times * push * x_delta.signum();
         let mut rate = apply(&a, &x);
@@ -54,7 +54,7 @@ pub(super) fn alpha(law: &Law, draws: usize) -> Statement {
         [0.501, 1.0].iter().map(|alpha| rises(law, &s, alpha * K_TILDE_H3, (draws, times))).sum()
     };
     let (broken, beyond) = (both(1.0), both(100.0));
-    let names = RHO.map(|(name, _)| name).join(", ");
+    let names = RHO.map(|(name, ..)| name).join(", ");
     Said {
         id: "theorem3-alpha",
         place: "Theorem 3, (29)",

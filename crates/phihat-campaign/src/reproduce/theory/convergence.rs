@@ -182,18 +182,23 @@ pub(super) fn theorem_1() -> Section {
             OUTER.0, OUTER.1
         )],
         statements: vec![converges],
-        tables: vec![Table {
-            id: "theorem-1-mismatch".to_owned(),
-            title: "What is left of the mismatch φ̃, relative to φ".to_owned(),
-            columns: words(&[
-                "m",
-                "polynomial of degree m − 1, after 3.5 s",
-                "sine of 6.17 s",
-                "|jω|^m/|A_o(jω)|",
-            ]),
-            rows,
-        }],
+        tables: vec![mismatch_table(rows)],
         figures: Vec::new(),
+    }
+}
+
+/// What is left, order by order.
+fn mismatch_table(rows: Vec<Vec<String>>) -> Table {
+    Table {
+        id: "theorem-1-mismatch".to_owned(),
+        title: "What is left of the mismatch φ̃, relative to φ".to_owned(),
+        columns: words(&[
+            "m",
+            "polynomial of degree m − 1, after 3.5 s",
+            "sine of 6.17 s",
+            "|jω|^m/|A_o(jω)|",
+        ]),
+        rows,
     }
 }
 
