@@ -31,6 +31,31 @@ fn a_change_of_order_hands_the_estimate_over() {
     }
 }
 
+/// Less a_0 at the start asks for less torque, as φ̂(0) is proportional to it; the steady error is that of the full gain.
+#[test]
+fn less_gain_in_the_transient_asks_for_less_torque() {
+    let part = order_switching(&Studies::shipped(), QUICK, &|_| ()).unwrap();
+    let statement = &part.sections[0].statements[1];
+    assert_eq!(statement.id, "gains-in-transient");
+    let value = |name: &str| {
+        let number = statement.numbers.iter().find(|number| number.name == name);
+        number.unwrap_or_else(|| panic!("no {name}")).value.unwrap()
+    };
+    let full = value("largest torque, a_0 = 69.6 from the start");
+    let mut last = full;
+    for a0 in [40, 20, 10] {
+        let torque = value(&format!("largest torque, a_0 = {a0} at the start"));
+        assert!(torque < last, "a_0 = {a0}: {torque} N·m");
+        last = torque;
+    }
+    // Of flatter there is no word unless every overshoot is less.
+    let overshoot = |name: &str| value(&format!("overshoot of joint 2, {name}"));
+    let flat = [40, 20, 10].iter().all(|a0| {
+        overshoot(&format!("a_0 = {a0} at the start")) < overshoot("a_0 = 69.6 from the start")
+    });
+    assert_eq!(statement.verdict == Verdict::Reproduced, flat);
+}
+
 /// An outer loop faster than the estimator does not settle: no change, and no verdict in its favour.
 #[test]
 fn without_settling_there_is_no_change_and_nothing_is_claimed() {

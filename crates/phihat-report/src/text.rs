@@ -33,6 +33,20 @@ pub(crate) fn line(text: &str) -> String {
     visible(text).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// As [`line`], with magnitudes kept whole: a browser may break a line after a bar, and `|φ|` would fall apart.
+pub(crate) fn prose(text: &str) -> String {
+    let line = line(text);
+    let mut shown = String::with_capacity(line.len());
+    let mut rest = line.chars().peekable();
+    while let Some(c) = rest.next() {
+        shown.push(c);
+        if c == '|' && rest.peek().is_some_and(|next| !next.is_whitespace()) {
+            shown.push('\u{2060}');
+        }
+    }
+    shown
+}
+
 /// At most `limit` characters, for the narrow title of a panel.
 pub(crate) fn short(text: &str, limit: usize) -> String {
     let line = line(text);
@@ -40,4 +54,15 @@ pub(crate) fn short(text: &str, limit: usize) -> String {
         return line;
     }
     line.chars().take(limit.saturating_sub(1)).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::prose;
+
+    #[test]
+    fn a_magnitude_is_one_word() {
+        assert_eq!(prose("A |φ| and  |ė|/x"), "A |\u{2060}φ| and |\u{2060}ė|\u{2060}/x");
+        assert_eq!(prose("a | b"), "a | b");
+    }
 }

@@ -18,8 +18,10 @@ fn all<'a>(document: &'a Html, selector: &str) -> Vec<ElementRef<'a>> {
     document.select(&Selector::parse(selector).unwrap()).collect()
 }
 
+/// What is read: without the marks that only keep a line from breaking.
 fn text(node: &ElementRef<'_>) -> String {
-    node.text().collect::<Vec<_>>().join(" ").split_whitespace().collect::<Vec<_>>().join(" ")
+    let all = node.text().collect::<Vec<_>>().join(" ").replace('\u{2060}', "");
+    all.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn page(reproduction: &Reproduction) -> Html {
@@ -210,4 +212,24 @@ fn no_text_becomes_markup() {
             assert!(!figure.svg.contains("could not be drawn"), "{payload:?}");
         }
     }
+}
+
+#[test]
+fn a_column_of_words_is_set_as_words_and_one_of_figures_is_not() {
+    let mut whole = reproduction();
+    let table = &mut whole.sections[1].tables[0];
+    table.columns = ["place", "printed", "largest |e| [rad]"].map(str::to_owned).into();
+    let rows =
+        [["(32)", "2 of the terms are left out of it", "1.2e-3"], ["(39)", "a minus", "none"]];
+    table.rows = rows.iter().map(|row| row.map(str::to_owned).into()).collect();
+    let document = page(&whole);
+    let id = format!("#table-{}", whole.sections[1].tables[0].id);
+    let words = |tag: &str| -> Vec<bool> {
+        let cells = all(&document, &format!("{id} {tag}"));
+        cells.iter().map(|cell| cell.value().classes().any(|class| class == "text")).collect()
+    };
+    assert_eq!(words("tbody td"), [true, false, true, false]);
+    assert_eq!(words("thead th")[1..], [true, false]);
+    // A bar and what it stands around are never parted.
+    assert!(reproduction_page(&whole).contains("largest |\u{2060}e| [rad]"));
 }

@@ -5,7 +5,7 @@ use phihat_campaign::reproduce::{Reproduction, Section, Statement, Table, Verdic
 
 use crate::figure::reproduction_figure;
 use crate::policy::{reproduction_style, still_policy};
-use crate::text::line;
+use crate::text::{line, prose};
 
 mod overview;
 mod statement;
@@ -67,13 +67,13 @@ fn anchor(kind: &str, id: &str) -> String {
 fn part(section: &Section) -> Markup {
     html! {
         section.part id=(anchor("section", &section.id)) {
-            h2 { (line(&section.title)) }
-            @for paragraph in &section.text { p { (line(paragraph)) } }
+            h2 { (prose(&section.title)) }
+            @for paragraph in &section.text { p { (prose(paragraph)) } }
             (statement::table(section))
             @for figure in &section.figures {
                 figure.claim id=(anchor("figure", &figure.id)) {
                     div.sheet { (PreEscaped(reproduction_figure(figure).svg)) }
-                    figcaption { strong { (line(&figure.title)) ". " } (line(&figure.caption)) }
+                    figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
                 }
             }
             @for table in &section.tables { (values(table)) }
@@ -82,20 +82,40 @@ fn part(section: &Section) -> Markup {
 }
 
 fn values(table: &Table) -> Markup {
-    let title = line(&table.title);
+    let title = prose(&table.title);
+    let prosaic: Vec<bool> = (0..table.columns.len()).map(|place| is_text(table, place)).collect();
+    let class = |place: usize| prosaic.get(place).is_some_and(|text| *text).then_some("text");
     html! {
         div.scroll id=(anchor("table", &table.id)) tabindex="0" role="region" aria-label=(format!("Table: {title}")) {
             table {
                 caption { span { (title) } }
-                thead { tr { @for column in &table.columns { th scope="col" { (line(column)) } } } }
+                thead { tr { @for (place, column) in table.columns.iter().enumerate() {
+                    th scope="col" class=[class(place)] { (prose(column)) }
+                } } }
                 tbody { @for row in &table.rows { tr {
                     @for (place, cell) in row.iter().enumerate() {
-                        @if place == 0 { th scope="row" { (line(cell)) } } @else { td { (line(cell)) } }
+                        @if place == 0 {
+                            th scope="row" { (prose(cell)) }
+                        } @else {
+                            td class=[class(place)] { (prose(cell)) }
+                        }
                     }
                 } } }
             }
         }
     }
+}
+
+/// Whether a column holds words: most of its cells begin with no figure.
+fn is_text(table: &Table, place: usize) -> bool {
+    let cells = table.rows.iter().filter_map(|row| row.get(place)).map(|cell| cell.trim());
+    let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    let figure = |cell: &&&str| {
+        let rest = cell.trim_start_matches(['−', '-', '+', '±', '<', '>', '≤', '≥', ' ']);
+        let words = cell.split_whitespace().count();
+        **cell == "none" || (rest.starts_with(|c: char| c.is_ascii_digit()) && words <= 4)
+    };
+    2 * cells.iter().filter(figure).count() < cells.len()
 }
 
 fn again(reproduction: &Reproduction) -> Markup {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use phihat_campaign::reproduce::{Origin, Reproduction, Statement, Verdict};
 
 use super::{PAPER, anchor, class, statements};
-use crate::text::line;
+use crate::text::{line, prose};
 
 /// The paper's statements of a verdict: what is counted.
 fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &Statement> {
@@ -62,8 +62,8 @@ pub(super) fn overview(reproduction: &Reproduction) -> Markup {
             section.group.(class) {
                 h3 { span.sign { (sign) } " " (word) " (" (of(reproduction, verdict).count()) ")" }
                 ul { @for statement in of(reproduction, verdict) { li {
-                    a href=(format!("#{}", anchor("claim", &statement.id))) { (line(&statement.place)) }
-                    " " (line(&statement.claim))
+                    a href=(format!("#{}", anchor("claim", &statement.id))) { (prose(&statement.place)) }
+                    " " (prose(&statement.claim))
                 } } }
             }
         } }
@@ -71,7 +71,7 @@ pub(super) fn overview(reproduction: &Reproduction) -> Markup {
         nav aria-label="sections" {
             h3 { "Sections" }
             ol { @for section in &reproduction.sections { li {
-                a href=(format!("#{}", anchor("section", &section.id))) { (line(&section.title)) }
+                a href=(format!("#{}", anchor("section", &section.id))) { (prose(&section.title)) }
                 @for verdict in Verdict::ALL {
                     @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
                     @if count > 0 { span.tally { (verdict.sign()) " " (count) } }
@@ -125,10 +125,10 @@ pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
                             (line(&assumption.id))
                             span.note { (count) @if count == 1 { " statement" } @else { " statements" } }
                         }
-                        td data-label="missing in the paper" { (line(&assumption.missing)) }
-                        td data-label="assumed" { (line(&assumption.assumed)) }
+                        td data-label="missing in the paper" { (prose(&assumption.missing)) }
+                        td data-label="assumed" { (prose(&assumption.assumed)) }
                         td data-label="influence" {
-                            @if assumption.influence.is_empty() { "not varied" } @else { (line(&assumption.influence)) }
+                            @if assumption.influence.is_empty() { "not varied" } @else { (prose(&assumption.influence)) }
                         }
                     }
                 } }

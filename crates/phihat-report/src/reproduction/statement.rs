@@ -6,7 +6,7 @@ use phihat_campaign::reproduce::{Number, Origin, Section, Statement};
 use super::overview::whose;
 use super::{anchor, class};
 use crate::number::{percent, stated};
-use crate::text::line;
+use crate::text::{line, prose};
 
 pub(super) fn table(section: &Section) -> Markup {
     let title = line(&section.title);
@@ -32,16 +32,16 @@ fn row(statement: &Statement) -> Markup {
     html! {
         tr.statement.(class(statement.verdict)) id=(id) {
             th scope="row" {
-                a href=(format!("#{id}")) { (line(&statement.place)) }
+                a href=(format!("#{id}")) { (prose(&statement.place)) }
                 @if statement.origin != Origin::Paper { span.note { (whose(statement)) } }
             }
             td data-label="what is stated" {
-                (line(&statement.claim))
-                p.why { (line(&statement.why)) }
+                (prose(&statement.claim))
+                p.why { (prose(&statement.why)) }
                 (evidence(statement))
             }
-            td data-label="paper" { (line(&statement.paper)) }
-            td data-label="ours" { (line(&statement.ours)) }
+            td data-label="paper" { (prose(&statement.paper)) }
+            td data-label="ours" { (prose(&statement.ours)) }
             td.mark data-label="verdict" { span.sign { (sign) } " " (word) }
         }
     }
@@ -82,7 +82,7 @@ fn evidence(statement: &Statement) -> Markup {
 
 fn value(number: &Number) -> Markup {
     html! {
-        (line(&number.name)) ": "
+        (prose(&number.name)) ": "
         @match number.value {
             Some(value) => strong { (stated(value)) },
             None => "none",

@@ -56,20 +56,22 @@ impl Run {
         self.outcome.trace.index_at(self.study.spec.settle)
     }
 
-    /// Largest |∬e| \[rad·s²\], |∫e| \[rad·s\], |e| \[rad\], |ė| \[rad/s\] of any joint over the steady part; `None`
-    /// where the run diverged.
-    ///
-    /// The literal form's integrals are its own, from the first sample on. The observer form has none: they are
-    /// counted from the beginning of the steady part.
+    /// Largest |∬e| \[rad·s²\], |∫e| \[rad·s\], |e| \[rad\], |ė| \[rad/s\] of any joint over the steady part, its
+    /// integrals counted from where that begins, in either form alike; `None` where the run diverged.
     pub(crate) fn steady(&self) -> Option<[f64; 4]> {
+        self.ladder(self.steady_from())
+    }
+
+    /// The same with integrals counted from the first sample on: those of the printed form are its state.
+    pub(crate) fn since_start(&self) -> Option<[f64; 4]> {
+        self.ladder(0)
+    }
+
+    /// The integrals are those of the measured error, the law's own sums: the first sample is not integrated over.
+    fn ladder(&self, begin: usize) -> Option<[f64; 4]> {
         let from = self.steady_from();
-        let begin = match self.study.control.form {
-            LawForm::Literal => 0,
-            LawForm::Observer => from,
-        };
         let mut ladder = [0.0_f64; 4];
         for joint in self.joints() {
-            // The law's own sum: the first sample is not integrated over.
             let (mut once, mut twice) = (0.0, 0.0);
             for k in begin..joint.e.len() {
                 if k > begin {
@@ -99,6 +101,12 @@ impl Run {
         let e = &self.joints()[joint].e;
         let Some(first) = e.first().filter(|e| **e != 0.0) else { return 0.0 };
         e.iter().fold(0.0, |most: f64, e| most.max(-e / first))
+    }
+
+    /// Largest `|φ̂(0)|` of any joint \[N·m\].
+    pub(crate) fn phi_hat_at_start(&self) -> f64 {
+        let first = self.joints().iter().filter_map(|joint| joint.phi_hat.first());
+        first.fold(0.0, |most: f64, phi| most.max(phi.abs()))
     }
 
     /// Tip and desired tip in the plane of the arm \[m\], at every `stride`-th sample.

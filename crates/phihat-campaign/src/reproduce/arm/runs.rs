@@ -14,10 +14,10 @@ pub(crate) struct Runs {
 /// Both forms.
 pub(crate) const FORMS: [LawForm; 2] = [LawForm::Literal, LawForm::Observer];
 
-/// `literal` or `observer`.
+/// `printed` or `observer`: the name of a form for readers.
 pub(crate) fn form_name(form: LawForm) -> &'static str {
     match form {
-        LawForm::Literal => "literal",
+        LawForm::Literal => "printed",
         LawForm::Observer => "observer",
     }
 }
@@ -47,7 +47,7 @@ impl Runs {
         found.map(|(.., run)| run).ok_or_else(|| format!("{} did not run", setting.label()))
     }
 
-    /// All of them, in the order of [`Setting::ALL`], literal form first.
+    /// All of them, in the order of [`Setting::ALL`], printed form first.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (Setting, LawForm, &Run)> {
         self.runs.iter().map(|(setting, form, run)| (*setting, *form, run))
     }

@@ -32,7 +32,7 @@ pub fn simulation(
     )?;
     let mut sections = vec![
         path::path(&runs)?,
-        transient::transient(&runs)?,
+        transient::transient(&runs, studies)?,
         steady::simulated(&runs)?,
         mismatch::mismatch(&runs)?,
     ];

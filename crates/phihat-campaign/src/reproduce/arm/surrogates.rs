@@ -7,8 +7,8 @@ use super::run::resized;
 use super::runs::Runs;
 use super::studies::{Kind, Studies};
 use super::variations::{Other, PATHS, WORLDS};
-use crate::reproduce::compose::{figure, log_axis, rests_on, section, table, three};
-use crate::reproduce::{Assumption, Content, Extent, Panel, Section};
+use crate::reproduce::compose::{figure, log_axis, number, rests_on, section, table, three};
+use crate::reproduce::{Assumption, Content, Extent, Number, Panel, Section};
 
 /// How many times as heavy the links are.
 const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
@@ -27,6 +27,8 @@ pub(crate) struct Varied {
     /// Row by row of `links`.
     arms: Vec<Answers>,
     others: Vec<(&'static str, &'static str, Answers)>,
+    /// Whether all variations were run.
+    whole: bool,
 }
 
 /// Varies what the simulations rest on.
@@ -82,13 +84,41 @@ fn vary(
     }
     let other = |(id, says, change): &Other| Ok((*id, *says, answers(change)?));
     let others = others.iter().map(other).collect::<Result<Vec<_>, String>>()?;
-    Ok(Varied { claims, links, armatures, arms, others })
+    Ok(Varied { claims, links, armatures, arms, others, whole: !extent.quick })
 }
 
 impl Varied {
     /// On how many arms a claim holds, in one form.
     fn share(&self, claim: usize, form: usize) -> usize {
         self.arms.iter().filter(|answers| answers[claim][form]).count()
+    }
+
+    /// Under which single changes of an assumption a claim holds in the printed form, in words; empty where there
+    /// were none.
+    pub(crate) fn depends(&self, claim: usize) -> String {
+        let listed = |holds: bool| {
+            let those = self.others.iter().filter(|(.., answers)| answers[claim][0] == holds);
+            let those: Vec<&str> = those.map(|(_, says, _)| *says).collect();
+            if those.is_empty() { "none".to_owned() } else { those.join("; ") }
+        };
+        if self.others.is_empty() {
+            return String::new();
+        }
+        format!(
+            "One assumption changed at a time, the printed form does where: {}. It does not where: {}.",
+            listed(true),
+            listed(false)
+        )
+    }
+
+    /// Under how many single changes a claim holds, by form; nothing of a quick run, which tries fewer.
+    pub(crate) fn counts(&self, claim: usize, what: &str) -> Vec<Number> {
+        let forms = ["printed form", "observer form"].into_iter().enumerate();
+        let count = |(form, name): (usize, &str)| {
+            let held = self.others.iter().filter(|(.., answers)| answers[claim][form]).count();
+            number(&format!("single changes under which {what}, {name}"), "", held as f64, 0.0)
+        };
+        if self.whole { forms.map(count).collect() } else { Vec::new() }
     }
 
     /// Table and map.
@@ -134,9 +164,10 @@ impl Varied {
 
     /// Where the bounds of (48), (49) are kept.
     fn map(&self, id: &str) -> crate::reproduce::Figure {
-        // In both lists the second claim is the one on the bounds.
         let class = |answers: &Answers| {
-            answers.get(1).map_or(0, |[printed, ours]| u8::from(*printed) + 2 * u8::from(*ours))
+            let bounds = || self.claims.iter().zip(answers).filter(|(claim, _)| claim.bounds);
+            let all = |form: usize| u8::from(bounds().all(|(_, holds)| holds[form]));
+            all(0) + 2 * all(1)
         };
         let cells =
             self.arms.chunks(self.armatures.len()).map(|row| row.iter().map(class).collect());
@@ -155,8 +186,8 @@ impl Varied {
             equal: false,
             content,
         };
-        let caption = "The gains as printed, M̄ = 1 kg·m², on all arms tried. To the left the arm's \
-                       smallest inertia leaves the window of one gain set or another.";
+        let caption = "The gains as printed, M̄ = 1 kg·m², on all arms tried. A cell counts for a form where every gain \
+                       set keeps its bounds, |∬e| of (49) included.";
         figure(&format!("fig-{id}"), "On which arms the bounds are kept", caption, vec![panel])
     }
 

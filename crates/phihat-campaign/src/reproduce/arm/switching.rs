@@ -6,7 +6,7 @@ use phihat_study::{LawForm, Study};
 use super::order_switch::switched;
 use super::run::Run;
 use super::studies::{Kind, Setting, Studies, path, path_of};
-use super::{assumptions, transient};
+use super::{assumptions, softer, transient};
 use crate::reproduce::compose::{
     axis, axis_over, curve, figure, lines, number, rests_on, section, statement, table, three,
 };
@@ -39,10 +39,10 @@ pub fn order_switching(
     _: Extent,
     progress: &dyn Fn(f64),
 ) -> Result<Part, String> {
-    let first = literal(studies, Setting::First)?;
+    let first = printed(studies, Setting::First)?;
     let mut pairs = Vec::new();
     for setting in Setting::SECOND {
-        pairs.push(Pair::of(setting, &first, literal(studies, setting)?)?);
+        pairs.push(Pair::of(setting, &first, printed(studies, setting)?)?);
         progress(pairs.len() as f64 / 5.0);
     }
     let (with, without) = (supervised(studies, true)?, supervised(studies, false)?);
@@ -51,6 +51,7 @@ pub fn order_switching(
                 becomes of φ̂ at the change.";
     let mut section = section("order-switching", "Order switching", &[text]);
     section.statements.push(remedy(&first, &pairs));
+    section.statements.push(softer::start(&first)?);
     section.tables.push(switch_table(&first, &pairs, (&with, &without)));
     section.figures.push(switch_figure(&first, &pairs));
     let mut paths: Vec<String> =
@@ -62,7 +63,7 @@ pub fn order_switching(
 }
 
 /// A setting in the printed form.
-fn literal(studies: &Studies, setting: Setting) -> Result<Run, String> {
+fn printed(studies: &Studies, setting: Setting) -> Result<Run, String> {
     Run::of(studies.study(Kind::Simulation, setting, LawForm::Literal)?)
 }
 
@@ -180,6 +181,14 @@ fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::reproduce::Number> {
         numbers.push(number(&name("time of the change"), "s", time, 1e-2));
         let overshoot = pair.switched.overshoot(1);
         numbers.push(number(&name("overshoot of joint 2 after m = 1"), "", overshoot, 1e-3));
+        let direct = pair.direct.overshoot(1);
+        numbers.push(number(&name("overshoot of joint 2, m = 2 from the start"), "", direct, 1e-3));
+        for (run, start) in
+            [(&pair.switched, "after m = 1"), (&pair.direct, "m = 2 from the start")]
+        {
+            let what = name(&format!("steady e, rms, {start}"));
+            numbers.push(number(&what, "rad", steady_error(run), 1e-2));
+        }
         let steps = pair.torque_steps();
         numbers.push(number(&name("change of torque at it"), "N·m", steps.map(|s| s[0]), 0.1));
         numbers.push(number(&name("largest of ten before it"), "N·m", steps.map(|s| s[1]), 0.1));
@@ -188,7 +197,7 @@ fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::reproduce::Number> {
 }
 
 /// Error of the steady part, root mean square, of the worst joint \[rad\]: by (7) it is what the mismatch leaves.
-fn steady_error(run: &Run) -> f64 {
+pub(crate) fn steady_error(run: &Run) -> f64 {
     let from = run.steady_from();
     let of = |joint: &phihat_sim::JointTrace| {
         let steady = &joint.e[from..];
@@ -213,12 +222,12 @@ fn switch_table(
             three(Some(steady_error(run))),
         ]
     };
-    let mut rows = vec![row("m = 1", "literal", "m = 1", first, None)];
+    let mut rows = vec![row("m = 1", "printed", "m = 1", first, None)];
     for pair in pairs {
         let at = pair.at.map(|k| k as f64 * pair.switched.period());
         let label = pair.setting.label();
-        rows.push(row(label, "literal", "m = 2", &pair.direct, None));
-        rows.push(row(label, "literal", "m = 1", &pair.switched, at));
+        rows.push(row(label, "printed", "m = 2", &pair.direct, None));
+        rows.push(row(label, "printed", "m = 1", &pair.switched, at));
     }
     rows.push(row("m = 2, H3", "observer", "m = 2", without, None));
     rows.push(row("m = 2, H3", "observer", "m = 1", with, raised(with)));

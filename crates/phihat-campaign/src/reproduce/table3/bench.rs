@@ -1,7 +1,7 @@
 //! Three laws on one arm: runs, their mean square errors, and tuning.
 
 use phihat_baselines::{Entry, Tuning, rival};
-use phihat_sim::{Outcome, Simulation};
+use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::{Reference, Study};
 
 use crate::compare::{Adapter, NOISE_CAP, supply, tune};
@@ -33,6 +33,12 @@ pub(super) struct Score {
     /// Errors of every joint \[rad\], and the sample period \[s\].
     pub(super) errors: Vec<Vec<f64>>,
     pub(super) period: f64,
+    /// Largest |x| of (40) over the steady part, integrals from the first sample on, all joints together.
+    pub(super) state: f64,
+    /// Largest |φ/M̄| of all joints together \[rad/s²\].
+    pub(super) phi: f64,
+    /// Largest |e| of any joint before the steady part \[rad\].
+    pub(super) transient: f64,
     /// Share of the run that was reached.
     done: f64,
 }
@@ -46,24 +52,42 @@ impl Bench {
         Ok(Self { path, arm, study, units })
     }
 
-    /// The values of the paper's protocol: `K_p` and `K_d` the same for PD and the proposed law, `a_0` of Table 2;
-    /// the comparator as published, since what trial and error gave is not.
-    pub(super) fn paper(entry: &Entry) -> Vec<f64> {
+    /// `K_p` and `K_d` the same for PD and the proposed law, as the paper says, with the values of Table 2 (C) and its
+    /// `a_0`; the comparator at this project's default gains, since what the paper's trial and error gave is not
+    /// printed.
+    pub(super) fn stated(entry: &Entry) -> Vec<f64> {
         match entry.card.id {
             "pd" => vec![20.0, 1.0],
             "proposed-1" => vec![20.0, 1.0, 69.6],
+            "proposed-2" => vec![20.0, 1.0, 69.6, 1.0],
             _ => entry.scalars.iter().map(|scalar| scalar.default).collect(),
         }
     }
 
-    /// Runs a law on the reference that counts.
-    pub(super) fn score(&self, law: usize, values: &[f64]) -> Result<Score, String> {
-        self.run(entry(law)?, values, &self.study)
+    /// Runs a law at given values on the reference that counts.
+    pub(super) fn score(&self, id: &str, values: &[f64]) -> Result<Score, String> {
+        self.run(entry(id)?, values, &self.study)
+    }
+
+    /// Runs a law at its [`Bench::stated`] values.
+    pub(super) fn at_stated(&self, id: &str) -> Result<Score, String> {
+        self.score(id, &Self::stated(entry(id)?))
+    }
+
+    /// The comparator with `K` and `1/γ²` times `share` of the defaults, its error dynamics unchanged.
+    pub(super) fn comparator_at(&self, share: f64) -> Result<Score, String> {
+        let id = LAWS[1].0;
+        let mut values = Self::stated(entry(id)?);
+        if let [_, _, gain, attenuation] = &mut values[..] {
+            *gain *= share;
+            *attenuation /= share.sqrt();
+        }
+        self.score(id, &values)
     }
 
     /// Tunes a law on two other references, with `runs` runs.
-    pub(super) fn tuned(&self, law: usize, runs: usize) -> Result<Vec<f64>, String> {
-        let entry = entry(law)?;
+    pub(super) fn tuned(&self, id: &str, runs: usize) -> Result<Vec<f64>, String> {
+        let entry = entry(id)?;
         let studies = [(1.4, 1.0, 0.8), (0.8, 2.5, 1.1)].map(|change| self.training(change));
         let cost = |values: &[f64]| {
             let costs = studies.iter().map(|study| {
@@ -98,17 +122,16 @@ impl Bench {
         let driver = Adapter::new(law, self.units.len());
         let simulation = Simulation::driven(study, driver, &self.units);
         let outcome = simulation.map_err(|e| e.to_string())?.run(|_| ());
-        Ok(Score::of(&outcome, study))
+        Ok(Score::of(&outcome, study, &self.units))
     }
 }
 
-fn entry(law: usize) -> Result<&'static Entry, String> {
-    let id = LAWS[law].0;
+fn entry(id: &str) -> Result<&'static Entry, String> {
     rival(id).ok_or_else(|| format!("no law {id}"))
 }
 
 impl Score {
-    fn of(outcome: &Outcome, study: &Study) -> Self {
+    fn of(outcome: &Outcome, study: &Study, units: &[f64]) -> Self {
         let trace = &outcome.trace;
         let from = trace.index_at(study.spec.settle);
         let period = trace.period_ns as f64 * 1e-9;
@@ -128,6 +151,13 @@ impl Score {
             noise: noise.fold(0.0, f64::max),
             errors: trace.joints.iter().map(|joint| joint.e.clone()).collect(),
             period,
+            state: state(&trace.joints, from, period),
+            phi: phi(&trace.joints, units),
+            transient: trace
+                .joints
+                .iter()
+                .flat_map(|joint| joint.e.iter().take(from))
+                .fold(0.0, |most: f64, e| most.max(e.abs())),
             done: trace.len() as f64 * period / study.duration,
         }
     }
@@ -142,6 +172,32 @@ impl Score {
         let over = self.noise / NOISE_CAP;
         mean.sqrt() + if over > 1.0 { NOISY * over } else { 0.0 }
     }
+}
+
+/// Largest `|(∫e, e, ė)|` of all joints together from a sample on.
+fn state(joints: &[JointTrace], from: usize, period: f64) -> f64 {
+    let mut sums = vec![0.0; joints.len()];
+    let (mut most, samples) = (0.0_f64, joints.first().map_or(0, |joint| joint.e.len()));
+    for k in 0..samples {
+        let mut square = 0.0;
+        for (sum, joint) in sums.iter_mut().zip(joints) {
+            *sum += period * joint.e[k];
+            square += *sum * *sum + joint.e[k].powi(2) + joint.de[k].powi(2);
+        }
+        if k >= from {
+            most = most.max(square);
+        }
+    }
+    most.sqrt()
+}
+
+/// Largest `|φ/M̄|` of all joints together.
+fn phi(joints: &[JointTrace], units: &[f64]) -> f64 {
+    let samples = joints.first().map_or(0, |joint| joint.phi.len());
+    let square = |k: usize| -> f64 {
+        joints.iter().zip(units).map(|(joint, unit)| (joint.phi[k] / unit).powi(2)).sum()
+    };
+    (0..samples).map(square).fold(0.0, f64::max).sqrt()
 }
 
 /// (51): `1/(T_2 − T_1) ∫ e² dt`.
