@@ -33,7 +33,8 @@ mod text;
 mod verdict;
 
 pub use comparison::{
-    Beaten, Loss, Trial, comparison_page, comparison_table, losses, main_world, trial_page,
+    Beaten, DEFAULTS, Loss, NOT_TUNED, Trial, UNITS, comparison_page, comparison_table, losses,
+    main_world, model_free, model_free_in_full, trial_page,
 };
 pub use faults::faults_page;
 pub use figure::{Figure, figures, reproduction_figures};

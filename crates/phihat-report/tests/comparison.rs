@@ -116,14 +116,14 @@ fn sort_keys_are_numbers_and_the_best_of_a_column_is_marked_whoever_has_it() {
 fn losses_are_told_when_the_data_have_them_and_only_then() {
     let better = comparison([3.0, 0.2, 8.0, 1.0]);
     let told = paragraph(&parsed(&better));
-    assert!(told.contains("error, rms"), "{told}");
+    assert!(told.contains("rms error"), "{told}");
     assert!(told.contains("Computed torque (needs q, dq, model)"), "{told}");
     assert!(told.contains("0.2000 mrad against 1.000 mrad, 5 times"), "{told}");
     assert!(told.contains("better in 4 of 4 cases"), "{told}");
     assert!(told.contains("No row without a model of the arm is better"), "{told}");
     let found = losses(&better);
     let columns: Vec<_> = found.iter().map(|loss| loss.column).collect();
-    assert_eq!(columns, ["error, rms", "error, largest", "effort", "chatter"]);
+    assert_eq!(columns, ["rms error", "largest error", "effort", "chatter"]);
     assert!(found.iter().all(|loss| loss.ours == "proposed-1" && loss.most.by == IDS[1]));
     assert!((found[0].most.factor() - 5.0).abs() < 1e-9);
 
@@ -156,7 +156,7 @@ fn a_row_whose_arm_did_not_follow_beats_nobody_and_loses_to_those_that_did() {
     let found = losses(&ours);
     let worlds = found.iter().find(|loss| loss.column == "worlds followed").unwrap();
     assert_eq!((worlds.most.theirs, worlds.most.mine), (2.0, Some(0.0)));
-    let error = found.iter().find(|loss| loss.column == "error, rms").unwrap();
+    let error = found.iter().find(|loss| loss.column == "rms error").unwrap();
     assert_eq!((error.cases, error.most.mine), (4, None));
     assert!(paragraph(&parsed(&ours)).contains("its arm did not follow"));
 }
@@ -191,19 +191,20 @@ fn marks_lie_where_their_figures_are() {
     let mut all = comparison([1.0, 10.0, 100.0, 0.1]);
     for row in &mut all.rows {
         for figures in row.cells.iter_mut().filter_map(|cell| cell.worst.as_mut()) {
-            figures.effort = figures.error_rms_rad.sqrt();
+            figures.chatter_nm = figures.error_rms_rad.sqrt();
         }
     }
     let page = comparison_page(&all, COMMAND);
     let document = Html::parse_document(&page);
     let plot = select(&document, "figure.plot > svg")[0];
-    let start = |d: &str| -> [f64; 2] {
-        let numbers = d.trim_start_matches('M').split(['L', ' ']).take(2);
+    let place = |at: &str| -> [f64; 2] {
+        let numbers = at.trim_start_matches("translate(").trim_end_matches(')').split(' ');
         numbers.map(|n| n.parse().unwrap()).collect::<Vec<_>>().try_into().unwrap()
     };
-    let leaders = Selector::parse("path.leader").unwrap();
+    let marks = Selector::parse("path.mark").unwrap();
     let at: Vec<_> =
-        plot.select(&leaders).map(|path| start(path.value().attr("d").unwrap())).collect();
+        plot.select(&marks).map(|path| place(path.value().attr("transform").unwrap())).collect();
+    assert_eq!(at.len(), IDS.len());
     // Decades of error are equal steps up, and the effort is their root: all on one straight line.
     let step = at[1][1] - at[0][1];
     assert!(step < -50.0, "{at:?}");
@@ -226,7 +227,89 @@ fn torque_beyond_the_cap_is_marked_where_the_arm_followed() {
     }
     let document = parsed(&all);
     let noted = select(&document, ".wide td .note").into_iter().map(text);
-    assert_eq!(noted.filter(|note| note == "≈ beyond the cap on noise").count(), WORLDS.len());
+    assert_eq!(noted.filter(|note| note == "≈ 2 times the cap on noise").count(), WORLDS.len());
+    for cell in &mut all.rows[0].cells {
+        if let Some(figures) = &mut cell.worst {
+            figures.saturated = 0.123;
+        }
+    }
+    let document = parsed(&all);
+    let noted = select(&document, ".wide td .note").into_iter().map(text);
+    assert_eq!(
+        noted.filter(|note| note == "≈ 12 % of samples at a torque limit").count(),
+        WORLDS.len()
+    );
+}
+
+#[test]
+fn effort_is_drawn_where_laws_differ_in_it_and_its_equality_is_told_elsewhere() {
+    let mut all = comparison([3.0, 2.0, 8.0, 1.0]);
+    let plots = |all: &Comparison| {
+        let found: Vec<_> = select(&parsed(all), "figure.plot").into_iter().map(text).collect();
+        (found.iter().filter(|t| t.contains("Error against effort")).count(), found.len())
+    };
+    assert_eq!(plots(&all), (2, 4));
+    for figures in all.rows.iter_mut().flat_map(|r| &mut r.cells).filter_map(|c| c.worst.as_mut()) {
+        figures.effort = 0.18;
+    }
+    assert_eq!(plots(&all), (0, 2));
+    let page = text(parsed(&all).root_element());
+    assert!(page.contains("4 of 4 laws take 18 to 18 % of the limit"), "{page}");
+}
+
+#[test]
+fn the_world_with_a_push_does_not_hide_who_keeps_the_specification() {
+    let mut all = comparison([0.1, 0.2, 8.0, 0.3]);
+    let told = |all: &Comparison| text(select(&parsed(all), "div.verdict li")[0]);
+    assert!(told(&all).contains("3 keep the specification in all of them."), "{}", told(&all));
+    all.worlds[1].name = "saturation".to_owned();
+    for cell in all.rows.iter_mut().flat_map(|r| &mut r.cells).filter(|c| c.world == WORLDS[1]) {
+        cell.world = "saturation".to_owned();
+        if let Some(figures) = &mut cell.worst {
+            figures.error_over_spec = 30.0;
+        }
+    }
+    let told = told(&all);
+    assert!(told.contains("3 keep the specification in the 1 worlds without a push"), "{told}");
+    assert!(told.contains("pushed with more than its torque limit, 0 keep it."), "{told}");
+}
+
+#[test]
+fn the_exact_world_says_that_models_are_not() {
+    let page = text(parsed(&comparison([3.0, 2.0, 8.0, 1.0])).root_element());
+    assert!(page.contains("links 20 % too light, here as everywhere"), "{page}");
+    assert!(page.contains("multiplied by U, one nominal inertia per joint"));
+}
+
+#[test]
+fn designed_gains_are_called_so_once_and_are_compared_by_nothing_that_was_not_found_or_counted() {
+    let mut all = comparison([3.0, 2.0, 8.0, 1.0]);
+    all.rivals[3].needs.designed = true;
+    all.rivals[3].scalars.clear();
+    for row in all.rows.iter_mut().filter(|row| row.rival == IDS[3]) {
+        let tuning = row.tuning.as_mut().unwrap();
+        (tuning.published, tuning.tuned, tuning.runs_to_spec) = (vec![], vec![], Some(1));
+        row.columns.as_mut().unwrap().scalars = 0;
+        row.cost.as_mut().unwrap().instructions = None;
+    }
+    assert!(losses(&all).is_empty(), "{:?}", losses(&all));
+    let document = parsed(&all);
+    let part = format!("#row-{}-{}", all.arms[0].name, IDS[3]);
+    let lines: Vec<_> =
+        select(&document, &format!("{part} tbody th")).into_iter().map(text).collect();
+    assert_eq!(lines, ["exact designed", "delay designed"]);
+    let costs = select(&document, "table.costs tbody tr").into_iter().map(text).collect::<Vec<_>>();
+    // Draws, runs, scalars and instructions.
+    assert_eq!(costs[3].matches('–').count(), 4, "{costs:?}");
+    let card = text(select(&document, &format!("#rival-{}", IDS[3]))[0]);
+    assert!(card.contains("`phihat design STUDY`") && card.contains("its design wants"), "{card}");
+    // A tuning that never kept the specification is worse than one that did.
+    let mut never = comparison([3.0, 2.0, 8.0, 1.0]);
+    for row in never.rows.iter_mut().filter(|row| row.rival == IDS[3]) {
+        row.tuning.as_mut().unwrap().runs_to_spec = None;
+    }
+    assert_eq!(losses(&never).iter().map(|l| l.column).collect::<Vec<_>>(), ["runs to spec"]);
+    assert!(paragraph(&parsed(&never)).contains("no run of this row's own tuning did"));
 }
 
 #[test]

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 use phihat_campaign::compare::{Comparison, RivalRecord, Row};
 
 use super::ticks::{COLUMNS, beside, measured, symbol};
+use super::words::{DEFAULTS, NOT_TUNED, UNITS, model_free_in_full};
 use super::{anchor, title};
 use crate::number::{number, stated};
 use crate::text::{line, visible};
@@ -15,6 +16,7 @@ pub(super) fn cards(comparison: &Comparison) -> Markup {
             "Grade A: textbook, or confirmed in a public source or code. B: the structure is confirmed, details are reconstructed. C: the published law was "
             "not found, and a well-documented law of its class stands for it. None of these is its authors' program."
         }
+        p { "Scalars: " (UNITS) ". Default gains: " (DEFAULTS) "." }
         @for rival in &comparison.rivals { (card(comparison, rival)) }
     }
 }
@@ -30,7 +32,7 @@ fn card(comparison: &Comparison, rival: &RivalRecord) -> Markup {
             dt { "grade" }
             dd { (line(&rival.grade)) @if !rival.caveat.is_empty() { ": " (line(&rival.caveat)) } }
             dt { "is handed" }
-            dd { (line(&rival.needs_words)) @if rival.needs.model_free() { " (model free)" } @else { " (not model free)" } }
+            dd { (line(&rival.needs_words)) " (" (model_free_in_full(rival)) ")" }
             @for row in &rows { @if let Some(why) = &row.refused {
                 dt { "on " (line(&row.arm)) }
                 dd { "does not apply: " (line(why)) }
@@ -45,7 +47,7 @@ fn card(comparison: &Comparison, rival: &RivalRecord) -> Markup {
 
 fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
     if rival.scalars.is_empty() {
-        return html! { p.hint { "No free scalar." } };
+        return html! { p.hint { "Gains: " (NOT_TUNED) "." } };
     }
     let label = format!("Table: gains of {}", line(&rival.title));
     let tuned = || rows.iter().filter_map(|row| row.tuning.as_ref().map(|t| (row, t)));
@@ -55,7 +57,7 @@ fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
                 th scope="col" { "scalar" }
                 th scope="col" { "unit" }
                 th scope="col" { "range" }
-                th scope="col" { "published" }
+                th scope="col" { "default" }
                 @for (row, _) in tuned() { th scope="col" { "tuned, " (line(&row.arm)) } }
             } }
             tbody { @for (i, scalar) in rival.scalars.iter().enumerate() { tr {

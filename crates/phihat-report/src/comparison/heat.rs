@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 use phihat_campaign::compare::{ArmRecord, Cell, Comparison, GainsKind, Row};
 
-use super::{anchor, fate, fate_in_full, named, unrest};
-use crate::number::stated;
+use super::words::is_designed;
+use super::{anchor, fate, fate_in_full, named, two_digits, unrest};
 use crate::text::line;
 
 /// Largest error over the specification up to which a cell has each shade.
@@ -18,8 +18,8 @@ pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
             span.r0 { "✓ up to 1: kept" } span.r1 { "to 3" } span.r2 { "to 10" } span.r3 { "beyond" }
             span.rlost { "▲ did not follow" } span.rgone { "✗ diverged" } span.rgone { "⊘ not a number" }
             span.rnone { "– does not apply" }
-            span { "≈ torque noise beyond the cap of the tuning, or at the torque limits" }
-            " Large: tuned gains. Small: the published ones."
+            span { "≈ it followed, with torque noise beyond the cap of the tuning or at its torque limits" }
+            " Large: tuned gains. Small: the default ones."
         }
         div.scroll tabindex="0" role="region" aria-label=(format!("Table: robustness on {}", line(&arm.name))) {
             table.map {
@@ -38,7 +38,8 @@ pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 
 fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
     let tuned = row.cell(world, GainsKind::Tuned);
-    let published = row.cell(world, GainsKind::Published);
+    let designed = is_designed(comparison.rival(&row.rival));
+    let default = row.cell(world, GainsKind::Published).filter(|_| !designed);
     let Some(tuned) = tuned else {
         let why = row.refused.as_deref().unwrap_or("not run");
         return html! { td.rnone { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };
@@ -46,7 +47,8 @@ fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td class=(class(tuned)) { a href=(target) title=(fate_in_full(&tuned.fate)) {
         (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
-        @if let Some(published) = published { span.note { "published " (mark(published)) @if unrest(comparison, published).is_some() { " ≈" } } }
+        @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison, default).is_some() { " ≈" } } }
+        @if designed { span.note { "designed" } }
     } } }
 }
 
@@ -74,9 +76,4 @@ fn mark(cell: &Cell) -> String {
         Some(ratio) if cell.fate.badness() == 1 => format!("{symbol} {}", two_digits(ratio)),
         _ => symbol.to_owned(),
     }
-}
-
-/// Two significant digits; a map is not read for more.
-fn two_digits(value: f64) -> String {
-    stated(format!("{value:.1e}").parse().unwrap_or(value))
 }

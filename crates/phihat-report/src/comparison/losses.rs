@@ -113,7 +113,7 @@ fn can_be_compared(
 ) -> bool {
     let ran = match world {
         Some(world) => row.cell(world, GainsKind::Tuned).is_some(),
-        None => !column.is_about_choice() || column.of_cell(row, None).is_some(),
+        None => column.concerns(row),
     };
     ran && comparison.rows_of(&row.arm).any(|other| column.eligible(other, world).is_some())
 }

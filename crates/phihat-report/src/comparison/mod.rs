@@ -6,6 +6,7 @@ use phihat_campaign::compare::{ArmRecord, Cell, Comparison, Fate, Row};
 use crate::policy::{COMPARISON_SCRIPT, comparison_style, scripted_policy};
 use crate::text::line;
 
+mod axis;
 mod cards;
 mod figures;
 mod heat;
@@ -18,10 +19,12 @@ mod terms;
 mod ticks;
 mod traces;
 mod trial;
+mod words;
 
 pub use figures::comparison_table;
 pub use losses::{Beaten, Loss, losses};
 pub use trial::{Trial, trial_page};
+pub use words::{DEFAULTS, NOT_TUNED, UNITS, model_free, model_free_in_full};
 
 /// The self-contained page of a comparison. `command` is the one that made it: every run's is made from it.
 ///
@@ -110,21 +113,30 @@ fn fate(fate: &Fate) -> (&'static str, &'static str) {
     }
 }
 
+/// The world with torque limits just above what the motion asks for, and a push beyond them.
+const SATURATION: &str = "saturation";
+
 /// Share of samples at a torque limit from which on the arm is said to live on its limits.
 const LIMITED: f64 = 0.02;
 
 /// What is wrong with an arm that followed all the same: its torque is noisier than tuned gains may be in
-/// training, or it lives on limits that leave room for the motion, as in a limit cycle. `[in short, in full]`
-fn unrest(comparison: &Comparison, cell: &Cell) -> Option<[&'static str; 2]> {
+/// training, or it lives on limits that leave room for the motion, as in a limit cycle. In short, and in full.
+fn unrest(comparison: &Comparison, cell: &Cell) -> Option<(&'static str, String)> {
     let figures = cell.worst.as_ref().filter(|_| cell.fate.followed())?;
     // There the limits are drawn in on purpose.
-    let limited = figures.saturated > LIMITED && cell.world != "saturation";
-    let noisy = figures.noise > comparison.fairness.noise_cap;
-    match (limited, noisy) {
-        (true, _) => Some(["≈ at limits", "≈ at its torque limits"]),
-        (false, true) => Some(["≈ noisy", "≈ beyond the cap on noise"]),
-        (false, false) => None,
+    let limited = figures.saturated > LIMITED && cell.world != SATURATION;
+    let (noise, cap) = (figures.noise, comparison.fairness.noise_cap);
+    if limited {
+        let share = two_digits(100.0 * figures.saturated);
+        return Some(("≈ at limits", format!("≈ {share} % of samples at a torque limit")));
     }
+    (noise > cap)
+        .then(|| ("≈ noisy", format!("≈ {} times the cap on noise", two_digits(noise / cap))))
+}
+
+/// Two significant digits.
+fn two_digits(value: f64) -> String {
+    crate::number::stated(format!("{value:.1e}").parse().unwrap_or(value))
 }
 
 /// The same with time, joint or reason.

@@ -58,12 +58,14 @@ const fn row(
     Quantity { name, short, unit: "", counts, better, of: Of::Row(of) }
 }
 
+const RUNS_TO_SPEC: &str = "runs to spec";
+
 /// Every column, in the order of the table.
 pub(super) const QUANTITIES: [Quantity; 12] = [
-    world(("error, rms", "rms [mrad]"), "mrad", "the error over the whole motion", |f| {
+    world(("rms error", "rms [mrad]"), "mrad", "the error over the whole motion", |f| {
         Some(MILLI * f.error_rms_rad)
     }),
-    world(("error, largest", "max [mrad]"), "mrad", "the largest error", |f| {
+    world(("largest error", "max [mrad]"), "mrad", "the largest error", |f| {
         Some(MILLI * f.error_max_rad)
     }),
     world(("effort", "effort [%]"), "% of limit", "little torque", |f| Some(100.0 * f.effort)),
@@ -76,7 +78,8 @@ pub(super) const QUANTITIES: [Quantity; 12] = [
     row(("share of draws", "draws"), "gains that need no search", Better::More, |row| {
         chosen(row).map(|columns| columns.share_of_draws)
     }),
-    row(("runs to spec", ""), "few runs until the gains do", Better::Less, |row| {
+    row((RUNS_TO_SPEC, ""), "few runs until the gains do", Better::Less, |row| {
+        chosen(row)?;
         row.tuning.as_ref()?.runs_to_spec.map(|runs| runs as f64)
     }),
     row(("scalars", ""), "few numbers to choose", Better::Less, |row| {
@@ -108,9 +111,11 @@ pub(super) fn worlds_followed(row: &Row) -> usize {
 }
 
 impl Quantity {
-    /// Whether it says how hard gains are to find: nothing that could be said of designed ones.
-    pub(super) fn is_about_choice(&self) -> bool {
-        matches!(self.name, "share of draws" | "scalars")
+    /// Whether a row can be compared by it as a whole: what was not counted, or not chosen, is neither better nor worse.
+    pub(super) fn concerns(&self, row: &Row) -> bool {
+        // A tuning that never kept the specification has no number of runs, and that is worse than any.
+        let searched = self.name == RUNS_TO_SPEC && chosen(row).is_some();
+        searched || self.of_cell(row, None).is_some()
     }
 
     /// The value that is shown of a cell, finite; whatever became of the arm.

@@ -1,21 +1,28 @@
-//! Error against effort and against chatter, logarithmic: a labelled mark per law.
+//! Error against chatter, and against effort where laws differ in it, logarithmic: a labelled mark per law.
 
 use maud::{Markup, html};
 use phihat_baselines::Needs;
 use phihat_campaign::compare::{ArmRecord, Comparison, Figures, GainsKind, Row};
 
-use super::labels::heights as heights_of;
-use super::{main_world, title};
-use crate::number::{number, tick};
-use crate::text::{line, short};
+use super::axis::Axis;
+use super::labels::{Place, places};
+use super::{anchor, main_world, title};
+use crate::number::{number, stated, tick};
+use crate::text::line;
 use crate::verdict::MILLI;
 
 /// Size of the figure, and its margins: left, top, right, bottom.
 const SIZE: [f64; 2] = [960.0, 640.0];
-const MARGIN: [f64; 4] = [70.0, 16.0, 270.0, 56.0];
+const MARGIN: [f64; 4] = [70.0, 16.0, 16.0, 56.0];
+/// Width of a character of a label, generously.
+const CHARACTER: f64 = 6.9;
+
+/// Efforts within this part of the middle one count as the same, and this share of laws makes a figure of them idle.
+const SAME_EFFORT: (f64, f64) = (0.05, 0.8);
 
 /// A law's place in the figure.
 struct Point {
+    id: String,
     name: String,
     kind: Kind,
     error: f64,
@@ -32,53 +39,21 @@ enum Kind {
 
 const KINDS: [(Kind, &str, &str); 3] = [
     (Kind::Free, "k0", "no model of the arm"),
-    (Kind::Partial, "k1", "gravity, regressor or tip position"),
+    (
+        Kind::Partial,
+        "k1",
+        "a part of one: gravity, regressor, tip position, or a design for the arm",
+    ),
     (Kind::Model, "k2", "the whole model"),
 ];
 
 fn kind(needs: &Needs) -> Kind {
     if needs.model {
         Kind::Model
-    } else if needs.model_free() {
+    } else if needs.model_free() && !needs.designed {
         Kind::Free
     } else {
         Kind::Partial
-    }
-}
-
-/// Ticks are looked for from 10^−30 to 10^30.
-const DECADES: i32 = 30;
-
-/// A logarithmic axis from data to the figure.
-struct Axis {
-    low: f64,
-    high: f64,
-    from: f64,
-    to: f64,
-}
-
-impl Axis {
-    /// An axis that holds the positive `values` with some room, from one place of the figure to another.
-    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
-        let logs = values.filter(|v| v.is_finite() && *v > 0.0).map(f64::log10);
-        let (low, high) =
-            logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
-        let room = (0.08 * (high - low)).max(0.1);
-        Self { low: low - room, high: high + room, from, to }
-    }
-
-    /// Where a value lies.
-    fn at(&self, value: f64) -> f64 {
-        self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
-    }
-
-    /// 1, 2 and 5 of every decade; over three decades and more, 1 alone.
-    fn ticks(&self) -> Vec<f64> {
-        let digits: &[f64] = if self.high - self.low > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let all = (-DECADES..=DECADES)
-            .flat_map(|d| digits.iter().map(move |digit| digit * 10f64.powi(d)));
-        all.filter(|v| (self.low..=self.high).contains(&v.log10())).collect()
     }
 }
 
@@ -90,25 +65,60 @@ struct Against {
     of: fn(&Figures) -> f64,
 }
 
-const AGAINST: [Against; 2] = [
-    Against {
-        title: "Error against effort",
-        axis: "rms torque [% of the joint's limit]",
-        unit: "% of the torque limit",
-        of: |figures| 100.0 * figures.effort,
-    },
-    Against {
-        title: "Error against chatter",
-        axis: "mean change of torque per sample [N·m]",
-        unit: "N·m per sample",
-        of: |figures| figures.chatter_nm,
-    },
-];
+const CHATTER: Against = Against {
+    title: "Error against chatter",
+    axis: "mean change of torque per sample [N·m]",
+    unit: "N·m per sample",
+    of: |figures| figures.chatter_nm,
+};
+
+const EFFORT: Against = Against {
+    title: "Error against effort",
+    axis: "rms torque [% of the joint's limit]",
+    unit: "% of the torque limit",
+    of: |figures| 100.0 * figures.effort,
+};
 
 /// The error against what it costs, each a figure.
 pub(super) fn plots(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     let Some(world) = main_world(comparison) else { return html! {} };
-    html! { @for against in &AGAINST { (plot(comparison, arm, world, against)) } }
+    html! {
+        (plot(comparison, arm, world, &CHATTER))
+        @match same_effort(comparison, arm, world) {
+            Some(words) => p { (words) },
+            None => (plot(comparison, arm, world, &EFFORT)),
+        }
+    }
+}
+
+/// Why effort is not drawn, where the motion decides it and not the law.
+fn same_effort(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Option<String> {
+    let place = |row| point(comparison, row, world, EFFORT.of);
+    let mut points: Vec<_> = comparison.rows_of(&arm.name).filter_map(place).collect();
+    points.sort_by(|a, b| a.price.total_cmp(&b.price));
+    let middle = points.get(points.len() / 2)?.price;
+    let (same, others): (Vec<_>, Vec<_>) =
+        points.iter().partition(|point| (point.price - middle).abs() <= SAME_EFFORT.0 * middle);
+    if points.len() < 3 || (same.len() as f64) < SAME_EFFORT.1 * points.len() as f64 {
+        return None;
+    }
+    let percent = |value: f64| stated((10.0 * value).round() / 10.0);
+    let (least, most) = (same.first()?.price, same.last()?.price);
+    let others: Vec<_> =
+        others.iter().map(|point| format!("{} {} %", point.id, percent(point.price))).collect();
+    let rest = if others.is_empty() {
+        String::new()
+    } else {
+        format!("; the others: {}", others.join(", "))
+    };
+    Some(format!(
+        "Effort is not drawn: the motion asks for nearly the same torque whatever the law. {} of {} laws take {} to {} % of \
+         the limit (rms, worst joint){rest}.",
+        same.len(),
+        points.len(),
+        percent(least),
+        percent(most),
+    ))
 }
 
 fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against) -> Markup {
@@ -124,7 +134,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both."
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
         }
@@ -143,7 +153,8 @@ fn point(
     let (error, price) = (MILLI * figures.error_rms_rad, price(figures));
     let drawable = |value: f64| value.is_finite() && value > 0.0;
     (drawable(error) && drawable(price)).then(|| Point {
-        name: short(&title(comparison, &row.rival), 36),
+        id: line(&row.rival),
+        name: title(comparison, &row.rival),
         kind: comparison.rival(&row.rival).map_or(Kind::Free, |rival| kind(&rival.needs)),
         error,
         price,
@@ -156,20 +167,19 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     let x = Axis::around(points.iter().map(|p| p.price), left, width - right);
     let y = Axis::around(points.iter().map(|p| p.error), height - bottom, top);
     let at: Vec<_> = points.iter().map(|p| [x.at(p.price), y.at(p.error)]).collect();
-    let heights: Vec<_> = at.iter().map(|[_, y]| *y).collect();
-    let labels = heights_of(&heights, top, height - bottom);
-    let column = width - right + 14.0;
+    let widths: Vec<_> = points.iter().map(|p| CHARACTER * p.id.chars().count() as f64).collect();
+    let labels = places(&at, &widths, [left + 4.0, top, width - right, height - bottom - 4.0]);
     html! {
         svg role="img" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
             (axes(&x, &y, against.axis))
-            @for ([x, y], label) in at.iter().zip(&labels) {
-                path.leader d=(format!("M{x:.1} {y:.1}L{:.1} {label:.1}", column - 3.0)) {}
-            }
+            @for (mark, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { (leader(*mark, label)) }
             @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {
                 g class=(class(point.kind)) {
                     title { (point.name) ": " (number(point.error)) " mrad, " (number(point.price)) " " (against.unit) }
                     (mark(point.kind, *x, *y))
-                    text x=(column) y=(format!("{:.1}", label + 4.0)) { (point.name) }
+                    a href=(format!("#{}", anchor("rival", &point.id))) {
+                        text x=(format!("{:.1}", label.left)) y=(format!("{:.1}", label.centre + 4.0)) { (point.id) }
+                    }
                 }
             }
         }
@@ -179,18 +189,23 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     }
 }
 
+fn leader(mark: [f64; 2], label: &Place) -> Markup {
+    let ([x, y], [u, v]) = (mark, label.nearest(mark));
+    html! { path.leader d=(format!("M{x:.1} {y:.1}L{u:.1} {v:.1}")) {} }
+}
+
 fn class(kind: Kind) -> &'static str {
     KINDS.iter().find(|(of, ..)| *of == kind).map_or("k0", |(_, class, _)| class)
 }
 
-/// A circle, a square, a triangle.
+/// A circle, a square, a triangle, around its place.
 fn mark(kind: Kind, x: f64, y: f64) -> Markup {
     let d = match kind {
-        Kind::Free => format!("M{:.1} {y:.1}a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", x - 5.0),
-        Kind::Partial => format!("M{:.1} {:.1}h9v9h-9z", x - 4.5, y - 4.5),
-        Kind::Model => format!("M{x:.1} {:.1}l6 10.4h-12z", y - 6.5),
+        Kind::Free => "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z",
+        Kind::Partial => "M-4.5 -4.5h9v9h-9z",
+        Kind::Model => "M0 -6.5l6 10.4h-12z",
     };
-    html! { path.mark d=(d) {} }
+    html! { path.mark transform=(format!("translate({x:.1} {y:.1})")) d=(d) {} }
 }
 
 fn axes(x: &Axis, y: &Axis, name: &str) -> Markup {

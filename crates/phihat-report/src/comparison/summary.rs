@@ -1,10 +1,10 @@
 //! The top of the page: what was compared, and when to pick another row.
 
 use maud::{Markup, html};
-use phihat_campaign::compare::{Comparison, GainsKind};
+use phihat_campaign::compare::{Cell, Comparison, GainsKind, Row};
 
 use super::losses::{Beaten, Loss, losses, proposed};
-use super::{anchor, main_world, title};
+use super::{SATURATION, anchor, main_world, title};
 use crate::number::{number, stated};
 use crate::text::line;
 
@@ -44,16 +44,28 @@ fn tally(comparison: &Comparison, arm: &str) -> Markup {
     let rows: Vec<_> = comparison.rows_of(arm).filter(|row| row.refused.is_none()).collect();
     let all = comparison.worlds.len();
     let everywhere = rows.iter().filter(|row| super::quantity::worlds_followed(row) == all).count();
-    let spec = rows.iter().filter(|row| {
-        let cells = row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
-        let kept = |cell: &phihat_campaign::compare::Cell| {
-            cell.fate.followed() && cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0)
-        };
-        cells.filter(|cell| kept(cell)).count() == all
-    });
+    let kept = |cell: &&Cell| {
+        cell.gains == GainsKind::Tuned
+            && cell.fate.followed()
+            && cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0)
+    };
+    let keeps = |row: &Row, pushed: bool| {
+        row.cells.iter().filter(kept).filter(|cell| (cell.world == SATURATION) == pushed).count()
+    };
+    let pushed = comparison.worlds.iter().filter(|world| world.name == SATURATION).count();
+    let quiet = all - pushed;
+    let spec = rows.iter().filter(|row| keeps(row, false) == quiet).count();
+    let under_push = rows.iter().filter(|row| keeps(row, true) == pushed).count();
     html! {
-        strong { (line(arm)) } ": " (everywhere) " of " (rows.len()) " laws follow in all " (all) " worlds with tuned gains; "
-        (spec.count()) " keep the specification in all of them."
+        strong { (line(arm)) } ": " (everywhere) " of " (rows.len()) " laws follow in all " (all) " worlds with tuned gains"
+        @if quiet > 0 {
+            "; " (spec) " keep the specification in "
+            @if pushed > 0 { "the " (quiet) " worlds without a push" } @else { "all of them" }
+        }
+        "."
+        @if pushed > 0 {
+            " In “" (SATURATION) "”, where every joint is pushed with more than its torque limit, " (under_push) " keep it."
+        }
     }
 }
 
@@ -105,7 +117,7 @@ fn by_how_much(factor: f64) -> String {
     if factor < 1.5 {
         return format!("{} %", stated((100.0 * (factor - 1.0)).round()));
     }
-    format!("{} times", stated((10.0 * factor).round() / 10.0))
+    format!("{} times", stated(format!("{factor:.2e}").parse().unwrap_or(factor)))
 }
 
 /// One case in words.
@@ -126,6 +138,7 @@ fn beaten(comparison: &Comparison, loss: &Loss, case: &Beaten) -> Markup {
                 @if case.factor().is_finite() { ", " (by_how_much(case.factor())) }
                 "."
             }
+            None if case.world.is_none() => ", and no run of this row's own tuning did.",
             None => ", where this row has nothing to compare: its arm did not follow, or it states no bound that held."
         }
     }

@@ -5,6 +5,7 @@ use core::fmt::Write as _;
 use maud::{Markup, html};
 use phihat_campaign::compare::{Cell, Comparison, Figures, GainsKind, Row, Sketch};
 
+use super::words::{gains, is_designed};
 use super::{anchor, fate_in_full, title};
 use crate::number::number;
 use crate::text::line;
@@ -22,7 +23,7 @@ pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
         h2 id="traces" { "Every cell and its trace" }
         p {
             "Of the joint with the largest error, on the study's own motion: error e and commanded torque τ over the whole run, smallest and "
-            "largest in equal slices of time. The command makes that very run again, with its study, every signal of every joint, and a report."
+            "largest in equal slices of time. Default gains are called `published` in the names of runs. The command makes that very run again, with its study, every signal of every joint, and a report."
         }
         @for arm in &comparison.arms {
             h3 { (line(&arm.name)) }
@@ -34,6 +35,10 @@ pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
 fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
     let id = anchor("row", &format!("{}-{}", row.arm, row.rival));
     let label = format!("Table: cells of {} on {}", title(comparison, &row.rival), line(&row.arm));
+    let designed = is_designed(comparison.rival(&row.rival));
+    // The same gains twice.
+    let again = |cell: &&Cell| designed && cell.gains == GainsKind::Published;
+    let cells = || row.cells.iter().filter(|cell| !again(cell));
     html! { details.cells id=(id) {
         summary {
             (title(comparison, &row.rival))
@@ -46,7 +51,7 @@ fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
                 thead { tr {
                     th scope="col" { "world, gains" }
                     th scope="col" { "what became of it" }
-                    th scope="col" { "error, rms" br; "largest " span.unit { "[mrad]" } }
+                    th scope="col" { "rms error" br; "largest " span.unit { "[mrad]" } }
                     th scope="col" { "effort " span.unit { "[% of limit]" } br; "chatter " span.unit { "[N·m]" } }
                     th scope="col" { "× exact" }
                     th scope="col" { "limit met " span.unit { "[% of samples]" } }
@@ -56,24 +61,21 @@ fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
                     th scope="col" { "τ(t)" }
                     th scope="col" { "command" }
                 } }
-                tbody { @for cell in &row.cells { (cell_line(cell, command)) } }
+                tbody { @for cell in cells() { (cell_line(cell, designed, command)) } }
             } }
         }
     } }
 }
 
-fn cell_line(cell: &Cell, command: &str) -> Markup {
-    let gains = match cell.gains {
-        GainsKind::Published => "published",
-        GainsKind::Tuned => "tuned",
-    };
+fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
+    let kind = if designed { "designed" } else { gains(cell.gains) };
     let figure = |of: fn(&Figures) -> Option<f64>| {
         let value = cell.worst.as_ref().and_then(of);
         value.map_or_else(|| "–".to_owned(), number)
     };
     let followed = cell.fate.followed();
     html! { tr {
-        th scope="row" { (line(&cell.world)) span.note { (gains) } }
+        th scope="row" { (line(&cell.world)) " " span.note { (kind) } }
         td.outside[!followed] { (fate_in_full(&cell.fate)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
         td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_max_rad))) }
         td { (figure(|f| Some(100.0 * f.effort))) br; (figure(|f| Some(f.chatter_nm))) }
