@@ -20,7 +20,7 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     entries: BTreeMap<String, String>,
-    damaged: usize,
+    damaged: Vec<usize>,
 }
 
 /// Why a journal cannot be used.
@@ -49,6 +49,9 @@ pub enum JournalError {
         error: serde_json::Error,
     },
 }
+
+/// Damaged lines whose numbers are told.
+const SHOWN: usize = 10;
 
 #[derive(Serialize)]
 struct Written<'a> {
@@ -88,11 +91,12 @@ impl Journal {
         file.seek(SeekFrom::Start(0)).map_err(io("cannot be read"))?;
         file.read_to_end(&mut bytes).map_err(io("cannot be read"))?;
         let mut journal =
-            Self { path: path.to_owned(), file, entries: BTreeMap::new(), damaged: 0 };
-        for line in bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
+            Self { path: path.to_owned(), file, entries: BTreeMap::new(), damaged: Vec::new() };
+        let lines = (1..).zip(bytes.split(|&byte| byte == b'\n'));
+        for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
             match read_line(line) {
                 Some((id, entry)) => _ = journal.entries.insert(id, entry),
-                None => journal.damaged += 1,
+                None => journal.damaged.push(number),
             }
         }
         if bytes.last().is_some_and(|&byte| byte != b'\n') {
@@ -107,9 +111,28 @@ impl Journal {
         self.entries.get(id).map(String::as_str)
     }
 
-    /// How many lines failed their checksum when the journal was opened.
-    pub fn damaged(&self) -> usize {
-        self.damaged
+    /// The lines, from 1, that were no record when the journal was opened: not JSON, or not what their checksum says.
+    pub fn damaged(&self) -> &[usize] {
+        &self.damaged
+    }
+
+    /// The same for people; `None` where all lines are whole.
+    pub fn damage(&self) -> Option<String> {
+        let shown: Vec<_> = self.damaged.iter().take(SHOWN).map(ToString::to_string).collect();
+        let shown = shown.join(", ");
+        match self.damaged.len() {
+            0 => None,
+            1 => Some(format!(
+                "line {shown} is damaged and passed over; its run is done again if it is asked for"
+            )),
+            all => {
+                let more =
+                    if all > SHOWN { format!(" and {} more", all - SHOWN) } else { String::new() };
+                Some(format!(
+                    "lines {shown}{more} are damaged and passed over; their runs are done again if they are asked for"
+                ))
+            }
+        }
     }
 
     /// How many runs are recorded.

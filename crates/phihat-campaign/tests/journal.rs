@@ -67,11 +67,32 @@ fn a_flipped_byte_costs_one_record_and_never_invents_one() {
         flipped[at] ^= 0x04;
         fs::write(&path, &flipped).unwrap();
         let journal = Journal::open(&path).unwrap();
-        assert!(journal.damaged() >= 1 && journal.len() <= 39, "{at}");
+        assert!(!journal.damaged().is_empty() && journal.len() <= 39, "{at}");
         assert!(journal.len() >= 38, "{at}: a flipped line feed joins two lines, no more");
         drop(journal);
         assert_eq!(answer(&path, 2), expected, "flipped at {at}");
     }
+}
+
+#[test]
+fn damaged_lines_are_told_by_their_numbers() {
+    let path = file("damage");
+    answer(&path, 2);
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(Journal::open(&path).unwrap().damage(), None);
+    let with_damage = |at: &[usize]| {
+        let lines = text.lines().enumerate();
+        let lines: Vec<_> =
+            lines.map(|(k, line)| if at.contains(&(k + 1)) { "{}" } else { line }).collect();
+        fs::write(&path, lines.join("\n") + "\n").unwrap();
+        let journal = Journal::open(&path).unwrap();
+        assert_eq!(journal.damaged(), at);
+        journal.damage().unwrap()
+    };
+    assert!(with_damage(&[3]).starts_with("line 3 is damaged"));
+    assert!(with_damage(&[3, 17]).starts_with("lines 3, 17 are damaged"));
+    let many: Vec<_> = (1..=12).collect();
+    assert!(with_damage(&many).starts_with("lines 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 and 2 more are"));
 }
 
 #[test]

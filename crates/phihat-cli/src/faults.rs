@@ -10,15 +10,15 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_campaign::faults::{Case, Extent, Matrix, Summary};
-use phihat_campaign::{Journal, run_all};
+use phihat_campaign::run_all;
 use phihat_design::Gains;
 use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::files;
 use crate::record::Session;
 use crate::report::write_report;
+use crate::{files, interrupt};
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
@@ -39,8 +39,8 @@ pub(crate) struct Faults {
     #[arg(long, value_name = "M", value_delimiter = ',', default_value = "1,2")]
     orders: Vec<usize>,
     /// Seeds per fault and severity: onset, joint, sign and noise differ.
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    seeds: u64,
+    #[arg(long, default_value_t = 3, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    seeds: u16,
     /// One order, one seed.
     #[arg(long)]
     quick: bool,
@@ -54,8 +54,8 @@ pub(crate) struct Faults {
     #[arg(long)]
     fresh: bool,
     /// Runs at a time [default: one per core].
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Folder for the results.
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
@@ -82,8 +82,11 @@ impl Faults {
             return Err(Failure::plain(message));
         }
         let folder = self.folder()?;
-        let mut extent =
-            Extent { orders: self.orders.clone(), seeds: self.seeds, only: self.only.clone() };
+        let mut extent = Extent {
+            orders: self.orders.clone(),
+            seeds: u64::from(self.seeds),
+            only: self.only.clone(),
+        };
         if self.quick {
             extent.orders.truncate(1);
             extent.seeds = 1;
@@ -102,6 +105,8 @@ impl Faults {
     /// Runs them and writes the answer, whose page is named.
     fn answer(&self, matrix: &Matrix, folder: &Path) -> Result<(Summary, PathBuf), Failure> {
         let cache = folder.join("gains");
+        let results = ["journal.jsonl", "faults.json", "report.html"].map(|name| folder.join(name));
+        files::check_writable(results.iter().chain([&cache.join("gains.json")]))?;
         files::make_folder(&cache)?;
         for (name, gains) in matrix.arms.iter().flat_map(phihat_campaign::faults::Arm::gains) {
             files::write(&cache.join(name), &gains.to_json().map_err(Failure::plain)?)?;
@@ -109,8 +114,11 @@ impl Faults {
         let summary = self.run(matrix, folder)?;
         let page = folder.join("report.html");
         let text = serde_json::to_string_pretty(&summary).map_err(Failure::plain)?;
-        files::write(&folder.join("faults.json"), &(text + "\n"))?;
-        files::write(&page, &phihat_report::faults_page(&summary, &self.command()))?;
+        let html = phihat_report::faults_page(&summary, &self.command());
+        files::write_all(&[
+            (folder.join("faults.json"), (text + "\n").into_bytes()),
+            (page.clone(), html.into_bytes()),
+        ])?;
         if self.trace {
             for case in &matrix.cases {
                 keep(matrix, case, folder)?;
@@ -135,16 +143,11 @@ impl Faults {
 
     fn run(&self, matrix: &Matrix, folder: &Path) -> Result<Summary, Failure> {
         let path = folder.join("journal.jsonl");
-        if self.fresh && path.exists() {
-            std::fs::remove_file(&path).map_err(|e| Failure::at(&path, e))?;
-        }
-        let mut journal = Journal::open(&path).map_err(Failure::plain)?;
-        if journal.damaged() > 0 {
-            eprintln!("{} damaged lines of {} are passed over", journal.damaged(), path.display());
-        }
+        let mut journal = files::open_journal(&path, self.fresh)?;
         let ids: Vec<String> = matrix.cases.iter().map(|case| matrix.id(case)).collect();
         let cores = available_parallelism().map_or(1, usize::from);
         let bar = ProgressBar::new(ids.len() as u64);
+        interrupt::says(&bar, interrupt::resumable(&path, self.fresh));
         let template = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
@@ -152,7 +155,7 @@ impl Faults {
         let ended = run_all(
             &ids,
             &mut journal,
-            self.threads.unwrap_or(cores),
+            self.threads.map_or(cores, usize::from),
             &|place| matrix.run(&matrix.cases[place]),
             |progress| {
                 if progress.done == progress.resumed {

@@ -4,11 +4,65 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use phihat_campaign::Journal;
+
 use crate::failure::Failure;
 
 /// Makes a folder, parents included.
 pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
     fs::create_dir_all(path).map_err(|e| Failure::at(path, format!("cannot be made: {e}")))
+}
+
+/// Whether every one of these files can be written: asked before what takes long, and nothing stays of the question.
+///
+/// Folders that there are not yet are not made; the nearest that there is has to take a file.
+pub(crate) fn check_writable<'a>(
+    all: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    for path in all {
+        for taken in [path.clone(), partial_name(path)] {
+            if taken.is_dir() {
+                return Err(is_a_folder(&taken));
+            }
+        }
+        let Some(nearest) = path.ancestors().skip(1).find(|folder| exists(folder)) else {
+            continue;
+        };
+        let nearest = if nearest.as_os_str().is_empty() { Path::new(".") } else { nearest };
+        if !nearest.is_dir() {
+            return Err(Failure::at(nearest, "is not a folder: give --out a folder's name"));
+        }
+        let trial = nearest.join(format!(".phihat-{}.partial", std::process::id()));
+        fs::write(&trial, "").map_err(|e| {
+            Failure::at(
+                path,
+                format!("cannot be written: {} takes no file: {e}", nearest.display()),
+            )
+        })?;
+        fs::remove_file(&trial).map_err(|e| Failure::at(&trial, e))?;
+    }
+    Ok(())
+}
+
+/// Whether there is something, were it a broken link; the empty path is the folder that the program runs in.
+fn exists(path: &Path) -> bool {
+    path.as_os_str().is_empty() || path.symlink_metadata().is_ok()
+}
+
+fn is_a_folder(path: &Path) -> Failure {
+    Failure::at(path, "cannot be written: it is a folder")
+}
+
+/// Opens the journal of a campaign, or begins one; says which of its lines cannot be used.
+pub(crate) fn open_journal(path: &Path, fresh: bool) -> Result<Journal, Failure> {
+    if fresh && path.exists() {
+        fs::remove_file(path).map_err(|e| Failure::at(path, e))?;
+    }
+    let journal = Journal::open(path).map_err(Failure::plain)?;
+    if let Some(damage) = journal.damage() {
+        eprintln!("{}: {damage}", path.display());
+    }
+    Ok(journal)
 }
 
 /// Writes a whole file.
@@ -24,7 +78,7 @@ pub(crate) fn write_all(all: &[(PathBuf, Vec<u8>)]) -> Result<(), Failure> {
                 make_folder(folder)?;
             }
             if path.is_dir() {
-                return Err(Failure::at(path, "cannot be written: it is a folder"));
+                return Err(is_a_folder(path));
             }
             fs::write(partial_name(path), bytes)
                 .map_err(|e| Failure::at(path, format!("cannot be written: {e}")))?;
@@ -78,7 +132,24 @@ fn partial_name(path: &Path) -> PathBuf {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
-    use super::{fs, write_all};
+    use super::{PathBuf, check_writable, fs, write_all};
+
+    #[test]
+    fn what_cannot_be_written_is_told_before_and_nothing_stays_of_the_question() {
+        let folder = std::env::temp_dir().join(format!("phihat-ask-{}", std::process::id()));
+        fs::create_dir_all(folder.join("taken")).unwrap();
+        fs::write(folder.join("file"), "").unwrap();
+        let ask = |name: &str| check_writable(&[folder.join(name)]).map_err(|e| e.to_string());
+        assert_eq!(ask("new/deep/report.html"), Ok(()));
+        assert_eq!(ask("file"), Ok(()));
+        assert!(ask("taken").unwrap_err().contains("it is a folder"));
+        assert!(ask("file/report.html").unwrap_err().contains("is not a folder"));
+        // No file can be made there, whoever asks.
+        let nowhere = check_writable(&[PathBuf::from("/proc/phihat/report.html")]);
+        assert!(!cfg!(target_os = "linux") || nowhere.is_err());
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
+        fs::remove_dir_all(folder).unwrap();
+    }
 
     #[test]
     fn all_are_written_or_none() {

@@ -14,6 +14,7 @@ mod export;
 mod failure;
 mod faults;
 mod files;
+mod interrupt;
 mod knowledge;
 mod png;
 mod record;
@@ -28,6 +29,7 @@ mod verify;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 pub use crate::design::designed;
@@ -66,11 +68,23 @@ enum Verb {
     Robots(robots::Robots),
 }
 
+/// A word such as `-1` where an option's value was meant: `-- -1` would make it a study, so that tip is left out.
+fn no_tip_about_dashes(error: &mut clap::Error) {
+    let is_tip = |value: &ContextValue| matches!(value, ContextValue::StyledStrs(_));
+    if error.kind() == ErrorKind::UnknownArgument
+        && error.get(ContextKind::Suggested).is_some_and(is_tip)
+    {
+        error.remove(ContextKind::Suggested);
+    }
+}
+
 /// Runs the command with the arguments of a process, the program's name first; says how it ended.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    interrupt::is_ours();
     let verb = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments.verb,
-        Err(told) => {
+        Err(mut told) => {
+            no_tip_about_dashes(&mut told);
             // Help goes to standard output, errors to the other; if neither can be written to, so be it.
             let _ = told.print();
             return ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2));

@@ -42,7 +42,7 @@ fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_aga
     fs::write(folder.join("cut/journal.jsonl"), cut).unwrap();
     let resumed = phihat(&folder, &small(&["--out", "cut"]));
     assert_eq!(resumed.code, 0, "{}", resumed.err);
-    assert!(resumed.err.contains("1 damaged lines"), "{}", resumed.err);
+    assert!(resumed.err.contains("line 8 is damaged and passed over"), "{}", resumed.err);
     assert_eq!(kept("cut", "compare.json"), kept("whole", "compare.json"));
 
     let page = String::from_utf8(kept("whole", "report.html")).unwrap();
@@ -103,9 +103,13 @@ fn rivals_are_listed_and_shown() {
     assert!(ids.iter().all(|id| table.out.contains(id)), "{}", table.out);
     let card = phihat(&folder, &["compare", "--rival", "computed-torque"]);
     assert_eq!(card.code, 0);
-    for told in ["grade: A", "not model free", "bandwidth", "rad/s", "source:"] {
+    for told in ["grade: A", "not model free", "bandwidth", "rad/s", "source:", "default"] {
         assert!(card.out.contains(told), "{told}: {}", card.out);
     }
+    let pd = phihat(&folder, &["compare", "--rival", "pd"]).out;
+    assert!(pd.contains("nothing but U") && pd.contains("K_P = U ω²"), "{pd}");
+    let designed = phihat(&folder, &["compare", "--rival", "proposed-designed"]).out;
+    assert!(designed.contains("`phihat design STUDY`"), "{designed}");
 }
 
 #[test]
@@ -119,10 +123,17 @@ fn bad_words_are_refused_with_what_would_be_right() {
         (&["compare", study, "--worlds", "frction"], "did you mean `friction`?"),
         (&["compare", study, study], "same name"),
         (&["compare", "studies/absent.toml"], "absent.toml"),
+        (&["compare", "studies/absent.toml"], "the study cannot be read"),
         (&["compare", study, "--trace", "table1/pd"], "ARM/RIVAL/WORLD"),
         (&["compare", study, "--trace", "table2/pd/exact/tuned/1"], "ARM/RIVAL/WORLD"),
         (&["compare", study, "--trace", "table1/pd/exact/tuned/9"], "ARM/RIVAL/WORLD"),
+        (
+            &["compare", study, "--trace", "table1/pd/exact/tuned/1", "--only", "pd"],
+            "leave out --only",
+        ),
         (&["compare", study, "--threads", "0"], "0"),
+        (&["compare", study, "--seeds", "-1"], "-1 is not in 1..=1000"),
+        (&["compare", study, "--threads", "-1"], "-1 is not in 1..="),
         (&["compare", study, "--seeds", "0"], "0"),
         (&["compare", study, "--list"], "--list"),
     ] {
@@ -130,6 +141,53 @@ fn bad_words_are_refused_with_what_would_be_right() {
         assert_eq!(answer.code, 2, "{words:?}: {}", answer.out);
         assert!(answer.err.contains(told), "{words:?}: {}", answer.err);
         assert!(!answer.err.contains("error: error"), "{words:?}: {}", answer.err);
+        assert!(!answer.err.contains("use '--"), "{words:?}: {}", answer.err);
         assert!(!folder.join("out").exists(), "{words:?}");
     }
+}
+
+#[test]
+fn results_that_cannot_be_written_are_told_before_any_run() {
+    let folder = folder("compare-unwritable");
+    for name in ["compare.json", "report.html", "journal.jsonl"] {
+        let out = folder.join("taken").join(name);
+        fs::create_dir_all(&out).unwrap();
+        let answer = phihat(&folder, &small(&["--out", "taken"]));
+        assert_eq!(answer.code, 2, "{}", answer.out);
+        assert!(
+            answer.err.contains(name) && answer.err.contains("it is a folder"),
+            "{}",
+            answer.err
+        );
+        assert_eq!(fs::read_dir(folder.join("taken")).unwrap().count(), 1, "nothing is left");
+        fs::remove_dir(&out).unwrap();
+    }
+    fs::write(folder.join("file"), "").unwrap();
+    let answer = phihat(&folder, &small(&["--out", "file/deeper"]));
+    assert_eq!(answer.code, 2, "{}", answer.out);
+    assert!(answer.err.contains("file: is not a folder"), "{}", answer.err);
+    let answer = phihat(
+        &folder,
+        &["compare", "studies/table1.toml", "--out", "file", "--trace", "table1/pd/exact/tuned/1"],
+    );
+    assert_eq!(answer.code, 2, "{}", answer.out);
+}
+
+/// Wrong if a stopped comparison says nothing of what it keeps.
+#[cfg(unix)]
+#[test]
+fn a_stopped_comparison_says_what_is_saved_and_how_to_go_on() {
+    let folder = folder("compare-stopped");
+    let stopped = support::interrupted(
+        &folder,
+        &small(&["--out", "stopped", "--seeds", "500"]),
+        "stopped/journal.jsonl",
+    );
+    assert_eq!(stopped.code, 130, "{}", stopped.err);
+    assert!(
+        stopped.err.contains("interrupted: what is done is saved in stopped/journal.jsonl"),
+        "{}",
+        stopped.err
+    );
+    assert!(stopped.err.contains("the same command goes on"), "{}", stopped.err);
 }

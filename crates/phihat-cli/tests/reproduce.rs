@@ -72,13 +72,22 @@ fn a_bad_argument_is_one_error_and_leaves_nothing() {
     let folder = folder("reproduce-bad");
     fs::write(folder.join("file"), "not a folder").unwrap();
     fs::write(folder.join("other.json"), "{\"format\": 1}").unwrap();
+    fs::write(folder.join("comparison.json"), "{\"format\": \"phihat-comparison\"}").unwrap();
+    fs::create_dir_all(folder.join("taken/report.html")).unwrap();
     let before = files(&folder);
     for (arguments, words) in [
         (["--only", "no such part"], "parts:"),
         (["--out", "file"], "is not a folder"),
         (["--against", "missing.json"], "cannot be read"),
         (["--against", "other.json"], "no reproduction"),
+        (["--against", "comparison.json"], "found a document of format \"phihat-comparison\""),
+        (["--against", "comparison.json"], "expected a reproduction.json"),
+        (["--against", "studies/first.toml"], "found no JSON"),
+        (["--against", "-x"], "-x: cannot be read"),
+        (["--only", "fig. 99"], "parts:"),
+        (["--out", "taken"], "it is a folder"),
         (["--threads", "0"], "--threads"),
+        (["--threads", "-1"], "-1 is not in 1..="),
     ] {
         let answer = phihat(&folder, &[&["reproduce"], &arguments[..]].concat());
         assert_eq!(answer.code, 2, "{arguments:?}: {}", answer.err);
@@ -87,4 +96,21 @@ fn a_bad_argument_is_one_error_and_leaves_nothing() {
     }
     assert_eq!(files(&folder), before);
     assert!(!folder.join("out").exists());
+}
+
+#[test]
+fn a_part_is_chosen_by_what_is_in_it_and_help_lists_the_parts() {
+    let folder = folder("reproduce-part");
+    for text in ["Table 1", "table1-model-free"] {
+        let document = json(&folder, &["reproduce", "--only", text, "--json"]);
+        let statements = document["statements"].as_array().unwrap();
+        assert!(!statements.is_empty());
+        assert!(
+            statements.iter().all(|s| s["id"].as_str().unwrap().starts_with("table1-")),
+            "{text}"
+        );
+    }
+    let help = phihat(&folder, &["reproduce", "--help"]).out;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("theory, table 1, arm in simulation, arm in experiment"), "{help}");
 }

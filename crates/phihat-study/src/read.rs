@@ -33,9 +33,11 @@ impl Study {
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let origin = path.display().to_string();
         let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
-        let unreadable = |error: std::io::Error| refuse(Kind::Unreadable, error.to_string());
+        let unreadable = |error: std::io::Error| {
+            refuse(Kind::Unreadable, format!("the study cannot be read: {error}"))
+        };
         if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-            return Err(refuse(Kind::Unreadable, "not a file".into()));
+            return Err(refuse(Kind::Unreadable, "the study cannot be read: not a file".into()));
         }
         let mut bytes = Vec::new();
         let cap = BYTES_MAX as u64 + 1;

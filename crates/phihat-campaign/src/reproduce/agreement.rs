@@ -1,13 +1,13 @@
 //! Whether two reproductions say the same: what CI holds a fresh one against.
 
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::{FORMAT, Number, Reproduction, Statement};
 
 /// What of a `reproduction.json` is compared: statements, their verdicts and numbers.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Kept {
-    format: u32,
     quick: bool,
     sections: Vec<KeptSection>,
 }
@@ -24,11 +24,17 @@ impl Kept {
     ///
     /// The text is no reproduction, or of another [`FORMAT`].
     pub fn from_json(text: &str) -> Result<Self, String> {
-        let kept: Self = serde_json::from_str(text).map_err(|e| format!("no reproduction: {e}"))?;
-        if kept.format == FORMAT {
-            Ok(kept)
-        } else {
-            Err(format!("format {}; this program reads format {FORMAT}", kept.format))
+        let found: Found = serde_json::from_str(text)
+            .map_err(|e| no_reproduction(&format!("found no JSON object: {e}")))?;
+        match found.format {
+            Some(Value::Number(format)) if format.as_u64() == Some(FORMAT.into()) => {
+                serde_json::from_str(text).map_err(|e| no_reproduction(&e.to_string()))
+            }
+            Some(Value::Number(format)) => Err(format!(
+                "a document of format {format}; this program reads reproductions of format {FORMAT}"
+            )),
+            Some(other) => Err(no_reproduction(&format!("found a document of format {other}"))),
+            None => Err(no_reproduction("found a document without `format`")),
         }
     }
 
@@ -53,6 +59,16 @@ impl Kept {
         lines.extend(unknown.map(|new| format!("{}: a new statement", new.id)));
         lines
     }
+}
+
+/// As much as tells a reproduction from other documents.
+#[derive(Deserialize)]
+struct Found {
+    format: Option<Value>,
+}
+
+fn no_reproduction(found: &str) -> String {
+    format!("no reproduction: expected a reproduction.json that `phihat reproduce` wrote; {found}")
 }
 
 fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<String>) {

@@ -5,11 +5,16 @@ use comfy_table::{ContentArrangement, Table};
 use phihat_baselines::{Entry, RIVALS, rival as find};
 use phihat_campaign::compare::{CompareError, Mark, RivalRecord};
 
+use phihat_report::{DEFAULTS, NOT_TUNED, UNITS, model_free_in_full};
+
 use super::unusable;
 use crate::failure::Failure;
 
 /// Columns of the tables.
 const WIDTH: u16 = 120;
+
+/// In place of free scalars.
+const DESIGNED: &str = "none: `phihat design STUDY`";
 
 fn record(entry: &Entry) -> RivalRecord {
     RivalRecord::new(entry.card, entry.needs, entry.scalars)
@@ -25,10 +30,11 @@ pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
     let mut table = table(["id", "title", "grade", "is handed", "free scalars"]);
     for rival in &records {
         let scalars: Vec<_> = rival.scalars.iter().map(|scalar| scalar.name.as_str()).collect();
-        let scalars = scalars.join(", ");
+        let scalars = if scalars.is_empty() { DESIGNED.to_owned() } else { scalars.join(", ") };
         table.add_row([&rival.id, &rival.title, &rival.grade, &rival.needs_words, &scalars]);
     }
     println!("{table}");
+    println!("Free scalars: {UNITS}.");
     println!("`phihat compare --rival ID` shows one.");
     Ok(())
 }
@@ -50,8 +56,7 @@ pub(super) fn rival(id: &str, as_json: bool) -> Result<(), Failure> {
     if !rival.caveat.is_empty() {
         println!("caveat: {}", rival.caveat);
     }
-    let free = if rival.needs.model_free() { "model free" } else { "not model free" };
-    println!("is handed: {} ({free})", rival.needs_words);
+    println!("is handed: {} ({})", rival.needs_words, model_free_in_full(&rival));
     if let Some(marks) = rival.printed {
         let [quantitative, easy, optimal, model_free] = marks.map(word);
         println!(
@@ -60,10 +65,12 @@ pub(super) fn rival(id: &str, as_json: bool) -> Result<(), Failure> {
         );
     }
     if rival.scalars.is_empty() {
-        println!("no free scalar");
+        println!("gains: {NOT_TUNED}");
         return Ok(());
     }
-    let mut table = table(["scalar", "unit", "published", "range", "meaning"]);
+    println!("gains: {UNITS}");
+    println!("default gains: {DEFAULTS}");
+    let mut table = table(["scalar", "unit", "default", "range", "meaning"]);
     for s in &rival.scalars {
         let range = format!("{} … {}", s.range[0], s.range[1]);
         table.add_row([&s.name, &s.unit, &s.default.to_string(), &range, &s.meaning]);

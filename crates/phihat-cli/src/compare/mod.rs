@@ -7,13 +7,12 @@ use std::thread::available_parallelism;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_baselines::RIVALS;
-use phihat_campaign::Journal;
 use phihat_campaign::compare::{CompareError, Comparison, Extent, Fate, Plan, WORLDS};
 use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::files;
+use crate::{files, interrupt};
 
 mod list;
 mod table;
@@ -21,7 +20,7 @@ mod trial;
 
 /// Measure the rivals of the paper's Table 1 on your arms: same tuning, same worlds, same judge.
 ///
-/// Every law is tuned by one optimiser with one budget, then runs in every world with its published and its tuned
+/// Every law is tuned by one optimiser with one budget, then runs in every world with its default and its tuned
 /// gains. Writes journal.jsonl, compare.json and report.html to out/STUDY/compare/ (out/compare/ for several
 /// studies). An interrupted comparison goes on where it was.
 #[derive(Debug, Args)]
@@ -52,16 +51,17 @@ pub(crate) struct Compare {
     #[arg(long)]
     quick: bool,
     /// Motions that are scored: the study's own, and drawn ones [default: 3, or 1 with --quick].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
-    seeds: Option<u64>,
-    /// Repeat this one run (ARM/RIVAL/WORLD/published|tuned/SEED) and keep its study, trace and report.
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["only", "worlds"])]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: Option<u16>,
+    /// Repeat this one run (ARM/RIVAL/WORLD/published|tuned/SEED; `published` are the default gains) and keep its
+    /// study, trace and report.
+    #[arg(long, value_name = "RUN")]
     trace: Option<String>,
     /// Do everything again, whatever the journal holds.
     #[arg(long)]
     fresh: bool,
     /// Runs at a time [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Folder for the results.
     #[arg(long, value_name = "FOLDER")]
@@ -86,7 +86,7 @@ impl Compare {
         }
         let plan = self.plan(self.extent())?;
         let folder = self.folder()?;
-        let comparison = self.run(&plan, &folder)?;
+        let comparison = self.run(&plan, &folder, &results(&folder))?;
         let page = write(&comparison, &folder, &self.command())?;
         self.tell(&comparison, &folder, &page)?;
         let failed = fates(&comparison).any(|fate| matches!(fate, Fate::Panicked(_)));
@@ -96,7 +96,7 @@ impl Compare {
     fn extent(&self) -> Extent {
         let whole = if self.quick { Extent::quick() } else { Extent::full() };
         let (only, worlds) = (self.only.clone(), self.worlds.clone());
-        Extent { only, worlds, seeds: self.seeds.unwrap_or(whole.seeds), ..whole }
+        Extent { only, worlds, seeds: self.seeds.map_or(whole.seeds, u64::from), ..whole }
     }
 
     fn plan(&self, extent: Extent) -> Result<Plan, Failure> {
@@ -106,6 +106,10 @@ impl Compare {
     /// One run again. It needs its rival's gains on its arm, and those alone: what the journal does not hold of
     /// them is done first.
     fn repeat(&self, name: &str) -> Result<ExitCode, Failure> {
+        if !(self.only.is_empty() && self.worlds.is_empty()) {
+            let why = "--trace names one run, with its rival and its world: leave out --only and --worlds";
+            return Err(Failure::plain(why));
+        }
         let refuse = || unusable(&CompareError::Run(name.to_owned()));
         let [arm, rival, world, ..] = name.split('/').collect::<Vec<_>>()[..] else {
             return Err(refuse());
@@ -117,7 +121,7 @@ impl Compare {
             return Err(refuse());
         }
         let folder = self.folder()?;
-        let comparison = self.run(&plan, &folder)?;
+        let comparison = self.run(&plan, &folder, &trial::results(&folder, name))?;
         let command = format!("{} --trace {name}", self.command());
         let done = trial::keep(&plan, &comparison, name, &folder, &command)?;
         if self.json {
@@ -142,16 +146,12 @@ impl Compare {
         }
     }
 
-    fn run(&self, plan: &Plan, folder: &Path) -> Result<Comparison, Failure> {
-        files::make_folder(folder)?;
+    /// Does what is asked for, once it is sure that the results can be written.
+    fn run(&self, plan: &Plan, folder: &Path, results: &[PathBuf]) -> Result<Comparison, Failure> {
         let path = folder.join("journal.jsonl");
-        if self.fresh && path.exists() {
-            std::fs::remove_file(&path).map_err(|e| Failure::at(&path, e))?;
-        }
-        let mut journal = Journal::open(&path).map_err(Failure::plain)?;
-        if journal.damaged() > 0 {
-            eprintln!("{} damaged lines of {} are passed over", journal.damaged(), path.display());
-        }
+        files::check_writable(results.iter().chain([&path]))?;
+        files::make_folder(folder)?;
+        let mut journal = files::open_journal(&path, self.fresh)?;
         let cores = available_parallelism().map_or(1, usize::from);
         let threads = self.threads.map_or(cores, usize::from);
         let bar = ProgressBar::new(1000);
@@ -159,6 +159,7 @@ impl Compare {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
+        interrupt::says(&bar, interrupt::resumable(&path, self.fresh));
         let ended = plan.run(&mut journal, threads, |progress| {
             // A share of a thousand.
             let share = 1000.0 * plan.share_done(progress.done);
@@ -213,15 +214,17 @@ fn fates(comparison: &Comparison) -> impl Iterator<Item = &Fate> {
     cells.flat_map(|cell| &cell.runs).map(|run| &run.fate)
 }
 
-/// Writes the answer and its page, both or neither.
+/// The answer and its page.
+fn results(folder: &Path) -> [PathBuf; 2] {
+    ["compare.json", "report.html"].map(|name| folder.join(name))
+}
+
+/// Writes both or neither; the page is named.
 fn write(comparison: &Comparison, folder: &Path, command: &str) -> Result<PathBuf, Failure> {
-    let page = folder.join("report.html");
+    let [data, page] = results(folder);
     let text = serde_json::to_string(comparison).map_err(Failure::plain)? + "\n";
     let html = phihat_report::comparison_page(comparison, command);
-    files::write_all(&[
-        (folder.join("compare.json"), text.into_bytes()),
-        (page.clone(), html.into_bytes()),
-    ])?;
+    files::write_all(&[(data, text.into_bytes()), (page.clone(), html.into_bytes())])?;
     Ok(page)
 }
 

@@ -1,7 +1,7 @@
 //! A comparison on the terminal.
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
 use phihat_campaign::compare::{Comparison, GainsKind, Row};
 use serde_json::json;
 
@@ -39,6 +39,10 @@ fn table(lines: &[Vec<String>]) -> String {
     }
     for line in lines {
         table.add_row(line);
+    }
+    // An id is one word.
+    if let Some(column) = table.column_mut(0) {
+        column.set_constraint(ColumnConstraint::ContentWidth);
     }
     for column in table.column_iter_mut().skip(4) {
         column.set_cell_alignment(CellAlignment::Right);

@@ -19,6 +19,12 @@ pub(super) struct Kept {
     metrics: Metrics,
 }
 
+/// What a run leaves, in the order in which it is written.
+pub(super) fn results(folder: &Path, name: &str) -> [PathBuf; 4] {
+    let folder = folder.join("runs").join(name);
+    ["study.toml", "metrics.json", "trace.csv", "report.html"].map(|name| folder.join(name))
+}
+
 /// Runs it, and writes study, trace, metrics and report to `FOLDER/runs/NAME/`.
 pub(super) fn keep(
     plan: &Plan,
@@ -29,8 +35,8 @@ pub(super) fn keep(
 ) -> Result<Kept, Failure> {
     let (study, outcome) = plan.repeat(comparison, name).map_err(|e| unusable(&e))?;
     let metrics = Metrics::of(&outcome.trace, &study);
+    let results = results(folder, name);
     let folder = folder.join("runs").join(name);
-    files::make_folder(&folder)?;
     let ended = ended(&outcome);
     let page = trial_page(&Trial {
         name,
@@ -45,12 +51,8 @@ pub(super) fn keep(
     let mut trace = Vec::new();
     outcome.trace.write_csv(&mut trace).map_err(|e| Failure::at(&folder.join("trace.csv"), e))?;
     let figures = format!("{:#}\n", json!(metrics));
-    files::write_all(&[
-        (folder.join("study.toml"), study.text.clone().into_bytes()),
-        (folder.join("metrics.json"), figures.into_bytes()),
-        (folder.join("trace.csv"), trace),
-        (folder.join("report.html"), page.into_bytes()),
-    ])?;
+    let texts = [study.text.clone().into_bytes(), figures.into_bytes(), trace, page.into_bytes()];
+    files::write_all(&results.into_iter().zip(texts).collect::<Vec<_>>())?;
     Ok(Kept { folder, ended, metrics })
 }
 

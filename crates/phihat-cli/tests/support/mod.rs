@@ -49,3 +49,28 @@ pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_str(&answer.out)
         .unwrap_or_else(|e| panic!("{e}\n{}\n{}", answer.out, answer.err))
 }
+
+/// Runs it, and presses Ctrl-C once a file is there.
+pub(crate) fn interrupted(folder: &Path, arguments: &[&str], once: &str) -> Answer {
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let written = || std::fs::metadata(folder.join(once)).is_ok_and(|file| file.len() > 0);
+    while child.try_wait().unwrap().is_none() && !written() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Answer {
+        code: output.status.code().unwrap_or(-1),
+        out: text(output.stdout),
+        err: text(output.stderr),
+    }
+}

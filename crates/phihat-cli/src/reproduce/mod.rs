@@ -16,8 +16,9 @@ use phihat_campaign::reproduce::{
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::files;
-use crate::png;
+use crate::{files, interrupt, png};
+
+mod choice;
 
 /// Reproduce the paper: every statement, figure and table, with a verdict.
 ///
@@ -27,20 +28,20 @@ use crate::png;
 #[command(
     after_help = "Exit code 0: every part ran; 1: with --against, something differs.\n\nExamples:\n  \
     phihat reproduce\n  \
+    phihat reproduce --only \"fig. 9\"\n  \
     phihat reproduce --against docs/reproduction/reproduction.json"
 )]
 pub(crate) struct Reproduce {
     /// Coarser maps and sweeps.
     #[arg(long)]
     quick: bool,
-    /// Only the parts whose name contains this.
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", help = choice::help())]
     only: Option<String>,
     /// A reproduction.json to agree with: verdicts, and numbers within their tolerance.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
     against: Option<PathBuf>,
     /// Parts at a time [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Folder for the results.
     #[arg(long, value_name = "FOLDER", default_value = "out/reproduction")]
@@ -53,10 +54,10 @@ pub(crate) struct Reproduce {
 impl Reproduce {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let kept = self.kept()?;
-        if self.out.exists() && !self.out.is_dir() {
-            return Err(Failure::at(&self.out, "is not a folder: give --out a folder's name"));
-        }
-        let reproduction = self.run()?;
+        let only = self.only.as_deref().map(choice::part).transpose()?;
+        files::check_writable(&self.results())?;
+        let reproduction = self.run(only.as_deref())?;
+        interrupt::done();
         let pictures = self.write(&reproduction)?;
         let page = self.out.join("report.html");
         let differs = kept.map(|kept| kept.disagreements(&reproduction));
@@ -83,14 +84,23 @@ impl Reproduce {
         self.against.as_ref().map(read).transpose()
     }
 
-    fn run(&self) -> Result<Reproduction, Failure> {
+    /// What is written for sure, and one figure for those whose names are not known before.
+    fn results(&self) -> Vec<PathBuf> {
+        let names = ["reproduction.json", "report.html", "figures/figure.svg"].into_iter();
+        names
+            .chain(studies().iter().map(|(path, _)| *path))
+            .map(|name| self.out.join(name))
+            .collect()
+    }
+
+    fn run(&self, only: Option<&str>) -> Result<Reproduction, Failure> {
         let cores = available_parallelism().map_or(1, usize::from);
         let bar = ProgressBar::new(1000);
         let template = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        let chosen = |name: &&str| self.only.as_ref().is_none_or(|text| name.contains(text));
+        let chosen = |name: &&str| only.is_none_or(|text| name.contains(text));
         let count = parts().filter(chosen).count().max(1);
         let shares = Mutex::new(BTreeMap::new());
         let progress = |name: &str, share: f64| {
@@ -103,7 +113,8 @@ impl Reproduce {
         };
         let extent = Extent { quick: self.quick };
         let threads = self.threads.map_or(cores, usize::from);
-        let done = reproduce_only(self.only.as_deref(), extent, threads, &progress);
+        interrupt::says(&bar, INTERRUPTED.to_owned());
+        let done = reproduce_only(only, extent, threads, &progress);
         bar.finish_and_clear();
         done.map_err(Failure::plain)
     }
@@ -204,6 +215,9 @@ fn overview(reproduction: &Reproduction) -> String {
     ));
     text.join("\n")
 }
+
+/// A reproduction keeps nothing on its way.
+const INTERRUPTED: &str = "nothing was written, and the reproduction begins anew when it is run again; --only TEXT does a part of it, --quick a coarser one";
 
 /// Columns of the table.
 const WIDTH: u16 = 120;

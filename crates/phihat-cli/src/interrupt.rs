@@ -1,0 +1,54 @@
+//! What Ctrl-C says while a command is at work that takes long: what is kept, and how to go on.
+
+use std::process::exit;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
+
+use indicatif::ProgressBar;
+
+/// What a shell expects of a program that the user stopped.
+const STOPPED: i32 = 130;
+
+/// The command at work: its progress, and what is to be said.
+static AT_WORK: Mutex<Option<(ProgressBar, String)>> = Mutex::new(None);
+static ONCE: Once = Once::new();
+/// Whether this process is the command, and not another program that uses its library.
+static COMMAND: AtomicBool = AtomicBool::new(false);
+
+/// This process is the command: Ctrl-C is its own.
+pub(crate) fn is_ours() {
+    COMMAND.store(true, Ordering::Relaxed);
+}
+
+/// From here on Ctrl-C clears the bar, says this, and ends the program.
+///
+/// In another program, and where the system takes no handler, Ctrl-C does what it does there.
+pub(crate) fn says(bar: &ProgressBar, words: String) {
+    if !COMMAND.load(Ordering::Relaxed) {
+        return;
+    }
+    *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some((bar.clone(), words));
+    ONCE.call_once(|| {
+        let _ = ctrlc::set_handler(|| {
+            match &*AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
+                Some((bar, words)) => {
+                    bar.finish_and_clear();
+                    eprintln!("interrupted: {words}");
+                }
+                None => eprintln!("interrupted"),
+            }
+            exit(STOPPED);
+        });
+    });
+}
+
+/// What was said holds no longer: the results are being written.
+pub(crate) fn done() {
+    *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) = None;
+}
+
+/// The words for a campaign with a journal.
+pub(crate) fn resumable(journal: &std::path::Path, fresh: bool) -> String {
+    let how = if fresh { "the same command without --fresh" } else { "the same command" };
+    format!("what is done is saved in {}; {how} goes on from there", journal.display())
+}
