@@ -236,6 +236,7 @@ fn model_free(maps: &[Mapped]) -> Statement {
         ),
         numbers,
     )
+    .ours()
 }
 
 fn at_printed_rate(maps: &[Mapped]) -> super::Table {

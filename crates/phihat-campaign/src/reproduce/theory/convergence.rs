@@ -100,6 +100,7 @@ fn start() -> Statement {
         printed.iter().map(number).collect(),
     )
     .assuming(&["gains"])
+    .again()
 }
 
 /// Two matrices are printed as columns.

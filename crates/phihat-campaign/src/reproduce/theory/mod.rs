@@ -2,6 +2,7 @@
 
 mod alpha;
 mod background;
+mod ball;
 mod bounds;
 mod convergence;
 mod gain;
