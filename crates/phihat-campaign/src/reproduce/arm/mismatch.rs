@@ -98,7 +98,8 @@ fn vanishes(runs: &Runs) -> Result<Statement, String> {
             number("largest mismatch over largest φ, worst setting", "", most, AGAIN),
             number("the same, best setting", "", least, AGAIN),
         ],
-    ))
+    )
+    .again())
 }
 
 fn torque(runs: &Runs) -> Result<Statement, String> {
