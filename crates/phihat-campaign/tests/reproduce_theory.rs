@@ -162,7 +162,7 @@ fn whose_statement_it_is() {
     let ours: Vec<_> = of(Origin::Ours).collect();
     assert_eq!(ours, ["remark9-choi-condition", "erratum-40-cond", "step3-gain"]);
     let again: Vec<_> = of(Origin::Again).collect();
-    assert_eq!(again, ["lemma1-start", "term-ignored", "table2-equal-rows", "eq50-joint"]);
+    assert_eq!(again, ["term-ignored", "table2-equal-rows", "eq50-joint"]);
     for id in ["theorem4-worst-case", "theorem4-value"] {
         assert!(statement(id).ours.starts_with("H3: "), "{id}");
     }

@@ -100,7 +100,6 @@ fn start() -> Statement {
         printed.iter().map(number).collect(),
     )
     .assuming(&["gains"])
-    .again()
 }
 
 /// Two matrices are printed as columns.
