@@ -93,7 +93,7 @@ impl Faults {
         }
         let cache = folder.join("gains");
         let matrix =
-            Matrix::new(&self.studies, &extent, &cache, &gains_of).map_err(Failure::plain)?;
+            Matrix::new(&self.studies, &extent, &cache, &gains_of).map_err(|e| told(&e))?;
         if self.trace && matrix.cases.len() > TRACES_MAX {
             let runs = matrix.cases.len();
             let message = format!("--trace: {runs} runs; choose {TRACES_MAX} at most with --only");
@@ -212,6 +212,12 @@ pub fn fault_matrix(arguments: impl IntoIterator<Item = OsString>) -> Result<Sum
     let Only { faults } = Only::try_parse_from(arguments).map_err(Failure::plain)?;
     let (matrix, folder) = faults.matrix()?;
     Ok(faults.answer(&matrix, &folder)?.0)
+}
+
+/// A study's error is laid out with its line already.
+fn told(error: &impl ToString) -> Failure {
+    let text = error.to_string();
+    if text.starts_with("error") { Failure::rendered(&text) } else { Failure::plain(text) }
 }
 
 /// The gains that a study states, else designed ones; they may run on its arm.

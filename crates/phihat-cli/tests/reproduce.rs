@@ -114,3 +114,15 @@ fn a_part_is_chosen_by_what_is_in_it_and_help_lists_the_parts() {
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(help.contains("theory, table 1, arm in simulation, arm in experiment"), "{help}");
 }
+
+/// Wrong if a stopped reproduction says nothing, or claims to have kept what it has not.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_stopped_reproduction_says_that_nothing_is_kept() {
+    let folder = folder("reproduce-stopped");
+    let stopped =
+        support::interrupted(&folder, &["reproduce", "--threads", "1"], "studies/first.toml");
+    assert_eq!(stopped.code, 130, "{}", stopped.err);
+    assert!(stopped.err.contains("interrupted: nothing was written"), "{}", stopped.err);
+    assert!(!folder.join("out").exists());
+}

@@ -50,7 +50,7 @@ pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
         .unwrap_or_else(|e| panic!("{e}\n{}\n{}", answer.out, answer.err))
 }
 
-/// Runs it, and presses Ctrl-C once a file is there.
+/// Runs it, and presses Ctrl-C once it listens and a file has something in it.
 pub(crate) fn interrupted(folder: &Path, arguments: &[&str], once: &str) -> Answer {
     use std::process::Stdio;
     let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
@@ -61,7 +61,16 @@ pub(crate) fn interrupted(folder: &Path, arguments: &[&str], once: &str) -> Answ
         .spawn()
         .unwrap();
     let written = || std::fs::metadata(folder.join(once)).is_ok_and(|file| file.len() > 0);
-    while child.try_wait().unwrap().is_none() && !written() {
+    let caught = |status: String| {
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        // SIGINT is the second signal.
+        u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0
+    };
+    let status = format!("/proc/{}/status", child.id());
+    // Where there is no such file, what is written tells.
+    let listens =
+        || !Path::new("/proc").exists() || std::fs::read_to_string(&status).is_ok_and(caught);
+    while child.try_wait().unwrap().is_none() && !(listens() && written()) {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
