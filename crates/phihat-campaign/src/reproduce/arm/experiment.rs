@@ -6,7 +6,7 @@ use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::{Kind, Setting, Studies, path_of};
 use super::transient::SHOWN_S;
-use super::{assumptions, phi_hat, saturation, steady, surrogates, transient};
+use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::reproduce::compose::{axis, curve, figure, lines, rests_on, section};
 use crate::reproduce::{Extent, Figure, Panel, Part};
 
@@ -55,7 +55,7 @@ pub fn experiment(
             3.0,
         )?,
         tip_figure(&limited_runs)?,
-        steady::errors_figure("fig-11", "Fig. 11: errors under a torque limit", &limited_runs)?,
+        errors::errors_figure("fig-11", "Fig. 11: errors under a torque limit", &limited_runs)?,
         saturation::limit_figure(&swept),
     ]);
     let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Experiment, *s)).collect();

@@ -5,6 +5,7 @@
 
 mod assumptions;
 mod claims;
+mod errors;
 mod experiment;
 mod mismatch;
 mod order_switch;

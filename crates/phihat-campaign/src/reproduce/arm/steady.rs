@@ -5,14 +5,13 @@ use phihat_design::sampled::{LoopModel, SampledPeaks};
 use phihat_study::LawForm;
 
 use super::claims::{BOUNDS, KEEPS, keeps_bounds, verdict};
+use super::errors::errors_figure;
 use super::run::Run;
-use super::runs::{FORMS, Runs, form_name};
+use super::runs::{Runs, form_name};
 use super::studies::Setting;
 use super::surrogates::Varied;
-use crate::reproduce::compose::{
-    axis, bound, curve, figure, lines, number, section, statement, table, three,
-};
-use crate::reproduce::{Figure, Number, Section, Statement, Table};
+use crate::reproduce::compose::{number, section, statement, table, three};
+use crate::reproduce::{Number, Section, Statement, Table};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -252,40 +251,4 @@ pub(crate) fn steady_table(runs: &Runs, shown: Shown) -> Table {
         shown.figure
     );
     table(shown.table, &title, &columns, runs.iter().map(row).collect())
-}
-
-/// Largest |e| that is drawn in mrad \[rad\].
-const SMALL_RAD: f64 = 1.0;
-
-/// Errors of every joint over the steady part: m = 1 and H3, both forms; in rad where they are that large.
-pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure, String> {
-    let (mut panels, mut ended) = (Vec::new(), Vec::new());
-    for form in FORMS {
-        for setting in [Setting::First, Setting::H3] {
-            let run = runs.get(setting, form)?;
-            let from = run.steady_from();
-            let errors = || run.joints().iter().flat_map(|joint| joint.e.iter().skip(from));
-            let large = errors().any(|e| e.abs() > SMALL_RAD);
-            let (unit, scale) = if large { ("rad", 1.0) } else { ("mrad", 1e3) };
-            let joint = |(i, joint): (usize, &phihat_sim::JointTrace)| {
-                let points = run.times().zip(&joint.e).skip(from).map(|(t, e)| [t, e * scale]);
-                curve(&format!("q_{}", i + 1), points)
-            };
-            let series = run.joints().iter().enumerate().map(joint).collect();
-            let kept = vec![bound("(48), (49)", BOUNDS[2] * scale)];
-            let title = format!("{}, {} form", setting.label(), form_name(form));
-            if let Some(divergence) = &run.outcome.divergence {
-                let at = three(Some(divergence.t));
-                ended.push(format!(" {title}: the run diverged and was stopped at {at} s."));
-            }
-            let axes = (axis("t [s]"), axis(&format!("e [{unit}]")));
-            panels.push(lines(&title, axes, series, kept));
-        }
-    }
-    let caption = format!(
-        "Errors of the three joints after the transient, and the bound that the paper states for them; mind the \
-         unit of each panel.{}",
-        ended.concat()
-    );
-    Ok(figure(id, title, &caption, panels))
 }
