@@ -1,10 +1,12 @@
 //! The figures of the errors in the steady part: Figs. 7 and 11.
 
+use phihat_sim::DIVERGED;
+
 use super::claims::BOUNDS;
 use super::runs::{FORMS, Runs, form_name};
 use super::studies::Setting;
 use crate::reproduce::Figure;
-use crate::reproduce::compose::{axis, bound, curve, figure, lines, three};
+use crate::reproduce::compose::{axis, axis_over, bound, curve, figure, lines, three};
 
 /// Largest |e| that is drawn in mrad \[rad\].
 const SMALL_RAD: f64 = 1.0;
@@ -28,9 +30,10 @@ pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure
             let title = format!("{}, {} form", setting.label(), form_name(form));
             if let Some(divergence) = &run.outcome.divergence {
                 let at = three(Some(divergence.t));
-                ended.push(format!(" {title}: the run diverged and was stopped at {at} s."));
+                ended.push(format!(" {title}: the run diverged (beyond {DIVERGED} rad or rad/s) and was stopped at {at} s."));
             }
-            let axes = (axis("t [s]"), axis(&format!("e [{unit}]")));
+            let time = axis_over("t [s]", run.study.spec.settle, run.study.duration);
+            let axes = (time, axis(&format!("e [{unit}]")));
             panels.push(lines(&title, axes, series, kept));
         }
     }
