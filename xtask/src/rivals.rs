@@ -19,7 +19,7 @@ const UPDATES: (u32, u32) = (50, 250);
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     let program = build(root, "phihat-baselines")?;
     let listed = Command::new(&program).arg("list").output().map_err(|e| e.to_string())?;
-    let mut text = "# Instructions per update with published gains, counted by callgrind: `cargo xtask rivals`\n\
+    let mut text = "# Instructions per update with default gains, counted by callgrind: `cargo xtask rivals`\n\
                     # makes this file again.\n"
         .to_owned();
     for robot in ROBOTS {

@@ -76,7 +76,7 @@ fn the_same_law_under_another_name_is_promised_the_same() {
     assert_eq!(columns(observer).optimal.mark, columns(first).optimal.mark);
     for world in ["exact", "delay"] {
         let [observer, first] = [observer, first]
-            .map(|row| row.cell(world, GainsKind::Published).unwrap().worst.clone().unwrap());
+            .map(|row| row.cell(world, GainsKind::Default).unwrap().worst.clone().unwrap());
         // Its default estimator is faster by 100/69.6, all else equal: less error, and a smaller bound from the load.
         let (bound, slower) = (observer.bound_rad.unwrap(), first.bound_rad.unwrap());
         assert!(bound < slower && bound > 0.3 * slower, "{world}: {bound} {slower}");

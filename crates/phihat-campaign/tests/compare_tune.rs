@@ -61,9 +61,9 @@ fn everybody_has_the_same_number_of_runs() {
     }
 }
 
-/// The published values come first, the answer is never worse than them, and a seed is an answer.
+/// The default values come first, the answer is never worse than them, and a seed is an answer.
 #[test]
-fn it_starts_at_the_published_values() {
+fn it_starts_at_the_default_values() {
     let scalars = [scalar(20.0, 2.0, 200.0), scalar(1.0, 0.3, 3.0)];
     let mut first = None;
     let ridge = |values: &[f64]| ((values[0] / 20.0).ln().abs() + (values[1] - 1.0).abs()).sqrt();

@@ -35,7 +35,7 @@ fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_aga
     // What a crash leaves: half of the journal, and half a line.
     let journal = String::from_utf8(kept("whole", "journal.jsonl")).unwrap();
     let lines: Vec<_> = journal.lines().collect();
-    // Tuning and draws of three rivals, and published and tuned gains of each in one world.
+    // Tuning and draws of three rivals, and default and tuned gains of each in one world.
     assert_eq!(lines.len(), 12);
     fs::create_dir(folder.join("cut")).unwrap();
     let cut = format!("{}\n{}", lines[..7].join("\n"), &lines[7][..40]);

@@ -288,7 +288,7 @@ fn designed_gains_are_called_so_once_and_are_compared_by_nothing_that_was_not_fo
     all.rivals[3].scalars.clear();
     for row in all.rows.iter_mut().filter(|row| row.rival == IDS[3]) {
         let tuning = row.tuning.as_mut().unwrap();
-        (tuning.published, tuning.tuned, tuning.runs_to_spec) = (vec![], vec![], Some(1));
+        (tuning.default, tuning.tuned, tuning.runs_to_spec) = (vec![], vec![], Some(1));
         row.columns.as_mut().unwrap().scalars = 0;
         row.cost.as_mut().unwrap().instructions = None;
     }
@@ -310,6 +310,17 @@ fn designed_gains_are_called_so_once_and_are_compared_by_nothing_that_was_not_fo
     }
     assert_eq!(losses(&never).iter().map(|l| l.column).collect::<Vec<_>>(), ["runs to spec"]);
     assert!(paragraph(&parsed(&never)).contains("no run of this row's own tuning did"));
+}
+
+#[test]
+fn gains_outside_their_own_condition_are_said_to_be() {
+    let mut all = comparison([3.0, 2.0, 8.0, 1.0]);
+    let marked = |all: &_| text(parsed(all).root_element()).matches("outside its own").count();
+    assert_eq!(marked(&all), 0);
+    let row = &mut all.rows[1];
+    row.columns.as_mut().unwrap().condition.as_mut().unwrap().holds = false;
+    // In both worlds, once each.
+    assert_eq!(marked(&all), 2);
 }
 
 #[test]

@@ -35,7 +35,7 @@ impl Plan {
     /// The name of a run.
     pub(crate) fn name(&self, case: &Case) -> String {
         let gains = match case.gains {
-            GainsKind::Published => "published",
+            GainsKind::Default => "default",
             GainsKind::Tuned => "tuned",
         };
         let (ground, rival) = (&self.grounds[case.ground], self.rivals[case.rival]);
@@ -123,7 +123,7 @@ impl Plan {
 
 pub(crate) fn of_kind(tuning: &TuningRecord, gains: GainsKind) -> &[f64] {
     match gains {
-        GainsKind::Published => &tuning.published,
+        GainsKind::Default => &tuning.default,
         GainsKind::Tuned => &tuning.tuned,
     }
 }

@@ -41,7 +41,7 @@ pub enum CompareError {
     #[error("there is no world `{0}`")]
     World(String),
     /// No run has such a name.
-    #[error("there is no run `{0}`; names are ARM/RIVAL/WORLD/published|tuned/SEED")]
+    #[error("there is no run `{0}`; names are ARM/RIVAL/WORLD/default|tuned/SEED")]
     Run(String),
     /// The journal cannot be used.
     #[error("{0}")]

@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
 //! one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
-//! [`World`], with published and with tuned gains, on other motions. What comes of it is a [`Comparison`].
+//! [`World`], with default and with tuned gains, on other motions. What comes of it is a [`Comparison`].
 //!
 //! # Not claimed
 //!

@@ -16,7 +16,7 @@ use crate::journal::Journal;
 use crate::runner::{Ended, Progress, run_all};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
-pub(crate) const EDITION: &str = "compare 4";
+pub(crate) const EDITION: &str = "compare 5";
 
 /// How much is done.
 #[derive(Debug, Clone, PartialEq)]
@@ -193,7 +193,7 @@ impl Plan {
         let mut cases = Vec::new();
         for (ground, rival) in self.pairs() {
             for world in 0..self.worlds.len() {
-                for gains in [GainsKind::Published, GainsKind::Tuned] {
+                for gains in [GainsKind::Default, GainsKind::Tuned] {
                     for seed in 1..=self.extent.seeds {
                         cases.push(Case { ground, rival, world, gains, seed });
                     }

@@ -63,8 +63,8 @@ pub(crate) fn tuned(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared
         Ok(studies) => studies,
         Err(e) => return Prepared::Refused(e.to_string()),
     };
-    let published: Vec<f64> = entry.scalars.iter().map(|scalar| scalar.default).collect();
-    if let Err(e) = train(ground, entry, &published, &studies) {
+    let default: Vec<f64> = entry.scalars.iter().map(|scalar| scalar.default).collect();
+    if let Err(e) = train(ground, entry, &default, &studies) {
         return Prepared::Refused(e.to_string());
     }
     let mut kept = Vec::new();
@@ -76,16 +76,16 @@ pub(crate) fn tuned(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared
         trained.cost
     });
     Prepared::Tuned(TuningRecord {
-        published,
+        default,
         tuned: tuned.values,
         runs: tuned.history.len(),
-        cost_published: tuned.history[0],
+        cost_default: tuned.history[0],
         cost_tuned: tuned.cost,
         runs_to_spec: kept.iter().position(|kept| *kept).map(|k| k + 1),
     })
 }
 
-/// Draws gains within a decade of the published ones, and counts those that keep the specification.
+/// Draws gains within a decade of the default ones, and counts those that keep the specification.
 pub(crate) fn drawn(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared {
     let studies = match training(ground, extent) {
         Ok(studies) => studies,
@@ -104,7 +104,7 @@ pub(crate) fn drawn(ground: &Ground, entry: &Entry, extent: &Extent) -> Prepared
     Prepared::Drawn(count as f64 / draws as f64)
 }
 
-/// A value within a decade of the published one, even in logarithms, inside its range.
+/// A value within a decade of the default one, even in logarithms, inside its range.
 fn draw(id: &str, scalar: &Scalar, k: usize) -> f64 {
     let low = (scalar.default / 10.0).max(scalar.low);
     let high = (scalar.default * 10.0).min(scalar.high);

@@ -116,7 +116,7 @@ pub struct ScalarRecord {
     pub unit: String,
     /// What it does.
     pub meaning: String,
-    /// Published value.
+    /// The value that it has unless tuned: published, or the one that ran first.
     pub default: f64,
     /// What a tuner may try: `[low, high]`.
     pub range: [f64; 2],

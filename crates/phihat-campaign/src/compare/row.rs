@@ -19,21 +19,21 @@ pub struct Row {
     pub columns: Option<Columns>,
     /// What an update costs; `None` where refused.
     pub cost: Option<Cost>,
-    /// One for each world and choice of gains, worlds in their order, published before tuned.
+    /// One for each world and choice of gains, worlds in their order, default before tuned.
     pub cells: Vec<Cell>,
 }
 
 /// Gains and how they were found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TuningRecord {
-    /// Published values, in the order of the scalars.
-    pub published: Vec<f64>,
+    /// The law's default values, in the order of the scalars.
+    pub default: Vec<f64>,
     /// Tuned values.
     pub tuned: Vec<f64>,
     /// Evaluations that were spent: the same for every rival with a free scalar.
     pub runs: usize,
-    /// Cost of the published gains: rms error \[rad\] of the worst joint where nothing is penalised.
-    pub cost_published: f64,
+    /// Cost of the default gains: rms error \[rad\] of the worst joint where nothing is penalised.
+    pub cost_default: f64,
     /// Cost of the tuned gains.
     pub cost_tuned: f64,
     /// The first evaluation, from 1, that kept the specification on the training motions.
@@ -51,7 +51,7 @@ pub struct Columns {
     pub optimal: Measured,
     /// Model free, by type.
     pub model_free: Measured,
-    /// Share of draws of gains within a decade of the published ones that keep the specification.
+    /// Share of draws of gains within a decade of the default ones that keep the specification.
     pub share_of_draws: f64,
     /// Number of free scalars.
     pub scalars: usize,
@@ -88,7 +88,7 @@ pub struct ConditionRecord {
 pub struct Cost {
     /// Scalars remembered from one sample to the next.
     pub states: usize,
-    /// Instructions per update with published gains, where they were counted on this robot.
+    /// Instructions per update with default gains, where they were counted on this robot.
     pub instructions: Option<u64>,
 }
 
@@ -96,8 +96,8 @@ pub struct Cost {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GainsKind {
-    /// The published ones.
-    Published,
+    /// The law's default ones: published where they were found, else those that ran first.
+    Default,
     /// The tuned ones.
     Tuned,
 }
@@ -122,7 +122,7 @@ pub struct Cell {
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// Its name, `ARM/RIVAL/WORLD/published|tuned/SEED`: the command repeats it.
+    /// Its name, `ARM/RIVAL/WORLD/default|tuned/SEED`: the command repeats it.
     pub name: String,
     /// Seed.
     pub seed: u64,

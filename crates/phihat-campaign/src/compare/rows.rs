@@ -90,7 +90,7 @@ fn row(
         }
     };
     for world in 0..plan.worlds.len() {
-        for gains in [GainsKind::Published, GainsKind::Tuned] {
+        for gains in [GainsKind::Default, GainsKind::Tuned] {
             let own = runs.iter().filter(|(case, _)| {
                 (case.ground, case.rival, case.world, case.gains) == (ground, rival, world, gains)
             });
@@ -208,7 +208,7 @@ fn quantitative(cells: &[Cell]) -> (Mark, String) {
         runs(gains).filter_map(|run| run.figures.as_ref()?.bound_over_measured).collect()
     };
     let held = |ratios: &[f64]| ratios.iter().filter(|r| **r >= 1.0).count();
-    let (tuned, first) = (ratios(GainsKind::Tuned), ratios(GainsKind::Published));
+    let (tuned, first) = (ratios(GainsKind::Tuned), ratios(GainsKind::Default));
     let all = runs(GainsKind::Tuned).count();
     if tuned.is_empty() && first.is_empty() {
         return (Mark::No, "no bound is computed before a run".to_owned());
@@ -273,7 +273,7 @@ fn fairness(plan: &Plan) -> Fairness {
     let extent = &plan.extent;
     let scored = (0..plan.grounds.len()).map(|g| plan.span(g)).map(|(end, from)| end - from);
     Fairness {
-        optimiser: "CMA-ES in the logarithms of the free scalars, from the published values"
+        optimiser: "CMA-ES in the logarithms of the free scalars, from the default values"
             .to_owned(),
         tuning_runs: extent.tuning_runs,
         training: (
@@ -293,7 +293,7 @@ fn fairness(plan: &Plan) -> Fairness {
 fn notes() -> Vec<String> {
     [
         "Every rival is tuned once per arm, not once per world, with the same optimiser, number of evaluations \
-         and seed, from its published gains, inside ranges around them. The cost is the rms error of the worst \
+         and seed, from its default gains, inside ranges around them. The cost is the rms error of the worst \
          joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
          a run that does not follow, or meets the torque limits in more than 2 % of its samples, is worse than \
          any noise; a run that ends early is worse than all that do not, the more the sooner.",

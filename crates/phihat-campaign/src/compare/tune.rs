@@ -17,7 +17,7 @@ pub struct Tuned {
     pub values: Vec<f64>,
     /// Their cost.
     pub cost: f64,
-    /// The cost of every evaluation in turn; the first is the published values'.
+    /// The cost of every evaluation in turn; the first is the default values'.
     pub history: Vec<f64>,
 }
 
@@ -25,8 +25,8 @@ pub struct Tuned {
 ///
 /// # Method
 ///
-/// CMA-ES in `x_i = ln(v_i/low_i)/ln(high_i/low_i)`, from the published values, first step 0.25. What leaves
-/// `[0, 1]` is mirrored into it. The published values are evaluated first; where the search has converged it
+/// CMA-ES in `x_i = ln(v_i/low_i)/ln(high_i/low_i)`, from the default values, first step 0.25. What leaves
+/// `[0, 1]` is mirrored into it. The default values are evaluated first; where the search has converged it
 /// starts anew from the best so far. There are exactly `runs` evaluations, at least one, whatever they
 /// find; a law without a free scalar has one. Same seed, same costs: same answer.
 ///

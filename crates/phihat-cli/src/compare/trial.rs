@@ -63,7 +63,7 @@ fn gains(comparison: &Comparison, name: &str) -> Vec<(String, f64, String)> {
     };
     let Some(tuning) = &row.tuning else { return Vec::new() };
     let tuned = name.split('/').nth(3) == Some("tuned");
-    let values = if tuned { &tuning.tuned } else { &tuning.published };
+    let values = if tuned { &tuning.tuned } else { &tuning.default };
     let with = |(scalar, value): (&phihat_campaign::compare::ScalarRecord, &f64)| {
         (scalar.name.clone(), *value, scalar.unit.clone())
     };

@@ -71,7 +71,7 @@ fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
             } } }
         } }
         @for (row, tuning) in tuned() { p.hint {
-            (line(&row.arm)) ": " (tuning.runs) " runs took the cost from " (number(tuning.cost_published)) " to "
+            (line(&row.arm)) ": " (tuning.runs) " runs took the cost from " (number(tuning.cost_default)) " to "
             (number(tuning.cost_tuned)) "; "
             @match tuning.runs_to_spec {
                 Some(run) => { "run " (run) " was the first to keep the specification." }

@@ -150,7 +150,14 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
         (symbol) " " (word)
         @if let Some((_, why)) = unrest(comparison, cell) { span.note { (why) } }
         @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate)) } }
+        @else if breaks_its_condition(row) { span.note { "outside its own condition" } }
     } }
+}
+
+/// Whether the tuned gains are outside what the law's own stability condition covers: that it ran is luck.
+fn breaks_its_condition(row: &Row) -> bool {
+    let columns = row.columns.as_ref();
+    columns.and_then(|columns| columns.condition.as_ref()).is_some_and(|condition| !condition.holds)
 }
 
 fn value(quantity: &Quantity, row: &Row, world: &str, best: Option<f64>) -> Markup {

@@ -39,7 +39,7 @@ pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
     let tuned = row.cell(world, GainsKind::Tuned);
     let designed = is_designed(comparison.rival(&row.rival));
-    let default = row.cell(world, GainsKind::Published).filter(|_| !designed);
+    let default = row.cell(world, GainsKind::Default).filter(|_| !designed);
     let Some(tuned) = tuned else {
         let why = row.refused.as_deref().unwrap_or("not run");
         return html! { td.rnone { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };

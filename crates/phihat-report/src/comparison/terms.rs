@@ -21,7 +21,7 @@ pub(super) fn fairness(comparison: &Comparison, command: &str) -> Markup {
             dt { "cap on torque noise" } dd { (stated(terms.noise_cap)) " of the joint's torque limit, for tuned gains" }
             dt { "share of draws" } dd { (terms.draws) " draws of gains within a decade of the default ones" }
             dt { "scalars" } dd { (UNITS) }
-            dt { "default gains" } dd { (DEFAULTS) "; `published` in the names of runs and in compare.json" }
+            dt { "default gains" } dd { (DEFAULTS) }
             @for world in &comparison.worlds { dt { "world “" (line(&world.name)) "”" } dd { (words::world(comparison, world)) } }
             @for arm in &comparison.arms {
                 dt { "arm " (line(&arm.name)) }

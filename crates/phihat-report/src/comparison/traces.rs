@@ -23,7 +23,7 @@ pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
         h2 id="traces" { "Every cell and its trace" }
         p {
             "Of the joint with the largest error, on the study's own motion: error e and commanded torque τ over the whole run, smallest and "
-            "largest in equal slices of time. Default gains are called `published` in the names of runs. The command makes that very run again, with its study, every signal of every joint, and a report."
+            "largest in equal slices of time. The command makes that very run again, with its study, every signal of every joint, and a report."
         }
         @for arm in &comparison.arms {
             h3 { (line(&arm.name)) }
@@ -37,7 +37,7 @@ fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
     let label = format!("Table: cells of {} on {}", title(comparison, &row.rival), line(&row.arm));
     let designed = is_designed(comparison.rival(&row.rival));
     // The same gains twice.
-    let again = |cell: &&Cell| designed && cell.gains == GainsKind::Published;
+    let again = |cell: &&Cell| designed && cell.gains == GainsKind::Default;
     let cells = || row.cells.iter().filter(|cell| !again(cell));
     html! { details.cells id=(id) {
         summary {

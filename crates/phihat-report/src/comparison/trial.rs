@@ -13,7 +13,7 @@ use crate::text::{line, visible};
 /// One run of a comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Trial<'a> {
-    /// Its name, `ARM/RIVAL/WORLD/published|tuned/SEED`.
+    /// Its name, `ARM/RIVAL/WORLD/default|tuned/SEED`.
     pub name: &'a str,
     /// The law's name for people.
     pub law: &'a str,

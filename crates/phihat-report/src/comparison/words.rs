@@ -42,10 +42,9 @@ pub fn model_free_in_full(rival: &RivalRecord) -> &'static str {
     }
 }
 
-/// For people. In data, files and names of runs, default gains are `published`.
 pub(super) fn gains(kind: GainsKind) -> &'static str {
     match kind {
-        GainsKind::Published => "default",
+        GainsKind::Default => "default",
         GainsKind::Tuned => "tuned",
     }
 }

@@ -55,7 +55,7 @@ pub(crate) fn figures(rms: f64) -> Figures {
 }
 
 fn cell(name: &str, world: &str, gains: GainsKind, rms: f64) -> Cell {
-    let word = if gains == GainsKind::Tuned { "tuned" } else { "published" };
+    let word = if gains == GainsKind::Tuned { "tuned" } else { "default" };
     let wave = |k: usize| (0.05 * k as f32).sin();
     Cell {
         world: world.to_owned(),
@@ -88,7 +88,7 @@ fn row(arm: &str, k: usize, rms: f64) -> Row {
     let printed = rival(k).printed;
     let column = |place: usize, mark| measured(mark, printed.map(|marks| marks[place]));
     let cells = WORLDS.iter().zip([1.0, 2.0]).flat_map(|(world, times)| {
-        [(GainsKind::Published, 3.0), (GainsKind::Tuned, 1.0)]
+        [(GainsKind::Default, 3.0), (GainsKind::Tuned, 1.0)]
             .map(|(gains, worse)| cell(&name, world, gains, rms * times * worse))
     });
     Row {
@@ -96,10 +96,10 @@ fn row(arm: &str, k: usize, rms: f64) -> Row {
         rival: IDS[k].to_owned(),
         refused: None,
         tuning: Some(TuningRecord {
-            published: vec![20.0],
+            default: vec![20.0],
             tuned: vec![31.4159],
             runs: 40,
-            cost_published: 0.01,
+            cost_default: 0.01,
             cost_tuned: 0.001,
             runs_to_spec: Some(7),
         }),
