@@ -66,7 +66,7 @@ pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
                 postures, frozen, of an arm that is so many times the one described, rotors included. That is decided exactly, by the \
                 window's two edges; “M̄ per joint” has the same gains and the geometric mean of each joint's own inertia for M̄.";
     let mut section = section("how-far", "How far does it hold?", &[text]);
-    section.statements.push(model_free(&maps));
+    section.statements.push(model_free(&maps, extent));
     section.tables.push(at_printed_rate(&maps));
     section.figures.push(map_figure(maps, &rates, &scales));
     Ok(part(section))
@@ -185,7 +185,7 @@ fn shares(maps: &[Mapped]) -> [f64; 2] {
     [share(1), share(2)]
 }
 
-fn model_free(maps: &[Mapped]) -> Statement {
+fn model_free(maps: &[Mapped], extent: Extent) -> Statement {
     let [printed, ours] = shares(maps);
     let described =
         |map: &Mapped| map.scales.is_some_and(|(low, high)| (low..=high).contains(&1.0));
@@ -197,10 +197,12 @@ fn model_free(maps: &[Mapped]) -> Statement {
          the estimator is too slow for the arm. One number per joint, the nominal inertia, moves the band onto any arm, which then asks \
          for a sample rate only. So much must be known of the arm."
     };
-    let mut numbers = vec![
-        number("share of the maps' cells, printed law", "", printed, 0.05),
-        number("share of the maps' cells, M̄ per joint", "", ours, 0.05),
-    ];
+    let mut numbers = Vec::new();
+    // A quick map has other cells, and other shares.
+    if !extent.quick {
+        numbers.push(number("share of the maps' cells, printed law", "", printed, 0.05));
+        numbers.push(number("share of the maps' cells, M̄ per joint", "", ours, 0.05));
+    }
     for map in maps {
         let name = |end: &str| format!("{end} scale at 1 kHz, {}, {}", map.arm, map.law);
         numbers.push(number(&name("smallest"), "", map.scales.map(|s| s.0), 1e-3));
