@@ -70,6 +70,7 @@ fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
                 }
             } } }
         } }
+        p.hint { "One value for all joints; a gain on torque is times U of the joint, or times what the law is handed." }
         @for (row, tuning) in tuned() { p.hint {
             (line(&row.arm)) ": " (tuning.runs) " runs took the cost from " (number(tuning.cost_default)) " to "
             (number(tuning.cost_tuned)) "; "

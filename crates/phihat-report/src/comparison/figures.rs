@@ -149,7 +149,7 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     html! { td.outside[!cell.fate.followed()] data-v=(cell.fate.badness()) {
         (symbol) " " (word)
         @if let Some((_, why)) = unrest(comparison, cell) { span.note { (why) } }
-        @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate)) } }
+        @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate).trim_start_matches(word).trim_start_matches(": ")) } }
         @else if breaks_its_condition(row) { span.note { "outside its own condition" } }
     } }
 }
