@@ -32,11 +32,13 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
+pub use crate::compare::comparison;
 pub use crate::design::designed;
 pub use crate::failure::Failure;
 pub use crate::faults::fault_matrix;
 pub use crate::record::{Done, Session};
 pub use crate::report::write_report;
+pub use crate::reproduce::reproduction;
 
 /// Control a robot arm by torque, without a model of it, and see the evidence.
 ///

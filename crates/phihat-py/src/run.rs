@@ -55,6 +55,22 @@ pub(crate) fn faults(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'
     json::to_python(py, &summary)
 }
 
+/// Compares rivals with the arguments of `phihat compare`; its answer, as in compare.json.
+#[pyfunction]
+pub(crate) fn compare(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
+    let run = || phihat_cli::comparison(arguments.into_iter().map(Into::into));
+    let comparison = py.detach(run).map_err(|e| failure::failed(py, &e))?;
+    json::to_python(py, &comparison)
+}
+
+/// Reproduces the paper with the arguments of `phihat reproduce`; its answer, as in reproduction.json.
+#[pyfunction]
+pub(crate) fn reproduce(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
+    let run = || phihat_cli::reproduction(arguments.into_iter().map(Into::into));
+    let reproduction = py.detach(run).map_err(|e| failure::failed(py, &e))?;
+    json::to_python(py, &reproduction)
+}
+
 /// The record of a run.
 #[pyclass(frozen, module = "phihat")]
 #[derive(Debug)]

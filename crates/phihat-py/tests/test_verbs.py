@@ -61,6 +61,29 @@ def test_faults_answer_run_by_run(tmp_path: Path) -> None:
         phihat.faults("no_such.toml", out=tmp_path)
 
 
+def test_a_comparison_answers_law_by_law(tmp_path: Path) -> None:
+    chosen = ["pd", "proposed-designed"]
+    study = STUDIES / "table1.toml"
+    answer = phihat.compare(study, only=chosen, worlds=["delay"], quick=True, out=tmp_path)
+    assert answer == json.loads((tmp_path / "compare.json").read_text())
+    pd, designed = answer["rows"]
+    assert [pd["rival"], designed["rival"]] == chosen
+    worst = designed["cells"][1]["worst"]
+    assert worst["error_max_rad"] <= worst["bound_rad"] <= 5e-3
+    with pytest.raises(phihat.Error, match="nobody"):
+        phihat.compare(study, only=["nobody"], out=tmp_path)
+
+
+def test_the_paper_is_reproduced_part_by_part(tmp_path: Path) -> None:
+    answer = phihat.reproduce(only="theorem 2", quick=True, out=tmp_path)
+    assert answer == json.loads((tmp_path / "reproduction.json").read_text())
+    statements = {s["id"]: s for section in answer["sections"] for s in section["statements"]}
+    assert statements["theorem2-first-order"]["verdict"] == "reproduced"
+    assert statements["erratum-q33"]["verdict"] == "with_correction"
+    with pytest.raises(phihat.Error, match="no such place"):
+        phihat.reproduce(only="no such place", out=tmp_path)
+
+
 def test_a_changed_gain_is_refuted(gains: phihat.Gains) -> None:
     document = json.loads(gains.to_json())
     for joint in document["joints"]:

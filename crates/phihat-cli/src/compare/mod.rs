@@ -1,10 +1,11 @@
 //! `phihat compare`: the rivals of the paper's Table 1, measured on the same arms under the same terms.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 
-use clap::Args;
+use clap::{Args, Parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_baselines::RIVALS;
 use phihat_campaign::compare::{CompareError, Comparison, Extent, Fate, Plan, WORLDS};
@@ -83,13 +84,19 @@ impl Compare {
         if let Some(name) = &self.trace {
             return self.repeat(name);
         }
-        let plan = self.plan(self.extent())?;
         let folder = self.folder()?;
-        let comparison = self.run(&plan, &folder, &results(&folder))?;
-        let page = write(&comparison, &folder, &self.command())?;
+        let (comparison, page) = self.answer(&folder)?;
         self.tell(&comparison, &folder, &page)?;
         let failed = fates(&comparison).any(|fate| matches!(fate, Fate::Panicked(_)));
         Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    }
+
+    /// Makes the comparison and leaves its files; says where the page is.
+    fn answer(&self, folder: &Path) -> Result<(Comparison, PathBuf), Failure> {
+        let plan = self.plan(self.extent())?;
+        let comparison = self.run(&plan, folder, &results(folder))?;
+        let page = write(&comparison, folder, &self.command())?;
+        Ok((comparison, page))
     }
 
     fn extent(&self) -> Extent {
@@ -205,6 +212,22 @@ impl Compare {
         println!("{document:#}");
         Ok(())
     }
+}
+
+/// The comparison that `phihat compare` makes with these arguments, its files left.
+///
+/// # Errors
+///
+/// [`Failure`]: an argument or a study cannot be used, or a result not be written.
+pub fn comparison(arguments: impl IntoIterator<Item = OsString>) -> Result<Comparison, Failure> {
+    #[derive(Debug, Parser)]
+    #[command(no_binary_name = true)]
+    struct Only {
+        #[command(flatten)]
+        compare: Compare,
+    }
+    let Only { compare } = Only::try_parse_from(arguments).map_err(Failure::plain)?;
+    Ok(compare.answer(&compare.folder()?)?.0)
 }
 
 /// What became of every run.

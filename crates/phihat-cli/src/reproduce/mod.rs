@@ -1,12 +1,13 @@
 //! `phihat reproduce`: the paper's statements, computed again, each with a verdict.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::thread::available_parallelism;
 
-use clap::Args;
+use clap::{Args, Parser};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -51,14 +52,28 @@ pub(crate) struct Reproduce {
     json: bool,
 }
 
+/// The reproduction that `phihat reproduce` makes with these arguments, its files left.
+///
+/// # Errors
+///
+/// [`Failure`]: an argument cannot be used, or a result not be written.
+pub fn reproduction(
+    arguments: impl IntoIterator<Item = OsString>,
+) -> Result<Reproduction, Failure> {
+    #[derive(Debug, Parser)]
+    #[command(no_binary_name = true)]
+    struct Only {
+        #[command(flatten)]
+        reproduce: Reproduce,
+    }
+    let Only { reproduce } = Only::try_parse_from(arguments).map_err(Failure::plain)?;
+    Ok(reproduce.answer()?.0)
+}
+
 impl Reproduce {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let kept = self.kept()?;
-        let only = self.only.as_deref().map(choice::part).transpose()?;
-        files::check_writable(&self.results())?;
-        let reproduction = self.run(only.as_deref())?;
-        interrupt::done();
-        let pictures = self.write(&reproduction)?;
+        let (reproduction, pictures) = self.answer()?;
         let page = self.out.join("report.html");
         let differs = kept.map(|kept| kept.disagreements(&reproduction));
         if self.json {
@@ -75,6 +90,16 @@ impl Reproduce {
         }
         let same = differs.is_none_or(|lines| lines.is_empty());
         Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// Reproduces the paper and leaves its files; says why there are no PNG files where there are none.
+    fn answer(&self) -> Result<(Reproduction, Result<(), String>), Failure> {
+        let only = self.only.as_deref().map(choice::part).transpose()?;
+        files::check_writable(&self.results())?;
+        let reproduction = self.run(only.as_deref())?;
+        interrupt::done();
+        let pictures = self.write(&reproduction)?;
+        Ok((reproduction, pictures))
     }
 
     fn kept(&self) -> Result<Option<Kept>, Failure> {

@@ -20,6 +20,8 @@ __all__ = [
     "command",
     "design",
     "faults",
+    "compare",
+    "reproduce",
     "simulate",
     "study_document",
     "version",
@@ -36,6 +38,8 @@ def simulate(
     uncertified: bool,
 ) -> Trace: ...
 def faults(arguments: Sequence[str]) -> dict[str, Any]: ...
+def compare(arguments: Sequence[str]) -> dict[str, Any]: ...
+def reproduce(arguments: Sequence[str]) -> dict[str, Any]: ...
 def study_document(
     path: _Path | None, document: str | None, name: str
 ) -> tuple[dict[str, Any], Robot]: ...

@@ -86,11 +86,73 @@ def faults(
     """
     arguments = [os.fspath(study) for study in studies]
     arguments += [f"--orders={','.join(map(str, orders))}", f"--seeds={seeds}"]
-    given = {"only": only, "threads": threads, "out": out and os.fspath(out)}
-    arguments += [f"--{key}={value}" for key, value in given.items() if value is not None]
-    if quick:
-        arguments.append("--quick")
+    arguments += _options(quick=quick, only=only, threads=threads, out=out)
     return _phihat.faults(arguments)
+
+
+def compare(
+    *studies: str | os.PathLike[str],
+    only: Sequence[str] = (),
+    worlds: Sequence[str] = (),
+    seeds: int | None = None,
+    quick: bool = False,
+    fresh: bool = False,
+    threads: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Measure the rivals of the paper's Table 1 on your arms; what came of it, as in ``compare.json``.
+
+    Every law is tuned by one optimiser with one budget, then runs in every world with its default and its tuned
+    gains. Writes journal, answer and page to ``out/STUDY/compare`` (``out/compare`` for several studies); an
+    interrupted comparison goes on where it was. ``result["rows"]`` has one entry for each arm and rival.
+
+    Args:
+        studies: paths of study files, one per arm.
+        only: ids of rivals; all unless given. ``phihat compare --list`` lists them.
+        worlds: of exact, encoder, delay, payload, friction, saturation; all unless given.
+        seeds: motions that are scored; 3 unless given, or 1 where ``quick``.
+        quick: few tuning runs, one motion of some seconds.
+        fresh: do everything again, whatever the journal holds.
+        threads: runs at a time; one per core unless given.
+        out: folder for the results.
+
+    Raises:
+        Error: an argument or a study cannot be used, or a result not be written.
+    """
+    arguments = [os.fspath(study) for study in studies]
+    chosen = {"only": ",".join(only) or None, "worlds": ",".join(worlds) or None, "seeds": seeds}
+    arguments += _options(**chosen, quick=quick, fresh=fresh, threads=threads, out=out)
+    return _phihat.compare(arguments)
+
+
+def reproduce(
+    *,
+    only: str | None = None,
+    quick: bool = False,
+    threads: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Compute the paper's statements, figures and tables again; each with a verdict, as in ``reproduction.json``.
+
+    Writes data, page, figures and studies to ``out/reproduction``. ``result["sections"]`` has the statements.
+
+    Args:
+        only: one part, by its name or by what is in it: ``"theory"``, ``"fig. 9"``, ``"theorem 2"``.
+        quick: coarser maps and sweeps.
+        threads: parts at a time; one per core unless given.
+        out: folder for the results.
+
+    Raises:
+        Error: an argument cannot be used, or a result not be written.
+    """
+    return _phihat.reproduce(_options(only=only, quick=quick, threads=threads, out=out))
+
+
+def _options(**given: str | int | os.PathLike[str] | None) -> list[str]:
+    """Options of the command: switches that are on, and values that are given."""
+    switches = [f"--{key}" for key, value in given.items() if value is True]
+    values = {key: value for key, value in given.items() if value is not None and not isinstance(value, bool)}
+    return switches + [f"--{key}={os.fspath(v) if isinstance(v, os.PathLike) else v}" for key, v in values.items()]
 
 
 def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
