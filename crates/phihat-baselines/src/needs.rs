@@ -42,7 +42,7 @@ pub trait Wants<'a>: Sized {
     fn of(all: &All<'a>) -> Self;
 }
 
-/// What a rival knows before it starts. Fields are private to this crate: a rival with [`Nothing`] cannot
+/// What a rival knows before it starts. Fields are private to this crate: a rival with [`Nothing`](crate::Nothing) cannot
 /// come by a model.
 pub trait Knows: Sized {
     /// As data.

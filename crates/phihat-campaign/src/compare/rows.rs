@@ -302,8 +302,10 @@ fn notes() -> Vec<String> {
          scored.",
         "Every rival gets the same nominal inertia per joint as the unit of its torque gains. Rivals that need \
          a model get the arm's own with lighter links, without payload and without dry friction.",
-        "The row with designed gains is not tuned: its gains come from the specification, the study's loop and the \
-         range of inertia and load of the arm with its payload; dry friction of the worlds was not declared to it.",
+        "The row with designed gains is not tuned: its gains come from the specification, the study's loop, the range \
+         of inertia with and without payload, and the load along the study's own motion. Neither the drawn motions nor \
+         the dry friction of the worlds were declared to the design: there its bound, computed for that very run, may be \
+         beyond the specification.",
         "A law with more free scalars gets no more evaluations: a law with many may be better than its row. \
          Where an author's tuning procedure is not a choice of scalars, it is not followed.",
         "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that saturates.",
