@@ -30,7 +30,7 @@ fn row(statement: &Statement) -> Markup {
     let (sign, word) = (statement.verdict.sign(), statement.verdict.words());
     let id = anchor("claim", &statement.id);
     html! {
-        tr.statement.(class(statement.verdict)) id=(id) {
+        tr.statement.(class(statement.verdict)).counted[statement.origin == Origin::Paper] id=(id) {
             th scope="row" {
                 a href=(format!("#{id}")) { (prose(&statement.place)) }
                 @if statement.origin != Origin::Paper { span.note { (whose(statement)) } }

@@ -181,17 +181,19 @@ async function reproduced(browser, file) {
     check(name, `${view}: no figure failed`, !(await page.content()).includes("could not be drawn"));
     const visible = () => page.locator("tr.statement").evaluateAll((all) => all.filter((row) => row.checkVisibility()).map((row) => row.className));
     const counts = await page.locator(".counts li").evaluateAll((all) => all.map((li) => [li.className, Number(li.textContent.match(/\d+/)[0])]));
-    const all = (await visible()).length;
-    check(name, `${view}: every statement is counted`, all > 0 && all === counts.reduce((sum, [, count]) => sum + count, 0), JSON.stringify(counts));
+    // What repeats another statement, or is a finding of ours, is shown and not counted.
+    const counted = (rows) => rows.filter((row) => row.split(" ").includes("counted")).length;
+    const all = await visible();
+    check(name, `${view}: every statement is counted`, counted(all) > 0 && counted(all) === counts.reduce((sum, [, count]) => sum + count, 0), JSON.stringify(counts));
     for (const [verdict, count] of counts) {
       await page.check(`#show-${verdict}`);
       const left = await visible();
-      check(name, `${view}: ${verdict} alone`, left.length === count && left.every((row) => row.split(" ").includes(verdict)), `${left.length} of ${count}`);
+      check(name, `${view}: ${verdict} alone`, counted(left) === count && left.every((row) => row.split(" ").includes(verdict)), `${counted(left)} of ${count}`);
       const empty = await page.locator(".part").evaluateAll((parts) => parts.some((part) => part.checkVisibility() && ![...part.querySelectorAll("tr.statement")].some((row) => row.checkVisibility())));
       check(name, `${view}: ${verdict}: no section without a statement`, !empty);
     }
     await page.check("#show-all");
-    check(name, `${view}: all again`, (await visible()).length === all);
+    check(name, `${view}: all again`, (await visible()).length === all.length);
     await page.locator(".group a").last().click();
     const target = await page.evaluate(() => { const box = document.querySelector("tr:target").getBoundingClientRect(); return box.top >= 0 && box.top < innerHeight; });
     check(name, `${view}: a link leads to its statement`, target);
