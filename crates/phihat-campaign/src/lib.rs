@@ -14,6 +14,7 @@
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
 #![forbid(unsafe_code)]
 
+mod along;
 pub mod compare;
 pub mod faults;
 mod hash;
@@ -21,5 +22,6 @@ mod journal;
 pub mod reproduce;
 mod runner;
 
+pub use along::{motion_along, phi_along};
 pub use journal::{Journal, JournalError};
 pub use runner::{Ended, Progress, run_all};

@@ -4,9 +4,8 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::{
-    Arm, Gains, JointSignals, Motion, Outcome, Phi, PhiBasis, design, estimate_inertia,
-};
+use phihat_campaign::{motion_along, phi_along};
+use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
 
@@ -36,12 +35,8 @@ pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
 /// Designs gains for a study, with `φ` from the source it names.
 pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, Failure> {
     let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
-    let motion = |joint: usize| {
-        let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
-        let velocity_rad_s = demand.velocity(joint);
-        Some(Motion { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 })
-    };
     let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+        let motion = |joint| Some(motion_along(&demand, joint));
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
@@ -64,7 +59,7 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
             })
         }
         PhiSource::Simulation => simulated(study, &demand, &made),
-        PhiSource::Reference => made(study, &|joint, inertia| along(&demand, joint, inertia)),
+        PhiSource::Reference => made(study, &|joint, inertia| phi_along(&demand, joint, inertia)),
     }
 }
 
@@ -75,7 +70,7 @@ type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome
 fn simulated(study: &Study, demand: &Demand, make: Make<'_>) -> Result<Outcome, Failure> {
     let margin = study.design.phi_margin;
     let Some(first) = first_gains(study, demand, make)? else {
-        return make(study, &|joint, inertia| along(demand, joint, inertia));
+        return make(study, &|joint, inertia| phi_along(demand, joint, inertia));
     };
     let mut seen = vec![run(study, &first)?];
     for round in 1..=2 {
@@ -114,7 +109,7 @@ fn first_gains(
 ) -> Result<Option<Box<Gains>>, Failure> {
     let mut easier = study.clone();
     for _ in 0..DOUBLINGS {
-        let outcome = make(&easier, &|joint, inertia| along(demand, joint, inertia))?;
+        let outcome = make(&easier, &|joint, inertia| phi_along(demand, joint, inertia))?;
         if let Outcome::Designed(gains) = outcome {
             return Ok(Some(gains));
         }
@@ -151,11 +146,6 @@ pub(crate) fn form(study: &Study) -> Form {
         LawForm::Observer => Form::Observer,
         LawForm::Literal => Form::Literal,
     }
-}
-
-fn along(demand: &Demand, joint: usize, inertia: f64) -> Phi {
-    let source = "inverse dynamics along the reference, with and without payload";
-    bounds(PhiBasis::Reference, source, demand.phi(joint, inertia))
 }
 
 fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {

@@ -28,7 +28,7 @@ mod world;
 pub use adapter::{Adapter, supply};
 pub use ground::{CompareError, Ground};
 pub use plan::{Extent, Plan};
-pub use prepare::NOISE_CAP;
+pub use prepare::{LIMITED, NOISE_CAP};
 pub use record::{
     ArmRecord, Comparison, FORMAT, Fairness, Mark, RivalRecord, ScalarRecord, WorldRecord,
 };
@@ -39,4 +39,4 @@ pub use row::{
 pub use rows::EASY_SHARES;
 pub use trial::NOMINAL_MASSES;
 pub use tune::{Tuned, tune};
-pub use world::{WORLDS, World, world};
+pub use world::{SATURATION, WORLDS, World, world};

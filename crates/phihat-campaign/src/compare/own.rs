@@ -3,12 +3,13 @@
 use phihat_baselines::{DesignedJoint, Entry, rival};
 use phihat_design::claims::{Attenuation, Law, Optimality};
 use phihat_design::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks, TorqueNoise};
-use phihat_design::{Arm as Inertias, Clause, JointRecord, Motion, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm as Inertias, Clause, JointRecord, Outcome, design};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
 
 use super::ground::Ground;
 use super::record::Mark;
+use crate::along::phi_along;
 
 /// Inertia ratios at which the sampled loop's gains are found.
 const RATIOS: u32 = 9;
@@ -55,7 +56,7 @@ impl Own {
         study.sensor.velocity_filter_designed = false;
         let demand = Demand::along(&study).map_err(|e| e.to_string())?;
         let arm = Inertias::of(&study).map_err(|e| e.to_string())?;
-        let outcome = design(&study, &arm, &|joint, inertia| along(&demand, joint, inertia));
+        let outcome = design(&study, &arm, &|joint, inertia| phi_along(&demand, joint, inertia));
         let gains = match outcome.map_err(|e| e.to_string())? {
             Outcome::Designed(gains) => gains,
             Outcome::Infeasible(why) => return Err(infeasible(&why.clauses)),
@@ -98,8 +99,7 @@ impl Own {
     /// ```text
     /// |e| ≤ (ramp |φ̇| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
     /// ```
-    pub(crate) fn bound(&self, study: &Study) -> Option<Vec<f64>> {
-        let demand = Demand::along(study).ok()?;
+    pub(crate) fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
         let record = self.record();
         let mut known: Vec<(LoopModel, Gains)> = Vec::new();
         let joint = |i: usize| {
@@ -161,20 +161,6 @@ impl Own {
             },
             Err(e) => refuted(&e),
         }
-    }
-}
-
-fn along(demand: &Demand, joint: usize, inertia: f64) -> Phi {
-    let phi = demand.phi(joint, inertia);
-    let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
-    let velocity_rad_s = demand.velocity(joint);
-    Phi {
-        basis: PhiBasis::Reference,
-        source: "inverse dynamics along the reference, with and without payload".to_owned(),
-        size_nm: Some(phi.size),
-        rate_nm_s: phi.rate,
-        jump_nm: phi.jump,
-        motion: Some(Motion { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 }),
     }
 }
 

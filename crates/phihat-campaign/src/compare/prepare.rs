@@ -23,8 +23,8 @@ const NOISY: f64 = 10.0;
 /// bad.
 const LOST: f64 = 500.0;
 
-/// Share of samples at a torque limit beyond which nothing is controlled: in training the limits leave room.
-const LIMITED: f64 = 0.02;
+/// Share of samples at a torque limit beyond which nothing is controlled, where the limits leave room.
+pub const LIMITED: f64 = 0.02;
 
 /// Cost of a run that did not reach its end \[rad\], more the sooner it ended: no error of a run that did is as
 /// large.

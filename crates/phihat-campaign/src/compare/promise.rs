@@ -9,16 +9,11 @@ use super::own::Own;
 use super::record::Mark;
 use super::row::ConditionRecord;
 
-/// What is declared of an arm in a study before its run.
-///
-/// # Errors
-///
-/// In words: the reference cannot be walked along.
-pub(crate) fn declared(ground: &Ground, study: &Study) -> Result<Arm, String> {
-    let demand = Demand::along(study).map_err(|e| e.to_string())?;
+/// What is declared of an arm in a study before its run, `demand` along its reference.
+fn declared(ground: &Ground, study: &Study, demand: &Demand) -> Arm {
     let along: Vec<_> =
         ground.units.iter().enumerate().map(|(i, unit)| demand.phi(i, *unit)).collect();
-    Ok(Arm {
+    Arm {
         inertia_min: ground.eigenvalues[0],
         inertia_max: ground.eigenvalues[1],
         ratio: ground.ratio,
@@ -28,7 +23,7 @@ pub(crate) fn declared(ground: &Ground, study: &Study) -> Result<Arm, String> {
         phi_max: along.iter().map(|phi| phi.size).collect(),
         // Without a nominal inertia φ is the torque itself.
         demand_max: (0..along.len()).map(|i| demand.phi(i, 0.0).size).collect(),
-    })
+    }
 }
 
 /// Largest |e| \[rad\] per joint that is promised before the run; `None` where nothing is, or a drive saturates.
@@ -41,12 +36,13 @@ pub(crate) fn bound(
     values: &[f64],
     study: &Study,
 ) -> Option<Vec<f64>> {
-    let arm = declared(ground, study).ok()?;
+    let demand = Demand::along(study).ok()?;
+    let arm = declared(ground, study, &demand);
     if saturates(&arm, study) {
         return None;
     }
     if let Some(own) = Own::of(ground, entry, values) {
-        return own.bound(study);
+        return own.bound(study, &demand);
     }
     let period = study.control.period_ns as f64 * 1e-9;
     let tuning = Tuning::new(values, &ground.units, period).ok()?;
@@ -68,7 +64,7 @@ pub(crate) fn condition(
     values: &[f64],
     study: &Study,
 ) -> Option<ConditionRecord> {
-    let mut arm = declared(ground, study).ok()?;
+    let mut arm = declared(ground, study, &Demand::along(study).ok()?);
     let period = study.control.period_ns as f64 * 1e-9;
     let condition = match Own::of(ground, entry, values) {
         Some(own) => {

@@ -66,7 +66,7 @@ pub const WORLDS: &[World] = &[
 pub(crate) const TRAINING: [&World; 2] = [&WORLDS[4], &WORLDS[3]];
 
 /// The world whose torque limits are drawn in on purpose.
-pub(crate) const SATURATION: &str = WORLDS[5].name;
+pub const SATURATION: &str = WORLDS[5].name;
 
 /// Dry friction over the torque limit.
 const DRY: f64 = 0.02;

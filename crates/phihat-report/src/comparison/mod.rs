@@ -1,7 +1,7 @@
 //! The page of a comparison: every rival on every arm in every world, and where another row is better.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use phihat_campaign::compare::{ArmRecord, Cell, Comparison, Fate, Row};
+use phihat_campaign::compare::{ArmRecord, Cell, Comparison, Fate, LIMITED, Row, SATURATION};
 
 use crate::policy::{COMPARISON_SCRIPT, comparison_style, scripted_policy};
 use crate::text::line;
@@ -112,12 +112,6 @@ fn fate(fate: &Fate) -> (&'static str, &'static str) {
         Fate::Panicked(_) => ("‼", "program fault"),
     }
 }
-
-/// The world with torque limits just above what the motion asks for, and a push beyond them.
-const SATURATION: &str = "saturation";
-
-/// Share of samples at a torque limit from which on the arm is said to live on its limits.
-const LIMITED: f64 = 0.02;
 
 /// What is wrong with an arm that followed all the same: its torque is noisier than tuned gains may be in
 /// training, or it lives on limits that leave room for the motion, as in a limit cycle. In short, and in full.

@@ -23,6 +23,13 @@ const pages = words.filter((word) => !word.startsWith("--"));
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
 
+// How every page is looked at.
+const VIEWS = [
+  ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
+  ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
+  ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
+];
+
 function check(page, what, holds, detail = "") {
   count[holds ? "passed" : "failed"] += 1;
   if (!holds) console.log(`FAILED ${page}: ${what} ${detail}`);
@@ -54,11 +61,7 @@ const canvases = (page) => page.evaluate(() => {
 
 async function looks(browser, file) {
   const name = basename(file);
-  for (const [view, options] of [
-    ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
-    ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
-    ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
-  ]) {
+  for (const [view, options] of VIEWS) {
     const { context, page, seen } = await open(browser, file, options);
     const found = await canvases(page);
     check(name, `${view}: at least six plots`, found.all >= 6, JSON.stringify(found));
@@ -168,11 +171,7 @@ async function harmless(browser, file) {
 // The page of the reproduction: no script at all; the choice of verdicts is made of styles.
 async function reproduced(browser, file) {
   const name = basename(file);
-  for (const [view, options] of [
-    ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
-    ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
-    ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
-  ]) {
+  for (const [view, options] of VIEWS) {
     const { context, page, seen } = await open(browser, file, options);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
@@ -214,11 +213,7 @@ async function reproduced(browser, file) {
 // A comparison: its tables sort by mouse and keyboard, its links open what they point at, and it reads without a script.
 async function compares(browser, file) {
   const name = basename(file);
-  for (const [view, options] of [
-    ["light", { viewport: { width: 1280, height: 900 }, colorScheme: "light" }],
-    ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }],
-    ["phone", { viewport: { width: 360, height: 740 }, colorScheme: "light" }],
-  ]) {
+  for (const [view, options] of VIEWS) {
     const { context, page, seen } = await open(browser, file, options);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
