@@ -11,6 +11,7 @@
 mod arm;
 mod certificate;
 pub mod claims;
+pub mod coupled;
 mod designer;
 pub mod export;
 mod gains;
