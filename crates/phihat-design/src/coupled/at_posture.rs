@@ -48,7 +48,7 @@ pub(super) fn together(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums
     let period = loops.first().map_or(0.0, |(_, model)| model.period_s);
     let inverse = inverse(mass)?;
     let arm = Linear::new(loops, &inverse);
-    let horizon = arm.horizon().ok_or_else(|| unstable(f64::NAN))?;
+    let horizon = arm.horizon().ok_or_else(|| unstable(0.0))?;
     let joint = |i: usize| {
         let mut sums = vec![Sums::default(); loops.len()];
         let visit = |j: usize, lines: &Lines| count(&mut sums[j], lines, period);
@@ -80,33 +80,38 @@ fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutatio
     let modes = eigen.eigenvalues.iter().map(|mu| mode(*mu)).collect::<Result<Vec<_>, _>>()?;
     let samples = modes.iter().map(|(_, h): &(Linear, Horizon)| h.samples).max().unwrap_or(0);
     let mut tails = Vec::with_capacity(n);
-    let mut series: Vec<Vec<Lines>> = Vec::with_capacity(n);
-    for (mode, horizon) in &modes {
-        let mut seen = Vec::with_capacity(samples + 1);
-        tails.extend(mode.walk(0, (samples, horizon), |_, lines| seen.push(*lines)));
-        series.push(seen);
+    let mut series: Vec<Lines> = vec![[0.0; 16]; n * (samples + 1)];
+    for (k, (mode, horizon)) in modes.iter().enumerate() {
+        let mut sample = 0;
+        tails.extend(mode.walk(0, (samples, horizon), |_, lines| {
+            series[sample * n + k] = *lines;
+            sample += 1;
+        }));
+    }
+    let pairs: Vec<(usize, usize)> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+    let share = |(i, j): &(usize, usize)| -> Vec<f64> {
+        (0..n).map(|k| eigen.eigenvectors[(*i, k)] * eigen.eigenvectors[(*j, k)]).collect()
+    };
+    let shares: Vec<Vec<f64>> = pairs.iter().map(share).collect();
+    let mut sums = vec![Sums::default(); pairs.len()];
+    for modes in series.chunks(n) {
+        for (share, sums) in shares.iter().zip(&mut sums) {
+            let mut lines = [0.0; 16];
+            for (share, g) in share.iter().zip(modes) {
+                for (line, g) in lines.iter_mut().zip(g) {
+                    *line += share * g;
+                }
+            }
+            count(sums, &lines, model.period_s);
+        }
     }
     let mut all = vec![vec![Sums::default(); n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let share: Vec<f64> =
-                (0..n).map(|k| eigen.eigenvectors[(i, k)] * eigen.eigenvectors[(j, k)]).collect();
-            let mut sums = Sums::default();
-            for sample in 0..=samples {
-                let mut lines = [0.0; 16];
-                for (share, series) in share.iter().zip(&series) {
-                    for (line, g) in lines.iter_mut().zip(&series[sample]) {
-                        *line += share * g;
-                    }
-                }
-                count(&mut sums, &lines, model.period_s);
-            }
-            for (share, tail) in share.iter().zip(&tails) {
-                plus(&mut sums, tail, share.abs());
-            }
-            all[i][j] = in_units(&sums, root[i], root[j]);
-            all[j][i] = in_units(&sums, root[j], root[i]);
+    for (((i, j), share), mut sums) in pairs.into_iter().zip(&shares).zip(sums) {
+        for (share, tail) in share.iter().zip(&tails) {
+            plus(&mut sums, tail, share.abs());
         }
+        all[i][j] = in_units(&sums, root[i], root[j]);
+        all[j][i] = in_units(&sums, root[j], root[i]);
     }
     Ok(all)
 }

@@ -11,6 +11,7 @@ mod find;
 mod linear;
 mod played;
 mod postures;
+mod search;
 
 pub use document::{CoupledGains, FrozenPayload, FrozenPosture};
 pub use postures::Postures;

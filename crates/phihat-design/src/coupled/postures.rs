@@ -1,10 +1,15 @@
 //! Frozen postures at which coupled gains are looked for.
 
+use core::f64::consts::PI;
+
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
 use super::document::{FrozenPayload, FrozenPosture, Matrix};
 use crate::arm::ArmError;
+
+/// What the words of a posture end with that the search has moved.
+const IMPROVED: &str = ", moved to where a push does more";
 
 /// A study's arm with each payload it may carry: where postures come from.
 #[derive(Debug)]
@@ -64,6 +69,22 @@ impl<'a> Postures<'a> {
         self.cases.iter().map(frozen).collect()
     }
 
+    /// A posture with one joint moved, inside its limits, and the payload it had.
+    pub(super) fn moved(&self, from: &FrozenPosture, joint: usize, step: f64) -> FrozenPosture {
+        let mut q_rad = from.q_rad.clone();
+        let (low, high) = self.study.robot.joints[joint].position.unwrap_or((-PI, PI));
+        q_rad[joint] = (q_rad[joint] + step).clamp(low.min(q_rad[joint]), high.max(q_rad[joint]));
+        let case = self.cases.iter().find(|(payload, _)| *payload == from.payload);
+        let mass_matrix_kg_m2 =
+            case.map_or_else(Matrix::new, |(_, model)| mass_matrix(model, &q_rad));
+        let source = if from.source.ends_with(IMPROVED) {
+            from.source.clone()
+        } else {
+            format!("{}{IMPROVED}", from.source)
+        };
+        FrozenPosture { source, q_rad, payload: from.payload.clone(), mass_matrix_kg_m2 }
+    }
+
     /// So many postures inside the joint limits, even and the same every time, each with every payload.
     pub fn spread(&self, count: u32) -> Vec<FrozenPosture> {
         (1..=count).flat_map(|k| self.at(&self.spread_at(k), &format!("posture {k}"))).collect()
@@ -75,9 +96,8 @@ impl<'a> Postures<'a> {
             2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0,
             53.0,
         ];
-        let pi = core::f64::consts::PI;
         let joint = |(i, joint): (usize, &phihat_model::Joint)| {
-            let (low, high) = joint.position.unwrap_or((-pi, pi));
+            let (low, high) = joint.position.unwrap_or((-PI, PI));
             let share = (f64::from(k) * PRIMES[i % PRIMES.len()].sqrt()).fract();
             low + share * (high - low)
         };
