@@ -92,7 +92,10 @@ fn played(
         (0..n).map(through).sum::<f64>()
     };
     let off = |model: &LoopModel| if alike { 0.0 } else { off_chord(model) };
-    let driven = |model: &LoopModel| model.drive_bandwidth_hz.map_or(0.0, |_| period / 4.0);
+    // ∫_0^λ (way − its mean) is largest where the way crosses its mean: the same place, and 1/x of the same distance.
+    let driven = |model: &LoopModel| {
+        model.drive_bandwidth_hz.map_or(0.0, |hz| off_chord(model) / (TAU * hz))
+    };
     let each = |entry: &dyn Fn(usize, usize) -> f64| -> Matrix {
         (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
     };

@@ -71,8 +71,8 @@ impl CoupledGains {
 ///
 /// Between two samples a position differs from the chord by at most `T²/8` times its second derivative, and the sums are linear in
 /// that: `‖e‖ ≤ ‖e at samples‖ + T²/8 ‖M^{-1} τ‖`. A velocity is linear there while the torque is held. Behind drives the torque
-/// goes from one value to the next, all the same way where the drives are the same, else off the common way by at
-/// most [`off_chord`] of its change.
+/// goes from one value to the next, all the same way where the drives are the same, else off the straight one by at
+/// most [`off_chord`] of its change; the velocity is off its chord by that over the drive's bandwidth.
 pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds, Refutation> {
     let n = loops.len();
     let sums = sums(loops, mass)?;
@@ -91,8 +91,9 @@ pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds
     };
     let alike = models.windows(2).all(|m| m[0].drive_bandwidth_hz == m[1].drive_bandwidth_hz);
     let off = |model: &LoopModel| if alike { 0.0 } else { off_chord(model) };
-    let driven =
-        |model: &LoopModel| if model.drive_bandwidth_hz.is_some() { 0.25 * period } else { 0.0 };
+    let driven = |model: &LoopModel| {
+        model.drive_bandwidth_hz.map_or(0.0, |hz| off_chord(model) / (core::f64::consts::TAU * hz))
+    };
     let chord = |input: usize| {
         let change = of(input, 4);
         let acceleration = of(input, 2) + through(&off, &change);
