@@ -25,8 +25,9 @@ pub use arm::{Arm, ArmError};
 pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, TradeOff, VERSION,
+    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
+    Gains, GainsError, JointCertificate, JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis,
+    TradeOff, VERSION,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

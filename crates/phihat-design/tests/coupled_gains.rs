@@ -5,9 +5,9 @@
 mod sampled_support;
 
 use nalgebra::DMatrix;
-use phihat_design::JointRecord;
-use phihat_design::coupled::{CoupledGains, FrozenPosture};
+use phihat_design::prelude::*;
 use phihat_design::sampled::LoopModel;
+use phihat_design::{CoupledGains, FrozenPosture, JointRecord};
 use sampled_support::{Outside, Random, Rig, estimator, every_model, plain, record};
 
 fn frozen(mass: &[&[f64]]) -> FrozenPosture {

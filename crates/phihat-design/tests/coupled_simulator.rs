@@ -6,9 +6,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::coupled::{CoupledGains, Postures};
-use phihat_design::requested_gains;
+use phihat_design::coupled::Postures;
+use phihat_design::prelude::*;
 use phihat_design::sampled::LoopModel;
+use phihat_design::{CoupledGains, requested_gains};
 use phihat_sim::Simulation;
 use phihat_study::Study;
 

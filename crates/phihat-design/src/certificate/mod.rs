@@ -87,7 +87,8 @@ impl FindCertificate for Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
+        let not_counted = NotCounted::of(study);
+        Ok(Self { arm, window_margin, duration_s, joints, coupled: None, not_counted })
     }
 
     fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
@@ -119,6 +120,12 @@ impl FindCertificate for Certificate {
             let told = checked.iter().any(|before| joint.tells_the_same(before));
             joint.verify(record, self, told).map_err(named)?;
             checked.push(joint);
+        }
+        if let Some(coupled) = &self.coupled {
+            let whole = self.refused().is_none();
+            holds(claim, "no claim rests on a refused one", 1.0, 0.0, whole)?;
+            let models = self.joints.iter().map(|joint| &joint.model);
+            coupled.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }
         self.refused().map_or(Ok(()), Err)
     }

@@ -1,11 +1,9 @@
 //! The sums at one frozen posture: by modes where all joints have the same loop, else for the whole arm.
 
 use nalgebra::DMatrix;
+use phihat_certificate::{JointRecord, LoopModel, Refutation};
 
 use super::linear::{Horizon, Linear, Lines, OUTPUTS, Sums, count};
-use crate::JointRecord;
-use crate::claims::Refutation;
-use crate::sampled::LoopModel;
 
 const CLAIM: &str = "coupled gains";
 

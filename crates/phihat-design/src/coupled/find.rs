@@ -1,12 +1,10 @@
 //! Finding coupled gains: the largest of every entry over frozen postures.
 
 use nalgebra::DMatrix;
+use phihat_certificate::{CoupledGains, FrozenPosture, JointRecord, LoopModel, Matrix, Refutation};
 
 use super::at_posture::{Loops, inverse, sums};
-use super::document::{CoupledGains, FrozenPosture, Matrix};
 use super::linear::{OUTPUTS, Sums};
-use crate::claims::Refutation;
-use crate::sampled::LoopModel;
 
 /// How many matrices there are: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
 const KINDS: usize = 7;
@@ -18,14 +16,23 @@ const MARGIN: f64 = 2e-5;
 /// The seven matrices at one posture.
 pub(super) type Kinds = [DMatrix<f64>; KINDS];
 
-impl CoupledGains {
+/// Finding [`CoupledGains`].
+pub trait FindCoupledGains: Sized {
     /// The largest of every entry over some postures; those that made the largest entry of a row are kept as witnesses.
     /// `source` says in words which postures they are.
     ///
     /// # Errors
     ///
     /// [`Refutation`] where the arm's loop is not stable at one of them.
-    pub fn find(
+    fn find(
+        loops: &[(&JointRecord, &LoopModel)],
+        postures: &[FrozenPosture],
+        source: String,
+    ) -> Result<Self, Refutation>;
+}
+
+impl FindCoupledGains for CoupledGains {
+    fn find(
         loops: &Loops<'_>,
         postures: &[FrozenPosture],
         source: String,

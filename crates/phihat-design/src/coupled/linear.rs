@@ -1,9 +1,8 @@
 //! Several joints' loops on one inertia matrix, as one linear step, and its impulse responses.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::{JointRecord, LoopModel};
 
-use crate::JointRecord;
-use crate::sampled::LoopModel;
 use crate::sampled::sample::{Input, Sample};
 
 /// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.

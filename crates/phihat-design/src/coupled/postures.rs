@@ -2,10 +2,10 @@
 
 use core::f64::consts::PI;
 
+use phihat_certificate::{FrozenPayload, FrozenPosture, Matrix};
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
-use super::document::{FrozenPayload, FrozenPosture, Matrix};
 use crate::arm::ArmError;
 
 /// What the words of a posture end with that the search has moved.

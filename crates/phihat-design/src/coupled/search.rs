@@ -1,14 +1,12 @@
 //! Looking for the postures at which pushes do most, by a measure that is quick to compute.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::{FrozenPosture, JointRecord, LoopModel};
 
 use super::at_posture::Loops;
-use super::document::FrozenPosture;
 use super::find::matrix;
 use super::linear::{Linear, Lines};
 use super::postures::Postures;
-use crate::JointRecord;
-use crate::sampled::LoopModel;
 
 /// Inertia ratios between which the measure is interpolated.
 const RATIOS: usize = 14;
@@ -19,6 +17,9 @@ const SPREAD: u32 = 250;
 /// Steps by which a posture is improved \[rad\].
 const STEPS: [f64; 4] = [0.3, 0.15, 0.06, 0.02];
 
+/// Multiplications that the sums at all postures together may take: some 0.2 s.
+const WORK: f64 = 8e8;
+
 /// Inner products of scalar responses over a grid of inertia ratios: `⟨g_μ, g_ν⟩`.
 struct Measure {
     low: f64,
@@ -26,6 +27,8 @@ struct Measure {
     /// One matrix for each of [`OUTPUTS`].
     inner: Vec<DMatrix<f64>>,
     root: Vec<f64>,
+    /// Multiplications that the sums at one posture take.
+    work: f64,
 }
 
 /// Which responses are measured: from torque to `e`, `ė`, `Δτ`, from the encoder to `e`, `Δτ`; places in [`Lines`].
@@ -62,24 +65,25 @@ impl Postures<'_> {
         many.extend(found.iter().cloned());
         let seen: Vec<Seen> = many.iter().map(|p| measure.see(p)).collect();
         let best = |value: &dyn Fn(&Seen) -> f64| {
-            (0..seen.len())
-                .max_by(|a, b| value(&seen[*a]).total_cmp(&value(&seen[*b])))
-                .unwrap_or(0)
+            let most = (0..seen.len()).max_by(|a, b| value(&seen[*a]).total_cmp(&value(&seen[*b])));
+            &many[most.unwrap_or(0)]
         };
-        for i in 0..n {
-            for j in 0..=i {
-                for output in 0..=OUTPUTS.len() {
-                    found.push(many[best(&|seen| seen.pairs[output][(i, j)])].clone());
-                }
-                let value = |seen: &Seen| seen.pairs[0][(i, j)];
-                found.push(self.improved(&many[best(&value)], &|p| value(&measure.see(p))));
-            }
+        found.push(best(&|seen| -seen.ends.0).clone());
+        found.push(best(&|seen| seen.ends.1).clone());
+        let always = found.len();
+        let pairs: Vec<(usize, usize)> =
+            (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+        for pair in &pairs {
+            let value = |seen: &Seen| seen.pairs[0][*pair];
+            found.push(self.improved(best(&value), &|p| value(&measure.see(p))));
         }
-        found.push(many[best(&|seen| -seen.ends.0)].clone());
-        found.push(many[best(&|seen| seen.ends.1)].clone());
-        let mut distinct: Vec<FrozenPosture> = Vec::with_capacity(found.len());
+        for output in 0..=OUTPUTS.len() {
+            found.extend(pairs.iter().map(|pair| best(&|seen| seen.pairs[output][*pair]).clone()));
+        }
+        let most = always.max((WORK / measure.work) as usize);
+        let mut distinct: Vec<FrozenPosture> = Vec::with_capacity(most);
         for posture in found {
-            if !distinct.contains(&posture) {
+            if distinct.len() < most && !distinct.contains(&posture) {
                 distinct.push(posture);
             }
         }
@@ -116,10 +120,12 @@ impl Measure {
         let (record, model): &(&JointRecord, &LoopModel) = loops.first()?;
         let record = JointRecord { inertia_kg_m2: 1.0, ..(*record).clone() };
         let last = (RATIOS - 1) as f64;
+        let mut samples = 0;
         let response = |k: usize| {
             let mu = low * (high / low).powf(k as f64 / last);
             let scalar = Linear::new(&[(&record, model)], &DMatrix::from_element(1, 1, 1.0 / mu));
             let horizon = scalar.horizon()?;
+            samples = samples.max(horizon.samples);
             let mut seen: [Vec<f64>; OUTPUTS.len()] = Default::default();
             let _ = scalar.walk(0, (horizon.samples, &horizon), |_, lines: &Lines| {
                 for (seen, place) in seen.iter_mut().zip(OUTPUTS) {
@@ -129,6 +135,7 @@ impl Measure {
             Some(seen)
         };
         let all = (0..RATIOS).map(response).collect::<Option<Vec<_>>>()?;
+        let n = loops.len() as f64;
         let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let matrix =
             |o: usize| DMatrix::from_fn(RATIOS, RATIOS, |a, b| inner(&all[a][o], &all[b][o]));
@@ -136,6 +143,7 @@ impl Measure {
             low,
             high,
             inner: (0..OUTPUTS.len()).map(matrix).collect(),
+            work: samples as f64 * n * (8.0 * n * (n + 1.0) + 200.0),
             root: loops.iter().map(|(r, _)| r.inertia_kg_m2.sqrt()).collect(),
         })
     }

@@ -2,11 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use super::document::{CoupledGains, FrozenPosture, Matrix};
+use super::document::{CoupledGains, FrozenPosture};
 use super::played::{OUTPUTS, Played};
-use crate::JointRecord;
-use crate::claims::Refutation;
-use crate::sampled::LoopModel;
+use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 const CLAIM: &str = "coupled gains";
 

@@ -3,8 +3,7 @@
 use core::f64::consts::TAU;
 
 use super::alpha::alpha;
-use crate::JointRecord;
-use crate::sampled::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
 pub(super) const OUTPUTS: usize = 5;

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A small matrix, row by row.
-pub(super) type Matrix = Vec<Vec<f64>>;
+use crate::Matrix;
 
 /// How far a push on one joint moves every joint: the whole arm's loop at frozen postures.
 ///
