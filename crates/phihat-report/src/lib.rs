@@ -17,6 +17,7 @@
 mod certificate;
 mod chart;
 mod comparison;
+mod coupled;
 mod decimate;
 mod faults;
 mod figure;

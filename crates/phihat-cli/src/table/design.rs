@@ -3,6 +3,7 @@
 use comfy_table::Table;
 use phihat_design::{Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted};
 
+use super::coupled::coupled;
 use super::{MILLI, align, plain_table};
 
 /// One row of gains per joint.
@@ -58,6 +59,7 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         lines.push(format!("φ: {}", phi.source));
     }
     lines.extend(certificate.joints.first().map(law));
+    lines.extend(coupled(certificate));
     lines.extend(not_counted(&certificate.not_counted));
     lines.join("\n")
 }
