@@ -209,7 +209,7 @@ fn eigenvalues(matrices: &[DMatrix<f64>], nominal: &[f64]) -> (f64, f64) {
 
 /// The design's payload, or the study's own if that is heavier.
 fn heaviest(study: &Study) -> f64 {
-    study.world.payload.as_ref().map_or(0.0, |p| p.mass).max(study.design.payload_max)
+    study.world.payload.as_ref().map_or(0.0, |p| p.mass).max(study.design.payload.mass.1)
 }
 
 /// `M(q)` at every posture, without and with the heaviest payload.
@@ -219,8 +219,8 @@ fn mass_matrices(study: &Study) -> Result<Vec<DMatrix<f64>>, ArmError> {
         bare.clone().with_payload_on(frame, body).map_err(|e| ArmError::Payload(e.to_string()))
     };
     let mut models = vec![bare.clone()];
-    if study.design.payload_max > 0.0 {
-        let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
+    if study.design.payload.mass.1 > 0.0 {
+        let body = Body { mass: study.design.payload.mass.1, com: [0.0; 3], inertia: [0.0; 6] };
         models.push(with(&study.robot.tip, &body)?);
     }
     if let Some(own) = &study.world.payload {

@@ -73,7 +73,7 @@ impl Demand {
         let period = study.control.period_ns as f64 * 1e-9;
         let bare = study.robot.plant_model().with_gravity(study.world.gravity);
         let mut cases = vec![loaded_model(study)?, bare.clone()];
-        if study.design.payload_max > 0.0 {
+        if study.design.payload.mass.1 > 0.0 {
             cases.push(heavy(bare, study)?);
         }
         let times = times(study, period);
@@ -131,7 +131,7 @@ fn times(study: &Study, period: f64) -> Vec<f64> {
 
 /// A point mass at the tip.
 fn heavy(model: Model, study: &Study) -> Result<Model, SimError> {
-    let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
+    let body = Body { mass: study.design.payload.mass.1, com: [0.0; 3], inertia: [0.0; 6] };
     loaded(model, &study.robot.tip, &body)
 }
 

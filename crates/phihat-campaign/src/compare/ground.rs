@@ -111,7 +111,7 @@ impl Ground {
         let error_max = study.spec.error_max.clone();
         let error_max =
             error_max.ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
-        if study.design.payload_max <= 0.0 {
+        if study.design.payload.mass.1 <= 0.0 {
             return Err(lacks("design.payload_max_kg", "the heaviest payload"));
         }
         let table: Table = study.text.parse().map_err(|e: toml::de::Error| unfit(e.to_string()))?;
