@@ -21,7 +21,9 @@ pub mod sampled;
 mod trace;
 mod trade_off;
 
-pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
+pub use arm::{
+    Arm, ArmBasis, ArmError, ArmInertia, ProofProgress, Proved, Searched, Unproved, Witness,
+};
 pub use certificate::{
     Bounds, Certificate, JointCertificate, LeftOut, NotCounted, arm_inside_window,
 };

@@ -1,5 +1,7 @@
 //! The payloads that a design has to bear: an interval of masses, a box of centres of mass, a spread.
 
+use phihat_model::Body;
+
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -44,6 +46,28 @@ impl PayloadSet {
         corners
     }
 
+    /// The body below all of the set in the Loewner order of `M(q)`: `M` with it is `⪯ M` with any of them.
+    ///
+    /// The lightest point mass where the centre of mass is one point; none where it is not, because `M` is
+    /// convex in the centre of mass and has its least inside the box.
+    pub fn lightest(&self) -> Body {
+        let one_point = self.com.iter().all(|(low, high)| high <= low);
+        let mass = if one_point { self.mass.0 } else { 0.0 };
+        Body { mass, com: self.com.map(|(low, _)| low), inertia: [0.0; 6] }
+    }
+
+    /// Bodies of which, whatever the motion, one has at least the kinetic energy of any body of the set: the
+    /// heaviest, at the corners, with the second moment `3 m·gyration²·1 ⪰ Σ`.
+    pub fn heaviest(&self) -> Vec<Body> {
+        let i = 6.0 * self.second_moment();
+        let body = |com| Body { mass: self.mass.1, com, inertia: [i, 0.0, 0.0, i, 0.0, i] };
+        if self.mass.1 > 0.0 {
+            self.corners().into_iter().map(body).collect()
+        } else {
+            vec![Body { mass: 0.0, com: [0.0; 3], inertia: [0.0; 6] }]
+        }
+    }
+
     /// Largest entry of any body's second moment about its centre of mass \[kg·m²\].
     pub fn second_moment(&self) -> f64 {
         self.mass.1 * self.gyration * self.gyration
@@ -57,13 +81,12 @@ pub(crate) fn read(
     world: Option<&Payload>,
 ) -> Result<PayloadSet, StudyError> {
     let mass = mass(node, world)?;
-    let set = PayloadSet {
+    Ok(PayloadSet {
         frame: frame(node, arm, (world, mass.1))?,
         mass,
         com: com(node, world)?,
         gyration: gyration(node, world)?,
-    };
-    Ok(set)
+    })
 }
 
 fn mass(node: &Node<'_>, world: Option<&Payload>) -> Result<(f64, f64), StudyError> {

@@ -1,26 +1,32 @@
 //! What is known of an arm's inertia: the range that a constant nominal inertia has to stand for.
 
+mod ascent;
+mod postures;
+mod prove;
+mod witness;
+
 use nalgebra::DMatrix;
-use phihat_model::{Body, Model, Workspace};
 use phihat_study::{InertiaSource, Study};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::trace::InertiaEstimate;
+pub use prove::{ProofProgress, Unproved};
+pub use witness::{Proved, Searched, Witness};
 
-/// Postures looked at per payload.
-const POSTURES: u32 = 1500;
+use crate::trace::InertiaEstimate;
+use ascent::{End, STARTS, extreme};
+use postures::{Postures, scaled};
 
 /// The arm's inertia against a nominal one.
 ///
 /// # Claim
 ///
 /// Over the postures and payloads tried, all eigenvalues of `M̄^{-1/2} M(q) M̄^{-1/2}` lie in `[low, high]`, rotor
-/// inertia included.
+/// inertia included; the ends were then sought from the best of them, and are kept as witnesses.
 ///
 /// # Not claimed
 ///
-/// Postures between those tried. With an interval per joint, typed or estimated: coupling between joints. An
+/// Postures that were not tried, unless [`Searched::proved`] bounds them. With an interval per joint, typed or estimated: coupling between joints. An
 /// estimate from a trace is not a proof.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,6 +41,9 @@ pub struct ArmInertia {
     pub low: f64,
     /// Largest eigenvalue.
     pub high: f64,
+    /// How the ends were found, where the range is that of a robot's description.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub searched: Option<Searched>,
 }
 
 /// What the range of inertia rests on.
@@ -54,7 +63,7 @@ pub enum ArmBasis {
 #[non_exhaustive]
 pub enum ArmError {
     /// The payload cannot be attached.
-    #[error("design.payload_max_kg: {0}")]
+    #[error("payload: {0}")]
     Payload(String),
     /// A mass matrix is not positive definite.
     #[error("the mass matrix of the robot has an eigenvalue of {0} at some posture")]
@@ -65,16 +74,18 @@ pub enum ArmError {
 }
 
 /// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Arm {
     basis: ArmBasis,
     source: String,
     knowledge: Knowledge,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 enum Knowledge {
-    /// `M(q)` at every posture, with every payload.
+    /// A robot's postures.
+    Postures(Box<Postures>),
+    /// `M(q)` at some of them.
     Matrices(Vec<DMatrix<f64>>),
     /// Low and high \[kg·m²\] per joint.
     Intervals(Vec<f64>, Vec<f64>),
@@ -82,6 +93,8 @@ enum Knowledge {
 
 impl Arm {
     /// A study's arm, from its robot's postures or the intervals it types.
+    ///
+    /// The postures of its reference belong to it too: [`Self::along`] adds them.
     ///
     /// # Errors
     ///
@@ -115,15 +128,30 @@ impl Arm {
     }
 
     fn sampled(study: &Study) -> Result<Self, ArmError> {
+        let postures = Postures::of(study)?;
+        let (set, name) = (&study.design.payload, &study.robot.name);
         Ok(Self {
             basis: ArmBasis::Postures,
             source: format!(
-                "{POSTURES} postures inside the joint limits of {}, rotors included, payload 0 and {} kg",
-                study.robot.name,
-                heaviest(study)
+                "{} postures inside the joint limits of {name} and those of the reference, rotors included, \
+                 payload {} to {} kg on {}; the ends sought from the best {STARTS}",
+                postures.count(),
+                set.mass.0,
+                set.mass.1,
+                set.frame
             ),
-            knowledge: Knowledge::Matrices(mass_matrices(study)?),
+            knowledge: Knowledge::Postures(Box::new(postures)),
         })
+    }
+
+    /// The same arm known at the postures of a reference too \[rad, m\]; no change where it is known by
+    /// intervals.
+    #[must_use]
+    pub fn along(mut self, reference: &[Vec<f64>]) -> Self {
+        if let Knowledge::Postures(postures) = &mut self.knowledge {
+            postures.along(reference);
+        }
+        self
     }
 
     /// The geometric mean of each joint's own range \[kg·m²\]: a good nominal inertia.
@@ -132,30 +160,26 @@ impl Arm {
             Knowledge::Intervals(low, high) => {
                 low.iter().zip(high).map(|(l, h)| (l * h).sqrt()).collect()
             }
-            Knowledge::Matrices(matrices) => {
-                let n = matrices.first().map_or(0, DMatrix::nrows);
-                let mean = |i: usize| {
-                    let diagonal = || matrices.iter().map(|m| m[(i, i)]);
-                    let low = diagonal().fold(f64::INFINITY, f64::min);
-                    (low * diagonal().fold(0.0, f64::max)).sqrt()
-                };
-                (0..n).map(mean).collect()
-            }
+            Knowledge::Matrices(matrices) => means(matrices.iter()),
+            Knowledge::Postures(p) => means(p.light.iter().chain(&p.heavy).map(|t| &t.matrix)),
         }
     }
 
     /// The same arm known by fewer postures only: those with the smallest and the largest eigenvalues against
-    /// some nominal inertias.
+    /// some nominal inertias, and nothing sought between them.
     pub(crate) fn extremes(&self, nominal: &[f64], count: usize) -> Self {
-        let Knowledge::Matrices(matrices) = &self.knowledge else { return self.clone() };
-        let ranges: Vec<(f64, f64)> =
-            matrices.iter().map(|m| eigenvalues(core::slice::from_ref(m), nominal)).collect();
-        let mut by_low: Vec<usize> = (0..matrices.len()).collect();
-        let mut by_high = by_low.clone();
-        by_low.sort_by(|a, b| ranges[*a].0.total_cmp(&ranges[*b].0));
-        by_high.sort_by(|a, b| ranges[*b].1.total_cmp(&ranges[*a].1));
-        let few = by_low.iter().take(count).chain(by_high.iter().take(count));
-        let few = few.map(|i| matrices[*i].clone()).collect();
+        let Knowledge::Postures(postures) = &self.knowledge else { return self.clone() };
+        let best = |end: End| {
+            let tried = if end == End::Low { &postures.light } else { &postures.heavy };
+            let score = |m: &DMatrix<f64>| {
+                let all = scaled(m, nominal).symmetric_eigenvalues();
+                if end == End::Low { all.min() } else { -all.max() }
+            };
+            let mut all: Vec<_> = tried.iter().map(|t| (score(&t.matrix), &t.matrix)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            all.into_iter().take(count).map(|(_, matrix)| matrix.clone())
+        };
+        let few = best(End::Low).chain(best(End::High)).collect();
         Self { knowledge: Knowledge::Matrices(few), ..self.clone() }
     }
 
@@ -165,19 +189,78 @@ impl Arm {
     ///
     /// [`ArmError::Mass`].
     pub fn against(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
+        let mut searched = None;
         let (low, high) = match &self.knowledge {
             Knowledge::Intervals(low, high) => (
                 low.iter().zip(&nominal).map(|(l, m)| l / m).fold(f64::INFINITY, f64::min),
                 high.iter().zip(&nominal).map(|(h, m)| h / m).fold(0.0, f64::max),
             ),
-            Knowledge::Matrices(matrices) => eigenvalues(matrices, &nominal),
+            Knowledge::Matrices(matrices) => matrices
+                .iter()
+                .map(|m| scaled(m, &nominal).symmetric_eigenvalues())
+                .fold((f64::INFINITY, 0.0), |(a, b), all| (all.min().min(a), all.max().max(b))),
+            Knowledge::Postures(postures) => {
+                searched = witnesses(postures, &nominal);
+                searched.as_ref().map_or((f64::NAN, f64::NAN), |searched: &Searched| {
+                    (searched.low.eigenvalue, searched.high.eigenvalue)
+                })
+            }
         };
         if low.is_nan() || low <= 0.0 {
             return Err(ArmError::Mass(low));
         }
         let (basis, source) = (self.basis, self.source.clone());
-        Ok(ArmInertia { basis, source, nominal_kg_m2: nominal, low, high })
+        Ok(ArmInertia { basis, source, nominal_kg_m2: nominal, low, high, searched })
     }
+}
+
+impl Arm {
+    /// Proves that no eigenvalue is above `factor` times the largest that was found; `go_on` says after each cell
+    /// whether to continue.
+    ///
+    /// # Errors
+    ///
+    /// [`Unproved`], with how far it came.
+    pub fn prove(
+        &self,
+        range: &ArmInertia,
+        factor: f64,
+        go_on: &mut dyn FnMut(ProofProgress) -> bool,
+    ) -> Result<ArmInertia, Unproved> {
+        let (Knowledge::Postures(postures), Some(searched)) = (&self.knowledge, &range.searched)
+        else {
+            return Err(Unproved::NotOfARobot);
+        };
+        let proved = prove::prove(postures, &range.nominal_kg_m2, factor * range.high, go_on)?;
+        let searched = Some(Searched { proved: Some(proved), ..searched.clone() });
+        Ok(ArmInertia { searched, ..range.clone() })
+    }
+}
+
+/// Where both ends of the range are.
+fn witnesses(postures: &Postures, nominal: &[f64]) -> Option<Searched> {
+    Some(Searched {
+        postures: postures.count(),
+        of_reference: postures.of_reference,
+        starts: STARTS,
+        frame: postures.frame.clone(),
+        low: extreme(postures, nominal, End::Low)?,
+        high: extreme(postures, nominal, End::High)?,
+        proved: None,
+    })
+}
+
+/// The geometric mean of the range of each entry of the diagonal.
+fn means<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<f64> {
+    let mut ends: Vec<(f64, f64)> = Vec::new();
+    for matrix in matrices {
+        ends.resize(matrix.nrows(), (f64::INFINITY, 0.0));
+        for (i, (low, high)) in ends.iter_mut().enumerate() {
+            *low = low.min(matrix[(i, i)]);
+            *high = high.max(matrix[(i, i)]);
+        }
+    }
+    ends.into_iter().map(|(low, high)| (low * high).sqrt()).collect()
 }
 
 impl ArmInertia {
@@ -188,66 +271,8 @@ impl ArmInertia {
             nominal_kg_m2: self.nominal_kg_m2.iter().map(|m| m * scale).collect(),
             low: self.low / scale,
             high: self.high / scale,
+            searched: self.searched.as_ref().map(|searched| searched.scaled(scale)),
             ..self.clone()
         }
     }
-}
-
-/// Smallest and largest eigenvalue of all `M̄^{-1/2} M M̄^{-1/2}`.
-fn eigenvalues(matrices: &[DMatrix<f64>], nominal: &[f64]) -> (f64, f64) {
-    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-    for matrix in matrices {
-        let n = matrix.nrows();
-        let scaled =
-            DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (nominal[i] * nominal[j]).sqrt());
-        let eigenvalues = scaled.symmetric_eigenvalues();
-        low = low.min(eigenvalues.min());
-        high = high.max(eigenvalues.max());
-    }
-    (low, high)
-}
-
-/// The design's payload, or the study's own if that is heavier.
-fn heaviest(study: &Study) -> f64 {
-    study.world.payload.as_ref().map_or(0.0, |p| p.mass).max(study.design.payload.mass.1)
-}
-
-/// `M(q)` at every posture, without and with the heaviest payload.
-fn mass_matrices(study: &Study) -> Result<Vec<DMatrix<f64>>, ArmError> {
-    let bare = study.robot.plant_model();
-    let with = |frame: &str, body: &Body| {
-        bare.clone().with_payload_on(frame, body).map_err(|e| ArmError::Payload(e.to_string()))
-    };
-    let mut models = vec![bare.clone()];
-    if study.design.payload.mass.1 > 0.0 {
-        let body = Body { mass: study.design.payload.mass.1, com: [0.0; 3], inertia: [0.0; 6] };
-        models.push(with(&study.robot.tip, &body)?);
-    }
-    if let Some(own) = &study.world.payload {
-        models.push(with(&own.frame, &own.body())?);
-    }
-    Ok(models.iter().flat_map(|model| sampled(model, study)).collect())
-}
-
-/// Postures from the additive recurrence on square roots of primes: even, and the same every time.
-fn sampled(model: &Model, study: &Study) -> Vec<DMatrix<f64>> {
-    const PRIMES: [f64; 16] = [
-        2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0,
-    ];
-    let n = study.robot.joints.len();
-    let mut workspace = Workspace::new(model);
-    let mut entries = vec![0.0; n * n];
-    let mut posture = |k: u32| {
-        let q: Vec<f64> = (0..n)
-            .map(|i| {
-                let pi = core::f64::consts::PI;
-                let (low, high) = study.robot.joints[i].position.unwrap_or((-pi, pi));
-                let share = (f64::from(k) * PRIMES[i % PRIMES.len()].sqrt()).fract();
-                low + share * (high - low)
-            })
-            .collect();
-        model.mass_matrix(&mut workspace, &q, &mut entries);
-        DMatrix::from_row_slice(n, n, &entries)
-    };
-    (1..=POSTURES).map(&mut posture).collect()
 }
