@@ -27,7 +27,7 @@ mod trade_off;
 mod varying;
 mod window;
 
-pub use arm::{ArmBasis, ArmInertia};
+pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, JointCertificate};

@@ -20,12 +20,13 @@ pub mod sampled;
 mod trace;
 mod trade_off;
 
-pub use arm::{Arm, ArmError};
+pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, TradeOff, VERSION,
+    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, TradeOff, VERSION,
+    Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
