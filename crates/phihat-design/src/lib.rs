@@ -19,6 +19,7 @@ mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
+pub mod tube;
 
 pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;

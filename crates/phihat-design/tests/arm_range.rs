@@ -131,7 +131,10 @@ fn every_payload_of_the_set_is_inside() {
     light.mass_kg = 1.0;
     light.inertia_kg_m2 = [0.0; 6];
     let frame = &study.design.payload.frame;
-    assert!(phihat_design::replay(&light, &study.robot, frame, &range.nominal_kg_m2).unwrap().1 < range.high);
+    assert!(
+        phihat_design::replay(&light, &study.robot, frame, &range.nominal_kg_m2).unwrap().1
+            < range.high
+    );
     let bare = named("panda", "");
     let without = Arm::of(&bare).unwrap().against(range.nominal_kg_m2.clone()).unwrap();
     assert!(without.high < range.high && (without.low / range.low - 1.0).abs() < 1e-6);
