@@ -7,6 +7,7 @@ mod arm;
 mod attenuation;
 mod bounds;
 mod certificate;
+mod check;
 mod gains;
 mod iss;
 mod law;
@@ -25,6 +26,8 @@ mod refutation;
 mod step;
 mod trade_off;
 mod varying;
+mod verify;
+mod weights;
 mod window;
 
 pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
@@ -49,6 +52,7 @@ pub use refutation::Refutation;
 pub use step::LargestStep;
 pub use trade_off::TradeOff;
 pub use varying::{SampledVarying, VaryingWindow};
+pub use verify::RATIOS;
 pub use window::InertiaWindow;
 
 /// A small matrix, row by row.
