@@ -7,6 +7,7 @@ mod arm;
 mod attenuation;
 mod bounds;
 mod certificate;
+mod check;
 mod coupled;
 mod gains;
 mod iss;
@@ -26,9 +27,11 @@ mod refutation;
 mod step;
 mod trade_off;
 mod varying;
+mod verify;
+mod weights;
 mod window;
 
-pub use arm::{ArmBasis, ArmInertia};
+pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, JointCertificate};
@@ -51,6 +54,7 @@ pub use refutation::Refutation;
 pub use step::LargestStep;
 pub use trade_off::TradeOff;
 pub use varying::{SampledVarying, VaryingWindow};
+pub use verify::RATIOS;
 pub use window::InertiaWindow;
 
 /// A small matrix, row by row.

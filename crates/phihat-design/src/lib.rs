@@ -20,14 +20,15 @@ mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
+pub mod tube;
 
-pub use arm::{Arm, ArmError};
+pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
     Gains, GainsError, JointCertificate, JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis,
-    TradeOff, VERSION,
+    Proved, Searched, TradeOff, VERSION, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

@@ -47,6 +47,7 @@ pub(crate) use model::LoopParts;
 pub use model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 pub use noise::{FindNoise, TorqueNoise};
 pub use open_loop::OpenLoop;
+pub(crate) use open_loop::literal_factors;
 pub use peak::{FindSampledPeaks, SampledPeaks};
 pub use reading::{FindReadingError, ReadingError};
 pub(crate) use reference::left_by_acceleration;
