@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::{arm_along, motion_along, phi_along};
+use phihat_campaign::{arm_along, coupled_along, motion_along, phi_along};
 use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
@@ -40,7 +40,7 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
-    match &study.design.phi {
+    let outcome = match &study.design.phi {
         PhiSource::Typed { rate, jump } => made(study, &|joint, _| Phi {
             basis: PhiBasis::Typed,
             source: "typed in the study".to_owned(),
@@ -60,7 +60,19 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         }
         PhiSource::Simulation => simulated(study, &demand, &made),
         PhiSource::Reference => made(study, &|joint, inertia| phi_along(&demand, joint, inertia)),
+    };
+    with_coupled(study, outcome?, path)
+}
+
+/// Adds to designed gains how far a push on one joint moves every joint.
+fn with_coupled(study: &Study, mut outcome: Outcome, path: &Path) -> Result<Outcome, Failure> {
+    if let Outcome::Designed(gains) = &mut outcome {
+        let coupled = coupled_along(study, gains).map_err(|e| Failure::at(path, e))?;
+        if let Some(certificate) = &mut gains.certificate {
+            certificate.coupled = coupled;
+        }
     }
+    Ok(outcome)
 }
 
 type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome, Failure>;

@@ -11,6 +11,7 @@
 mod arm;
 mod certificate;
 pub mod claims;
+pub mod coupled;
 mod designer;
 pub mod export;
 pub mod prelude;
@@ -25,9 +26,9 @@ pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, TradeOff, VERSION,
-    Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
+    Gains, GainsError, JointCertificate, JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis,
+    Proved, Searched, TradeOff, VERSION, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

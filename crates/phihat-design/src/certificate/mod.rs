@@ -76,6 +76,7 @@ impl FindCertificate for Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
+        let not_counted = NotCounted::of(study);
+        Ok(Self { arm, window_margin, duration_s, joints, coupled: None, not_counted })
     }
 }
