@@ -20,10 +20,13 @@ mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
+mod tube_document;
+mod tube_kept;
 
 pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
 pub use certificate::{
-    Bounds, Certificate, JointCertificate, LeftOut, NotCounted, arm_inside_window,
+    Bounds, Certificate, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
+    arm_inside_window,
 };
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
@@ -31,3 +34,5 @@ pub use phi::{Motion, Phi, PhiBasis};
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
 pub use trade_off::TradeOff;
+pub use tube_document::{PayloadSet, Tube, TubeJoint};
+pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept};

@@ -26,6 +26,7 @@ use crate::sampled::{
     InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
     SampledVarying, TorqueNoise, VaryingWindow,
 };
+use crate::tube_document::Tube;
 
 /// Inertia ratios at which figures are computed over the arm's range.
 pub(crate) const RATIOS: u32 = 9;
@@ -45,6 +46,55 @@ pub struct Certificate {
     /// What the study has and the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
+    /// An envelope of the study's run from its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube: Option<Tube>,
+    /// Why there is no tube.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_refused: Option<String>,
+    /// When the steady part begins, and why then; `None`: as the study says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle: Option<Settle>,
+}
+
+/// When the steady part of a run begins.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settle {
+    /// From when on the specification is held against the run \[s\].
+    pub settle_s: f64,
+    /// Where that comes from.
+    pub from: SettleFrom,
+}
+
+/// Where the beginning of the steady part comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SettleFrom {
+    /// The study states it.
+    Study,
+    /// The study does not: from then on the tube stays inside the specification.
+    Tube,
+    /// The study does not, and the tube never keeps the specification: from then on it is at its own level.
+    TubeLevel,
+    /// The study does not, and there is no tube: the default.
+    Default,
+}
+
+impl Settle {
+    /// For a study, as far as its tube tells.
+    pub fn of(study: &Study, tube: Option<&Tube>) -> Self {
+        let stated = |from| Self { settle_s: study.spec.settle, from };
+        if study.spec.settle_stated {
+            return stated(SettleFrom::Study);
+        }
+        let Some(tube) = tube else { return stated(SettleFrom::Default) };
+        let bound = study.spec.error_max.as_ref();
+        match bound.and_then(|bound| tube.settled(bound)) {
+            Some(settle_s) => Self { settle_s, from: SettleFrom::Tube },
+            None => Self { settle_s: tube.own_settled(), from: SettleFrom::TubeLevel },
+        }
+    }
 }
 
 /// The claims about one joint.
@@ -143,7 +193,10 @@ impl Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
+        let not_counted = NotCounted::of(study);
+        let settle = Some(Settle::of(study, None));
+        let (tube, tube_refused) = (None, None);
+        Ok(Self { arm, window_margin, duration_s, joints, not_counted, tube, tube_refused, settle })
     }
 
     /// The first claim that the certificate itself says does not hold.
