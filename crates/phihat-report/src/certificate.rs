@@ -4,6 +4,7 @@ use crate::figure::claim_figures;
 use crate::number::{number, stated};
 use crate::record::Record;
 use crate::text::line;
+use crate::tube::tube;
 use maud::{Markup, PreEscaped, html};
 use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;
@@ -37,6 +38,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                 }
             } }
         }
+        (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
         @for figure in claim_figures(record) {
