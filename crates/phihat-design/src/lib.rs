@@ -13,26 +13,20 @@ mod certificate;
 pub mod claims;
 mod designer;
 pub mod export;
-mod gains;
-mod phi;
+pub mod prelude;
 mod quick;
 mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
-mod tube_document;
-mod tube_kept;
 
-pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
-pub use certificate::{
-    Bounds, Certificate, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
-    arm_inside_window,
-};
+pub use arm::{Arm, ArmError};
+pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
-pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
-pub use phi::{Motion, Phi, PhiBasis};
+pub use phihat_certificate::{
+    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
+    JointKept, JointRecord, JointRun, Left, LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis,
+    Quantity, Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, VERSION,
+};
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
-pub use trade_off::TradeOff;
-pub use tube_document::{PayloadSet, Tube, TubeJoint};
-pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::tube_document::{Tube, TubeJoint};
+use crate::{Tube, TubeJoint};
 
 /// What a run recorded of one joint, one entry per sample.
 #[derive(Debug, Clone, Copy)]

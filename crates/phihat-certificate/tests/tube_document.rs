@@ -2,7 +2,7 @@
 //! bins were held against the wrong one, or the settling time began before the rest of the tube is inside.
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests")]
 
-use phihat_design::{JointRun, PayloadSet, Quantity, Settle, SettleFrom, Tube, TubeJoint};
+use phihat_certificate::{JointRun, PayloadSet, Quantity, Settle, SettleFrom, Tube, TubeJoint};
 use phihat_study::Study;
 
 /// Two joints, ten bins of 10 ms: the start-up of the first falls from 10 mrad to 1 mrad, the second is at 2 mrad.
