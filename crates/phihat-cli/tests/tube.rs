@@ -18,13 +18,14 @@ locked = { joint2 = 0.5, joint3 = 0.5 }
 [spec]
 error_max_rad = 4e-3
 [design]
+settling_time_s = 0.2
 [loop]
 torque_rate_max_nm_s = "none"
 [sensor]
 encoder_bits = 18
 [reference]
 kind = "sines"
-center = [0.0]
+center_rad = [0.0]
 fade_in_s = 0.5
 [[reference.sine]]
 amplitude_rad = [0.2]
@@ -125,7 +126,7 @@ fn a_limit_that_acts_is_told_though_the_run_is_within_spec() {
     let study = STUDY
         .replace("encoder_bits = 18", "encoder_bits = 12")
         .replace("4e-3", "0.5")
-        .replace("[design]", "[gains]\ninertia_kg_m2 = 1.0\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 40.0")
+        .replace("[design]\nsettling_time_s = 0.2", "[gains]\ninertia_kg_m2 = 1.0\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 40.0")
         .replace("\"none\"", "200.0");
     fs::write(folder.join("slow.toml"), study).unwrap();
     let answer = phihat(&folder, &["run", "slow.toml", "--uncertified"]);

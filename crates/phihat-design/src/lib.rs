@@ -11,6 +11,7 @@
 mod arm;
 mod certificate;
 pub mod claims;
+mod contradiction;
 mod designer;
 pub mod export;
 pub mod prelude;
@@ -22,6 +23,7 @@ mod trade_off;
 
 pub use arm::{Arm, ArmError};
 pub use certificate::arm_inside_window;
+pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,

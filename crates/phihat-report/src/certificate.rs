@@ -34,6 +34,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                     @match one.claims {
                         LeftOut::Bounds => "not in the bounds",
                         LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
+                        LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
                     }
                 }
             } }

@@ -43,11 +43,10 @@ impl TubeRun {
             Some("it was made for another study".to_owned())
         } else if let Some(why) = certificate.refused() {
             Some(format!("the gains do not arm: {why}"))
-        } else if !certificate.not_counted.is_empty() {
-            let keys = certificate.not_counted.iter().map(|one| one.key.as_str());
-            Some(format!("it does not count {}", keys.collect::<Vec<_>>().join(", ")))
         } else {
-            None
+            let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
+            let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
+            (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
         };
         Some(Self { kept, no_promise })
     }

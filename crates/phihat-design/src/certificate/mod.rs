@@ -62,7 +62,6 @@ impl FindCertificate for Certificate {
         let bits = study.sensor.encoder_bits.as_ref();
         let mut known: Vec<find::Shared> = Vec::new();
         let mut joint = |(i, record): (usize, &JointRecord)| {
-            let per = |v: &Option<Vec<f64>>| v.as_ref().and_then(|v| v.get(i)).copied();
             let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
             let drive = scope::gains(study, i);
             let at = known.iter().position(|shared| shared.is_of(&model, drive));
@@ -78,7 +77,8 @@ impl FindCertificate for Certificate {
             let context = find::Context {
                 record,
                 arm: &arm,
-                limits: (per(&study.control.torque_max), per(&study.control.torque_rate_max)),
+                // The robot's own rules are limits like the study's.
+                limits: study.limits(i),
                 quantum: bits.and_then(|b| b.get(i)).map(|bits| TorqueNoise::quantum(*bits)),
                 duration: study.duration,
             };
