@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     ArmInertia, Attenuation, Bounds, CoupledGains, InertiaWindow, Iss, LargestStep, LoopModel,
     Margins, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
-    ReferenceError, Refutation, SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
+    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
+    VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -27,6 +28,15 @@ pub struct Certificate {
     /// What the study has and the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
+    /// An envelope of the study's run from its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube: Option<Tube>,
+    /// Why there is no tube.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_refused: Option<String>,
+    /// When the steady part begins, and why then; `None`: not told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle: Option<Settle>,
 }
 
 /// The claims about one joint.
