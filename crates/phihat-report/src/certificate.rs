@@ -83,9 +83,9 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                     th scope="col" { "|ė| measured " span.unit { "[mrad/s]" } }
                     th scope="col" { "holds" }
                 } }
-                tbody { @for (claim, joint) in rows() { tr {
+                tbody { @for (i, (claim, joint)) in rows().enumerate() { tr {
                     th scope="row" { (line(&claim.name)) }
-                    @if let Some(bound) = &claim.bounds {
+                    @if let Some(bound) = certificate.error_bound(i) {
                         @let holds = joint.error_steady_max_rad <= bound.error_rad
                             && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
                         td { (number(bound.error_rad * MILLI)) }
