@@ -1,5 +1,6 @@
 //! What was proved about the gains, beside what the run measured.
 
+use crate::coupled::coupled;
 use crate::figure::claim_figures;
 use crate::number::{number, stated};
 use crate::record::Record;
@@ -42,6 +43,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
+        (coupled(certificate))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }

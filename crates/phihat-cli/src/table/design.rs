@@ -6,6 +6,7 @@ use phihat_design::{
     SettleFrom,
 };
 
+use super::coupled::coupled;
 use super::{MILLI, align, plain_table};
 
 /// One row of gains per joint.
@@ -61,6 +62,7 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         lines.push(format!("φ: {}", phi.source));
     }
     lines.extend(certificate.joints.first().map(law));
+    lines.extend(coupled(certificate));
     lines.extend(not_counted(&certificate.not_counted));
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
