@@ -7,6 +7,8 @@ mod arm;
 mod attenuation;
 mod bounds;
 mod certificate;
+mod check;
+mod coupled;
 mod gains;
 mod iss;
 mod law;
@@ -28,12 +30,15 @@ mod trade_off;
 mod tube_document;
 mod tube_kept;
 mod varying;
+mod verify;
+mod weights;
 mod window;
 
-pub use arm::{ArmBasis, ArmInertia};
+pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, JointCertificate};
+pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use iss::Iss;
 pub use law::Law;
@@ -55,6 +60,7 @@ pub use trade_off::TradeOff;
 pub use tube_document::{PayloadSet, Tube, TubeJoint};
 pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept};
 pub use varying::{SampledVarying, VaryingWindow};
+pub use verify::RATIOS;
 pub use window::InertiaWindow;
 
 /// A small matrix, row by row.

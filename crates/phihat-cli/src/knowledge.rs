@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::{motion_along, phi_along, typed_phi_holds};
+use phihat_campaign::{arm_along, coupled_along, motion_along, phi_along, typed_phi_holds};
 use phihat_design::{
     Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia, typed_inertia_holds,
 };
@@ -20,7 +20,7 @@ const DOUBLINGS: u32 = 12;
 pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
     typed_inertia_holds(study).map_err(|e| Failure::at(path, e))?;
     let InertiaSource::Trace(file) = &study.design.inertia else {
-        return Arm::of(study).map_err(|e| Failure::at(path, e));
+        return arm_along(study).map_err(|e| Failure::at(path, e));
     };
     let trace = recorded(study, file)?;
     let signals = trace.joints.iter().map(|joint| JointSignals {
@@ -43,9 +43,9 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
-    match &study.design.phi {
+    let outcome = match &study.design.phi {
         PhiSource::Typed { rate, jump } => {
-            let outcome = made(study, &|joint, _| Phi {
+            let typed = made(study, &|joint, _| Phi {
                 basis: PhiBasis::Typed,
                 source: "typed in the study".to_owned(),
                 size_nm: None,
@@ -53,10 +53,10 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
                 jump_nm: jump[joint],
                 motion: None,
             })?;
-            if let Outcome::Designed(gains) = &outcome {
+            if let Outcome::Designed(gains) = &typed {
                 typed_phi_holds(study, &demand, gains).map_err(|e| Failure::at(path, e))?;
             }
-            Ok(outcome)
+            Ok(typed)
         }
         PhiSource::Trace(file) => {
             let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
@@ -69,7 +69,19 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         }
         PhiSource::Simulation => simulated(study, &demand, &made),
         PhiSource::Reference => made(study, &|joint, inertia| phi_along(&demand, joint, inertia)),
+    };
+    with_coupled(study, outcome?, path)
+}
+
+/// Adds to designed gains how far a push on one joint moves every joint.
+fn with_coupled(study: &Study, mut outcome: Outcome, path: &Path) -> Result<Outcome, Failure> {
+    if let Outcome::Designed(gains) = &mut outcome {
+        let coupled = coupled_along(study, gains).map_err(|e| Failure::at(path, e))?;
+        if let Some(certificate) = &mut gains.certificate {
+            certificate.coupled = coupled;
+        }
     }
+    Ok(outcome)
 }
 
 type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome, Failure>;

@@ -12,6 +12,7 @@ mod arm;
 mod certificate;
 pub mod claims;
 mod contradiction;
+pub mod coupled;
 mod designer;
 pub mod export;
 pub mod prelude;
@@ -20,15 +21,17 @@ mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
+pub mod tube;
 
-pub use arm::{Arm, ArmError};
+pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointKept, JointRecord, JointRun, Left, LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis,
-    Quantity, Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, VERSION,
+    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
+    Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left, LeftOut, Motion,
+    NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle, SettleFrom,
+    TradeOff, Tube, TubeJoint, TubeKept, VERSION, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

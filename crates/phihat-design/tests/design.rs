@@ -6,7 +6,6 @@
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::prelude::*;
 use phihat_design::{
     Alternative, Arm, Gains, Motion, Outcome, Phi, PhiBasis, arm_inside_window, design,
 };
