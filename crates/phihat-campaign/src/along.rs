@@ -17,16 +17,17 @@ pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
     let arm = Arm::of(study)?;
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
     Ok(match motion {
-        Ok(motion) => arm.along(&postures(&motion, study)),
+        Ok(motion) => arm.along(&passing(&motion, study)),
         Err(_) => arm,
     })
 }
 
-/// Evenly over the run, both ends included.
-fn postures(motion: &phihat_sim::Motion, study: &Study) -> Vec<Vec<f64>> {
+/// Positions and velocities, evenly over the run, both ends included.
+fn passing(motion: &phihat_sim::Motion, study: &Study) -> Vec<(Vec<f64>, Vec<f64>)> {
     let at = |k: u32| {
         let t = study.duration * f64::from(k) / f64::from(POSTURES - 1);
-        (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
+        let jets = (0..study.robot.joints.len()).map(|joint| motion.at(joint, t));
+        jets.map(|[q, dq, _]| (q, dq)).unzip()
     };
     (0..POSTURES).map(at).collect()
 }

@@ -22,7 +22,8 @@ mod trace;
 mod trade_off;
 
 pub use arm::{
-    Arm, ArmBasis, ArmError, ArmInertia, ProofProgress, Proved, Searched, Unproved, Witness,
+    Arm, ArmBasis, ArmError, ArmInertia, InertiaRates, ProofProgress, Proved, Searched, Unproved,
+    Witness,
 };
 pub use certificate::{
     Bounds, Certificate, JointCertificate, LeftOut, NotCounted, arm_inside_window,

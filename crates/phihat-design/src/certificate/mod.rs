@@ -3,6 +3,7 @@
 mod arming;
 mod bounds;
 mod find;
+mod moving;
 mod scope;
 mod start;
 
@@ -23,8 +24,8 @@ use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakG
 use crate::gains::{Gains, JointRecord};
 use crate::phi::Phi;
 use crate::sampled::{
-    InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
-    SampledVarying, TorqueNoise, VaryingWindow,
+    InertiaWindow, LargestStep, LoopModel, Margins, Moving, ReadingError, ReferenceError,
+    SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
 };
 
 /// Inertia ratios at which figures are computed over the arm's range.
@@ -42,6 +43,12 @@ pub struct Certificate {
     pub duration_s: f64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointCertificate>,
+    /// Stability while the arm moves; `None`: not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<Moving>,
+    /// Why stability while the arm moves is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving_refused: Option<Refutation>,
     /// What the study has and the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
@@ -143,7 +150,15 @@ impl Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
+        Ok(Self {
+            arm,
+            window_margin,
+            duration_s,
+            joints,
+            moving: None,
+            moving_refused: None,
+            not_counted: NotCounted::of(study),
+        })
     }
 
     /// The first claim that the certificate itself says does not hold.
@@ -189,6 +204,7 @@ impl Certificate {
             joint.verify(record, self, told).map_err(named)?;
             checked.push(joint);
         }
+        self.verify_moving(gains)?;
         self.refused().map_or(Ok(()), Err)
     }
 }
