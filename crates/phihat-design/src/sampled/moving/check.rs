@@ -37,6 +37,8 @@ pub(crate) struct Claim<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Failure {
     pub(crate) inequality: String,
+    /// Frequency \[rad/sample\], where there is one.
+    pub(crate) theta: f64,
     pub(crate) left: f64,
     pub(crate) right: f64,
 }
@@ -89,7 +91,12 @@ impl Claim<'_> {
                 let inequality = format!(
                     "|N + cΔ|² + y Im(NΔ*) > (r² + κ + λη²)(|Δ|² + |K|²/λ) + |K|²y²/4λ at θ = {from:.6} rad/sample"
                 );
-                return Err(Failure { inequality, left: cell.left, right: cell.right });
+                return Err(Failure {
+                    inequality,
+                    theta: from,
+                    left: cell.left,
+                    right: cell.right,
+                });
             } else {
                 let middle = 0.5 * (from + to);
                 cells.extend([(middle, to), (from, middle)]);
@@ -159,7 +166,7 @@ struct Cell {
 }
 
 fn holds(inequality: &str, (left, right): (f64, f64), holds: bool) -> Result<(), Failure> {
-    let failure = || Failure { inequality: inequality.to_owned(), left, right };
+    let failure = || Failure { inequality: inequality.to_owned(), theta: 0.0, left, right };
     if holds { Ok(()) } else { Err(failure()) }
 }
 

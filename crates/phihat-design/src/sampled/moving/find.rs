@@ -11,50 +11,33 @@ use crate::sampled::window::angles;
 /// Taps that may be other than 0.
 const TAPS: [usize; 18] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 48, 64, 85, 113, 150, 200, 270];
 
-/// Lowest frequency of the grid \[rad/sample\].
-const LOWEST: f64 = 1e-4;
+/// Where the loop is so many times the inertia, no multiplier is needed.
+const LARGE: f64 = 300.0;
 
 /// Rates that are looked at \[1/s\], and how finely.
 const RATES: (f64, f64) = (1e-2, 1e4);
 const FINE: f64 = 1.02;
 
-/// Share of the largest sizes that a programme has to leave between both sides.
+/// Share of the sizes on both sides that a programme leaves between them if it can, and has to.
+const ROOM: f64 = 0.03;
 const MARGIN: f64 = 1e-4;
 
+/// What the taps' size counts against that: large ones bend between the points of the grid.
+const SMALL: f64 = 1e-5;
+
+/// How often the frequency at which a proof fails joins the grid.
+const ROUNDS: u32 = 5;
+
 /// The largest rate with its proof.
-pub(super) fn largest(
-    about: &Loop,
-    (low, high): (f64, f64),
-    period: f64,
-) -> Result<Moving, Failure> {
-    let grid = Grid::of(about, (low, high));
-    let tried = |rate: f64| -> Option<Moving> {
-        let (h, drift) = grid.multiplier(rate, period)?;
-        let claim = Claim { low, high, period, rate, h: &h, drift };
-        claim.check(about).ok()?;
-        let delta = claim.step().delta;
-        Some(Moving {
-            low,
-            high,
-            rate_per_s: rate,
-            delta,
-            h: h.clone(),
-            drift,
-            needed_motion_per_s: None,
-            needed_limits_per_s: None,
-        })
-    };
+pub(super) fn largest(about: &Loop, range: (f64, f64), period: f64) -> Result<Moving, Failure> {
+    let mut grid = Grid::of(about, range);
     let (mut below, mut above) = RATES;
-    let mut best = tried(below).ok_or_else(|| Failure {
-        inequality: "a multiplier exists for inertia that changes at 0.01 1/s".to_owned(),
-        left: 0.0,
-        right: 1.0,
-    })?;
+    let mut best = grid.proved(about, below, period)?;
     while above / below > FINE {
         let middle = (below * above).sqrt();
-        match tried(middle) {
-            Some(found) => (best, below) = (found, middle),
-            None => above = middle,
+        match grid.proved(about, middle, period) {
+            Ok(found) => (best, below) = (found, middle),
+            Err(_) => above = middle,
         }
     }
     Ok(best)
@@ -78,28 +61,65 @@ struct Point {
     scale: f64,
     /// `|N| < 2 high |Δ|`: the loop is not large against the inertia.
     close: bool,
+    matters: bool,
+}
+
+impl Point {
+    fn at(theta: f64, about: &Loop, (low, high): (f64, f64)) -> Self {
+        let w = on_circle(theta, 1.0);
+        let at = |p: &[f64]| Polynomial::new(p.to_vec()).at(w);
+        let [n, d, k]: [Complex<f64>; 3] =
+            [&about.numerator, &about.denominator, &about.kick].map(|p| at(p));
+        let c = 0.5 * (low + high);
+        Self {
+            theta,
+            shifted: (n + d * c).norm_sqr(),
+            turned: (n * d.conj()).im,
+            open: d.norm_sqr(),
+            kick: k.norm_sqr(),
+            scale: n.norm_sqr() + c * c * d.norm_sqr(),
+            close: n.norm() < 2.0 * high * d.norm(),
+            matters: n.norm() < LARGE * high * d.norm(),
+        }
+    }
 }
 
 impl Grid {
-    fn of(about: &Loop, (low, high): (f64, f64)) -> Self {
-        let [n, d, k] =
-            [&about.numerator, &about.denominator, &about.kick].map(|p| Polynomial::new(p.clone()));
-        let c = 0.5 * (low + high);
-        let point = |theta: f64| {
-            let w = on_circle(theta, 1.0);
-            let (n, d, k): (Complex<f64>, Complex<f64>, Complex<f64>) = (n.at(w), d.at(w), k.at(w));
-            Point {
-                theta,
-                shifted: (n + d * c).norm_sqr(),
-                turned: (n * d.conj()).im,
-                open: d.norm_sqr(),
-                kick: k.norm_sqr(),
-                scale: n.norm_sqr() + c * c * d.norm_sqr(),
-                close: n.norm() < 2.0 * high * d.norm(),
-            }
+    fn of(about: &Loop, range: (f64, f64)) -> Self {
+        let points = angles().into_iter().map(|theta| Point::at(theta, about, range));
+        Self { range, points: points.filter(|p| p.matters).collect() }
+    }
+
+    /// A multiplier for a rate, with its proof.
+    fn proved(&mut self, about: &Loop, rate: f64, period: f64) -> Result<Moving, Failure> {
+        let (low, high) = self.range;
+        let mut failure = Failure {
+            inequality: format!("a multiplier exists for inertia that changes at {rate:.3} 1/s"),
+            theta: 0.0,
+            left: 0.0,
+            right: 1.0,
         };
-        let thetas = angles().into_iter().filter(|theta| *theta >= LOWEST);
-        Self { range: (low, high), points: thetas.map(point).collect() }
+        for _ in 0..ROUNDS {
+            let Some((h, drift)) = self.multiplier(rate, period) else { break };
+            let claim = Claim { low, high, period, rate, h: &h, drift };
+            match claim.check(about) {
+                Ok(()) => {
+                    return Ok(Moving {
+                        low,
+                        high,
+                        rate_per_s: rate,
+                        delta: claim.step().delta,
+                        h,
+                        drift,
+                        needed_motion_per_s: None,
+                        needed_limits_per_s: None,
+                    });
+                }
+                Err(why) => failure = why,
+            }
+            self.points.push(Point::at(failure.theta, about, self.range));
+        }
+        Err(failure)
     }
 
     /// `h` and `λ` for a rate; `None` where there are none.
@@ -122,12 +142,10 @@ impl Grid {
         let whole = r * r + drift * step.apart * step.apart;
         let known = Claim { low, high, period: 1.0, rate: 0.0, h: before, drift };
         let mut problem = Problem::new(OptimizationDirection::Maximize);
-        let room = problem.add_var(1.0, (-1.0, 1.0));
-        let most = 1e3 * high;
-        let taps: Vec<(usize, Variable, Variable)> = TAPS
-            .iter()
-            .map(|j| (*j, problem.add_var(0.0, (0.0, most)), problem.add_var(0.0, (0.0, most))))
-            .collect();
+        let room = problem.add_var(1.0, (-1.0, ROOM));
+        let mut tap = |j: f64| problem.add_var(-SMALL * j / high, (0.0, f64::INFINITY));
+        let taps: Vec<(usize, Variable, Variable)> =
+            TAPS.iter().map(|j| (*j, tap(*j as f64), tap(*j as f64))).collect();
         for p in &self.points {
             let size = p.open + p.kick / drift;
             let y = known.multiplier(p.theta);
