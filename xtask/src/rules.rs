@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("phihat", &[]),
     ("phihat-model", &[]),
     ("phihat-study", &["phihat-model"]),
-    ("phihat-design", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-certificate", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-design", &["phihat", "phihat-certificate", "phihat-model", "phihat-study"]),
     ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
     ("phihat-baselines", &["phihat", "phihat-model"]),
     (

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use phihat::Form;
+use phihat_design::prelude::*;
 use phihat_design::{
     Alternative, Arm, Gains, Motion, Outcome, Phi, PhiBasis, arm_inside_window, design,
 };

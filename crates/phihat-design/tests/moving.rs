@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use phihat_design::JointRecord;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{
     InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity, Moving, StateMatrix,
 };
@@ -213,5 +214,67 @@ fn a_strengthened_claim_is_refused() {
         good.verify(&gains, &late).unwrap_err();
         let slow = LoopModel { drive_bandwidth_hz: Some(200.0), ..model };
         good.verify(&gains, &slow).unwrap_err();
+    }
+}
+
+#[test]
+fn tmp_panda() {
+    use phihat_design::*;
+    let study =
+        phihat_study::Study::read(std::path::Path::new("../../studies/panda_design.toml")).unwrap();
+    let demand = phihat_sim::Demand::along(&study).unwrap();
+    let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration).unwrap();
+    let passing: Vec<(Vec<f64>, Vec<f64>)> = (0..200)
+        .map(|k| {
+            (0..7)
+                .map(|j| motion.at(j, study.duration * f64::from(k) / 199.0))
+                .map(|[q, dq, _]| (q, dq))
+                .unzip()
+        })
+        .collect();
+    let arm = Arm::of(&study).unwrap().along(&passing);
+    let phi = |j: usize, m: f64| {
+        let p = demand.phi(j, m);
+        let (a, jk) = demand.motion(j);
+        Phi {
+            basis: PhiBasis::Reference,
+            source: String::new(),
+            size_nm: Some(p.size),
+            rate_nm_s: p.rate,
+            jump_nm: p.jump,
+            motion: Some(Motion {
+                velocity_rad_s: demand.velocity(j),
+                acceleration_rad_s2: a,
+                jerk_rad_s3: jk,
+            }),
+        }
+    };
+    let t = std::time::Instant::now();
+    let Outcome::Designed(g) = design(&study, &arm, &phi).unwrap() else { panic!() };
+    println!("design {:?}", t.elapsed());
+    let c = g.certificate.as_ref().unwrap();
+    println!("{:?}", g.joints);
+    println!("{:?}", c.joints[0].window);
+    println!("{:?}", c.joints[0].sampled_varying.as_ref().map(|v| (v.low, v.high)));
+    println!("{:?}\n{:?} {:?}", c.arm, c.moving, c.moving_refused);
+    let t = std::time::Instant::now();
+    let r = arm.rates(&c.arm.nominal_kg_m2);
+    println!("rates {r:?} {:?}", t.elapsed());
+    let t = std::time::Instant::now();
+    let m = sampled::Moving::find(&g.joints[0], &c.joints[0].model, (c.arm.low, c.arm.high))
+        .map(|m| m.rate_per_s);
+    println!("find {m:?} {:?}", t.elapsed());
+    let t = std::time::Instant::now();
+    c.verify(&g).unwrap();
+    println!("verify {:?}", t.elapsed());
+    for _ in 0..3 {
+        let t = std::time::Instant::now();
+        let _ = arm.against(c.arm.nominal_kg_m2.clone());
+        println!("against {:?}", t.elapsed());
+    }
+    for f in [1.5, 1.25, 1.1] {
+        let t = std::time::Instant::now();
+        let p = arm.prove(&c.arm, f, &mut |_| t.elapsed().as_secs() < 150);
+        println!("prove {f} {:?} {:?}", p.map(|a| a.searched.unwrap().proved), t.elapsed());
     }
 }

@@ -2,6 +2,7 @@
 
 use phihat_baselines::{DesignedJoint, Entry, rival};
 use phihat_design::claims::{Attenuation, Law, Optimality};
+use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks, TorqueNoise};
 use phihat_design::{Clause, JointRecord, Outcome, design};
 use phihat_sim::Demand;

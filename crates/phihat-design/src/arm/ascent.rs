@@ -3,10 +3,10 @@
 use core::f64::consts::TAU;
 
 use nalgebra::DVector;
+use phihat_certificate::Witness;
 use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
-use super::witness::Witness;
 
 /// Postures from which an end is sought, and those of them that are followed to the end.
 pub(super) const STARTS: u32 = 20;

@@ -4,11 +4,12 @@ use phihat_study::Study;
 
 use super::scope::unmodelled;
 use super::start::start_inside_window;
-use crate::arm::{Arm, ArmInertia};
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
-use crate::gains::{Gains, JointRecord};
+use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
+use crate::{Arm, ArmInertia};
+use crate::{Gains, JointRecord};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
 /// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the

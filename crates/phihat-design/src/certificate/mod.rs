@@ -8,103 +8,25 @@ mod scope;
 mod start;
 
 use phihat_study::Study;
-use serde::{Deserialize, Serialize};
 
 pub use arming::arm_inside_window;
 pub(crate) use arming::inside;
 use arming::{covers, shared_law, tried};
-pub use bounds::Bounds;
 pub(crate) use bounds::Evidence;
+pub(crate) use moving::find_moving;
 pub(crate) use scope::as_modelled;
-pub use scope::{LeftOut, NotCounted};
 
-use crate::arm::ArmInertia;
 use crate::claims::law::holds;
-use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakGains, Refutation};
-use crate::gains::{Gains, JointRecord};
-use crate::phi::Phi;
-use crate::sampled::{
-    InertiaWindow, LargestStep, LoopModel, Margins, Moving, ReadingError, ReferenceError,
-    SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
-};
+use crate::claims::{Law, Refutation};
+use crate::prelude::*;
+use crate::sampled::{LoopModel, TorqueNoise};
+use crate::{ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi};
 
 /// Inertia ratios at which figures are computed over the arm's range.
 pub(crate) const RATIOS: u32 = 9;
 
-/// Everything that is claimed about a set of gains on an arm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Certificate {
-    /// The arm's range of inertia, measured in the gains' `M̄`.
-    pub arm: ArmInertia,
-    /// Factor by which that range must stay inside each window, at both ends.
-    pub window_margin: f64,
-    /// Length of a run \[s\] for which the bounds on `∫e` hold.
-    pub duration_s: f64,
-    /// One entry per joint, in the robot's order.
-    pub joints: Vec<JointCertificate>,
-    /// Stability while the arm moves; `None`: not proved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moving: Option<Moving>,
-    /// Why stability while the arm moves is not proved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moving_refused: Option<Refutation>,
-    /// What the study has and the claims leave out.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub not_counted: Vec<NotCounted>,
-}
-
-/// The claims about one joint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointCertificate {
-    /// Joint name.
-    pub name: String,
-    /// The sampled loop that the claims are about.
-    pub model: LoopModel,
-    /// Inertia window of the sampled loop; `None`: unstable even at the nominal inertia.
-    pub window: Option<InertiaWindow>,
-    /// Range through which the inertia may move at any speed, for the continuous law; `None`: no common
-    /// quadratic form.
-    pub varying: Option<VaryingWindow>,
-    /// The same for the sampled loop.
-    pub sampled_varying: Option<SampledVarying>,
-    /// Levels `γ` at which the law is optimal.
-    pub attenuation: Attenuation,
-    /// Inverse optimality at one `K̃`; `None` where no diagonal `Q` exists.
-    pub optimality: Option<Optimality>,
-    /// Input-to-state stability.
-    pub iss: Iss,
-    /// The paper's bound (40) on `|x|` per unit of `φ/M̄`, and the ultimate bound that holds.
-    pub paper: PaperRadius,
-    /// H-infinity norm from φ to the error.
-    pub norm: NormH,
-    /// Continuous peak-to-peak gains at `μ = 1`.
-    pub peaks: PeakGains,
-    /// Stability margins over the arm's range; like all that follows `None` where the window is refused.
-    pub margins: Option<Margins>,
-    /// Sampled peak-to-peak gains over the arm's range.
-    pub sampled: Option<SampledPeaks>,
-    /// Gains from the encoder's error to the true error; `None` also for an exact position.
-    pub reading: Option<ReadingError>,
-    /// Gains from the reference's own motion to the error.
-    pub reference: Option<ReferenceError>,
-    /// Torque noise from the encoder; `None` also for an exact position.
-    pub noise: Option<TorqueNoise>,
-    /// Largest reference step that no limit has to cut.
-    pub step: Option<LargestStep>,
-    /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\] that `step` is about.
-    pub limits: (Option<f64>, Option<f64>),
-    /// What `φ` may be; `None`: not known, so no bound on the error.
-    pub phi: Option<Phi>,
-    /// What follows for the error.
-    pub bounds: Option<Bounds>,
-    /// Claims that do not hold, each with its inequality. Gains with any of these do not arm.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub refused: Vec<Refutation>,
-}
-
-impl Certificate {
+/// Finding a [`Certificate`].
+pub trait FindCertificate: Sized {
     /// Finds every claim about gains on a study's arm, and what follows for `φ` as far as it is known. Claims
     /// that the sampled loop refuses are told in the certificate: see [`Self::refused`].
     ///
@@ -112,7 +34,24 @@ impl Certificate {
     ///
     /// [`Refutation`] of gains about which nothing at all can be claimed: joints with different laws, or a
     /// continuous law that is not stable.
-    pub fn find(
+    fn find(
+        study: &Study,
+        gains: &Gains,
+        arm: ArmInertia,
+        phi: &[Option<Phi>],
+    ) -> Result<Self, Refutation>;
+
+    /// Checks every claim again, from the gains alone.
+    ///
+    /// # Errors
+    ///
+    /// The first [`Refutation`], naming joint, claim and inequality with both sides; last of all the one that
+    /// the certificate itself states.
+    fn verify(&self, gains: &Gains) -> Result<(), Refutation>;
+}
+
+impl FindCertificate for Certificate {
+    fn find(
         study: &Study,
         gains: &Gains,
         arm: ArmInertia,
@@ -161,20 +100,7 @@ impl Certificate {
         })
     }
 
-    /// The first claim that the certificate itself says does not hold.
-    pub fn refused(&self) -> Option<Refutation> {
-        let own =
-            |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
-        self.joints.iter().find_map(own)
-    }
-
-    /// Checks every claim again, from the gains alone.
-    ///
-    /// # Errors
-    ///
-    /// The first [`Refutation`], naming joint, claim and inequality with both sides; last of all the one that
-    /// the certificate itself states.
-    pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
+    fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         shared_law(gains)?;
         let claim = "certificate";
         let (own, theirs) = (self.joints.len() as f64, gains.joints.len() as f64);
@@ -204,12 +130,39 @@ impl Certificate {
             joint.verify(record, self, told).map_err(named)?;
             checked.push(joint);
         }
-        self.verify_moving(gains)?;
+        if let Some(searched) = &self.arm.searched {
+            searched.agrees(self.arm.low, self.arm.high)?;
+        }
+        moving::verify_moving(self, gains)?;
         self.refused().map_or(Ok(()), Err)
     }
 }
 
-impl JointCertificate {
+/// What one joint's claims need to be checked.
+trait CheckJoint {
+    /// Checks the claims; those that do not depend on the nominal inertia only where they are not `told` already.
+    fn verify(
+        &self,
+        record: &JointRecord,
+        whole: &Certificate,
+        told: bool,
+    ) -> Result<(), Refutation>;
+
+    /// Whether all that does not depend on the nominal inertia is the same, for the law that joints share.
+    fn tells_the_same(&self, other: &Self) -> bool;
+
+    /// Continuous law and sampled loop, at whatever nominal inertia.
+    fn verify_loop(&self, record: &JointRecord) -> Result<(), Refutation>;
+
+    /// That the claims are about the arm's whole range of inertia; noise and step at this joint's.
+    fn verify_over_range(
+        &self,
+        record: &JointRecord,
+        whole: &Certificate,
+    ) -> Result<(), Refutation>;
+}
+
+impl CheckJoint for JointCertificate {
     /// Checks the claims; those that do not depend on the nominal inertia only where they are not `told` already.
     fn verify(
         &self,
@@ -225,7 +178,7 @@ impl JointCertificate {
             return holds("certificate", "no claim rests on a refused one", 1.0, 0.0, bare);
         }
         self.verify_over_range(record, whole)?;
-        self.verify_bounds(record, whole.duration_s)
+        bounds::verify(self, record, whole.duration_s)
     }
 
     /// Whether all that does not depend on the nominal inertia is the same, for the law that joints share.

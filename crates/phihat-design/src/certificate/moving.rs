@@ -1,49 +1,45 @@
 //! Stability while the arm moves, in the certificate.
 
-use super::Certificate;
 use crate::arm::{Arm, InertiaRates};
 use crate::claims::Refutation;
 use crate::claims::law::holds;
-use crate::gains::Gains;
-use crate::sampled::{Moving, refuse};
+use crate::sampled::{FindMoving, Moving, refuse};
+use crate::{Certificate, Gains};
 
 const CLAIM: &str = "stability while moving";
 
-impl Certificate {
-    /// Finds how fast the arm may move through its range of inertia, or says why that is not proved.
-    pub(crate) fn find_moving(&mut self, gains: &Gains, arm: &Arm) {
-        match self.moving_of(gains, arm) {
-            Ok(moving) => self.moving = Some(moving),
-            Err(why) => self.moving_refused = Some(why),
-        }
+/// Finds how fast the arm may move through its range of inertia, or says why that is not proved.
+pub(crate) fn find_moving(certificate: &mut Certificate, gains: &Gains, arm: &Arm) {
+    match of(certificate, gains, arm) {
+        Ok(moving) => certificate.moving = Some(moving),
+        Err(why) => certificate.moving_refused = Some(why),
     }
+}
 
-    fn moving_of(&self, gains: &Gains, arm: &Arm) -> Result<Moving, Refutation> {
-        self.one_loop()?;
-        let first = gains.joints.first().zip(self.joints.first());
-        let (record, joint) = first.ok_or_else(|| refuse(CLAIM, "there is a joint", 0.0, 1.0))?;
-        let found = Moving::find(record, &joint.model, (self.arm.low, self.arm.high))?;
-        let InertiaRates { motion_per_s, limits_per_s } = arm.rates(&self.arm.nominal_kg_m2);
-        Ok(Moving { needed_motion_per_s: motion_per_s, needed_limits_per_s: limits_per_s, ..found })
-    }
+fn of(certificate: &Certificate, gains: &Gains, arm: &Arm) -> Result<Moving, Refutation> {
+    one_loop(certificate)?;
+    let first = gains.joints.first().zip(certificate.joints.first());
+    let (record, joint) = first.ok_or_else(|| refuse(CLAIM, "there is a joint", 0.0, 1.0))?;
+    let range = (certificate.arm.low, certificate.arm.high);
+    let found = Moving::find(record, &joint.model, range)?;
+    let rates = arm.rates(&certificate.arm.nominal_kg_m2);
+    let InertiaRates { motion_per_s, limits_per_s } = rates;
+    Ok(Moving { needed_motion_per_s: motion_per_s, needed_limits_per_s: limits_per_s, ..found })
+}
 
-    /// Checks the claim, if it is made.
-    pub(super) fn verify_moving(&self, gains: &Gains) -> Result<(), Refutation> {
-        let Some(moving) = &self.moving else { return Ok(()) };
-        self.one_loop()?;
-        let holds_arm = moving.low <= self.arm.low && self.arm.high <= moving.high;
-        holds(CLAIM, "its range holds the arm's", self.arm.high, moving.high, holds_arm)?;
-        gains
-            .joints
-            .iter()
-            .zip(&self.joints)
-            .take(1)
-            .try_for_each(|(record, joint)| moving.verify(record, &joint.model))
-    }
+/// Checks the claim, if it is made.
+pub(super) fn verify_moving(certificate: &Certificate, gains: &Gains) -> Result<(), Refutation> {
+    let Some(moving) = &certificate.moving else { return Ok(()) };
+    one_loop(certificate)?;
+    let arm = &certificate.arm;
+    let inside = moving.low <= arm.low && arm.high <= moving.high;
+    holds(CLAIM, "its range holds the arm's", arm.high, moving.high, inside)?;
+    let first = gains.joints.first().zip(certificate.joints.first());
+    first.map_or(Ok(()), |(record, joint)| moving.verify(record, &joint.model))
+}
 
-    /// The multiplier is for joints that are all in the same loop.
-    fn one_loop(&self) -> Result<(), Refutation> {
-        let same = self.joints.windows(2).all(|pair| pair[0].model == pair[1].model);
-        holds(CLAIM, "all joints are in the same loop", 0.0, 0.0, same)
-    }
+/// The multiplier is for joints that are all in the same loop.
+fn one_loop(certificate: &Certificate) -> Result<(), Refutation> {
+    let same = certificate.joints.windows(2).all(|pair| pair[0].model == pair[1].model);
+    holds(CLAIM, "all joints are in the same loop", 0.0, 0.0, same)
 }

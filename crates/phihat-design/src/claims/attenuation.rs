@@ -1,6 +1,6 @@
 //! How much attenuation a law can be certified for: the values of `K̃` that admit a certificate.
 
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::{Attenuation, Interval};
 
 use crate::claims::law::{Law, Refutation, agrees, holds};
 use crate::claims::polynomial::{self, Sign};
@@ -11,51 +11,25 @@ const CLAIM: &str = "attenuation";
 /// Relative distance to the edge at which an edge is probed.
 const PROBE: f64 = 1e-6;
 
-/// An open interval of `K̃` \[1/s\].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Interval {
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-}
-
-/// The values of `K̃` in `(0, a_{m−1})` for which a law is inverse optimal.
-///
-/// # Claim
-///
-/// ```text
-/// diagonal:            q_i(K̃) > 0 for all i, exactly for low < K̃ < high                         (T5)
-/// return difference:   |(jω)^m + K̃g(jω)|² ≥ ω^{2m} for all ω, exactly for K̃ ≥ K̃_min
-/// γ = 1/√(a_{m−1} − K̃)
-/// ```
-///
-/// The second is necessary and sufficient for optimality with *some* `Q ⪰ 0`; it does not involve
-/// `K_p`, `K_d`. Both sides are affine in `K̃`, and the second grows with it (`|g|² ≥ 0`): so each
-/// set is an interval, and its edges are what has to be checked.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Attenuation {
-    /// `K̃` with a diagonal `Q ≻ 0`; `None`: there is none in `(0, a_{m−1})`.
-    pub diagonal: Option<Interval>,
-    /// Smallest `K̃` whose return difference holds; `None`: it is not below `a_{m−1}`.
-    pub return_difference: Option<f64>,
-    /// Where the return difference fails just below that value, `ω²` \[rad²/s²\]; `None`: as ω → ∞, or never.
-    pub blocking_w: Option<f64>,
-    /// Infimum of `γ` with a diagonal `Q`.
-    pub gamma_diagonal: Option<f64>,
-    /// Infimum of `γ` by the return difference.
-    pub gamma_return_difference: Option<f64>,
-}
-
-impl Attenuation {
+/// Finding an [`Attenuation`].
+pub trait FindAttenuation: Sized {
     /// Finds the intervals: half-lines intersected for the first, bisection for the second.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense, or the result does not survive [`Self::verify`].
-    pub fn of(law: &Law) -> Result<Self, Refutation> {
+    fn of(law: &Law) -> Result<Self, Refutation>;
+
+    /// Probes every edge from both sides.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality that fails.
+    fn verify(&self, law: &Law) -> Result<(), Refutation>;
+}
+
+impl FindAttenuation for Attenuation {
+    fn of(law: &Law) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         let a_top = law.a_top();
         let gamma = |k_tilde: f64| 1.0 / (a_top - k_tilde).sqrt();
@@ -78,21 +52,9 @@ impl Attenuation {
         Ok(found)
     }
 
-    /// A `K̃` well inside the diagonal interval: the geometric mean of its ends, or a third of the
-    /// upper one where the lower is 0.
-    pub fn k_tilde(&self) -> Option<f64> {
-        let Interval { low, high } = self.diagonal?;
-        Some(if low > 0.0 { (low * high).sqrt() } else { high / 3.0 })
-    }
-
-    /// Probes every edge from both sides.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    fn verify(&self, law: &Law) -> Result<(), Refutation> {
         law.check(CLAIM)?;
-        self.verify_gammas(law)?;
+        verify_gammas(self, law)?;
         if let Some(interval) = self.diagonal {
             verify_diagonal(law, interval)?;
         } else {
@@ -117,23 +79,23 @@ impl Attenuation {
         }
         Ok(())
     }
+}
 
-    fn verify_gammas(&self, law: &Law) -> Result<(), Refutation> {
-        let pairs = [
-            (self.diagonal.map(|i| i.low), self.gamma_diagonal),
-            (self.return_difference, self.gamma_return_difference),
-        ];
-        for (k_tilde, gamma) in pairs {
-            let both = k_tilde.is_some() == gamma.is_some();
-            holds(CLAIM, "γ is stated where K̃ is", 0.0, 0.0, both)?;
-            if let (Some(k_tilde), Some(gamma)) = (k_tilde, gamma) {
-                let r_inverse = k_tilde + 1.0 / (gamma * gamma);
-                agrees(CLAIM, "K̃ + 1/γ² = a_{m−1}", r_inverse, law.a_top(), 1e-12)?;
-                holds(CLAIM, "γ > 0", gamma, 0.0, gamma > 0.0)?;
-            }
+fn verify_gammas(claim: &Attenuation, law: &Law) -> Result<(), Refutation> {
+    let pairs = [
+        (claim.diagonal.map(|i| i.low), claim.gamma_diagonal),
+        (claim.return_difference, claim.gamma_return_difference),
+    ];
+    for (k_tilde, gamma) in pairs {
+        let both = k_tilde.is_some() == gamma.is_some();
+        holds(CLAIM, "γ is stated where K̃ is", 0.0, 0.0, both)?;
+        if let (Some(k_tilde), Some(gamma)) = (k_tilde, gamma) {
+            let r_inverse = k_tilde + 1.0 / (gamma * gamma);
+            agrees(CLAIM, "K̃ + 1/γ² = a_{m−1}", r_inverse, law.a_top(), 1e-12)?;
+            holds(CLAIM, "γ > 0", gamma, 0.0, gamma > 0.0)?;
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// `q_i` is affine in `K̃`: positive just inside both ends means positive between them.

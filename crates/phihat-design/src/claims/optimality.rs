@@ -1,8 +1,6 @@
 //! Inverse optimality: the law is the optimal one of a game, whose weights are the certificate.
 
-use core::fmt;
-
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::{Certified, Optimality, Refused};
 
 use crate::claims::law::{Law, Refutation, agrees, holds};
 use crate::claims::matrix::{Matrix, absolute, failing_pivot, is_symmetric, product, transpose};
@@ -13,109 +11,49 @@ pub const RESIDUAL: f64 = 1e-10;
 
 const CLAIM: &str = "optimality";
 
-/// What the mathematics says about a law at one value of `K̃`.
-///
-/// # Claim
-///
-/// ```text
-/// AᵀS + SA − K̃ S B Bᵀ S + Q = 0,   Q = diag(q_1 … q_{m+2}) ≻ 0,   S ≻ 0                      (13)
-/// a_{m−1} BᵀS = K,   a_{m−1} = R⁻¹ = K̃ + 1/γ²                                              (14), (20)
-/// q_i = coefficient of ω^{2(i−1)} in (1/K̃) |D(jω)|² (|(jω)^m + K̃ g(jω)|² − ω^{2m})            (T5)
-/// ```
-///
-/// Then the L2-gain from `d = −φ` to the cost `xᵀQx + uᵀRu` is at most `γ²` (11), and the worst
-/// disturbance is `d = BᵀSx/γ²`.
-///
-/// # Not claimed
-///
-/// A refusal says that no *diagonal* `Q` exists at this `K̃`, not that the loop is unstable.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, tag = "outcome", rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Optimality {
-    /// The weights exist; here they are.
-    Certified(Certified),
-    /// They do not; this is the condition in the way.
-    Refuted(Refused),
-}
-
-/// The evidence of inverse optimality.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Certified {
-    /// `K̃` \[1/s\].
-    pub k_tilde: f64,
-    /// Attenuation level `γ`.
-    pub gamma: f64,
-    /// Diagonal of `Q`.
-    pub q: Vec<f64>,
-    /// `S`, row by row.
-    pub s: Matrix,
-    /// Worst-case disturbance feedback: `d = worstᵀx`, `worst = SB/γ²`.
-    pub worst: Vec<f64>,
-}
-
-/// Why there is no certificate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Refused {
-    /// `K̃` at which it was asked for \[1/s\].
-    pub k_tilde: f64,
-    /// The paper's name of the condition (A1 … A3, B1, B2), or `Q33` and so on for higher orders.
-    pub condition: String,
-    /// Which number decides, such as `Q44`.
-    pub quantity: String,
-    /// Its value; it should be positive.
-    pub value: f64,
-}
-
-impl Optimality {
+/// Judging [`Optimality`].
+pub trait FindOptimality: Sized {
     /// Judges a law at a given `K̃`.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the law itself makes no sense (order, finite gains, `a_{m−1} > 0`), or when
     /// what was computed does not survive [`Self::verify`].
-    pub fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation> {
-        law.check(CLAIM)?;
-        let claim = match refusal(law, k_tilde) {
-            Some(refused) => Self::Refuted(refused),
-            None => Self::Certified(Certified::at(law, k_tilde)),
-        };
-        claim.verify(law)?;
-        Ok(claim)
-    }
+    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation>;
 
     /// Recomputes everything from the gains.
     ///
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    fn verify(&self, law: &Law) -> Result<(), Refutation>;
+}
+
+impl FindOptimality for Optimality {
+    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation> {
+        law.check(CLAIM)?;
+        let claim = match refusal(law, k_tilde) {
+            Some(refused) => Self::Refuted(refused),
+            None => Self::Certified(certified(law, k_tilde)),
+        };
+        claim.verify(law)?;
+        Ok(claim)
+    }
+
+    fn verify(&self, law: &Law) -> Result<(), Refutation> {
         match self {
             Self::Certified(certified) => certified.verify(law),
             Self::Refuted(refused) => refused.verify(law),
         }
     }
-
-    /// The certificate, if there is one.
-    pub fn certified(&self) -> Option<&Certified> {
-        match self {
-            Self::Certified(certified) => Some(certified),
-            Self::Refuted(_) => None,
-        }
-    }
 }
 
-impl Certified {
-    /// The last row of (13) read upwards gives `S` in closed form.
-    fn at(law: &Law, k_tilde: f64) -> Self {
-        let s = riccati_solution(law, k_tilde);
-        let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
-        let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
-        Self { k_tilde, gamma, q: q_diagonal(law, k_tilde), s, worst }
-    }
+/// The evidence, found and checked.
+trait Evidence {
+    fn verify(&self, law: &Law) -> Result<(), Refutation>;
+}
 
+impl Evidence for Certified {
     fn verify(&self, law: &Law) -> Result<(), Refutation> {
         law.check(CLAIM)?;
         let (n, k) = (law.order() + 2, law.k());
@@ -147,7 +85,15 @@ impl Certified {
     }
 }
 
-impl Refused {
+/// The last row of (13) read upwards gives `S` in closed form.
+fn certified(law: &Law, k_tilde: f64) -> Certified {
+    let s = riccati_solution(law, k_tilde);
+    let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
+    let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
+    Certified { k_tilde, gamma, q: q_diagonal(law, k_tilde), s, worst }
+}
+
+impl Evidence for Refused {
     fn verify(&self, law: &Law) -> Result<(), Refutation> {
         law.check(CLAIM)?;
         let claim = "refusal of optimality";
@@ -157,12 +103,6 @@ impl Refused {
         let same = found.condition == self.condition && found.quantity == self.quantity;
         holds(claim, &format!("{} fails", self.condition), self.value, found.value, same)?;
         agrees(claim, &self.quantity, self.value, found.value, RESIDUAL)
-    }
-}
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "refused on {} with {} = {:.4}", self.condition, self.quantity, self.value)
     }
 }
 

@@ -16,10 +16,11 @@ use thiserror::Error;
 pub use advice::Alternative;
 pub use infeasible::{Clause, Infeasible};
 
+use crate::Gains;
+use crate::Phi;
 use crate::arm::{Arm, ArmError};
+use crate::certificate::find_moving;
 use crate::claims::{PaperError, Refutation};
-use crate::gains::Gains;
-use crate::phi::Phi;
 use candidate::Candidate;
 use search::{COARSE, FINE, Grid, Search};
 use verdict::{KEYS, Nearest};
@@ -92,7 +93,7 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
 /// The gains with what is proved of the arm while it moves.
 fn designed(mut gains: Gains, arm: &Arm) -> Outcome {
     if let Some(mut certificate) = gains.certificate.take() {
-        certificate.find_moving(&gains, arm);
+        find_moving(&mut certificate, &gains, arm);
         gains.certificate = Some(certificate);
     }
     Outcome::Designed(Box::new(gains))

@@ -3,6 +3,7 @@
 use core::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
+pub use phihat_certificate::Margins;
 use serde::{Deserialize, Serialize};
 
 use super::exclusion::{Exclusion, from_segment};
@@ -12,43 +13,9 @@ use super::refutation::{at_most, plausible, plausible_loop};
 use super::window::{InertiaWindow, angles};
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::prelude::*;
 
 const CLAIM: &str = "margins";
-
-/// Margins of `L/μ`, each the worst over `μ` in `[low, high]`, at the point where torque meets inertia.
-///
-/// # Claim
-///
-/// For each `μ` in the range, the loop stays stable when the torque that acts is, unknown to the law,
-///
-/// - multiplied by anything from `1/gain_down` to `gain_up`;
-/// - turned by less than `phase_deg` either way, at all frequencies;
-/// - late by less than `delay_s` more (a whole number of samples is exact).
-///
-/// `modulus` is the smallest `|1 + L/μ|`: the inverse of the largest sensitivity.
-///
-/// # Evidence
-///
-/// [`Self::verify`] proves gain and modulus by zero exclusion. Phase and delay it searches again, four times
-/// as densely: checked, not proved. The modulus alone implies a phase margin of `2 asin(modulus/2)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Margins {
-    /// Smallest inertia ratio of the range.
-    pub low: f64,
-    /// Largest inertia ratio of the range.
-    pub high: f64,
-    /// How much more torque: `low` over the window's lower edge.
-    pub gain_up: f64,
-    /// How much less torque: the window's upper edge over `high`.
-    pub gain_down: f64,
-    /// Phase margin \[°\].
-    pub phase_deg: f64,
-    /// Delay margin \[s\].
-    pub delay_s: f64,
-    /// Modulus margin.
-    pub modulus: f64,
-}
 
 /// A proved modulus margin over a range of inertia: `|1 + L(e^{jθ})/μ| > distance`, and stable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -77,7 +44,8 @@ impl ModulusMargin {
     }
 }
 
-impl Margins {
+/// Finding [`Margins`].
+pub trait FindMargins: Sized {
     /// Computes the margins over `[low, high]`.
     ///
     /// # Method
@@ -88,7 +56,25 @@ impl Margins {
     /// # Errors
     ///
     /// [`Refutation`] when the loop is not stable over the range.
-    pub fn find(
+    fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
+
+    /// The same at one inertia ratio.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is not stable there.
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation>;
+
+    /// Proves gain and modulus margins, searches phase and delay again.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the margin.
+    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
+}
+
+impl FindMargins for Margins {
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
         (low, high): (f64, f64),
@@ -110,21 +96,11 @@ impl Margins {
         })
     }
 
-    /// The same at one inertia ratio.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`] when the loop is not stable there.
-    pub fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
         Self::find(gains, model, (mu, mu))
     }
 
-    /// Proves gain and modulus margins, searches phase and delay again.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the margin.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         let Self { low, high, .. } = *self;
         let wide = InertiaWindow {
             low: low / self.gain_up,

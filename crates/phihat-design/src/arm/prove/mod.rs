@@ -5,9 +5,9 @@ mod relaxed;
 use core::f64::consts::PI;
 
 use nalgebra::DMatrix;
+use phihat_certificate::Proved;
 
 use super::postures::{Postures, eigen};
-use super::witness::Proved;
 use relaxed::{Corners, Relaxed, Scratch};
 
 /// Half the widest arc \[rad\] that a triangle is put around.

@@ -3,8 +3,8 @@
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::Complex;
 
-use super::Moving;
-use super::check::{Claim, Failure, Loop, Step};
+use phihat_certificate::{Failure, Loop, Moving};
+
 use crate::sampled::polynomial::{Polynomial, on_circle};
 use crate::sampled::window::angles;
 
@@ -92,7 +92,6 @@ impl Grid {
 
     /// A multiplier for a rate, with its proof.
     fn proved(&mut self, about: &Loop, rate: f64, period: f64) -> Result<Moving, Failure> {
-        let (low, high) = self.range;
         let mut failure = Failure {
             inequality: format!("a multiplier exists for inertia that changes at {rate:.3} 1/s"),
             theta: 0.0,
@@ -100,21 +99,9 @@ impl Grid {
             right: 1.0,
         };
         for _ in 0..ROUNDS {
-            let Some((h, drift)) = self.multiplier(rate, period) else { break };
-            let claim = Claim { low, high, period, rate, h: &h, drift };
-            match claim.check(about) {
-                Ok(()) => {
-                    return Ok(Moving {
-                        low,
-                        high,
-                        rate_per_s: rate,
-                        delta: claim.step().delta,
-                        h,
-                        drift,
-                        needed_motion_per_s: None,
-                        needed_limits_per_s: None,
-                    });
-                }
+            let Some(moving) = self.multiplier(rate, period) else { break };
+            match moving.proved(about, period) {
+                Ok(()) => return Ok(moving),
                 Err(why) => failure = why,
             }
             self.points.push(Point::at(failure.theta, about, self.range));
@@ -122,25 +109,36 @@ impl Grid {
         Err(failure)
     }
 
-    /// `h` and `λ` for a rate; `None` where there are none.
-    fn multiplier(&self, rate: f64, period: f64) -> Option<(Vec<f64>, f64)> {
+    /// A multiplier for a rate, not yet proved; `None` where there is none.
+    fn multiplier(&self, rate: f64, period: f64) -> Option<Moving> {
         let (low, high) = self.range;
-        let claim = Claim { low, high, period, rate, h: &[], drift: 1.0 };
-        let step = claim.step();
+        let mut moving = Moving {
+            low,
+            high,
+            rate_per_s: rate,
+            delta: 0.0,
+            h: Vec::new(),
+            drift: 1.0,
+            needed_motion_per_s: None,
+            needed_limits_per_s: None,
+        };
+        let (delta, apart) = moving.step(period);
         let close = self.points.iter().filter(|p| p.close);
         let kick = close.map(|p| (p.kick / p.open).sqrt()).fold(0.0, f64::max);
-        let drift = (0.5 * (high - low) * kick / step.apart).max(1e-6);
-        let first = self.programme(step, drift, &[])?;
-        let h = self.programme(step, drift, &first)?;
-        Some((h, drift))
+        moving.delta = delta;
+        moving.drift = (0.5 * (high - low) * kick / apart).max(1e-6);
+        // The second time with the first's estimate of the term in y².
+        for _ in 0..2 {
+            moving.h = self.programme(&moving, apart)?;
+        }
+        Some(moving)
     }
 
-    /// Maximises the least room; `before` is an estimate of the taps, for the term in `y²`.
-    fn programme(&self, step: Step, drift: f64, before: &[f64]) -> Option<Vec<f64>> {
-        let (low, high) = self.range;
+    /// Taps that leave the most room, up to what is enough.
+    fn programme(&self, before: &Moving, apart: f64) -> Option<Vec<f64>> {
+        let Moving { low, high, delta, drift, .. } = *before;
         let r = 0.5 * (high - low);
-        let whole = r * r + drift * step.apart * step.apart;
-        let known = Claim { low, high, period: 1.0, rate: 0.0, h: before, drift };
+        let whole = r * r + drift * apart * apart;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let room = problem.add_var(1.0, (-1.0, ROOM));
         let mut tap = |j: f64| problem.add_var(-SMALL * j / high, (0.0, f64::INFINITY));
@@ -148,13 +146,13 @@ impl Grid {
             TAPS.iter().map(|j| (*j, tap(*j as f64), tap(*j as f64))).collect();
         for p in &self.points {
             let size = p.open + p.kick / drift;
-            let y = known.multiplier(p.theta);
+            let y = before.multiplier(p.theta);
             let left = p.shifted - whole * size - p.kick * y * y / (4.0 * drift);
             let mut row = vec![(room, -1.0)];
             for (j, plus, minus) in &taps {
                 let j = *j as f64;
                 let gain = 2.0 * (j * p.theta).sin() * p.turned / p.scale;
-                let cost = (step.delta * j).min(high - low) * size / p.scale;
+                let cost = (delta * j).min(high - low) * size / p.scale;
                 row.extend([(*plus, gain - cost), (*minus, -gain - cost)]);
             }
             problem.add_constraint(&row, ComparisonOp::Ge, -left / p.scale);

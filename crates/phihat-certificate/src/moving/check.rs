@@ -13,13 +13,13 @@ const TAPS: usize = 4096;
 
 /// One joint's loop, cut where its torque meets the inertia; coefficients of `w⁰, w¹, …`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Loop {
+pub struct Loop {
     /// `N`: from acceleration, held over a sample, to minus the torque, over `Δ`.
-    pub(crate) numerator: Vec<f64>,
+    pub numerator: Vec<f64>,
     /// `Δ`.
-    pub(crate) denominator: Vec<f64>,
+    pub denominator: Vec<f64>,
     /// `K`: the same from a kick in position of `T²/2` at the end of a sample.
-    pub(crate) kick: Vec<f64>,
+    pub kick: Vec<f64>,
 }
 
 /// What is to be proved: see [`super::Moving`].
@@ -35,34 +35,36 @@ pub(crate) struct Claim<'a> {
 
 /// An inequality that does not hold.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Failure {
-    pub(crate) inequality: String,
+pub struct Failure {
+    /// As a formula.
+    pub inequality: String,
     /// Frequency \[rad/sample\], where there is one.
-    pub(crate) theta: f64,
-    pub(crate) left: f64,
-    pub(crate) right: f64,
-}
-
-/// What follows from the rate for one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Step {
-    /// `δ`: bounds the change of `W_k` from one sample to the next.
-    pub(crate) delta: f64,
-    /// `η`: position and velocity see means of `W^{-1}` that differ by at most this share.
-    pub(crate) apart: f64,
+    pub theta: f64,
+    /// Its left side.
+    pub left: f64,
+    /// Its right side.
+    pub right: f64,
 }
 
 impl Claim<'_> {
-    /// With `χ = high·rate·T/low²`: `δ = rate·T (1 + χ²/12)`, `η = χ/6`.
-    pub(crate) fn step(&self) -> Step {
-        let change = self.rate * self.period;
-        let chi = self.high * change / (self.low * self.low);
-        Step { delta: change * (1.0 + chi * chi / 12.0), apart: chi / 6.0 }
+    /// `χ = high·rate·T/low²`.
+    fn chi(&self) -> f64 {
+        self.high * self.rate * self.period / (self.low * self.low)
+    }
+
+    /// `δ = rate·T (1 + χ²/12)`: bounds the change of `W_k` from one sample to the next.
+    pub(crate) fn delta(&self) -> f64 {
+        self.rate * self.period * (1.0 + self.chi() * self.chi() / 12.0)
+    }
+
+    /// `η = χ/6`: position and velocity see means of `W^{-1}` that differ by at most this share.
+    pub(crate) fn apart(&self) -> f64 {
+        self.chi() / 6.0
     }
 
     /// `Σ |h_j| min(δ j, high − low)`: what the change of inertia may add.
     pub(crate) fn spent(&self) -> f64 {
-        let (delta, most) = (self.step().delta, self.high - self.low);
+        let (delta, most) = (self.delta(), self.high - self.low);
         let taps = self.h.iter().enumerate();
         taps.map(|(j, h)| h.abs() * (delta * (j + 1) as f64).min(most)).sum()
     }
@@ -146,7 +148,7 @@ impl Claim<'_> {
         let turned = n.1 * d.0 - n.0 * d.1;
         let dt = size(n) * dd + size(d) * dn + dn * dd + 8.0 * f64::EPSILON * size(n) * size(d);
         let room = |g: f64, y_turned: f64, (d, k, y): (f64, f64, f64)| {
-            let (r, Step { apart, .. }) = (0.5 * (self.high - self.low), self.step());
+            let (r, apart) = (0.5 * (self.high - self.low), self.apart());
             let whole = r * r + self.spent() + self.drift * apart * apart;
             let right = whole * (d * d + k * k / self.drift) + k * k * y * y / (4.0 * self.drift);
             (g * g + y_turned, right)
