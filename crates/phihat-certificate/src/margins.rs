@@ -2,6 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::check::exclusion::Family;
+use crate::check::plausible::{self, at_most};
+use crate::check::returns::Returns;
+use crate::{JointRecord, LoopModel, Refutation};
+
+const CLAIM: &str = "margins";
+
 /// Margins of `L/μ`, each the worst over `μ` in `[low, high]`, at the point where torque meets inertia.
 ///
 /// # Claim
@@ -35,4 +42,39 @@ pub struct Margins {
     pub delay_s: f64,
     /// Modulus margin.
     pub modulus: f64,
+}
+
+impl Margins {
+    /// Proves every margin: gain, modulus, phase and delay by zero exclusion, whole samples of delay by a count of roots
+    /// too.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the margin.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        plausible::gains(CLAIM, gains)?;
+        plausible::model(CLAIM, model)?;
+        let Self { low, high, .. } = *self;
+        at_most(CLAIM, "1 ≤ gain margin up", 1.0, self.gain_up)?;
+        at_most(CLAIM, "1 ≤ gain margin down", 1.0, self.gain_down)?;
+        at_most(CLAIM, "0 ≤ modulus margin", 0.0, self.modulus)?;
+        at_most(CLAIM, "modulus margin ≤ 1", self.modulus, 1.0)?;
+        at_most(CLAIM, "0 ≤ phase margin", 0.0, self.phase_deg)?;
+        at_most(CLAIM, "phase margin ≤ 180°", self.phase_deg, 180.0)?;
+        at_most(CLAIM, "0 ≤ delay margin", 0.0, self.delay_s)?;
+        let returns = Returns::new(gains, model);
+        let wide =
+            Family { returns: &returns, low: low / self.gain_up, high: high * self.gain_down };
+        wide.stable("gain margin", (1.0, 0.0, 0))?;
+        let family = Family { returns: &returns, low, high };
+        family.stable("modulus margin", (1.0, self.modulus, 0))?;
+        family.turns("phase margin", self.phase_deg.to_radians())?;
+        let samples = self.delay_s / model.period_s;
+        at_most("delay margin", "delay margin ≤ 1000 samples", samples, 1000.0)?;
+        family.lags("delay margin", samples)?;
+        for extra in (1..=1000).take_while(|extra| f64::from(*extra) <= samples) {
+            family.stable("delay margin", (1.0, 0.0, extra as usize))?;
+        }
+        Ok(())
+    }
 }

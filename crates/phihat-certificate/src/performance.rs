@@ -2,6 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::check::agree::agrees;
+use crate::check::free::Free;
+use crate::{Iss, Law, Refutation};
+
+const CLAIM: &str = "performance";
+
+/// Rounding of two ways to compute the same.
+const AGAIN: f64 = 1e-8;
+
 /// A number known from both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -84,5 +93,57 @@ impl PeakGains {
     /// `|e|_∞ ≤ ‖G/s‖₁ |φ̇_smooth|_∞ + ‖G‖₁ |φ_jump|_∞`: φ split into a smooth part and jumps.
     pub fn error_bound(&self, phi_smooth_rate: f64, phi_jump: f64) -> Option<f64> {
         Some(self.error(1)?.upper * phi_smooth_rate + self.error(0)?.upper * phi_jump)
+    }
+}
+
+impl PeakGains {
+    /// Finds the areas under the loop's answer to an impulse; what is claimed must enclose them.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the gain that is not what it should be.
+    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+        let free = Free::new(CLAIM, law, self.mu)?;
+        let n = free.len();
+        let (own, right) = (self.states.len() as f64, n as f64);
+        Refutation::unless(CLAIM, "gains of m+2 states", own, right, self.states.len() == n)?;
+        for (i, claimed) in self.states.iter().enumerate() {
+            let mut row = vec![0.0; n];
+            row[i] = free.unit(i);
+            encloses(&format!("‖G_x{}‖₁", i + 1), *claimed, free.area(&row))?;
+        }
+        // φ̂ − φ = ë + K_d ė + K_p e, of which ë begins with an impulse of 1/μ.
+        let mut row = free.acceleration();
+        row[n - 1] += law.kd * free.unit(n - 1);
+        row[n - 2] += law.kp * free.unit(n - 2);
+        let rest = free.area(&row);
+        let jump = 1.0 / self.mu;
+        let again = PeakGain { lower: jump + rest.lower, upper: jump + rest.upper };
+        encloses("‖G_(φ̂−φ)‖₁", self.estimate, again)
+    }
+}
+
+/// A claimed pair is right when it encloses the true one.
+pub(crate) fn encloses(what: &str, claimed: PeakGain, again: PeakGain) -> Result<(), Refutation> {
+    let enough = claimed.upper >= again.upper * (1.0 - AGAIN) && claimed.upper.is_finite();
+    let above = format!("{what} ≤ its bound");
+    Refutation::unless(CLAIM, &above, again.upper, claimed.upper, enough)?;
+    let attained = claimed.lower <= again.lower * (1.0 + AGAIN);
+    let below = format!("{what} ≥ its lower bound");
+    Refutation::unless(CLAIM, &below, again.lower, claimed.lower, attained)
+}
+
+impl PaperRadius {
+    /// Checks the evidence, then the two numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality that fails.
+    pub fn verify(&self, law: &Law, iss: &Iss) -> Result<(), Refutation> {
+        iss.verify(law)?;
+        let printed = 2.0 * iss.sb_norm / iss.w_min;
+        agrees(CLAIM, "(40) = 2|SB|/λ_min", (self.printed, printed), 1e-9)?;
+        let corrected = printed * iss.overshoot;
+        agrees(CLAIM, "bound = √cond(S) (40)", (self.corrected, corrected), 1e-9)
     }
 }

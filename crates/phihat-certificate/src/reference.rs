@@ -2,6 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::check::decay::{Decay, Layout, Output};
+use crate::check::integral::of_parabola;
+use crate::check::plausible::{self, enough};
+use crate::check::sample::{Loop, Outside, Signals};
+use crate::refutation::refuse;
+use crate::{JointRecord, LoopModel, Refutation};
+
+const CLAIM: &str = "reference error";
+
+/// An error under a constant acceleration of 1 rad/s² that is none \[rad/(rad/s²)\].
+const NONE: f64 = 1e-11;
+
 /// Peak-to-peak gains from the reference's acceleration and jerk to `e` and `ė`, worst over inertia ratios.
 ///
 /// A velocity that is filtered or differenced is late, and so is a torque behind a delay or a drive: following
@@ -43,4 +55,75 @@ pub struct ReferenceError {
     pub velocity_acceleration: f64,
     /// From the jerk to `ė` \[(rad/s)/(rad/s³)\]; `None`: as above.
     pub velocity_jerk: Option<f64>,
+}
+
+impl ReferenceError {
+    /// Runs the loop signal by signal in the frame of a reference that moves on, after one interval of acceleration and
+    /// after the beginning of a lasting one.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the gain.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        plausible::gains(CLAIM, gains)?;
+        plausible::model(CLAIM, model)?;
+        plausible::ratios(CLAIM, &self.mu)?;
+        for mu in &self.mu {
+            let of = Loop::new(gains, model, *mu);
+            let decay = Decay::of(CLAIM, &of)?;
+            // What φ has of it: (μ − 1) q̈_d is borne from outside.
+            let borne = Outside { phi: 1.0 - mu, fed: self.feed_forward, ..Outside::default() };
+            let during = Outside { acceleration: (0.0, 1.0), ..borne };
+            let after = Outside { acceleration: (1.0, 0.0), ..Outside::default() };
+            let first = of.step(&Signals::REST, &during).0;
+            let (second, _) = of.step(&first, &after);
+            let run = decay.run(&of, &second);
+            let found = first.q.abs() + run.sum(Output::Error);
+            enough(CLAIM, "‖e ← q̈_d‖₁ ≤ claimed", found, self.acceleration)?;
+            let found = first.v.abs() + run.sum(Output::Velocity);
+            enough(CLAIM, "‖ė ← q̈_d‖₁ ≤ claimed", found, self.velocity_acceleration)?;
+            let lasting = Outside { acceleration: (1.0, 1.0), ..borne };
+            let claims = [(self.jerk, Output::Error), (self.velocity_jerk, Output::Velocity)];
+            for (claimed, output) in claims {
+                if let Some(claimed) = claimed {
+                    let found = jerk(&of, &decay, (&lasting, output))?;
+                    let name = if output == Output::Error { "e" } else { "ė" };
+                    enough(CLAIM, &format!("‖{name} ← q⃛_d‖₁ ≤ claimed"), found, claimed)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `Σ_k ∫|y|` after an acceleration of 1 that begins within an interval and lasts.
+fn jerk(
+    of: &Loop,
+    decay: &Decay,
+    (lasting, output): (&Outside, Output),
+) -> Result<f64, Refutation> {
+    let follows = Layout::of(of).fixed_point(of, lasting);
+    let off = if output == Output::Error { follows.q } else { follows.v };
+    if !(off.abs() <= NONE) {
+        return Err(refuse(CLAIM, "a lasting acceleration leaves no error", off.abs(), NONE));
+    }
+    let t = of.period;
+    let share = (of.mu - 1.0) / of.mu;
+    let runs = [1.0, 0.5, 0.0].map(|left| {
+        // Over `left · T` the reference has accelerated, and the joint by what φ has of it.
+        let (there, moved) = (0.5 * left * left * t * t, left * t);
+        let start = Signals {
+            q: share * there - there,
+            v: share * moved - moved,
+            position: t * moved - there - 0.5 * t * t,
+            velocity: t - moved,
+            ..Signals::REST
+        };
+        decay.run(of, &start.minus(&follows))
+    });
+    let longest = runs.iter().map(|run| run.seen.len()).max().unwrap_or(0);
+    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.of(output).collect()).collect();
+    let at = |i: usize, k: usize| values[i].get(k).copied().unwrap_or(0.0);
+    let sum: f64 = (0..longest).map(|k| of_parabola(at(0, k), at(1, k), at(2, k))).sum();
+    Ok(t * (sum + runs.iter().map(|run| run.left(output)[0]).sum::<f64>()))
 }

@@ -53,3 +53,8 @@ impl fmt::Display for Refutation {
 }
 
 impl core::error::Error for Refutation {}
+
+/// A refutation in one line.
+pub(crate) fn refuse(claim: &str, inequality: &str, left: f64, right: f64) -> Refutation {
+    Refutation { claim: claim.to_owned(), inequality: inequality.to_owned(), left, right }
+}

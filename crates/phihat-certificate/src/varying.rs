@@ -2,6 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::check::decay::Layout;
+use crate::check::definite::definite;
+use crate::check::plausible::{self, at_most};
+use crate::check::sample::Loop;
+use crate::refutation::refuse;
+use crate::{JointRecord, LoopModel, Matrix, Refutation};
+
 /// A range of inertia ratios through which the arm may move, at any speed.
 ///
 /// # Claim
@@ -71,4 +78,101 @@ pub struct SampledVarying {
     pub high: f64,
     /// `P`, row by row, for the state of [`StateMatrix`].
     pub p: Vec<Vec<f64>>,
+}
+
+impl VaryingWindow {
+    /// Checks `P ≻ 0` and, at both ends, that `xᵀPx` falls along (V1).
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality and its least pivot.
+    pub fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
+        const CLAIM: &str = "varying inertia";
+        plausible::gains(CLAIM, gains)?;
+        let n = gains.a.len() + 2;
+        range(CLAIM, (self.low, self.high))?;
+        at_most(CLAIM, "0 < rate", f64::MIN_POSITIVE, self.rate_per_s)?;
+        square(CLAIM, &self.p, n)?;
+        definite(CLAIM, "P ≻ 0", &self.p)?;
+        for (end, mu) in [("low", self.low), ("high", self.high)] {
+            // x' = A x by columns, in units of the rate.
+            let mut a = vec![vec![0.0; n]; n];
+            for i in 1..n {
+                a[i - 1][i] = 1.0;
+            }
+            for (j, k) in characteristic(gains).into_iter().enumerate() {
+                let unit = (j..n).fold(1.0, |power, _| power * self.rate_per_s);
+                a[n - 1][j] = -k / unit / mu;
+            }
+            let half = times(&self.p, &a);
+            let falls = (0..n).map(|i| (0..n).map(|j| -half[i][j] - half[j][i]).collect());
+            let falls: Matrix = falls.collect();
+            definite(CLAIM, &format!("−(AᵀP + PA) ≻ 0 at {end}"), &falls)?;
+        }
+        Ok(())
+    }
+}
+
+impl SampledVarying {
+    /// Checks `P ≻ 0` and, at both ends, that `xᵀPx` falls from sample to sample.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], naming the inequality and its least pivot.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        const CLAIM: &str = "varying inertia, sampled";
+        plausible::gains(CLAIM, gains)?;
+        plausible::model(CLAIM, model)?;
+        range(CLAIM, (self.low, self.high))?;
+        for (end, mu) in [("low", self.low), ("high", self.high)] {
+            let of = Loop::new(gains, model, mu);
+            let layout = Layout::of(&of);
+            square(CLAIM, &self.p, layout.len())?;
+            definite(CLAIM, "P ≻ 0", &self.p)?;
+            let a = layout.matrix(&of);
+            let turned: Matrix =
+                (0..a.len()).map(|i| a.iter().map(|row| row[i]).collect()).collect();
+            let after = times(&turned, &times(&self.p, &a));
+            let falls = self.p.iter().zip(&after);
+            let falls = falls.map(|(p, q)| p.iter().zip(q).map(|(p, q)| p - q).collect()).collect();
+            definite(CLAIM, &format!("P − AᵀPA ≻ 0 at {end}"), &falls)?;
+        }
+        Ok(())
+    }
+}
+
+/// `D(s)A_o(s)` without its leading 1, ascending.
+fn characteristic(gains: &JointRecord) -> Vec<f64> {
+    let mut k = vec![0.0; gains.a.len() + 3];
+    for (i, a) in gains.a.iter().chain([&1.0]).enumerate() {
+        for (j, d) in [gains.kp_per_s2, gains.kd_per_s, 1.0].into_iter().enumerate() {
+            k[i + j] += a * d;
+        }
+    }
+    k.pop();
+    k
+}
+
+fn range(claim: &str, (low, high): (f64, f64)) -> Result<(), Refutation> {
+    at_most(claim, "0 < low", f64::MIN_POSITIVE, low)?;
+    at_most(claim, "low ≤ high", low, high)?;
+    at_most(claim, "high < ∞", high, f64::MAX)
+}
+
+/// `n × n`, finite, exactly symmetric.
+fn square(claim: &str, p: &Matrix, n: usize) -> Result<(), Refutation> {
+    let shaped = p.len() == n && p.iter().all(|row| row.len() == n);
+    let finite = p.iter().flatten().all(|value| value.is_finite());
+    let even = shaped && (0..n).all(|i| (0..i).all(|j| p[i][j].to_bits() == p[j][i].to_bits()));
+    if finite && even {
+        Ok(())
+    } else {
+        Err(refuse(claim, "P = Pᵀ, of the loop's size", p.len() as f64, n as f64))
+    }
+}
+
+fn times(x: &Matrix, y: &Matrix) -> Matrix {
+    let n = y.len();
+    let entry = |row: &[f64], j: usize| (0..n).map(|k| row[k] * y[k][j]).sum();
+    x.iter().map(|row| (0..n).map(|j| entry(row, j)).collect()).collect()
 }

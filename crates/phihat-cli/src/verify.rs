@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_design::Gains;
-use phihat_design::prelude::*;
 use serde_json::json;
 
 use crate::failure::Failure;

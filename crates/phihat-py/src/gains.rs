@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use phihat_design::export::{Target, export};
-use phihat_design::prelude::*;
 use phihat_design::{JointCertificate, JointRecord};
 use pyo3::prelude::*;
 

@@ -4,11 +4,15 @@ mod check;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Refutation;
-use check::Claim;
-pub use check::{Failure, Loop};
+use crate::check::plausible;
+use crate::check::returns::Returns;
+use crate::{JointRecord, LoopModel, Refutation};
+use check::Proof;
 
 const CLAIM: &str = "stability while moving";
+
+/// Most taps of a multiplier.
+const TAPS: usize = 4096;
 
 /// How fast the arm's inertia may change, anywhere in its range, with the loop still stable.
 ///
@@ -71,16 +75,20 @@ pub struct Moving {
 }
 
 impl Moving {
-    /// Checks the claim about one joint's loop, cut at the inertia; it has to be the same for all joints.
+    /// Proves the claim for one joint's gains and loop, from nothing else; they have to be the same for all joints.
     ///
     /// # Errors
     ///
     /// [`Refutation`], with the frequency at which the proof fails.
-    pub fn check(&self, about: &Loop, period: f64) -> Result<(), Refutation> {
-        let delta = self.claim(period).delta();
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let (delta, _) = self.step(model.period_s);
         let same = (self.delta - delta).abs() <= 1e-9 * delta;
         Refutation::unless(CLAIM, "δ = rate·T (1 + χ²/12)", self.delta, delta, same)?;
-        self.proved(about, period).map_err(|why| Refutation {
+        for needed in self.needed_motion_per_s.into_iter().chain(self.needed_limits_per_s) {
+            let sensible = needed >= 0.0 && needed.is_finite();
+            Refutation::unless(CLAIM, "0 ≤ needed rate < ∞", needed, 0.0, sensible)?;
+        }
+        self.stable(gains, model).map_err(|why| Refutation {
             claim: CLAIM.to_owned(),
             inequality: why.inequality,
             left: why.left,
@@ -93,23 +101,62 @@ impl Moving {
     /// # Errors
     ///
     /// The first inequality that does not hold.
-    pub fn proved(&self, about: &Loop, period: f64) -> Result<(), Failure> {
-        self.claim(period).check(about)
+    pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
+        let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
+        plausible::gains(CLAIM, gains).map_err(refused)?;
+        plausible::model(CLAIM, model).map_err(refused)?;
+        self.plausible()?;
+        if let Some(hz) = model.drive_bandwidth_hz {
+            let what = "the torque acts at once: a drive's lag is not in the proof";
+            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::INFINITY)));
+        }
+        Proof::new(self, &Returns::new(gains, model), model.period_s).run()
     }
 
     /// `δ` and `η` for its rate.
     pub fn step(&self, period: f64) -> (f64, f64) {
-        let claim = self.claim(period);
-        (claim.delta(), claim.apart())
+        let change = self.rate_per_s * period;
+        let chi = self.high * change / (self.low * self.low);
+        (change * (1.0 + chi * chi / 12.0), chi / 6.0)
     }
 
-    /// `y(θ)`.
+    /// `y(θ) = 2 Σ h_j sin jθ`.
     pub fn multiplier(&self, theta: f64) -> f64 {
-        self.claim(0.0).multiplier(theta)
+        let taps = self.h.iter().enumerate();
+        2.0 * taps.map(|(j, h)| h * ((j + 1) as f64 * theta).sin()).sum::<f64>()
     }
 
-    fn claim(&self, period: f64) -> Claim<'_> {
-        let Self { low, high, rate_per_s: rate, ref h, drift, .. } = *self;
-        Claim { low, high, period, rate, h, drift }
+    fn plausible(&self) -> Result<(), Unstable> {
+        let Self { low, high, rate_per_s: rate, drift, .. } = *self;
+        let taps = self.h.len() <= TAPS && self.h.iter().all(|h| h.is_finite());
+        let all = [
+            ("0 < low ≤ high < ∞", low, high, 0.0 < low && low <= high && high.is_finite()),
+            ("0 ≤ rate < ∞", rate, 0.0, 0.0 <= rate && rate.is_finite()),
+            ("0 < λ < ∞", drift, 0.0, 0.0 < drift && drift.is_finite()),
+            ("taps are finite, and not too many", self.h.len() as f64, TAPS as f64, taps),
+        ];
+        let bad = all.into_iter().find(|(.., holds)| !holds);
+        bad.map_or(Ok(()), |(what, left, right, _)| {
+            Err(Unstable::new(what.to_owned(), 0.0, (left, right)))
+        })
+    }
+}
+
+/// Where stability is not proved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unstable {
+    /// The inequality that should hold, as a formula.
+    pub inequality: String,
+    /// Frequency \[rad/sample\]; 0 where there is none.
+    pub theta: f64,
+    /// Its left side.
+    pub left: f64,
+    /// Its right side.
+    pub right: f64,
+}
+
+impl Unstable {
+    fn new(inequality: String, theta: f64, (left, right): (f64, f64)) -> Self {
+        Self { inequality, theta, left, right }
     }
 }

@@ -75,21 +75,3 @@ pub(crate) fn inside(
     let upper = format!("{margin}·arm.high ≤ window.high");
     holds(claim, &upper, high, window.high, high <= window.high)
 }
-
-/// Whether a claim was made over the arm's whole range.
-pub(super) fn covers(
-    claim: &str,
-    (low, high): (f64, f64),
-    arm: &ArmInertia,
-) -> Result<(), Refutation> {
-    let slack = 1.0 + 1e-9;
-    holds(claim, "from ≤ arm.low", low, arm.low, low <= arm.low * slack)?;
-    holds(claim, "arm.high ≤ to", arm.high, high, arm.high <= high * slack)
-}
-
-/// The same for a list of ratios that were tried.
-pub(super) fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
-    let low = mu.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = mu.iter().copied().fold(0.0, f64::max);
-    covers(claim, (low, high), arm)
-}

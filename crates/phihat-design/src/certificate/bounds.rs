@@ -1,16 +1,12 @@
 //! What peak-to-peak gains and a known `φ` say about one joint's error.
 
-use phihat_certificate::{Bounds, JointCertificate};
+use phihat_certificate::Bounds;
 
-use crate::claims::Refutation;
-use crate::claims::law::holds;
 use crate::sampled::LoopParts;
 use crate::sampled::{
     LoopForm, LoopModel, LoopVelocity, ReadingError, ReferenceError, SampledPeaks,
 };
 use crate::{JointRecord, Phi};
-
-const CLAIM: &str = "error bound";
 
 /// What bounds are made of.
 #[derive(Debug, Clone, Copy)]
@@ -85,36 +81,4 @@ impl<'a> Evidence<'a> {
             integral_rad_s: integral.is_finite().then_some(integral),
         }
     }
-}
-
-/// The bounds must not be below what gains and `φ` give.
-pub(super) fn verify(
-    joint: &JointCertificate,
-    record: &JointRecord,
-    duration: f64,
-) -> Result<(), Refutation> {
-    let (Some(bounds), Some(phi)) = (&joint.bounds, &joint.phi) else {
-        let neither = joint.bounds.is_none();
-        return holds(CLAIM, "a bound needs a φ to be a bound for", 1.0, 0.0, neither);
-    };
-    let Some(peaks) = &joint.sampled else {
-        return holds(CLAIM, "a bound needs peak gains", 1.0, 0.0, false);
-    };
-    let read = joint.reading.is_some() == joint.noise.is_some();
-    holds(CLAIM, "reading error and torque noise go together", 0.0, 0.0, read)?;
-    let quantum = joint.noise.as_ref().map_or(0.0, |n| n.quantum_rad);
-    let moved = joint.reference.as_ref();
-    let told = phi.motion.is_none() || moved.is_some_and(|moved| moved.feed_forward);
-    holds(CLAIM, "a motion costs what the reference error says", 0.0, 0.0, told)?;
-    let loop_ = (record, &joint.model);
-    let evidence = Evidence::new(loop_, peaks, joint.reading.as_ref(), moved, (quantum, duration));
-    let least = evidence.bounds(phi);
-    let enough = |what: &str, least: f64, claimed: f64| {
-        let claimed = claimed * (1.0 + 1e-9);
-        holds(CLAIM, &format!("gains × φ ≤ claimed |{what}|"), least, claimed, least <= claimed)
-    };
-    enough("e", least.error_rad, bounds.error_rad)?;
-    enough("ė", least.velocity_error_rad_s, bounds.velocity_error_rad_s)?;
-    let Some(claimed) = bounds.integral_rad_s else { return Ok(()) };
-    enough("∫e", least.integral_rad_s.unwrap_or(f64::INFINITY), claimed)
 }

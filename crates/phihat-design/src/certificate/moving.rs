@@ -27,17 +27,6 @@ fn of(certificate: &Certificate, gains: &Gains, arm: &Arm) -> Result<Moving, Ref
     Ok(Moving { needed_motion_per_s: motion_per_s, needed_limits_per_s: limits_per_s, ..found })
 }
 
-/// Checks the claim, if it is made.
-pub(super) fn verify_moving(certificate: &Certificate, gains: &Gains) -> Result<(), Refutation> {
-    let Some(moving) = &certificate.moving else { return Ok(()) };
-    one_loop(certificate)?;
-    let arm = &certificate.arm;
-    let inside = moving.low <= arm.low && arm.high <= moving.high;
-    holds(CLAIM, "its range holds the arm's", arm.high, moving.high, inside)?;
-    let first = gains.joints.first().zip(certificate.joints.first());
-    first.map_or(Ok(()), |(record, joint)| moving.verify(record, &joint.model))
-}
-
 /// The multiplier is for joints that are all in the same loop.
 fn one_loop(certificate: &Certificate) -> Result<(), Refutation> {
     let same = certificate.joints.windows(2).all(|pair| pair[0].model == pair[1].model);

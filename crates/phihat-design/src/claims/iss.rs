@@ -2,13 +2,13 @@
 
 pub use phihat_certificate::Iss;
 
-use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::{
     Matrix, failing_pivot, identity, is_symmetric, largest_shift, norm_frobenius, product, sum,
     transpose,
 };
 use crate::claims::optimality::{Certified, last_column};
-use crate::claims::performance::{PeakGain, compare};
+use crate::claims::performance::PeakGain;
 use crate::claims::response::Response;
 
 const CLAIM: &str = "input-to-state stability";
@@ -28,13 +28,6 @@ pub trait FindIss: Sized {
     ///
     /// [`Refutation`], when the loop is not stable.
     fn of_loop(law: &Law) -> Result<Self, Refutation>;
-
-    /// Recomputes everything from the gains and `S`.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    fn verify(&self, law: &Law) -> Result<(), Refutation>;
 }
 
 impl FindIss for Iss {
@@ -52,36 +45,6 @@ impl FindIss for Iss {
             .collect();
         let s = lyapunov_solution(&law.closed_loop(), &w, &scale).unwrap_or_default();
         with(law, s, None)
-    }
-
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let n = law.order() + 2;
-        let symmetric = is_symmetric(&self.s, n);
-        holds(CLAIM, "S = Sᵀ", self.s.len() as f64, n as f64, symmetric)?;
-        if let Some(k_tilde) = self.k_tilde {
-            let (left, right) = (law.a_top(), 0.5 * k_tilde);
-            holds(CLAIM, "a_{m−1} > K̃/2 (α > ½)", left, right, k_tilde > 0.0 && left > right)?;
-        }
-        let (w, unit) = (decrease(law, &self.s), identity(n));
-        for (value, name) in
-            [(self.s_min, "s_min > 0"), (self.w_min, "w_min > 0"), (self.rate, "λ > 0")]
-        {
-            holds(CLAIM, name, value, 0.0, value > 0.0)?;
-        }
-        definite("S ≽ s_min I", &sum(&self.s, -self.s_min, &unit))?;
-        definite("W ≽ w_min I", &sum(&w, -self.w_min, &unit))?;
-        definite("W ≽ 2λS", &sum(&w, -2.0 * self.rate, &self.s))?;
-        let size = norm_frobenius(&self.s);
-        let below = size <= self.s_max * (1.0 + 1e-12);
-        holds(CLAIM, "‖S‖_F ≤ s_max", size, self.s_max, below)?;
-        let ratio = (self.s_max / self.s_min).sqrt();
-        agrees(CLAIM, "overshoot = √(s_max/s_min)", self.overshoot, ratio, 1e-12)?;
-        let sb_norm = norm(&last_column(&self.s));
-        agrees(CLAIM, "|SB|", self.sb_norm, sb_norm, 1e-12)?;
-        agrees(CLAIM, "γ₁ = w_min/4", self.gamma1, self.w_min / 4.0, 1e-12)?;
-        agrees(CLAIM, "γ₂ = |SB|²/w_min", self.gamma2, sb_norm * sb_norm / self.w_min, 1e-12)?;
-        compare("∫‖e^{(A−BK)τ}‖dτ", self.gain, gain(law)?)
     }
 }
 
@@ -136,13 +99,6 @@ fn gain(law: &Law) -> Result<PeakGain, Refutation> {
     let frobenius = response.integral_of_ladder_norm();
     let lower = frobenius.lower / (response.size() as f64).sqrt();
     Ok(PeakGain { lower, upper: frobenius.upper })
-}
-
-fn definite(name: &str, x: &Matrix) -> Result<(), Refutation> {
-    match failing_pivot(x) {
-        None => Ok(()),
-        Some((_, pivot, least)) => holds(CLAIM, name, pivot, least, false),
-    }
 }
 
 fn norm(v: &[f64]) -> f64 {

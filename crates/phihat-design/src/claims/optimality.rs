@@ -2,8 +2,8 @@
 
 pub use phihat_certificate::{Certified, Optimality, Refused};
 
-use crate::claims::law::{Law, Refutation, agrees, holds};
-use crate::claims::matrix::{Matrix, absolute, failing_pivot, is_symmetric, product, transpose};
+use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::matrix::Matrix;
 use crate::claims::weights::{Condition, conditions, q_diagonal};
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
@@ -20,13 +20,6 @@ pub trait FindOptimality: Sized {
     /// [`Refutation`], when the law itself makes no sense (order, finite gains, `a_{m−1} > 0`), or when
     /// what was computed does not survive [`Self::verify`].
     fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation>;
-
-    /// Recomputes everything from the gains.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    fn verify(&self, law: &Law) -> Result<(), Refutation>;
 }
 
 impl FindOptimality for Optimality {
@@ -39,50 +32,6 @@ impl FindOptimality for Optimality {
         claim.verify(law)?;
         Ok(claim)
     }
-
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        match self {
-            Self::Certified(certified) => certified.verify(law),
-            Self::Refuted(refused) => refused.verify(law),
-        }
-    }
-}
-
-/// The evidence, found and checked.
-trait Evidence {
-    fn verify(&self, law: &Law) -> Result<(), Refutation>;
-}
-
-impl Evidence for Certified {
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let (n, k) = (law.order() + 2, law.k());
-        let Self { k_tilde, gamma, q, s, worst } = self;
-        holds(CLAIM, "K̃ > 0", *k_tilde, 0.0, *k_tilde > 0.0)?;
-        holds(CLAIM, "γ > 0", *gamma, 0.0, *gamma > 0.0)?;
-        let r_inverse = k_tilde + 1.0 / (gamma * gamma);
-        agrees(CLAIM, "K̃ + 1/γ² = a_{m−1}", r_inverse, law.a_top(), 1e-12)?;
-        let symmetric = is_symmetric(s, n);
-        holds(CLAIM, "S = Sᵀ ∈ ℝ^{(m+2)×(m+2)}", s.len() as f64, n as f64, symmetric)?;
-        let sizes = q.len() == n && worst.len() == n;
-        holds(CLAIM, "Q and d are of size m+2", q.len() as f64, n as f64, sizes)?;
-        let expected = q_diagonal(law, *k_tilde);
-        for (i, (q_i, of_t5)) in q.iter().zip(&expected).enumerate() {
-            let name = quantity(i);
-            holds(CLAIM, &format!("{name} > 0"), *q_i, 0.0, *q_i > 0.0)?;
-            agrees(CLAIM, &format!("{name} of (T5)"), *q_i, *of_t5, RESIDUAL)?;
-        }
-        let sb = last_column(s);
-        for i in 0..n {
-            agrees(CLAIM, "a_{m−1} BᵀS = K", law.a_top() * sb[i], k[i], 1e-12)?;
-            agrees(CLAIM, "d = BᵀSx/γ²", worst[i], sb[i] / (gamma * gamma), 1e-12)?;
-        }
-        check_riccati(law, *k_tilde, q, s)?;
-        match failing_pivot(s) {
-            None => gains_positive(law),
-            Some((_, pivot, least)) => holds(CLAIM, "S ≻ 0", pivot, least, false),
-        }
-    }
 }
 
 /// The last row of (13) read upwards gives `S` in closed form.
@@ -91,36 +40,6 @@ fn certified(law: &Law, k_tilde: f64) -> Certified {
     let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
     let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
     Certified { k_tilde, gamma, q: q_diagonal(law, k_tilde), s, worst }
-}
-
-impl Evidence for Refused {
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let claim = "refusal of optimality";
-        let Some(found) = refusal(law, self.k_tilde) else {
-            return holds(claim, &format!("{} ≤ 0", self.quantity), self.value, 0.0, false);
-        };
-        let same = found.condition == self.condition && found.quantity == self.quantity;
-        holds(claim, &format!("{} fails", self.condition), self.value, found.value, same)?;
-        agrees(claim, &self.quantity, self.value, found.value, RESIDUAL)
-    }
-}
-
-fn check_riccati(law: &Law, k_tilde: f64, q: &[f64], s: &Matrix) -> Result<(), Refutation> {
-    let (a, sb) = (law.a_matrix(), last_column(s));
-    let (sa, size) = (product(s, &a), product(&absolute(s), &absolute(&a)));
-    let (at_s, at_size) = (transpose(&sa), transpose(&size));
-    for i in 0..s.len() {
-        for j in 0..s.len() {
-            let weight = if i == j { q[i] } else { 0.0 };
-            let pull = k_tilde * sb[i] * sb[j];
-            let residual = (sa[i][j] + at_s[i][j] - pull + weight).abs();
-            let scale = size[i][j] + at_size[i][j] + pull.abs() + weight.abs();
-            let name = "|AᵀS + SA − K̃SBBᵀS + Q| ≤ 1e-10 (sum of absolute terms)";
-            holds(CLAIM, name, residual, RESIDUAL * scale, residual <= RESIDUAL * scale)?;
-        }
-    }
-    Ok(())
 }
 
 /// Off its diagonal, (13) reads `S_{i−1,j} = −S_{i,j−1} + K̃c_ic_j − c_il_j − l_ic_j`, with `c = SB` and `l`

@@ -16,7 +16,6 @@ use phihat::Form;
 use thiserror::Error;
 
 use crate::claims::Refutation;
-use crate::prelude::*;
 use crate::{Gains, GainsError};
 
 /// What to write.

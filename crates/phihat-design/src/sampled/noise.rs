@@ -3,16 +3,13 @@
 pub use phihat_certificate::TorqueNoise;
 
 use super::model::LoopModel;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
 
 const CLAIM: &str = "torque noise";
-
-/// Agreement asked of a claim that is computed again.
-const SAME: f64 = 1.0 + 1e-9;
 
 /// Finding [`TorqueNoise`].
 pub trait FindNoise: Sized {
@@ -28,13 +25,6 @@ pub trait FindNoise: Sized {
         range: (f64, f64),
         count: u32,
     ) -> Result<Self, Refutation>;
-
-    /// Sums the responses again: the figures must not be smaller than what comes out.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the figure.
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
 }
 
 impl FindNoise for TorqueNoise {
@@ -46,15 +36,6 @@ impl FindNoise for TorqueNoise {
         count: u32,
     ) -> Result<Self, Refutation> {
         over(gains, model, quantum_rad, ratios(low, high, count).collect())
-    }
-
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        let again = over(gains, model, self.quantum_rad, self.mu.clone())?;
-        at_most(CLAIM, "rms τ ≤ claimed", again.rms_nm, self.rms_nm * SAME)?;
-        let (found, claimed) = (again.change_rms_nm, self.change_rms_nm);
-        at_most(CLAIM, "rms (τ_k − τ_{k−1}) ≤ claimed", found, claimed * SAME)?;
-        let (found, claimed) = (again.change_max_nm, self.change_max_nm);
-        at_most(CLAIM, "|τ_k − τ_{k−1}| ≤ claimed", found, claimed * SAME)
     }
 }
 

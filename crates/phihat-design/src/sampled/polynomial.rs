@@ -21,10 +21,6 @@ impl Polynomial {
         (0..k).fold(Self::one(), |product, _| product.times(&z))
     }
 
-    pub(crate) fn coefficients(&self) -> &[f64] {
-        &self.0
-    }
-
     pub(crate) fn degree(&self) -> usize {
         self.0.len().saturating_sub(1)
     }

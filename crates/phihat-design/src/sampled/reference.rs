@@ -5,7 +5,7 @@ pub use phihat_certificate::ReferenceError;
 
 use super::model::LoopModel;
 use super::peak::mean_of_parabola;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Horizon, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
@@ -30,13 +30,6 @@ pub trait FindReferenceError: Sized {
         range: (f64, f64),
         count: u32,
     ) -> Result<Self, Refutation>;
-
-    /// Computes the norms again: the gains must not be smaller.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the gain.
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
 }
 
 impl FindReferenceError for ReferenceError {
@@ -48,20 +41,6 @@ impl FindReferenceError for ReferenceError {
         count: u32,
     ) -> Result<Self, Refutation> {
         over(gains, model, feed_forward, ratios(low, high, count).collect())
-    }
-
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        let again = over(gains, model, self.feed_forward, self.mu.clone())?;
-        let slack = 1.0 + 1e-9;
-        let enough = |what: &str, found: Option<f64>, claimed: Option<f64>| {
-            let all = f64::INFINITY;
-            at_most(CLAIM, what, found.unwrap_or(all), claimed.unwrap_or(all) * slack)
-        };
-        enough("‖e ← q̈_d‖₁ ≤ claimed", Some(again.acceleration), Some(self.acceleration))?;
-        enough("‖e ← q⃛_d‖₁ ≤ claimed", again.jerk, self.jerk)?;
-        let (found, claimed) = (again.velocity_acceleration, self.velocity_acceleration);
-        enough("‖ė ← q̈_d‖₁ ≤ claimed", Some(found), Some(claimed))?;
-        enough("‖ė ← q⃛_d‖₁ ≤ claimed", again.velocity_jerk, self.velocity_jerk)
     }
 }
 

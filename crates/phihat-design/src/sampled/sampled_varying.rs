@@ -3,13 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 pub use phihat_certificate::SampledVarying;
 
-use super::common_form::{definite, exists, first_proved, widest};
+use super::common_form::{exists, first_proved, widest};
 use super::model::LoopModel;
 use super::refutation::{plausible, plausible_loop, refuse};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use crate::claims::matrix::{Matrix, is_symmetric, product, sum, transpose};
 
 const CLAIM: &str = "varying inertia, sampled";
 
@@ -37,13 +36,6 @@ pub trait FindSampledVarying: Sized {
         model: &LoopModel,
         range: (f64, f64),
     ) -> Result<Self, Refutation>;
-
-    /// Checks the three definiteness conditions.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality and its least pivot.
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
 }
 
 impl FindSampledVarying for SampledVarying {
@@ -82,27 +74,6 @@ impl FindSampledVarying for SampledVarying {
             Self::find(gains, model, (centre / ratio.sqrt(), centre * ratio.sqrt()))
         })
     }
-
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        if !(0.0 < self.low && self.low <= self.high && self.high.is_finite()) {
-            return Err(refuse(CLAIM, "0 < low ≤ high", self.low, self.high));
-        }
-        let [fast, slow] = [self.low, self.high].map(|mu| rows(gains, model, mu));
-        if !is_symmetric(&self.p, fast.len()) {
-            return Err(refuse(CLAIM, "P = Pᵀ, of the loop's size", 0.0, 1.0));
-        }
-        definite(CLAIM, "P ≻ 0", &self.p)?;
-        let falls = |a: &Matrix| sum(&self.p, -1.0, &product(&transpose(a), &product(&self.p, a)));
-        definite(CLAIM, "P − AᵀPA ≻ 0 at low", &falls(&fast))?;
-        definite(CLAIM, "P − AᵀPA ≻ 0 at high", &falls(&slow))
-    }
-}
-
-fn rows(gains: &JointRecord, model: &LoopModel, mu: f64) -> Matrix {
-    let matrix = StateMatrix::new(gains, model, mu);
-    matrix.matrix().row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
 /// `D = b cᵀ` from its largest row and that row's largest entry, `c` of unit length.

@@ -3,7 +3,7 @@
 pub use phihat_certificate::LargestStep;
 
 use super::model::LoopModel;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
@@ -25,18 +25,6 @@ pub trait FindStep: Sized {
         range: (f64, f64),
         count: u32,
     ) -> Result<Self, Refutation>;
-
-    /// Computes the responses again and checks the step against the limits.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the limit.
-    fn verify(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        limits: (Option<f64>, Option<f64>),
-    ) -> Result<(), Refutation>;
 }
 
 impl FindStep for LargestStep {
@@ -52,28 +40,6 @@ impl FindStep for LargestStep {
         let by_rate = torque_rate_max.map(|limit| limit * model.period_s / found.change_per_rad_nm);
         found.step_rad = by_torque.into_iter().chain(by_rate).reduce(f64::min);
         Ok(found)
-    }
-
-    fn verify(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        (torque_max, torque_rate_max): (Option<f64>, Option<f64>),
-    ) -> Result<(), Refutation> {
-        let again = over(gains, model, self.mu.clone())?;
-        let Some(step) = self.step_rad else {
-            let limits = f64::from(u8::from(torque_max.or(torque_rate_max).is_some()));
-            return at_most(CLAIM, "no step stated: no limit stated", limits, 0.0);
-        };
-        let slack = 1.0 + 1e-9;
-        if let Some(limit) = torque_max {
-            at_most(CLAIM, "|τ| ≤ τ_max", step * again.torque_per_rad_nm, limit * slack)?;
-        }
-        if let Some(limit) = torque_rate_max {
-            let change = step * again.change_per_rad_nm / model.period_s;
-            at_most(CLAIM, "|τ̇| ≤ τ̇_max", change, limit * slack)?;
-        }
-        Ok(())
     }
 }
 

@@ -3,11 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 pub use phihat_certificate::VaryingWindow;
 
-use super::common_form::{definite, exists, first_proved, widest};
-use super::refutation::{plausible, refuse};
+use super::common_form::{exists, first_proved, widest};
+use super::refutation::plausible;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use crate::claims::matrix::is_symmetric;
 
 const CLAIM: &str = "varying inertia";
 
@@ -41,13 +40,6 @@ pub trait FindVarying: Sized {
         centre: f64,
         highest_ratio: f64,
     ) -> Result<Self, Refutation>;
-
-    /// Checks the three definiteness conditions.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality and its least pivot.
-    fn verify(&self, gains: &JointRecord) -> Result<(), Refutation>;
 }
 
 impl FindVarying for VaryingWindow {
@@ -79,32 +71,6 @@ impl FindVarying for VaryingWindow {
             Self::find(gains, (centre / ratio.sqrt(), centre * ratio.sqrt()))
         })
     }
-
-    fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        let n = gains.a.len() + 2;
-        if !is_symmetric(&self.p, n) {
-            return Err(refuse(CLAIM, "P = Pᵀ, of size m + 2", 0.0, 1.0));
-        }
-        if !(0.0 < self.low && self.low <= self.high && self.rate_per_s > 0.0) {
-            return Err(refuse(CLAIM, "0 < low ≤ high", self.low, self.high));
-        }
-        definite(CLAIM, "P ≻ 0", &self.p)?;
-        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at low", &falls(self, gains, self.low))?;
-        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at high", &falls(self, gains, self.high))
-    }
-}
-
-/// `−(AᵀP + PA)` at one ratio, written out for (V1).
-fn falls(claim: &VaryingWindow, gains: &JointRecord, mu: f64) -> Vec<Vec<f64>> {
-    let k = coefficients(gains, claim.rate_per_s);
-    let n = k.len();
-    // (PA)_ij = P_{i,j−1} − P_{i,n−1} k_j/μ.
-    let pa = |i: usize, j: usize| {
-        let shifted = if j > 0 { claim.p[i][j - 1] } else { 0.0 };
-        shifted - claim.p[i][n - 1] * k[j] / mu
-    };
-    (0..n).map(|i| (0..n).map(|j| -(pa(i, j) + pa(j, i))).collect()).collect()
 }
 
 /// `k_1 … k_{m+2}` of (V1), in units of `rate`.

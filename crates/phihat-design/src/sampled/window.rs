@@ -5,7 +5,6 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::Complex;
 pub use phihat_certificate::InertiaWindow;
 
-use super::exclusion::Exclusion;
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
 use super::polynomial::{Polynomial, on_circle};
@@ -43,25 +42,6 @@ pub trait FindWindow: Sized {
     ///
     /// [`Refutation`] when the loop is unstable at `μ = 1`.
     fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation>;
-
-    /// Proves the claim from gains and model alone; no solver is trusted.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], with the frequency at which the proof fails.
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
-
-    /// Proves that every mode, at every `μ` in `[low, high]`, decays at least as fast as `e^{−rate t}`.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], with the frequency at which the proof fails.
-    fn verify_decay(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        rate: f64,
-    ) -> Result<(), Refutation>;
 }
 
 impl FindWindow for InertiaWindow {
@@ -71,24 +51,6 @@ impl FindWindow for InertiaWindow {
         let open = OpenLoop::new(gains, model);
         stable_at_one(&open)?;
         Ok(around(&open, 1.0))
-    }
-
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        self.verify_decay(gains, model, 0.0)
-    }
-
-    fn verify_decay(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        rate: f64,
-    ) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        let open = OpenLoop::new(gains, model);
-        let radius = (-rate * model.period_s).exp();
-        let Self { low, high, .. } = *self;
-        Exclusion { open: &open, low, high, radius, distance: 0.0 }.prove(CLAIM)
     }
 }
 

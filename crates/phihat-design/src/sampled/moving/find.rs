@@ -3,9 +3,11 @@
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::Complex;
 
-use phihat_certificate::{Failure, Loop, Moving};
+use phihat_certificate::{Moving, Unstable};
 
-use crate::sampled::polynomial::{Polynomial, on_circle};
+use super::Cut;
+
+use crate::sampled::polynomial::on_circle;
 use crate::sampled::window::angles;
 
 /// Taps that may be other than 0.
@@ -29,13 +31,13 @@ const SMALL: f64 = 1e-5;
 const ROUNDS: u32 = 5;
 
 /// The largest rate with its proof.
-pub(super) fn largest(about: &Loop, range: (f64, f64), period: f64) -> Result<Moving, Failure> {
+pub(super) fn largest(about: &Cut<'_>, range: (f64, f64)) -> Result<Moving, Unstable> {
     let mut grid = Grid::of(about, range);
     let (mut below, mut above) = RATES;
-    let mut best = grid.proved(about, below, period)?;
+    let mut best = grid.proved(about, below)?;
     while above / below > FINE {
         let middle = (below * above).sqrt();
-        match grid.proved(about, middle, period) {
+        match grid.proved(about, middle) {
             Ok(found) => (best, below) = (found, middle),
             Err(_) => above = middle,
         }
@@ -65,11 +67,10 @@ struct Point {
 }
 
 impl Point {
-    fn at(theta: f64, about: &Loop, (low, high): (f64, f64)) -> Self {
+    fn at(theta: f64, about: &Cut<'_>, (low, high): (f64, f64)) -> Self {
         let w = on_circle(theta, 1.0);
-        let at = |p: &[f64]| Polynomial::new(p.to_vec()).at(w);
         let [n, d, k]: [Complex<f64>; 3] =
-            [&about.numerator, &about.denominator, &about.kick].map(|p| at(p));
+            [&about.open.numerator, &about.open.denominator, &about.kick].map(|p| p.at(w));
         let c = 0.5 * (low + high);
         Self {
             theta,
@@ -85,22 +86,22 @@ impl Point {
 }
 
 impl Grid {
-    fn of(about: &Loop, range: (f64, f64)) -> Self {
+    fn of(about: &Cut<'_>, range: (f64, f64)) -> Self {
         let points = angles().into_iter().map(|theta| Point::at(theta, about, range));
         Self { range, points: points.filter(|p| p.matters).collect() }
     }
 
     /// A multiplier for a rate, with its proof.
-    fn proved(&mut self, about: &Loop, rate: f64, period: f64) -> Result<Moving, Failure> {
-        let mut failure = Failure {
+    fn proved(&mut self, about: &Cut<'_>, rate: f64) -> Result<Moving, Unstable> {
+        let mut failure = Unstable {
             inequality: format!("a multiplier exists for inertia that changes at {rate:.3} 1/s"),
             theta: 0.0,
             left: 0.0,
             right: 1.0,
         };
         for _ in 0..ROUNDS {
-            let Some(moving) = self.multiplier(rate, period) else { break };
-            match moving.proved(about, period) {
+            let Some(moving) = self.multiplier(rate, about.model.period_s) else { break };
+            match moving.stable(about.gains, about.model) {
                 Ok(()) => return Ok(moving),
                 Err(why) => failure = why,
             }

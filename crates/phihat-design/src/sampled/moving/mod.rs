@@ -3,10 +3,11 @@
 mod find;
 
 pub use phihat_certificate::Moving;
-use phihat_certificate::{Failure, Loop};
+use phihat_certificate::Unstable;
 
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
+use super::polynomial::Polynomial;
 use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -21,13 +22,6 @@ pub trait FindMoving: Sized {
     ///
     /// [`Refutation`] when no rate is proved.
     fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
-
-    /// Checks the claim for one joint's gains and loop; they have to be the same for all joints.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], with the frequency at which the proof fails.
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation>;
 }
 
 impl FindMoving for Moving {
@@ -38,16 +32,21 @@ impl FindMoving for Moving {
     ) -> Result<Self, Refutation> {
         let about = cut(gains, model)?;
         let range = (low * (1.0 - 1e-9), high * (1.0 + 1e-9));
-        find::largest(&about, range, model.period_s).map_err(refused)
-    }
-
-    fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        self.check(&cut(gains, model)?, model.period_s)
+        find::largest(&about, range).map_err(refused)
     }
 }
 
-/// The loop cut at the inertia.
-fn cut(gains: &JointRecord, model: &LoopModel) -> Result<Loop, Refutation> {
+/// One joint's loop, cut where its torque meets the inertia.
+#[derive(Debug)]
+struct Cut<'a> {
+    gains: &'a JointRecord,
+    model: &'a LoopModel,
+    open: OpenLoop,
+    /// `K`.
+    kick: Polynomial,
+}
+
+fn cut<'a>(gains: &'a JointRecord, model: &'a LoopModel) -> Result<Cut<'a>, Refutation> {
     plausible(CLAIM, gains)?;
     plausible_loop(CLAIM, model)?;
     if let Some(hz) = model.drive_bandwidth_hz {
@@ -55,14 +54,9 @@ fn cut(gains: &JointRecord, model: &LoopModel) -> Result<Loop, Refutation> {
         return Err(refuse(CLAIM, inequality, hz, f64::INFINITY));
     }
     let (open, kick) = OpenLoop::with_kick(gains, model);
-    let coefficients = |p: &super::polynomial::Polynomial| p.coefficients().to_vec();
-    Ok(Loop {
-        numerator: coefficients(&open.numerator),
-        denominator: coefficients(&open.denominator),
-        kick: coefficients(&kick),
-    })
+    Ok(Cut { gains, model, open, kick })
 }
 
-fn refused(why: Failure) -> Refutation {
+fn refused(why: Unstable) -> Refutation {
     refuse(CLAIM, why.inequality, why.left, why.right)
 }

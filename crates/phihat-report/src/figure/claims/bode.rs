@@ -3,7 +3,6 @@
 use core::f64::consts::PI;
 use core::ops::Range;
 
-use phihat_design::prelude::*;
 use phihat_design::sampled::{Bode, bode};
 use phihat_design::{Certificate, Gains};
 
