@@ -14,6 +14,7 @@ mod iss;
 mod law;
 mod margins;
 mod model;
+mod moving;
 mod noise;
 mod norm;
 mod not_counted;
@@ -33,8 +34,9 @@ mod varying;
 mod verify;
 mod weights;
 mod window;
+mod witness;
 
-pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
+pub use arm::{ArmBasis, ArmInertia};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
@@ -44,6 +46,7 @@ pub use iss::Iss;
 pub use law::Law;
 pub use margins::Margins;
 pub use model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+pub use moving::{Moving, Unstable};
 pub use noise::TorqueNoise;
 pub use norm::NormH;
 pub use not_counted::{LeftOut, NotCounted};
@@ -62,6 +65,7 @@ pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept};
 pub use varying::{SampledVarying, VaryingWindow};
 pub use verify::RATIOS;
 pub use window::InertiaWindow;
+pub use witness::{Proved, Searched, Witness};
 
 /// A small matrix, row by row.
 pub type Matrix = Vec<Vec<f64>>;

@@ -23,7 +23,7 @@ mod trace;
 mod trade_off;
 pub mod tube;
 
-pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
+pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
 pub use certificate::arm_inside_window;
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
