@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ArmInertia, Attenuation, Bounds, CoupledGains, InertiaWindow, Iss, LargestStep, LoopModel,
-    Margins, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
-    ReferenceError, Refutation, SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
+    Margins, Moving, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
+    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
+    VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -20,6 +21,12 @@ pub struct Certificate {
     pub duration_s: f64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointCertificate>,
+    /// Stability while the arm moves; `None`: not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<Moving>,
+    /// Why stability while the arm moves is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving_refused: Option<Refutation>,
     /// How far a push on one joint moves every joint, at frozen postures; `None` where no model of the arm is known, or the loop
     /// does not hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -27,6 +34,18 @@ pub struct Certificate {
     /// What the study has and the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
+    /// An envelope of the study's run from its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube: Option<Tube>,
+    /// Clauses of the specification that are not proved, each with what is known of it; empty: all are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unproved: Vec<String>,
+    /// Why there is no tube.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_refused: Option<String>,
+    /// When the steady part begins, and why then; `None`: not told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle: Option<Settle>,
 }
 
 /// The claims about one joint.
@@ -79,7 +98,29 @@ pub struct JointCertificate {
     pub refused: Vec<Refutation>,
 }
 
+/// What is known of one joint's steady error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorBound {
+    /// `|e|` \[rad\].
+    pub error_rad: f64,
+    /// `|ė|` \[rad/s\].
+    pub velocity_error_rad_s: f64,
+}
+
 impl Certificate {
+    /// The bound on a joint's steady error: that of the tube, or, for joints that are known one by one, their own.
+    pub fn error_bound(&self, joint: usize) -> Option<ErrorBound> {
+        if let Some(tube) = &self.tube {
+            let own = tube.joints.get(joint)?;
+            let (error_rad, velocity_error_rad_s) =
+                (own.error_max_rad, own.velocity_error_max_rad_s);
+            return Some(ErrorBound { error_rad, velocity_error_rad_s });
+        }
+        let own = self.joints.get(joint)?.bounds?;
+        let Bounds { error_rad, velocity_error_rad_s, .. } = own;
+        Some(ErrorBound { error_rad, velocity_error_rad_s })
+    }
+
     /// The first claim that the certificate itself says does not hold.
     pub fn refused(&self) -> Option<Refutation> {
         let own =

@@ -174,7 +174,9 @@ impl Gains {
     /// Certified bound on |e| of each joint [rad]; None if nothing is certified about it.
     #[getter]
     fn error_bound(&self) -> Option<Vec<f64>> {
-        self.certified(|joint| joint.bounds.as_ref().map(|bounds| bounds.error_rad))
+        let certificate = self.inner.certificate.as_ref()?;
+        let bound = |joint| certificate.error_bound(joint).map(|bound| bound.error_rad);
+        (0..certificate.joints.len()).map(bound).collect()
     }
 
     fn __repr__(&self) -> String {

@@ -5,6 +5,7 @@ use crate::figure::claim_figures;
 use crate::number::{number, stated};
 use crate::record::Record;
 use crate::text::line;
+use crate::tube::tube;
 use maud::{Markup, PreEscaped, html};
 use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;
@@ -34,10 +35,12 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                     @match one.claims {
                         LeftOut::Bounds => "not in the bounds",
                         LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
+                        LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
                     }
                 }
             } }
         }
+        (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
         (coupled(certificate))
@@ -82,9 +85,9 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                     th scope="col" { "|ė| measured " span.unit { "[mrad/s]" } }
                     th scope="col" { "holds" }
                 } }
-                tbody { @for (claim, joint) in rows() { tr {
+                tbody { @for (i, (claim, joint)) in rows().enumerate() { tr {
                     th scope="row" { (line(&claim.name)) }
-                    @if let Some(bound) = &claim.bounds {
+                    @if let Some(bound) = certificate.error_bound(i) {
                         @let holds = joint.error_steady_max_rad <= bound.error_rad
                             && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
                         td { (number(bound.error_rad * MILLI)) }

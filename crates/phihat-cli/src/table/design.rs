@@ -1,7 +1,10 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use comfy_table::Table;
-use phihat_design::{Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted};
+use phihat_design::{
+    Certificate, ErrorBound, Gains, Infeasible, JointCertificate, LeftOut, NotCounted, Settle,
+    SettleFrom,
+};
 
 use super::coupled::coupled;
 use super::{MILLI, align, plain_table};
@@ -40,8 +43,8 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         "|Δτ| from encoder\nN·m, rms / bound",
         "largest step\nmrad",
     ]);
-    for joint in &certificate.joints {
-        table.add_row(row(joint));
+    for (i, joint) in certificate.joints.iter().enumerate() {
+        table.add_row(row(joint, certificate.error_bound(i)));
     }
     align(&mut table);
     let arm = &certificate.arm;
@@ -55,16 +58,41 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         Some(why) => lines.push(format!("{range}; these gains do NOT arm: {why}")),
     }
     lines.push(format!("({})", arm.source));
+    if let Some(proved) = arm.searched.as_ref().and_then(|searched| searched.proved.as_ref()) {
+        lines.push(format!(
+            "proved in {} cells: no eigenvalue below {:.3}, none above {:.3}, at no posture",
+            proved.cells, proved.low, proved.high
+        ));
+    }
+    lines.push(moving(certificate));
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
     }
     lines.extend(certificate.joints.first().map(law));
     lines.extend(coupled(certificate));
     lines.extend(not_counted(&certificate.not_counted));
+    lines.push(proved(certificate));
+    lines.extend(certificate.settle.map(settle));
     lines.join("\n")
 }
 
-fn row(joint: &JointCertificate) -> Vec<String> {
+/// How fast the arm's inertia may change, beside what is needed.
+fn moving(certificate: &Certificate) -> String {
+    let Some(moving) = &certificate.moving else {
+        let why = certificate.moving_refused.as_ref().map(ToString::to_string);
+        return format!("NOT proved, stability while moving: {}", why.unwrap_or_default());
+    };
+    let rate = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{rate:.2}"));
+    format!(
+        "stable while the inertia changes by at most {:.1} 1/s (Coriolis torque and gradients left out); the reference \
+         needs {}, all joints at their speed limits {} (searched)",
+        moving.rate_per_s,
+        rate(moving.needed_motion_per_s),
+        rate(moving.needed_limits_per_s)
+    )
+}
+
+fn row(joint: &JointCertificate, bound: Option<ErrorBound>) -> Vec<String> {
     let none = || "–".to_owned();
     let milli = |value: Option<f64>, decimals: usize| {
         value.map_or_else(none, |v| format!("{:.*}", decimals, v * MILLI))
@@ -73,8 +101,8 @@ fn row(joint: &JointCertificate) -> Vec<String> {
     let noise = joint.noise.as_ref();
     vec![
         joint.name.clone(),
-        milli(joint.bounds.map(|b| b.error_rad), 3),
-        milli(joint.bounds.map(|b| b.velocity_error_rad_s), 1),
+        milli(bound.map(|b| b.error_rad), 3),
+        milli(bound.map(|b| b.velocity_error_rad_s), 1),
         milli(joint.bounds.and_then(|b| b.integral_rad_s), 2),
         joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
         margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),
@@ -84,6 +112,39 @@ fn row(joint: &JointCertificate) -> Vec<String> {
         noise.map_or_else(none, |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm)),
         milli(joint.step.as_ref().and_then(|s| s.step_rad), 2),
     ]
+}
+
+/// What is proved of the specification.
+fn proved(certificate: &Certificate) -> String {
+    if !certificate.unproved.is_empty() {
+        let each = certificate.unproved.iter().map(|why| format!("  {why}"));
+        return format!("NOT PROVED of this study:\n{}", each.collect::<Vec<_>>().join("\n"));
+    }
+    match &certificate.tube {
+        Some(tube) => format!(
+            "the specification is kept by every run in the tube: payload {} … {} kg, dry friction as stated, from t = 0, no limit acts",
+            tube.payload.mass_kg.0, tube.payload.mass_kg.1
+        ),
+        None => {
+            "bounds are those of each joint alone: nothing is known of how they push each other"
+                .to_owned()
+        }
+    }
+}
+
+/// From when on the specification is held against a run, and why then.
+fn settle(settle: Settle) -> String {
+    let why = match settle.from {
+        SettleFrom::Study => "as the study says",
+        SettleFrom::Tube => {
+            "the study does not say when: from then on the tube stays inside the specification"
+        }
+        SettleFrom::TubeLevel => {
+            "the study does not say when, and the tube never keeps the specification: from then on it is at its own level"
+        }
+        SettleFrom::Default => "the study does not say when, and there is no tube: the default",
+    };
+    format!("steady from t = {} s on: {why}", settle.settle_s)
 }
 
 /// What the study has and the claims leave out, one line for each kind of claim.
@@ -96,6 +157,7 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     [
         (LeftOut::Bounds, "NOT counted in the bounds"),
         (LeftOut::BoundsAndStability, "NOT counted at all, neither in the bounds nor in stability"),
+        (LeftOut::AllButTube, "NOT counted but in a tube, where there is one"),
     ]
     .into_iter()
     .filter_map(line)

@@ -5,9 +5,9 @@ mod relaxed;
 use core::f64::consts::PI;
 
 use nalgebra::DMatrix;
+use phihat_certificate::Proved;
 
 use super::postures::{Postures, eigen};
-use phihat_certificate::Proved;
 use relaxed::{Corners, Relaxed, Scratch};
 
 /// Half the widest arc \[rad\] that a triangle is put around.
@@ -224,6 +224,27 @@ mod tests {
                     assert!(error < 1e-6, "{robot}: {error}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn corners_are_above_every_posture_of_a_cell() {
+        let set = "payload_kg = [0, 1.5]\npayload_com_m = [[0, 0.1], [0, 0], [-0.1, 0]]";
+        let postures = Postures::of(&study("panda", set)).unwrap();
+        let nominal = vec![1.0, 1.5, 0.7, 0.9, 0.2, 0.2, 0.2];
+        let relaxed = Relaxed::new(&postures, &nominal).unwrap();
+        let mut scratch = relaxed.scratch();
+        for (round, tried) in postures.heavy[..200].iter().enumerate() {
+            let half = [0.05, 0.2, 0.5][round % 3];
+            let ends = tried.q.iter().map(|q| (q - half, q + half)).collect();
+            let cell = Cell { ends, share: 1.0 };
+            let at = |k: usize| tried.q[k] + half * (7.3 * (round * 7 + k) as f64).sin();
+            let q: Vec<f64> = (0..7).map(at).collect();
+            let model = &postures.payloads[1 + round % postures.heaviest].model;
+            let mut workspace = phihat_model::Workspace::new(model);
+            let w = super::super::postures::scaled_mass_matrix(model, &mut workspace, &q, &nominal);
+            let limit = w.symmetric_eigenvalues().max() * (1.0 - 1e-6);
+            assert!(!relaxed.below(&corners(&cell, &postures), limit, &mut scratch));
         }
     }
 
