@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;
-use phihat_design::{Arm, CoupledGains, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm, CoupledGains, Motion as PhiMotion, Outcome, Phi, PhiBasis, design};
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
 
@@ -26,7 +26,11 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
             size_nm: Some(along.size),
             rate_nm_s: along.rate,
             jump_nm: along.jump,
-            motion: None,
+            motion: Some(PhiMotion {
+                velocity_rad_s: demand.velocity(joint),
+                acceleration_rad_s2: demand.motion(joint).0,
+                jerk_rad_s3: demand.motion(joint).1,
+            }),
         }
     };
     let Outcome::Designed(mut gains) = design(&study, &arm, &phi).unwrap() else {
