@@ -5,11 +5,12 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use nalgebra::{DMatrix, DVector};
-use phihat_design::JointRecord;
 use phihat_design::prelude::*;
 use phihat_design::sampled::{
     InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity, Moving, StateMatrix,
 };
+use phihat_design::{Arm, Certificate, Gains, JointRecord, Outcome, Phi, PhiBasis, Proved, design};
+use phihat_study::Study;
 
 const JOINTS: usize = 3;
 
@@ -91,7 +92,34 @@ fn paths(low: f64, high: f64, rate: f64, dice: &mut Dice) -> Vec<Path> {
             &turn * DMatrix::from_diagonal(&ends) * turn.transpose()
         }));
     }
+    for _ in 0..4 {
+        all.push(wandering((low, high, rate), dice.roll()));
+    }
     all
+}
+
+/// Straight from one random inertia to the next, at full speed: eigenvalues at both ends of the range or anywhere in it.
+fn wandering((low, high, rate): (f64, f64, f64), seed: f64) -> Path {
+    let mut dice = Dice(seed.to_bits());
+    let mut knot = move || {
+        let turn = DMatrix::from_fn(JOINTS, JOINTS, |_, _| dice.roll()).qr().q();
+        let ends = DVector::from_fn(JOINTS, |_, _| {
+            (0.5 * (low + high) + (high - low) * dice.roll()).clamp(low, high)
+        });
+        &turn * DMatrix::from_diagonal(&ends) * turn.transpose()
+    };
+    let (mut from, mut to, mut since) = (knot(), knot(), 0.0);
+    Box::new(move |t| {
+        loop {
+            let way = &to - &from;
+            let takes = way.clone().symmetric_eigenvalues().amax() / rate;
+            if t - since <= takes {
+                break &from + way * ((t - since) / takes);
+            }
+            since += takes;
+            from = core::mem::replace(&mut to, knot());
+        }
+    })
 }
 
 /// Between −1 and 1 with slope ±1.
@@ -215,4 +243,49 @@ fn a_strengthened_claim_is_refused() {
         let slow = LoopModel { drive_bandwidth_hz: Some(200.0), ..model };
         good.verify(&gains, &slow).unwrap_err();
     }
+}
+
+/// A small arm's gains with their certificate.
+fn designed() -> Gains {
+    let text = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_max_rad = 5e-3\n[design]\n\
+                phi_rate_max_nm_s = 1.0\nphi_jump_max_nm = 0.1\norders = [1]\n[loop]\ndelay_samples = 1\n[world]\n\
+                gravity_m_s2 = [0.0, 0.0, 0.0]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
+    let study = Study::from_text(text, "moving.toml", std::path::Path::new("")).unwrap();
+    let phi = |_: usize, _: f64| Phi {
+        basis: PhiBasis::Typed,
+        source: "typed".into(),
+        size_nm: None,
+        rate_nm_s: 1.0,
+        jump_nm: 0.1,
+        motion: None,
+    };
+    let motion = [(study.robot.poses["ready"].clone(), vec![0.5, -1.0, 1.0])];
+    let arm = Arm::of(&study).unwrap().along(&motion);
+    match design(&study, &arm, &phi).unwrap() {
+        Outcome::Designed(gains) => *gains,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_design_says_how_fast_its_arm_may_move() {
+    let gains = designed();
+    let certificate = gains.certificate.clone().unwrap();
+    certificate.verify(&gains).unwrap();
+    let moving = certificate.moving.clone().unwrap();
+    let needed = moving.needed_motion_per_s.unwrap();
+    assert!(needed > 0.0 && needed < moving.needed_limits_per_s.unwrap());
+    let refused = |change: &dyn Fn(&mut Certificate)| {
+        let mut forged = certificate.clone();
+        change(&mut forged);
+        forged.verify(&gains).unwrap_err()
+    };
+    refused(&|c| c.moving.as_mut().unwrap().low *= 1.1);
+    refused(&|c| c.moving.as_mut().unwrap().high *= 0.9);
+    refused(&|c| c.moving.as_mut().unwrap().rate_per_s *= 1.5);
+    refused(&|c| c.moving.as_mut().unwrap().needed_motion_per_s = Some(-1.0));
+    refused(&|c| c.arm.searched.as_mut().unwrap().high.eigenvalue *= 0.9);
+    refused(&|c| {
+        c.arm.searched.as_mut().unwrap().proved = Some(Proved { low: 0.0, high: 0.5, cells: 1 })
+    });
 }

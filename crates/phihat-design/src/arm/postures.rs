@@ -146,7 +146,7 @@ fn evenly(travel: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
 }
 
 fn primes() -> impl Iterator<Item = f64> {
-    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     (2..u32::MAX).filter(prime).map(f64::from)
 }
 

@@ -17,6 +17,7 @@ pub(crate) fn find_moving(certificate: &mut Certificate, gains: &Gains, arm: &Ar
 }
 
 fn of(certificate: &Certificate, gains: &Gains, arm: &Arm) -> Result<Moving, Refutation> {
+    certificate.refused().map_or(Ok(()), Err)?;
     one_loop(certificate)?;
     let first = gains.joints.first().zip(certificate.joints.first());
     let (record, joint) = first.ok_or_else(|| refuse(CLAIM, "there is a joint", 0.0, 1.0))?;

@@ -2,16 +2,14 @@
 
 mod relaxed;
 
-use core::f64::consts::PI;
-
 use nalgebra::DMatrix;
 use phihat_certificate::Proved;
 
 use super::postures::{Postures, eigen};
 use relaxed::{Corners, Relaxed, Scratch};
 
-/// Half the widest arc \[rad\] that a triangle is put around.
-const WIDEST: f64 = 1.0;
+/// The widest arc \[rad\] that a triangle is put around.
+const WIDEST: f64 = 2.0;
 
 /// How a proof comes along.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,17 +79,16 @@ pub(super) fn prove(
             return Err(Unproved::Stopped(progress));
         }
         progress.cells += 1;
-        let joint = match too_wide(&cell, postures) {
-            Some(joint) => joint,
-            None => {
-                let corners = corners(&cell, postures);
-                if relaxed.below(&corners, limit, &mut scratch) {
-                    progress.done += cell.share;
-                    continue;
-                }
-                refuted(&relaxed, (&cell, postures), limit, &mut scratch)?;
-                worst(&relaxed, (&cell, postures), &corners, &mut scratch)
+        let joint = if let Some(joint) = too_wide(&cell, postures) {
+            joint
+        } else {
+            let corners = corners(&cell, postures);
+            if relaxed.below(&corners, limit, &mut scratch) {
+                progress.done += cell.share;
+                continue;
             }
+            refuted(&relaxed, (&cell, postures), limit, &mut scratch)?;
+            worst(&relaxed, (&cell, postures), &corners, &mut scratch)
         };
         cells.extend(halves(cell, joint));
     }
@@ -103,7 +100,7 @@ fn too_wide(cell: &Cell, postures: &Postures) -> Option<usize> {
     let width = |k: usize| cell.ends[k].1 - cell.ends[k].0;
     let turning = (0..cell.ends.len()).filter(|k| !postures.slides[*k]);
     let widest = turning.max_by(|a, b| width(*a).total_cmp(&width(*b)))?;
-    (width(widest) > 2.0 * WIDEST.min(PI / 3.0)).then_some(widest)
+    (width(widest) > WIDEST).then_some(widest)
 }
 
 fn corners(cell: &Cell, postures: &Postures) -> Vec<Corners> {

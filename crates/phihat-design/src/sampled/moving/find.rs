@@ -16,9 +16,9 @@ const TAPS: [usize; 18] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 48, 64, 85, 113
 /// Where the loop is so many times the inertia, no multiplier is needed.
 const LARGE: f64 = 300.0;
 
-/// Rates that are looked at \[1/s\], and how finely.
+/// Rates that are looked at \[1/s\], and how often the interval of their logarithm is halved.
 const RATES: (f64, f64) = (1e-2, 1e4);
-const FINE: f64 = 1.02;
+const HALVINGS: u32 = 10;
 
 /// Share of the sizes on both sides that a programme leaves between them if it can, and has to.
 const ROOM: f64 = 0.03;
@@ -35,7 +35,7 @@ pub(super) fn largest(about: &Cut<'_>, range: (f64, f64)) -> Result<Moving, Unst
     let mut grid = Grid::of(about, range);
     let (mut below, mut above) = RATES;
     let mut best = grid.proved(about, below)?;
-    while above / below > FINE {
+    for _ in 0..HALVINGS {
         let middle = (below * above).sqrt();
         match grid.proved(about, middle) {
             Ok(found) => (best, below) = (found, middle),
