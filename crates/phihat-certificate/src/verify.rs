@@ -131,7 +131,10 @@ impl ArmInertia {
         let sensible = 0.0 < self.low && self.low <= self.high && self.high.is_finite();
         Refutation::unless("arm", "0 < low ≤ high < ∞", self.low, self.high, sensible)?;
         let told = !self.source.trim().is_empty();
-        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)
+        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)?;
+        let apart = self.searched.is_none() || self.basis == ArmBasis::Postures;
+        Refutation::unless("arm", "only postures have witnesses", 0.0, 0.0, apart)?;
+        self.searched.as_ref().map_or(Ok(()), |searched| searched.plausible(self))
     }
 }
 

@@ -26,7 +26,7 @@ pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, TradeOff, VERSION,
+    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, Statement, TradeOff, VERSION, Verified,
     Witness,
 };
 pub use request::requested_gains;
