@@ -157,7 +157,10 @@ impl ArmInertia {
             searched.agrees(self.low, self.high)?;
         }
         let told = !self.source.trim().is_empty();
-        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)
+        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)?;
+        let apart = self.searched.is_none() || self.basis == ArmBasis::Postures;
+        Refutation::unless("arm", "only postures have witnesses", 0.0, 0.0, apart)?;
+        self.searched.as_ref().map_or(Ok(()), |searched| searched.plausible(self))
     }
 }
 

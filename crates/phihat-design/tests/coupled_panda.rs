@@ -15,9 +15,12 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
     let study = Study::read("../../studies/panda_design.toml".as_ref()).unwrap();
     let demand = Demand::along(&study).unwrap();
     let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
-    let at = |t: f64| -> Vec<f64> { (0..7).map(|joint| motion.at(joint, t)[0]).collect() };
-    let along: Vec<Vec<f64>> = (0..8_u8).map(|k| at(f64::from(k) * 1.25)).collect();
+    let at = |t: f64| -> (Vec<f64>, Vec<f64>) {
+        (0..7).map(|joint| motion.at(joint, t)).map(|[q, dq, _]| (q, dq)).unzip()
+    };
+    let along: Vec<_> = (0..8_u8).map(|k| at(f64::from(k) * 1.25)).collect();
     let arm = Arm::of(&study).unwrap().along(&along);
+    let along: Vec<Vec<f64>> = along.into_iter().map(|(q, _)| q).collect();
     let phi = |joint: usize, inertia: f64| {
         let along = demand.phi(joint, inertia);
         Phi {
