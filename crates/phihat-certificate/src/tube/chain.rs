@@ -299,6 +299,15 @@ impl<S: Number> Placed<S> {
         Screw { w: self.hand.turn_back(motion.w), v: self.hand.turn_back(v) }
     }
 
+    /// Motions of every body up to the hand's carrier, in the hand's axes.
+    pub(super) fn motions_in_hand(&self, v: &[S], a: &[S]) -> (Vec<Screw<S>>, Vec<Screw<S>>) {
+        let (vs, accs) = self.motions(v, a);
+        let of = |all: Vec<Screw<S>>| {
+            all.into_iter().take(self.carrier + 1).map(|x| self.in_hand(x)).collect()
+        };
+        (of(vs), of(accs))
+    }
+
     /// Joint torques of a unit of each of the hand's ten moments, `m, h_x, h_y, h_z, Σ_xx, Σ_yy, Σ_zz, Σ_xy,
     /// Σ_xz, Σ_yz`: entry `c n + i`.
     pub(super) fn load_torques(&self, v: &[S], a: &[S]) -> Vec<S> {

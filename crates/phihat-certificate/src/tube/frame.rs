@@ -1,10 +1,11 @@
 //! The linear reference system of one window of samples, and how far the arm may be from it.
 
+use super::carried::Carried;
 use super::chain::{Chain, Load};
 use super::dense::{apply_sizes, exponential, inverse, product, transpose};
 use super::matter::Matter;
 use super::nominal::Nominal;
-use super::number::{Ball, Screw};
+use super::number::{Ball, Number, Screw};
 use super::scope::{PayloadSlice, Smooth};
 
 /// `ε' = M⁻¹ (P − x)`, `P' = τ̃ − S ε' − K ε − …` with constant `M, S, K`, over samples `first … first+len−1`.
@@ -49,21 +50,7 @@ pub(super) struct Arm<'a> {
 }
 
 impl Arm<'_> {
-    fn load(&self) -> Option<Load<Ball>> {
-        self.slice.map(|slice| {
-            let m = Ball::around(slice.mass.0, slice.mass.1);
-            let high = slice.mass.1;
-            let h = slice.reach.map(|r| Ball { m: 0.0, r: high * r });
-            let spread = slice.spread();
-            let sigma = core::array::from_fn(|i| {
-                let most = high * spread[i];
-                if i < 3 { Ball::around(0.0, most) } else { Ball { m: 0.0, r: most } }
-            });
-            Matter::of_moments(m, h, sigma)
-        })
-    }
-
-    fn point(&self) -> Option<Load<f64>> {
+    fn point<S: Number>(&self) -> Option<Load<S>> {
         self.slice.map(|slice| Matter::exact(slice.middle(), [0.0; 3], [[0.0; 3]; 3]))
     }
 
@@ -109,10 +96,10 @@ impl Arm<'_> {
                 Ball { m: b.m, r: b.r + bend }
             })
             .collect();
-        let load = self.load();
-        let placed = self.chain.place(&q, load.as_ref());
+        let placed = self.chain.place(&q, self.point().as_ref());
         let slopes = placed.mass_matrix_slopes();
         let k = placed.inverse_dynamics_slopes(&v, &a);
+        let carried = self.slice.map(|slice| Carried::new(slice, &placed, &v, &a));
         let mut s = vec![Ball::default(); n * n];
         for i in 0..n {
             for j in 0..n {
@@ -127,7 +114,7 @@ impl Arm<'_> {
             let slope = Ball { m: smooth.slope(v[i].m), r: bend * v[i].r };
             s[i * n + i] = s[i * n + i] + slope;
         }
-        let slopes: Vec<f64> = slopes.iter().map(|x| x.size()).collect();
+        let mut slopes: Vec<f64> = slopes.iter().map(|x| x.size()).collect();
         let mut off = vec![0.0; n * n];
         for (l, q) in q.iter().enumerate() {
             for (off, slope) in off.iter_mut().zip(&slopes[l * n * n..]) {
@@ -135,16 +122,24 @@ impl Arm<'_> {
             }
         }
         let middle: Vec<f64> = q.iter().map(|q| q.m).collect();
-        let there = self.chain.place(&middle, self.point().as_ref());
+        let there = self.chain.place::<f64>(&middle, self.point().as_ref());
         let m = there.mass_matrix();
         let (hand, hand_off) = self.hand(&placed.hand_twists(), &q);
         let mids = |b: &[Ball]| b.iter().map(|b| b.m).collect::<Vec<_>>();
         let radii = |b: &[Ball]| b.iter().map(|b| b.r).collect::<Vec<_>>();
+        let (mut s_off, mut k_off) = (radii(&s), radii(&k));
+        if let Some(carried) = carried {
+            for (mine, more) in
+                [(&mut s_off, &carried.s), (&mut k_off, &carried.k), (&mut slopes, &carried.slopes)]
+            {
+                mine.iter_mut().zip(more).for_each(|(a, b)| *a += b);
+            }
+        }
         let distance = Distance {
             reach: reach.to_vec(),
             m: off,
-            s: radii(&s),
-            k: radii(&k),
+            s: s_off,
+            k: k_off,
             slopes,
             hand: hand_off,
         };

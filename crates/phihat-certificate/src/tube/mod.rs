@@ -19,6 +19,7 @@
 //! (B2) is exact: inverse dynamics are quadratic in the velocity, so no second-order term is left out.
 
 mod adjoint;
+mod carried;
 mod chain;
 mod dense;
 mod document;

@@ -197,6 +197,19 @@ impl PayloadSlice {
         (a.0.min(b.0), a.1.max(b.1))
     }
 
+    /// Largest deviation of each of the ten moments from the nominal point's.
+    pub(super) fn most(&self) -> [f64; 10] {
+        let high = self.mass.1;
+        let mut out = [0.5 * (self.mass.1 - self.mass.0); 10];
+        for i in 0..3 {
+            out[1 + i] = high * self.reach[i];
+        }
+        for (out, spread) in out[4..].iter_mut().zip(self.spread()) {
+            *out = high * spread;
+        }
+        out
+    }
+
     /// Largest entries of the deviation of the 6×6 inertia about the centre, twist as `v, w`.
     pub(super) fn deviation(&self) -> [[f64; 6]; 6] {
         let high = self.mass.1;

@@ -617,7 +617,7 @@ impl<'a> Sweep<'a> {
         swept: &mut Swept,
     ) -> Result<(), Refusal> {
         let n = self.n;
-        if std::env::var("TUBEDBG").is_ok() && (frame.first < 10 || frame.first % 50 == 0) { std::eprintln!("k {} len {} reach {:?} v {:?} u {:?} x {:?} tq {:?} radii {:?}", frame.first, frame.len, round.reach, round.rest.1, round.boxes[0].u, round.boxes[0].x, round.radii[2*n..3*n].to_vec(), round.radii[..n].to_vec()); }
+if std::env::var("TUBEDBG").is_ok() && (frame.first < 4 || frame.first % 50 == 0) { let f=|x:&[f64]| x.iter().map(|x| format!("{x:.2e}")).collect::<Vec<_>>().join(" "); std::eprintln!("k {} len {}\n reach {}\n rest v {}\n w {}\n direct {}\n u {}\n x {}\n mu {}\n twist {}\n shape twist {}", frame.first, frame.len, f(&round.reach), f(&round.rest.1), f(&round.radii[n..2*n]), f(&round.direct), f(&round.boxes[0].u), f(&round.boxes[0].x), f(&round.boxes[0].mu), f(&round.twist), f(&round.spread.twist)); }
         let mu = round.boxes.first().map_or(Vec::new(), |b| b.mu.clone());
         let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), &mu);
         for own in &round.boxes {
