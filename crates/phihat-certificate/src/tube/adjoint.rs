@@ -18,18 +18,29 @@ use super::law::Linear;
 pub(super) struct Boxes {
     pub(super) u: Vec<f64>,
     pub(super) x: Vec<f64>,
-    /// Momentum of the hand that is off, `v, w`.
+    /// Momentum of the hand that is off, `v, w`, and wrench on it.
     pub(super) mu: Vec<f64>,
+    pub(super) wrench: Vec<f64>,
 }
 
 impl Boxes {
     pub(super) fn none(n: usize, hand: usize) -> Self {
-        Self { u: vec![0.0; n], x: vec![0.0; n], mu: vec![0.0; hand] }
+        Self {
+            u: vec![0.0; n],
+            x: vec![0.0; n],
+            mu: vec![0.0; hand],
+            wrench: vec![0.0; hand],
+        }
     }
 
     /// The larger of both.
     pub(super) fn cover(&mut self, other: &Self) {
-        let pairs = [(&mut self.u, &other.u), (&mut self.x, &other.x), (&mut self.mu, &other.mu)];
+        let pairs = [
+            (&mut self.u, &other.u),
+            (&mut self.x, &other.x),
+            (&mut self.mu, &other.mu),
+            (&mut self.wrench, &other.wrench),
+        ];
         for (mine, theirs) in pairs {
             mine.iter_mut().zip(theirs).for_each(|(a, b)| *a = a.max(*b));
         }
@@ -40,11 +51,13 @@ impl Boxes {
         let n = self.u.len();
         let (mut by_size, mut by_step) = (0.0, 0.0);
         for i in 0..n {
-            let mut x = self.x[i];
-            for (c, mu) in self.mu.iter().enumerate() {
-                x += frame.hand[c * n + i].abs() * mu;
+            let (mut u, mut x) = (self.u[i], self.x[i]);
+            for (c, (mu, wrench)) in self.mu.iter().zip(&self.wrench).enumerate() {
+                let turn = frame.hand[c * n + i].abs();
+                x += turn * mu;
+                u += turn * wrench;
             }
-            let both = 1.35 * (period * self.u[i] + 4.0 * x);
+            let both = 1.35 * (period * u + 4.0 * x);
             by_size += frame.bend[i].0 * both;
             by_step += frame.bend[i].1 * both;
         }
@@ -69,6 +82,7 @@ pub(super) struct Weights {
     u: Vec<f64>,
     x: Vec<f64>,
     mu: Vec<f64>,
+    wrench: Vec<f64>,
     most: Vec<f64>,
     step: Vec<f64>,
 }
@@ -76,13 +90,19 @@ pub(super) struct Weights {
 impl Weights {
     fn new(n: usize, hand: usize, rows: usize) -> Self {
         let of = |k: usize| vec![0.0; k * rows];
-        Self { sample: 0, u: of(n), x: of(n), mu: of(hand), most: of(1), step: of(1) }
+        Self { sample: 0, u: of(n), x: of(n), mu: of(hand), wrench: of(hand), most: of(1), step: of(1) }
     }
 
     /// Adds what boxes of this sample can do to every row.
     pub(super) fn add(&self, boxes: &Boxes, frame: &Frame, period: f64, sums: &mut [f64]) {
         let rows = sums.len();
-        for (weights, sizes) in [(&self.u, &boxes.u), (&self.x, &boxes.x), (&self.mu, &boxes.mu)] {
+        let pairs = [
+            (&self.u, &boxes.u),
+            (&self.x, &boxes.x),
+            (&self.mu, &boxes.mu),
+            (&self.wrench, &boxes.wrench),
+        ];
+        for (weights, sizes) in pairs {
             for (row, size) in weights.chunks_exact(rows).zip(sizes) {
                 sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w * size);
             }
@@ -143,7 +163,10 @@ impl Rows<'_> {
                 out.iter_mut().zip(from).for_each(|(o, l)| *o += factor * l);
             }
         }
-        self.weigh(plant, ahead, frame, weights);
+        let own = sample - frame.first;
+        let hands = frame.ends.get(own).zip(frame.ends.get(own + 1));
+        let hands = hands.map(|(start, end)| (&start[..], &end[..]));
+        self.weigh(plant, ahead, (frame, hands), weights);
         // The torque that acts is part of the loop's state after its sample.
         let mut at = 2 * n;
         let mut done = 0;
@@ -181,7 +204,50 @@ impl Rows<'_> {
         weights
     }
 
-    fn weigh(&self, end: &[f64], start: &[f64], frame: &Frame, out: &mut Weights) {
+    /// With (L4), what the hand's momentum weighs is the change of `J λ_P`, `J̇` included: in between, `J` and
+    /// `λ_P` both change, by their product more.
+    fn weigh_hand(
+        &self,
+        (end, end_hand): (&[f64], &[f64]),
+        (start, start_hand): (&[f64], &[f64]),
+        frame: &Frame,
+        out: &mut Weights,
+    ) {
+        let n = self.n;
+        let rows = out.most.len();
+        let Weights { mu, wrench, most, step, .. } = out;
+        for (c, (mu, wrench)) in
+            mu.chunks_exact_mut(rows).zip(wrench.chunks_exact_mut(rows)).enumerate()
+        {
+            wrench.fill(0.0);
+            let mut turned = 0.0;
+            let (mut a_sum, mut b_sum) = (vec![0.0; rows], vec![0.0; rows]);
+            for i in 0..n {
+                let at = c * n + i;
+                let (a, b) = (&end[(n + i) * rows..][..rows], &start[(n + i) * rows..][..rows]);
+                let (here, j_end, j_start) = (frame.hand[at], end_hand[at], start_hand[at]);
+                turned += (j_end - j_start).abs();
+                for r in 0..rows {
+                    mu[r] += j_end * a[r] - j_start * b[r];
+                    a_sum[r] += here * a[r];
+                    b_sum[r] += here * b[r];
+                }
+            }
+            for r in 0..rows {
+                // The products of changes, and twice as much for how `J` itself bends within a sample.
+                mu[r] = mu[r].abs() + turned * (step[r] + 0.01 * most[r]);
+                wrench[r] = 0.5 * self.period * (a_sum[r].abs() + b_sum[r].abs());
+            }
+        }
+    }
+
+    fn weigh(
+        &self,
+        end: &[f64],
+        start: &[f64],
+        (frame, hands): (&Frame, Option<(&[f64], &[f64])>),
+        out: &mut Weights,
+    ) {
         let (n, period) = (self.n, self.period);
         let rows = out.most.len();
         out.most.fill(0.0);
@@ -198,12 +264,8 @@ impl Rows<'_> {
                 out.step[r] = out.step[r].max(change.abs());
             }
         }
-        for (c, mu) in out.mu.chunks_exact_mut(rows).enumerate() {
-            for (i, x) in out.x.chunks_exact(rows).enumerate() {
-                let factor = frame.hand[c * n + i];
-                mu.iter_mut().zip(x).for_each(|(o, x)| *o += factor * x);
-            }
-            mu.iter_mut().for_each(|o| *o = o.abs());
+        if let Some((start_hand, end_hand)) = hands {
+            self.weigh_hand((end, end_hand), (start, start_hand), frame, out);
         }
         out.x.iter_mut().for_each(|x| *x = x.abs());
     }

@@ -15,9 +15,17 @@ use super::matter::Matter;
 use super::number::{Ball, Number, Screw};
 use super::scope::PayloadSlice;
 
-/// Largest entries of what a payload of the slice adds to `S`, `K`, `∂M`.
+/// Largest entries of what a payload of the slice adds to `K`, `∂M`, and of the wrench that a twist `ν` besides
+/// the hand's own `V` costs:
+///
+/// ```text
+/// S ε' = Jᵀ (δI J̇ ε' + G ν) − J̇ᵀ δI ν,   G ν = δI (V × ν) + ν ×* δI V + V ×* δI ν                (L4)
+/// ```
 pub(super) struct Carried {
-    pub(super) s: Vec<f64>,
+    /// `|G|`, 6×6, twists and wrenches as `v, w`.
+    pub(super) wrench: Vec<f64>,
+    /// `J̇` along the nominal velocity, `6×n`, rows `v, w`.
+    pub(super) rate: Vec<Ball>,
     pub(super) k: Vec<f64>,
     pub(super) slopes: Vec<f64>,
 }
@@ -40,7 +48,7 @@ impl Carried {
         let lighter: Vec<_> = (0..=last)
             .map(|k| j[k].cross(accs[k]).plus(slower[k].cross(velocity.minus(vs[k]))))
             .collect();
-        let mut s = vec![[Ball::default(); 10]; n * n];
+        let mut wrench_of = vec![[Ball::default(); 10]; 36];
         let mut stiff = vec![[Ball::default(); 10]; n * n];
         let mut slopes = vec![[Ball::default(); 10]; n * n * n];
         for c in 0..10 {
@@ -65,20 +73,35 @@ impl Carried {
                     stiff[i * n + k][c] = -(turned[k * n + i].power(wrench) + j[i].power(change));
                 }
             }
-            for i in 0..n {
-                for l in 0..n {
-                    let mut sum = Ball::default();
-                    for k in 0..n {
-                        let both =
-                            slopes[(l * n + i) * n + k][c] - slopes[(i * n + k) * n + l][c];
-                        sum = sum + both * v[k];
-                    }
-                    s[i * n + l][c] = sum;
+            for b in 0..6 {
+                let axis = |at: usize| Ball::exact(if at == b { 1.0 } else { 0.0 });
+                let nu = Screw {
+                    v: core::array::from_fn(axis),
+                    w: core::array::from_fn(|i| axis(3 + i)),
+                };
+                let cost = body
+                    .times(velocity.cross(nu))
+                    .plus(nu.cross_wrench(momentum))
+                    .plus(velocity.cross_wrench(body.times(nu)));
+                for a in 0..3 {
+                    wrench_of[a * 6 + b][c] = cost.v[a];
+                    wrench_of[(3 + a) * 6 + b][c] = cost.w[a];
                 }
             }
         }
+        let mut rate = vec![Ball::default(); 6 * n];
+        for i in 0..n {
+            let mut sum = Screw::zero();
+            for k in i + 1..n {
+                sum = sum.minus(turned[k * n + i].times(v[k]));
+            }
+            for a in 0..3 {
+                rate[a * n + i] = sum.v[a];
+                rate[(3 + a) * n + i] = sum.w[a];
+            }
+        }
         let sizes = |all: &[[Ball; 10]]| all.iter().map(|x| size(slice, x)).collect();
-        Self { s: sizes(&s), k: sizes(&stiff), slopes: sizes(&slopes) }
+        Self { wrench: sizes(&wrench_of), rate, k: sizes(&stiff), slopes: sizes(&slopes) }
     }
 }
 

@@ -331,3 +331,85 @@ impl<S: Number> Placed<S> {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tube::number::Ball;
+    use phihat_model::Body;
+
+    const Q: [f64; 7] = [0.3, -0.7, 0.2, -2.1, 0.4, 1.4, 0.9];
+    const V: [f64; 7] = [0.5, -0.3, 0.8, 0.2, -0.6, 0.7, -0.4];
+    const A: [f64; 7] = [1.0, 2.0, -1.0, 0.5, -2.0, 1.5, 0.3];
+    const COM: [f64; 3] = [0.01, -0.02, 0.05];
+
+    fn close(a: &[f64], b: &[f64], tolerance: f64) {
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            assert!((a - b).abs() < tolerance, "entry {i}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn screws_agree_with_the_recursions_and_slopes_with_differences() {
+        let robot = Robot::named("panda").unwrap();
+        let chain = Chain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
+        let load = Matter::exact(0.8, [0.0; 3], [[0.0; 3]; 3]);
+        let body = Body { mass: 0.8, com: COM, inertia: [0.0; 6] };
+        let model = robot.plant_model().with_payload_on("panda_link8", &body).unwrap();
+        let mut ws = Workspace::new(&model);
+        let there = chain.place::<f64>(&Q, Some(&load));
+        let (mut m, mut tau) = (vec![0.0; 49], vec![0.0; 7]);
+        model.mass_matrix(&mut ws, &Q, &mut m);
+        model.inverse_dynamics(&mut ws, &Q, &V, &A, &mut tau);
+        close(&there.mass_matrix(), &m, 1e-12);
+        close(&there.inverse_dynamics(&V, &A), &tau, 1e-11);
+        let h = 1e-6;
+        for k in 0..7 {
+            let at = |step: f64| {
+                let mut q = Q;
+                q[k] += step;
+                let placed = chain.place::<f64>(&q, Some(&load));
+                (placed.mass_matrix(), placed.inverse_dynamics(&V, &A))
+            };
+            let (up, down) = (at(h), at(-h));
+            let slopes = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                a.iter().zip(b).map(|(a, b)| (a - b) / (2.0 * h)).collect()
+            };
+            close(&there.mass_matrix_slopes()[k * 49..][..49], &slopes(&up.0, &down.0), 1e-7);
+            let all = there.inverse_dynamics_slopes(&V, &A);
+            let column: Vec<f64> = (0..7).map(|i| all[i * 7 + k]).collect();
+            close(&column, &slopes(&up.1, &down.1), 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_payload_s_share_is_the_difference_of_two_arms() {
+        let robot = Robot::named("panda").unwrap();
+        let chain = Chain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
+        let slice = crate::tube::scope::PayloadSlice {
+            frame: "panda_link8".to_owned(),
+            mass: (0.5, 1.1),
+            centre: COM,
+            reach: [0.0; 3],
+            gyration: 0.0,
+        };
+        let exact = |x: &[f64]| -> Vec<Ball> { x.iter().map(|x| Ball::exact(*x)).collect() };
+        fn load<S: Number>(m: f64) -> Matter<S> {
+            Matter::exact(m, [0.0; 3], [[0.0; 3]; 3])
+        }
+        let placed = chain.place(&exact(&Q), Some(&load(0.8)));
+        let carried = crate::tube::carried::Carried::new(&slice, &placed, &exact(&V), &exact(&A));
+        let (low, high) =
+            (chain.place::<f64>(&Q, Some(&load(0.5))), chain.place::<f64>(&Q, Some(&load(1.1))));
+        let half = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| 0.5 * (a - b).abs()).collect()
+        };
+        close(&carried.slopes, &half(&high.mass_matrix_slopes(), &low.mass_matrix_slopes()), 1e-12);
+        let stiff = |p: &Placed<f64>| p.inverse_dynamics_slopes(&V, &A);
+        close(&carried.k, &half(&stiff(&high), &stiff(&low)), 1e-11);
+        let torques = chain.place::<f64>(&Q, None).load_torques(&V, &A);
+        let tau = |p: &Placed<f64>| p.inverse_dynamics(&V, &A);
+        let whole = half(&tau(&high), &tau(&low));
+        close(&torques[..7].iter().map(|t| 0.3 * t.abs()).collect::<Vec<_>>(), &whole, 1e-11);
+    }
+}

@@ -119,7 +119,7 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
             .collect();
         match halves {
             Ok(halves) => return Ok(tube(inputs, &halves)),
-            Err(Refusal::Open { .. }) if parts < SLICES_MAX && set.mass.1 > set.mass.0 => {
+            Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. }) if parts < SLICES_MAX && set.mass.1 > set.mass.0 => {
                 parts *= 2;
             }
             Err(refusal) => return Err(refusal),

@@ -17,8 +17,12 @@ pub(super) struct Frame {
     pub(super) m_inverse: Vec<f64>,
     pub(super) s: Vec<f64>,
     pub(super) k: Vec<f64>,
-    /// Twist of the hand, `6×n`, rows `v, w`; empty without a payload.
+    /// Twist of the hand `J`, `6×n`, rows `v, w`; empty without a payload.
     pub(super) hand: Vec<f64>,
+    /// `J` over `J̇`, `12×n`.
+    pub(super) outlook: Vec<f64>,
+    /// `J` along the nominal run, at the samples of the window and the one after it.
+    pub(super) ends: Vec<Vec<f64>>,
     /// `(ε, P)` over one sample, `2n×2n`, and what a held torque adds, `2n×n`.
     pub(super) phi: Vec<f64>,
     pub(super) gamma: Vec<f64>,
@@ -31,14 +35,19 @@ pub(super) struct Frame {
 pub(super) struct Distance {
     /// The `E` it holds for.
     pub(super) reach: Vec<f64>,
-    /// `|M(q, p_0) − M|`, `|S(q, v_n, p) + F' − S|`, `|K(q, v_n, a_n, p) − K|`, entry by entry.
+    /// `|M(q, p_0) − M|`, `|S(q, v_n, p_0) + F' − S|`, `|K(q, v_n, a_n, p) − K|`, entry by entry.
     pub(super) m: Vec<f64>,
     pub(super) s: Vec<f64>,
     pub(super) k: Vec<f64>,
     /// `|∂_i M_jk|`.
     pub(super) slopes: Vec<f64>,
-    /// `|J − hand|`.
+    /// `|J − hand|`, and the same against the nominal run's `J` at the same time.
     pub(super) hand: Vec<f64>,
+    pub(super) hand_now: Vec<f64>,
+    /// `|J̇ − J̇|`.
+    pub(super) rate: Vec<f64>,
+    /// `|G|` of (L4).
+    pub(super) wrench: Vec<f64>,
 }
 
 /// What belongs to the arm for the whole run.
@@ -114,7 +123,7 @@ impl Arm<'_> {
             let slope = Ball { m: smooth.slope(v[i].m), r: bend * v[i].r };
             s[i * n + i] = s[i * n + i] + slope;
         }
-        let mut slopes: Vec<f64> = slopes.iter().map(|x| x.size()).collect();
+        let slopes: Vec<f64> = slopes.iter().map(|x| x.size()).collect();
         let mut off = vec![0.0; n * n];
         for (l, q) in q.iter().enumerate() {
             for (off, slope) in off.iter_mut().zip(&slopes[l * n * n..]) {
@@ -124,31 +133,39 @@ impl Arm<'_> {
         let middle: Vec<f64> = q.iter().map(|q| q.m).collect();
         let there = self.chain.place::<f64>(&middle, self.point().as_ref());
         let m = there.mass_matrix();
-        let (hand, hand_off) = self.hand(&placed.hand_twists(), &q);
+        let (hand, hand_off) = self.hand(&placed.hand_twists(), |k| q[k].r);
+        let hand_now = self.hand(&placed.hand_twists(), |k| reach[k]).1;
         let mids = |b: &[Ball]| b.iter().map(|b| b.m).collect::<Vec<_>>();
         let radii = |b: &[Ball]| b.iter().map(|b| b.r).collect::<Vec<_>>();
-        let (mut s_off, mut k_off) = (radii(&s), radii(&k));
-        if let Some(carried) = carried {
-            for (mine, more) in
-                [(&mut s_off, &carried.s), (&mut k_off, &carried.k), (&mut slopes, &carried.slopes)]
-            {
-                mine.iter_mut().zip(more).for_each(|(a, b)| *a += b);
-            }
-        }
-        let distance = Distance {
+        let mut distance = Distance {
             reach: reach.to_vec(),
             m: off,
-            s: s_off,
-            k: k_off,
+            s: radii(&s),
+            k: radii(&k),
             slopes,
             hand: hand_off,
+            hand_now,
+            rate: Vec::new(),
+            wrench: Vec::new(),
         };
-        let frame = self.frame((first, len), m, (mids(&s), mids(&k)), hand)?;
+        let mut frame = self.frame((first, len), m, (mids(&s), mids(&k)), hand)?;
+        if let Some(carried) = carried {
+            let more = [(&mut distance.k, &carried.k), (&mut distance.slopes, &carried.slopes)];
+            for (mine, more) in more {
+                mine.iter_mut().zip(more).for_each(|(a, b)| *a += b);
+            }
+            distance.rate = radii(&carried.rate);
+            distance.wrench = carried.wrench;
+            frame.outlook = frame.hand.iter().copied().chain(mids(&carried.rate)).collect();
+            frame.ends = (first..=last)
+                .map(|k| self.hand(&self.chain.place::<Ball>(&points(&run.q[k]), None).hand_twists(), |_| 0.0).0)
+                .collect();
+        }
         Some((frame, distance))
     }
 
     /// Middle of the hand's twists, and by how much the true ones may differ: `∂_k J_i = −J_k × J_i`, `k > i`.
-    fn hand(&self, twists: &[Screw<Ball>], q: &[Ball]) -> (Vec<f64>, Vec<f64>) {
+    fn hand(&self, twists: &[Screw<Ball>], off_by: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<f64>) {
         if self.slice.is_none() {
             return (Vec::new(), Vec::new());
         }
@@ -162,8 +179,8 @@ impl Arm<'_> {
             for k in i + 1..n {
                 let turned = twists[k].cross(*twist);
                 for c in 0..3 {
-                    off[c * n + i] += turned.v[c].size() * q[k].r;
-                    off[(3 + c) * n + i] += turned.w[c].size() * q[k].r;
+                    off[c * n + i] += turned.v[c].size() * off_by(k);
+                    off[(3 + c) * n + i] += turned.w[c].size() * off_by(k);
                 }
             }
         }
@@ -210,8 +227,13 @@ impl Arm<'_> {
         if bend.iter().any(|(k, s)| k + s > 0.05) {
             return None;
         }
-        Some(Frame { first, len, m, m_inverse, s, k, hand, phi, gamma, bend })
+        Some(Frame { first, len, m, m_inverse, s, k, hand, phi, gamma, bend, outlook: Vec::new(), ends: Vec::new() })
     }
+}
+
+/// Exact angles as balls.
+fn points(q: &[f64]) -> Vec<Ball> {
+    q.iter().map(|q| Ball::exact(*q)).collect()
 }
 
 /// How far a parabola through three points of a sample may be above their hull.

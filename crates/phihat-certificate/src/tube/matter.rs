@@ -11,11 +11,6 @@ pub(super) struct Matter<S> {
 }
 
 impl<S: Number> Matter<S> {
-    pub(super) fn none() -> Self {
-        let o = S::exact(0.0);
-        Self { m: o, h: [o; 3], i: [[o; 3]; 3] }
-    }
-
     /// From mass, first and second moment `Σ = ∫ r rᵀ dm`, given as `xx yy zz xy xz yz`.
     pub(super) fn of_moments(m: S, h: Three<S>, sigma: [S; 6]) -> Self {
         let [xx, yy, zz, xy, xz, yz] = sigma;

@@ -28,7 +28,7 @@ pub(super) struct Spread {
     /// Command and change of command, by sample.
     pub(super) torque: Vec<(Vec<f64>, Vec<f64>)>,
     pub(super) step: Vec<(Vec<f64>, Vec<f64>)>,
-    /// Largest twist of the hand over the window.
+    /// Largest twist of the hand over the window, `J ε'` over `J̇ ε'`.
     pub(super) twist: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ impl Shapes {
     ) -> (Self, Spread) {
         let n = frame.bend.len();
         let mut after = self.clone();
-        let mut spread = Spread { twist: vec![0.0; if self.load > 0 { 6 } else { 0 }], ..Spread::default() };
+        let mut spread = Spread { twist: vec![0.0; if self.load > 0 { 12 } else { 0 }], ..Spread::default() };
         after.look(sweep, frame, &mut spread, true);
         for (at, signs) in signs.iter().enumerate() {
             let k = frame.first + at;
@@ -86,7 +86,7 @@ impl Shapes {
             self.runs.iter().map(|run| apply(&frame.m_inverse, &run.plant[n..])).collect();
         spread.velocity.push((0..n).map(|i| self.span_of(sweep, &|c| rates[c][i])).unzip());
         for c in 0..spread.twist.len() {
-            let row = &frame.hand[c * n..(c + 1) * n];
+            let row = &frame.outlook[c * n..(c + 1) * n];
             let (low, high) = self.span_of(sweep, &|run| {
                 row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum()
             });

@@ -218,7 +218,7 @@ impl<'a> Sweep<'a> {
             None => Guess {
                 inside: vec![(vec![-1e-6; n], vec![1e-6; n]); len],
                 reach: reach.clone(),
-                twist: vec![1e-6; self.hand],
+                twist: vec![1e-6; 2 * self.hand],
                 rest: (reach.clone(), vec![1e-6; n]),
             },
         };
@@ -255,7 +255,7 @@ impl<'a> Sweep<'a> {
 
     /// Outputs: `ε`, `M⁻¹P`, commands, their changes, twist of the hand.
     fn outputs(&self) -> usize {
-        4 * self.n + self.hand
+        4 * self.n + 2 * self.hand
     }
 
     fn start_rows(&self, frame: &Frame) -> Back {
@@ -265,7 +265,7 @@ impl<'a> Sweep<'a> {
         let mut set = |state: usize, row: usize, value: f64| back.lambda[state * rows + row] = value;
         let mut at = 2 * n;
         let twist = if self.hand > 0 {
-            product(&frame.hand, &frame.m_inverse, (6, n, n))
+            product(&frame.outlook, &frame.m_inverse, (12, n, n))
         } else {
             Vec::new()
         };
@@ -279,7 +279,7 @@ impl<'a> Sweep<'a> {
             set(newest, 3 * n + i, 1.0);
             set(newest + 1, 3 * n + i, -1.0);
             at += self.loops[i].size;
-            for c in 0..self.hand {
+            for c in 0..2 * self.hand {
                 set(n + i, 4 * n + c, twist[c * n + i]);
             }
         }
@@ -345,7 +345,7 @@ impl<'a> Sweep<'a> {
         let sizes: Vec<f64> = (0..n)
             .map(|i| guess.inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max))
             .collect();
-        let smooth = self.smooth_boxes(frame, distance, guess, &sizes);
+        let smooth = self.smooth_boxes(distance, guess, &sizes);
         let mut boxes = Vec::with_capacity(frame.len);
         let mut signs = Vec::with_capacity(frame.len);
         for at in 0..frame.len {
@@ -362,7 +362,6 @@ impl<'a> Sweep<'a> {
     /// What acts on all samples of a window alike.
     fn smooth_boxes(
         &self,
-        frame: &Frame,
         distance: &Distance,
         guess: &Guess,
         sizes: &[f64],
@@ -387,10 +386,19 @@ impl<'a> Sweep<'a> {
             for (mu, row) in out.mu.iter_mut().zip(&deviation) {
                 *mu = row.iter().zip(&guess.twist).map(|(d, nu)| d * nu).sum();
             }
-            let turned = apply_sizes(&transpose(&distance.hand, (6, n)), &out.mu);
-            out.x.iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+            let (twist, turning) = guess.twist.split_at(6);
+            out.wrench = apply_sizes(&distance.wrench, twist);
+            for (wrench, row) in out.wrench.iter_mut().zip(&deviation) {
+                *wrench += row.iter().zip(turning).map(|(d, rate)| d * rate).sum::<f64>();
+            }
+            let add = |to: &mut [f64], by: &[f64], size: &[f64]| {
+                let turned = apply_sizes(&transpose(by, (6, n)), size);
+                to.iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+            };
+            add(&mut out.x, &distance.hand_now, &out.mu);
+            add(&mut out.u, &distance.rate, &out.mu);
+            add(&mut out.u, &distance.hand, &out.wrench);
         }
-        let _ = frame;
         out
     }
 
@@ -462,7 +470,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// What the shifted copies of the reference system are off: for samples of this window.
-    fn shift_boxes(&self, frame: &Frame, rest: (&[f64], &[f64]), mu: &[f64]) -> Boxes {
+    fn shift_boxes(&self, frame: &Frame, rest: (&[f64], &[f64]), own: &Boxes) -> Boxes {
         let n = self.n;
         let mut out = Boxes::none(n, self.hand);
         let from = (frame.first + 1).saturating_sub(self.shared);
@@ -478,17 +486,43 @@ impl<'a> Sweep<'a> {
                 a.iter().zip(b).map(|(a, b)| a - b).collect()
             };
             let mut x = apply_sizes(&off(&frame.m, &other.m), rest.1);
-            if self.hand > 0 {
-                let turned = transpose(&off(&frame.hand, &other.hand), (6, n));
-                let by = apply_sizes(&turned, mu);
-                x.iter_mut().zip(by).for_each(|(x, by)| *x += by);
-            }
             let s = apply_sizes(&off(&frame.s, &other.s), rest.1);
             let k = apply_sizes(&off(&frame.k, &other.k), rest.0);
-            let u = s.iter().zip(k).map(|(s, k)| s + k).collect();
-            out.cover(&Boxes { u, x, mu: vec![0.0; self.hand] });
+            let mut u: Vec<f64> = s.iter().zip(k).map(|(s, k)| s + k).collect();
+            if self.hand > 0 {
+                let (turn, rate) = self.turned(frame, other);
+                let by = |m: &[f64], size: &[f64]| apply_sizes(&transpose(m, (6, n)), size);
+                x.iter_mut().zip(by(&turn, &own.mu)).for_each(|(x, by)| *x += by);
+                u.iter_mut().zip(by(&rate, &own.mu)).for_each(|(u, by)| *u += by);
+                u.iter_mut().zip(by(&turn, &own.wrench)).for_each(|(u, by)| *u += by);
+            }
+            out.cover(&Boxes { u, x, ..Boxes::none(n, self.hand) });
         }
         out
+    }
+
+    /// Most that the hand's `J` and `J̇` differ between any two instants of two windows.
+    fn turned(&self, one: &Frame, other: &Frame) -> (Vec<f64>, Vec<f64>) {
+        let span = |rows: &[Vec<f64>]| -> Vec<f64> {
+            (0..6 * self.n)
+                .map(|at| {
+                    let all = rows.iter().map(|row| row[at]);
+                    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                        (l.min(x), h.max(x))
+                    });
+                    high - low
+                })
+                .collect()
+        };
+        let ends: Vec<_> = other.ends.iter().chain(&one.ends).cloned().collect();
+        let rates: Vec<Vec<f64>> = [other, one]
+            .iter()
+            .flat_map(|frame| frame.ends.windows(2))
+            .map(|pair| {
+                pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a) / self.period).collect()
+            })
+            .collect();
+        (span(&ends), span(&rates))
     }
 
     /// Radii of all outputs of a window.
@@ -502,8 +536,8 @@ impl<'a> Sweep<'a> {
         let mut sums = history.to_vec();
         let shared = frame.len > 1;
         let shift = if shared {
-            let mu = boxes.first().map_or(&[][..], |b| &b.mu);
-            self.shift_boxes(frame, (&guess.rest.0, &guess.rest.1), mu)
+            let own = &boxes[0];
+            self.shift_boxes(frame, (&guess.rest.0, &guess.rest.1), own)
         } else {
             Boxes::none(self.n, self.hand)
         };
@@ -537,9 +571,20 @@ impl<'a> Sweep<'a> {
         let most = |of: &dyn Fn(&Boxes) -> &[f64], i: usize| {
             boxes.iter().map(|b| of(b)[i]).fold(0.0, f64::max)
         };
-        let x: Vec<f64> = (0..n).map(|i| most(&|b| &b.x, i)).collect();
-        let u: Vec<f64> = (0..n).map(|i| most(&|b| &b.u, i)).collect();
-        let mu = boxes.first().map_or(Vec::new(), |b| b.mu.clone());
+        let mut x: Vec<f64> = (0..n).map(|i| most(&|b| &b.x, i)).collect();
+        let mut u: Vec<f64> = (0..n).map(|i| most(&|b| &b.u, i)).collect();
+        let mu = boxes[0].mu.clone();
+        if self.hand > 0 {
+            // Here against the frame's own hand.
+            let by = apply_sizes(&transpose(&distance.hand, (6, n)), &mu);
+            x.iter_mut().zip(by).for_each(|(x, by)| *x += by);
+            let hand = transpose(&frame.hand, (6, n));
+            let rate = transpose(&frame.outlook[6 * n..], (6, n));
+            let (by, turned) = (apply_sizes(&hand, &boxes[0].wrench), apply_sizes(&rate, &mu));
+            for i in 0..n {
+                u[i] += by[i] + turned[i];
+            }
+        }
         let mut direct = apply_sizes(&frame.m_inverse, &x);
         let mut arc = apply_sizes(&frame.s, &sizes);
         let gravity = apply_sizes(&frame.k, &sizes);
@@ -552,14 +597,15 @@ impl<'a> Sweep<'a> {
             let out = product(&frame.m_inverse, &transpose(&frame.hand, (6, n)), (n, n, 6));
             let by = apply_sizes(&out, &mu);
             direct.iter_mut().zip(by).for_each(|(d, by)| *d += by);
-            let through = product(&frame.hand, &frame.m_inverse, (6, n, n));
+            let through = product(&frame.outlook, &frame.m_inverse, (12, n, n));
             let (by_x, by_mu) = (
                 apply_sizes(&through, &x),
-                apply_sizes(&product(&frame.hand, &out, (6, n, 6)), &mu),
+                apply_sizes(&product(&frame.outlook, &out, (12, n, 6)), &mu),
             );
-            let turned = apply_sizes(&distance.hand, &sizes);
-            let bent = apply_sizes(&frame.hand, &arc);
-            for c in 0..6 {
+            let off: Vec<f64> = distance.hand.iter().chain(&distance.rate).copied().collect();
+            let turned = apply_sizes(&off, &sizes);
+            let bent = apply_sizes(&frame.outlook, &arc);
+            for c in 0..12 {
                 let rows = radii[4 * n + c];
                 twist.push(spread.twist[c] + rows + by_x[c] + by_mu[c] + turned[c] + bent[c]);
             }
@@ -617,9 +663,8 @@ impl<'a> Sweep<'a> {
         swept: &mut Swept,
     ) -> Result<(), Refusal> {
         let n = self.n;
-if std::env::var("TUBEDBG").is_ok() && (frame.first < 4 || frame.first % 50 == 0) { let f=|x:&[f64]| x.iter().map(|x| format!("{x:.2e}")).collect::<Vec<_>>().join(" "); std::eprintln!("k {} len {}\n reach {}\n rest v {}\n w {}\n direct {}\n u {}\n x {}\n mu {}\n twist {}\n shape twist {}", frame.first, frame.len, f(&round.reach), f(&round.rest.1), f(&round.radii[n..2*n]), f(&round.direct), f(&round.boxes[0].u), f(&round.boxes[0].x), f(&round.boxes[0].mu), f(&round.twist), f(&round.spread.twist)); }
-        let mu = round.boxes.first().map_or(Vec::new(), |b| b.mu.clone());
-        let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), &mu);
+        let own = &round.boxes[0];
+        let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), own);
         for own in &round.boxes {
             let mut more = own.clone();
             add(&mut more, &shift);
@@ -720,7 +765,8 @@ fn load_torques(chain: &Chain, run: &Nominal, k: usize) -> [Vec<f64>; 3] {
 }
 
 fn add(to: &mut Boxes, more: &Boxes) {
-    for (a, b) in [(&mut to.u, &more.u), (&mut to.x, &more.x), (&mut to.mu, &more.mu)] {
+    let Boxes { u, x, mu, wrench } = to;
+    for (a, b) in [(u, &more.u), (x, &more.x), (mu, &more.mu), (wrench, &more.wrench)] {
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
     }
 }
