@@ -31,14 +31,19 @@ pub(super) struct Carried {
 }
 
 impl Carried {
-    pub(super) fn new(slice: &PayloadSlice, placed: &Placed<Ball>, v: &[Ball], a: &[Ball]) -> Self {
+    pub(super) fn new<S: Number>(
+        slice: &PayloadSlice,
+        placed: &Placed<S>,
+        v: &[S],
+        a: &[S],
+    ) -> Self {
         let n = v.len();
         let j = placed.hand_twists();
         let (vs, accs) = placed.motions_in_hand(v, a);
         let last = vs.len() - 1;
         let (velocity, acceleration) = (vs[last], accs[last]);
         // −∂_k J_i, and (L3) likewise.
-        let turned: Vec<Screw<Ball>> = (0..n * n)
+        let turned: Vec<Screw<S>> = (0..n * n)
             .map(|at| {
                 let (k, i) = (at / n, at % n);
                 if k > i && k <= last { j[k].cross(j[i]) } else { Screw::zero() }
@@ -52,7 +57,7 @@ impl Carried {
         let mut stiff = vec![[Ball::default(); 10]; n * n];
         let mut slopes = vec![[Ball::default(); 10]; n * n * n];
         for c in 0..10 {
-            let body = unit(c);
+            let body: Matter<S> = unit(c);
             let momenta: Vec<_> = j.iter().map(|twist| body.times(*twist)).collect();
             let momentum = body.times(velocity);
             let wrench = body.times(acceleration).plus(velocity.cross_wrench(momentum));
@@ -61,8 +66,8 @@ impl Carried {
                     for l in i..n {
                         let slope = -(turned[k * n + i].power(momenta[l])
                             + turned[k * n + l].power(momenta[i]));
-                        slopes[(k * n + i) * n + l][c] = slope;
-                        slopes[(k * n + l) * n + i][c] = slope;
+                        slopes[(k * n + i) * n + l][c] = slope.ball();
+                        slopes[(k * n + l) * n + i][c] = slope.ball();
                     }
                 }
                 let change = body
@@ -70,11 +75,12 @@ impl Carried {
                     .plus(slower[k].cross_wrench(momentum))
                     .plus(velocity.cross_wrench(body.times(slower[k])));
                 for i in 0..n {
-                    stiff[i * n + k][c] = -(turned[k * n + i].power(wrench) + j[i].power(change));
+                    stiff[i * n + k][c] =
+                        -(turned[k * n + i].power(wrench) + j[i].power(change)).ball();
                 }
             }
             for b in 0..6 {
-                let axis = |at: usize| Ball::exact(if at == b { 1.0 } else { 0.0 });
+                let axis = |at: usize| S::exact(if at == b { 1.0 } else { 0.0 });
                 let nu = Screw {
                     v: core::array::from_fn(axis),
                     w: core::array::from_fn(|i| axis(3 + i)),
@@ -84,8 +90,8 @@ impl Carried {
                     .plus(nu.cross_wrench(momentum))
                     .plus(velocity.cross_wrench(body.times(nu)));
                 for a in 0..3 {
-                    wrench_of[a * 6 + b][c] = cost.v[a];
-                    wrench_of[(3 + a) * 6 + b][c] = cost.w[a];
+                    wrench_of[a * 6 + b][c] = cost.v[a].ball();
+                    wrench_of[(3 + a) * 6 + b][c] = cost.w[a].ball();
                 }
             }
         }
@@ -96,8 +102,8 @@ impl Carried {
                 sum = sum.minus(turned[k * n + i].times(v[k]));
             }
             for a in 0..3 {
-                rate[a * n + i] = sum.v[a];
-                rate[(3 + a) * n + i] = sum.w[a];
+                rate[a * n + i] = sum.v[a].ball();
+                rate[(3 + a) * n + i] = sum.w[a].ball();
             }
         }
         let sizes = |all: &[[Ball; 10]]| all.iter().map(|x| size(slice, x)).collect();
@@ -106,8 +112,8 @@ impl Carried {
 }
 
 /// A body with one of the ten moments 1, the others 0.
-fn unit(c: usize) -> Matter<Ball> {
-    let one = |at: usize| Ball::exact(if at == c { 1.0 } else { 0.0 });
+fn unit<S: Number>(c: usize) -> Matter<S> {
+    let one = |at: usize| S::exact(if at == c { 1.0 } else { 0.0 });
     Matter::of_moments(one(0), [one(1), one(2), one(3)], core::array::from_fn(|i| one(4 + i)))
 }
 

@@ -143,6 +143,9 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
     if inputs.joints.len() != n || !inputs.joints.iter().all(sound) || n == 0 {
         return mismatch("one law per joint");
     }
+    if n > 16 {
+        return mismatch("an arm of more than 16 joints");
+    }
     if !(long && wide) {
         return mismatch("the reference");
     }

@@ -5,7 +5,7 @@ use super::chain::{Chain, Load};
 use super::dense::{apply_sizes, exponential, inverse, product, transpose};
 use super::matter::Matter;
 use super::nominal::Nominal;
-use super::number::{Ball, Number, Screw};
+use super::number::{Ball, Number, Screw, Tangent};
 use super::scope::{PayloadSlice, Smooth};
 
 /// `ε' = M⁻¹ (P − x)`, `P' = τ̃ − S ε' − K ε − …` with constant `M, S, K`, over samples `first … first+len−1`.
@@ -48,6 +48,15 @@ pub(super) struct Distance {
     pub(super) rate: Vec<f64>,
     /// `|G|` of (L4).
     pub(super) wrench: Vec<f64>,
+}
+
+/// The arm's geometry over balls.
+struct Around {
+    slopes: Vec<Ball>,
+    k: Vec<Ball>,
+    damped: Vec<Ball>,
+    twists: Vec<Screw<Ball>>,
+    carried: Option<Carried>,
 }
 
 /// What belongs to the arm for the whole run.
@@ -105,19 +114,13 @@ impl Arm<'_> {
                 Ball { m: b.m, r: b.r + bend }
             })
             .collect();
-        let placed = self.chain.place(&q, self.point().as_ref());
-        let slopes = placed.mass_matrix_slopes();
-        let k = placed.inverse_dynamics_slopes(&v, &a);
-        let carried = self.slice.map(|slice| Carried::new(slice, &placed, &v, &a));
-        let mut s = vec![Ball::default(); n * n];
+        let Around { slopes, k, damped, twists, carried } = match n {
+            0..=4 => self.around::<4>(&q, &v, &a),
+            5..=8 => self.around::<8>(&q, &v, &a),
+            _ => self.around::<16>(&q, &v, &a),
+        };
+        let mut s = damped;
         for i in 0..n {
-            for j in 0..n {
-                let mut sum = Ball::default();
-                for l in 0..n {
-                    sum = sum + (slopes[(j * n + i) * n + l] - slopes[(i * n + l) * n + j]) * v[l];
-                }
-                s[i * n + j] = sum;
-            }
             let smooth = &self.smooth[i];
             let bend = smooth.bend(v[i].m - v[i].r, v[i].m + v[i].r);
             let slope = Ball { m: smooth.slope(v[i].m), r: bend * v[i].r };
@@ -133,8 +136,8 @@ impl Arm<'_> {
         let middle: Vec<f64> = q.iter().map(|q| q.m).collect();
         let there = self.chain.place::<f64>(&middle, self.point().as_ref());
         let m = there.mass_matrix();
-        let (hand, hand_off) = self.hand(&placed.hand_twists(), |k| q[k].r);
-        let hand_now = self.hand(&placed.hand_twists(), |k| reach[k]).1;
+        let (hand, hand_off) = self.hand(&twists, |k| q[k].r);
+        let hand_now = self.hand(&twists, |k| reach[k]).1;
         let mids = |b: &[Ball]| b.iter().map(|b| b.m).collect::<Vec<_>>();
         let radii = |b: &[Ball]| b.iter().map(|b| b.r).collect::<Vec<_>>();
         let mut distance = Distance {
@@ -162,6 +165,39 @@ impl Arm<'_> {
                 .collect();
         }
         Some((frame, distance))
+    }
+
+    /// What the arm's geometry may be while positions, velocities and accelerations are in balls.
+    fn around<const N: usize>(&self, q: &[Ball], v: &[Ball], a: &[Ball]) -> Around {
+        let n = q.len();
+        let q: Vec<Tangent<N>> =
+            q.iter().enumerate().map(|(k, q)| Tangent::variable(k, *q)).collect();
+        let of = |x: &[Ball]| x.iter().map(|x| Tangent::<N>::rest(*x)).collect::<Vec<_>>();
+        let (v, a) = (of(v), of(a));
+        let placed = self.chain.place(&q, self.point().as_ref());
+        let slopes = placed.mass_matrix_slopes();
+        let mut damped = vec![Ball::default(); n * n];
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Tangent::default();
+                for l in 0..n {
+                    sum = sum + (slopes[(j * n + i) * n + l] - slopes[(i * n + l) * n + j]) * v[l];
+                }
+                damped[i * n + j] = sum.ball();
+            }
+        }
+        let balls = |x: &[Tangent<N>]| x.iter().map(|x| x.ball()).collect();
+        let screw = |x: &Screw<Tangent<N>>| Screw {
+            w: x.w.map(Number::ball),
+            v: x.v.map(Number::ball),
+        };
+        Around {
+            k: balls(&placed.inverse_dynamics_slopes(&v, &a)),
+            damped,
+            twists: placed.hand_twists().iter().map(screw).collect(),
+            carried: self.slice.map(|slice| Carried::new(slice, &placed, &v, &a)),
+            slopes: balls(&slopes),
+        }
     }
 
     /// Middle of the hand's twists, and by how much the true ones may differ: `∂_k J_i = −J_k × J_i`, `k > i`.
