@@ -25,12 +25,7 @@ pub(super) struct Boxes {
 
 impl Boxes {
     pub(super) fn none(n: usize, hand: usize) -> Self {
-        Self {
-            u: vec![0.0; n],
-            x: vec![0.0; n],
-            mu: vec![0.0; hand],
-            wrench: vec![0.0; hand],
-        }
+        Self { u: vec![0.0; n], x: vec![0.0; n], mu: vec![0.0; hand], wrench: vec![0.0; hand] }
     }
 
     /// The larger of both.
@@ -90,7 +85,15 @@ pub(super) struct Weights {
 impl Weights {
     fn new(n: usize, hand: usize, rows: usize) -> Self {
         let of = |k: usize| vec![0.0; k * rows];
-        Self { sample: 0, u: of(n), x: of(n), mu: of(hand), wrench: of(hand), most: of(1), step: of(1) }
+        Self {
+            sample: 0,
+            u: of(n),
+            x: of(n),
+            mu: of(hand),
+            wrench: of(hand),
+            most: of(1),
+            step: of(1),
+        }
     }
 
     /// Adds what boxes of this sample can do to every row.

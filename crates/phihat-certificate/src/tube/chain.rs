@@ -84,8 +84,7 @@ impl Chain {
                 let frame = model.frame(name).ok_or(NotAChain::Frame)?;
                 let (mut at, jacobian) = placed(&model, &mut ws, &zero, frame);
                 at.p = plus(at.p, at.turn(centre));
-                let moved =
-                    |i: &usize| (0..6).any(|row| jacobian[row * n + i].abs() > 0.0);
+                let moved = |i: &usize| (0..6).any(|row| jacobian[row * n + i].abs() > 0.0);
                 (at, (0..n).rfind(moved).ok_or(NotAChain::Frame)?)
             }
         };
@@ -322,8 +321,7 @@ impl<S: Number> Placed<S> {
             let h = [unit(1), unit(2), unit(3)];
             let sigma = core::array::from_fn(|i| unit(4 + i));
             let body = Matter::of_moments(unit(0), h, sigma);
-            let wrench =
-                body.times(acceleration).plus(velocity.cross_wrench(body.times(velocity)));
+            let wrench = body.times(acceleration).plus(velocity.cross_wrench(body.times(velocity)));
             for i in 0..n {
                 out[c * n + i] = twists[i].power(wrench);
             }

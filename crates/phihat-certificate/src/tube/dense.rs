@@ -43,7 +43,8 @@ pub(super) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
         right[i * n + i] = 1.0;
     }
     for c in 0..n {
-        let pivot = (c..n).max_by(|i, j| left[i * n + c].abs().total_cmp(&left[j * n + c].abs()))?;
+        let pivot =
+            (c..n).max_by(|i, j| left[i * n + c].abs().total_cmp(&left[j * n + c].abs()))?;
         if left[pivot * n + c].abs() < 1e-300 || !left[pivot * n + c].is_finite() {
             return None;
         }
@@ -69,7 +70,8 @@ pub(super) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
 
 /// `e^{A t}`, `n×n`, by halving, Taylor and squaring.
 pub(super) fn exponential(a: &[f64], t: f64, n: usize) -> Vec<f64> {
-    let size = |m: &[f64]| m.chunks_exact(n).map(|r| r.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
+    let size =
+        |m: &[f64]| m.chunks_exact(n).map(|r| r.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
     let mut x: Vec<f64> = a.iter().map(|a| a * t).collect();
     let mut halvings = 0;
     while size(&x) > 0.25 && halvings < 60 {

@@ -112,14 +112,13 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     let mut parts = if set.mass.1 > set.mass.0 { 2 } else { 1 };
     loop {
         let slices = PayloadSlice::all(set, parts);
-        let halves: Result<Vec<Half>, Refusal> = slices
-            .iter()
-            .zip(0..)
-            .map(|(slice, i)| one(Some(slice), (i, parts)))
-            .collect();
+        let halves: Result<Vec<Half>, Refusal> =
+            slices.iter().zip(0..).map(|(slice, i)| one(Some(slice), (i, parts))).collect();
         match halves {
             Ok(halves) => return Ok(tube(inputs, &halves)),
-            Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. }) if parts < SLICES_MAX && set.mass.1 > set.mass.0 => {
+            Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. })
+                if parts < SLICES_MAX && set.mass.1 > set.mass.0 =>
+            {
                 parts *= 2;
             }
             Err(refusal) => return Err(refusal),
@@ -154,7 +153,11 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
         return mismatch("the levels of dry friction");
     }
     if let Some(set) = inputs.payload {
-        let ends = set.com.iter().chain([&set.mass]).all(|(a, b)| a.is_finite() && a <= b && b.is_finite());
+        let ends = set
+            .com
+            .iter()
+            .chain([&set.mass])
+            .all(|(a, b)| a.is_finite() && a <= b && b.is_finite());
         if !(ends && set.mass.0 >= 0.0 && set.gyration >= 0.0 && set.gyration.is_finite()) {
             return mismatch("the payload");
         }
@@ -184,15 +187,16 @@ struct Half {
 impl Half {
     fn new(inputs: &Inputs<'_>, run: &Nominal, swept: &Swept) -> Self {
         let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[(Vec<f64>, Vec<f64>)]| {
-            let of = |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &(Vec<f64>, Vec<f64>))| {
-                let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
-                let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
-                let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
-                let side = |off: &[f64], sign: f64| -> Vec<f64> {
-                    (0..e.len()).map(|i| e[i] + off[i] + sign * pads[i]).collect()
+            let of =
+                |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &(Vec<f64>, Vec<f64>))| {
+                    let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
+                    let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
+                    let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
+                    let side = |off: &[f64], sign: f64| -> Vec<f64> {
+                        (0..e.len()).map(|i| e[i] + off[i] + sign * pads[i]).collect()
+                    };
+                    (side(low, -1.0), side(high, 1.0))
                 };
-                (side(low, -1.0), side(high, 1.0))
-            };
             at.iter().zip(wanted).zip(off).map(of).collect()
         };
         let n = inputs.joints.len();
@@ -298,9 +302,8 @@ pub fn check(claimed: &Tube, inputs: &Inputs<'_>) -> Result<(), Refutation> {
 fn compare(claimed: &Tube, own: &Tube, period: f64) -> Result<(), Refutation> {
     let other = |what| Err(Refutation::AboutOther { what });
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1e-9);
-    let all_near = |a: &[f64], b: &[f64]| {
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| near(*a, *b))
-    };
+    let all_near =
+        |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| near(*a, *b));
     if !near(claimed.duration_s, own.duration_s) {
         return other("duration");
     }

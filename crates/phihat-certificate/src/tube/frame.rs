@@ -161,7 +161,13 @@ impl Arm<'_> {
             distance.wrench = carried.wrench;
             frame.outlook = frame.hand.iter().copied().chain(mids(&carried.rate)).collect();
             frame.ends = (first..=last)
-                .map(|k| self.hand(&self.chain.place::<Ball>(&points(&run.q[k]), None).hand_twists(), |_| 0.0).0)
+                .map(|k| {
+                    self.hand(
+                        &self.chain.place::<Ball>(&points(&run.q[k]), None).hand_twists(),
+                        |_| 0.0,
+                    )
+                    .0
+                })
                 .collect();
         }
         Some((frame, distance))
@@ -187,10 +193,8 @@ impl Arm<'_> {
             }
         }
         let balls = |x: &[Tangent<N>]| x.iter().map(|x| x.ball()).collect();
-        let screw = |x: &Screw<Tangent<N>>| Screw {
-            w: x.w.map(Number::ball),
-            v: x.v.map(Number::ball),
-        };
+        let screw =
+            |x: &Screw<Tangent<N>>| Screw { w: x.w.map(Number::ball), v: x.v.map(Number::ball) };
         Around {
             k: balls(&placed.inverse_dynamics_slopes(&v, &a)),
             damped,
@@ -251,9 +255,8 @@ impl Arm<'_> {
             gamma.extend_from_slice(&row[2 * n..]);
         }
         let one = vec![1.0; n];
-        let sums = |x: &[f64]| {
-            apply_sizes(&product(&m_inverse, &transpose(x, (n, n)), (n, n, n)), &one)
-        };
+        let sums =
+            |x: &[f64]| apply_sizes(&product(&m_inverse, &transpose(x, (n, n)), (n, n, n)), &one);
         let eighth = self.period / 8.0;
         let bend: Vec<(f64, f64)> = sums(&k)
             .iter()
@@ -263,7 +266,20 @@ impl Arm<'_> {
         if bend.iter().any(|(k, s)| k + s > 0.05) {
             return None;
         }
-        Some(Frame { first, len, m, m_inverse, s, k, hand, phi, gamma, bend, outlook: Vec::new(), ends: Vec::new() })
+        Some(Frame {
+            first,
+            len,
+            m,
+            m_inverse,
+            s,
+            k,
+            hand,
+            phi,
+            gamma,
+            bend,
+            outlook: Vec::new(),
+            ends: Vec::new(),
+        })
     }
 }
 

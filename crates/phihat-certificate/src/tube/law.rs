@@ -105,8 +105,7 @@ impl Loop {
             -self.law.inertia * (sum + self.on_error[0] * e + self.on_error[1] * de)
         } else {
             if !first {
-                let innovation =
-                    self.period * (acted - held[0]) - self.law.inertia * (v - before);
+                let innovation = self.period * (acted - held[0]) - self.law.inertia * (v - before);
                 for j in 0..m {
                     let next = if j + 1 < m { held[j + 1] } else { 0.0 };
                     held[j] += self.period * next + self.alpha[j] * innovation;

@@ -53,7 +53,9 @@ impl Plant<'_> {
         let mut u = vec![vec![0.0; n]; 4];
         for _ in 0..steps {
             for stage in 0..4 {
-                let weights: [f64; 3] = [[0.0; 3], [1.0 / 3.0, 0.0, 0.0], [-1.0 / 3.0, 1.0, 0.0], [1.0, -1.0, 1.0]][stage];
+                let weights: [f64; 3] =
+                    [[0.0; 3], [1.0 / 3.0, 0.0, 0.0], [-1.0 / 3.0, 1.0, 0.0], [1.0, -1.0, 1.0]]
+                        [stage];
                 let mut at = (q.to_vec(), v.to_vec());
                 for (w, (ku, ka)) in weights.iter().zip(u.iter().zip(&k)) {
                     for i in 0..n {

@@ -4,12 +4,7 @@ use core::ops::{Add, Mul, Neg, Sub};
 
 /// What the geometry computes with.
 pub(super) trait Number:
-    Copy
-    + Default
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Neg<Output = Self>
+    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     fn exact(value: f64) -> Self;
     fn sin_cos(self) -> (Self, Self);

@@ -51,7 +51,8 @@ impl Shapes {
     ) -> (Self, Spread) {
         let n = frame.bend.len();
         let mut after = self.clone();
-        let mut spread = Spread { twist: vec![0.0; if self.load > 0 { 12 } else { 0 }], ..Spread::default() };
+        let mut spread =
+            Spread { twist: vec![0.0; if self.load > 0 { 12 } else { 0 }], ..Spread::default() };
         after.look(sweep, frame, &mut spread, true);
         for (at, signs) in signs.iter().enumerate() {
             let k = frame.first + at;
@@ -87,9 +88,8 @@ impl Shapes {
         spread.velocity.push((0..n).map(|i| self.span_of(sweep, &|c| rates[c][i])).unzip());
         for c in 0..spread.twist.len() {
             let row = &frame.outlook[c * n..(c + 1) * n];
-            let (low, high) = self.span_of(sweep, &|run| {
-                row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum()
-            });
+            let (low, high) =
+                self.span_of(sweep, &|run| row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum());
             spread.twist[c] = spread.twist[c].max(low.abs()).max(high.abs());
         }
         if entering {

@@ -102,10 +102,8 @@ impl<'a> Sweep<'a> {
     ) -> Self {
         let period = inputs.study.control.period_ns as f64 * 1e-9;
         let n = loops.len();
-        let joints = loops
-            .iter()
-            .map(|l| (l.linear(false), l.linear(true), l.size, l.acting()))
-            .collect();
+        let joints =
+            loops.iter().map(|l| (l.linear(false), l.linear(true), l.size, l.acting())).collect();
         let whole = |x: f64| (x / period).round().max(1.0) as usize;
         let samples = run.command.len();
         let mut pushes = Vec::new();
@@ -202,10 +200,8 @@ impl<'a> Sweep<'a> {
             Some(guess) => guess.reach.iter().map(|e| 1.3 * e + 1e-6).collect(),
             None => self.half_step.iter().map(|h| 4.0 * h + 1e-6).collect(),
         };
-        let (frame, mut distance) = self
-            .arm
-            .window(self.run, (first, len), &reach)
-            .ok_or_else(|| self.too_fast(first))?;
+        let (frame, mut distance) =
+            self.arm.window(self.run, (first, len), &reach).ok_or_else(|| self.too_fast(first))?;
         self.window_of.resize(first + len, self.past.len());
         let (history, near) = self.history(&frame);
         let last_inside = before.as_ref().and_then(|g| g.inside.last().cloned());
@@ -262,7 +258,8 @@ impl<'a> Sweep<'a> {
         let n = self.n;
         let rows = self.outputs();
         let mut back = Back::new(n, self.hand, self.rows().states(), rows);
-        let mut set = |state: usize, row: usize, value: f64| back.lambda[state * rows + row] = value;
+        let mut set =
+            |state: usize, row: usize, value: f64| back.lambda[state * rows + row] = value;
         let mut at = 2 * n;
         let twist = if self.hand > 0 {
             product(&frame.outlook, &frame.m_inverse, (12, n, n))
@@ -343,7 +340,9 @@ impl<'a> Sweep<'a> {
     ) -> Round {
         let n = self.n;
         let sizes: Vec<f64> = (0..n)
-            .map(|i| guess.inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max))
+            .map(|i| {
+                guess.inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max)
+            })
             .collect();
         let smooth = self.smooth_boxes(distance, guess, &sizes);
         let mut boxes = Vec::with_capacity(frame.len);
@@ -360,12 +359,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// What acts on all samples of a window alike.
-    fn smooth_boxes(
-        &self,
-        distance: &Distance,
-        guess: &Guess,
-        sizes: &[f64],
-    ) -> Boxes {
+    fn smooth_boxes(&self, distance: &Distance, guess: &Guess, sizes: &[f64]) -> Boxes {
         let n = self.n;
         let mut out = Boxes::none(n, self.hand);
         let s = apply_sizes(&distance.s, sizes);
@@ -442,7 +436,9 @@ impl<'a> Sweep<'a> {
             middles[i] = 0.5 * (a + b);
             let (v_low, v_high) = ends(i);
             let v = inside.0[i].abs().max(inside.1[i].abs());
-            let bend = self.arm.smooth[i].bend(v_low.min(run.v[k][i]), v_high.max(run.v[k][i]));
+            // From the nominal velocity to the true one.
+            let (below, above) = (inside.0[i].max(0.0), inside.1[i].min(0.0));
+            let bend = self.arm.smooth[i].bend(v_low - below, v_high - above);
             out.u[i] += self.dry.high[i] * 0.5 * (b - a)
                 + 0.5 * bend * v * v
                 + dragged[i]
@@ -507,9 +503,8 @@ impl<'a> Sweep<'a> {
             (0..6 * self.n)
                 .map(|at| {
                     let all = rows.iter().map(|row| row[at]);
-                    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                        (l.min(x), h.max(x))
-                    });
+                    let (low, high) = all
+                        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
                     high - low
                 })
                 .collect()
@@ -518,9 +513,7 @@ impl<'a> Sweep<'a> {
         let rates: Vec<Vec<f64>> = [other, one]
             .iter()
             .flat_map(|frame| frame.ends.windows(2))
-            .map(|pair| {
-                pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a) / self.period).collect()
-            })
+            .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a) / self.period).collect())
             .collect();
         (span(&ends), span(&rates))
     }
@@ -614,8 +607,7 @@ impl<'a> Sweep<'a> {
         let entering = match self.past.last() {
             None => vec![0.0; n],
             Some(past) => {
-                let off: Vec<f64> =
-                    frame.m.iter().zip(&past.frame.m).map(|(a, b)| a - b).collect();
+                let off: Vec<f64> = frame.m.iter().zip(&past.frame.m).map(|(a, b)| a - b).collect();
                 let change = product(&frame.m_inverse, &off, (n, n, n));
                 let more = apply_sizes(&change, &past.rest.1);
                 past.rest.1.iter().zip(more).map(|(a, b)| a + b).collect()
@@ -638,11 +630,8 @@ impl<'a> Sweep<'a> {
         let mut reach = Vec::new();
         let mut rest = (Vec::new(), Vec::new());
         for i in 0..n {
-            let shape = spread
-                .position
-                .iter()
-                .map(|(l, h)| l[i].abs().max(h[i].abs()))
-                .fold(0.0, f64::max);
+            let shape =
+                spread.position.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max);
             let v = inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max);
             let before = self.past.last().map_or(0.0, |p| p.rest.0[i]);
             let e = radii[i].max(before);
@@ -693,10 +682,10 @@ impl<'a> Sweep<'a> {
             let mut torques = Vec::new();
             let mut steps = Vec::new();
             for i in 0..n {
-                let ((tl, th), (sl, sh)) = (&round.spread.torque[at - 1], &round.spread.step[at - 1]);
+                let ((tl, th), (sl, sh)) =
+                    (&round.spread.torque[at - 1], &round.spread.step[at - 1]);
                 let (t, s) = (round.radii[2 * n + i], round.radii[3 * n + i]);
-                let torque =
-                    (nominal[i] + tl[i] - t).abs().max((nominal[i] + th[i] + t).abs());
+                let torque = (nominal[i] + tl[i] - t).abs().max((nominal[i] + th[i] + t).abs());
                 let change = nominal[i] - before[i];
                 let step = (change + sl[i] - s).abs().max((change + sh[i] + s).abs());
                 self.check_limits(k, i, (torque, step))?;
