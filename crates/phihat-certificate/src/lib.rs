@@ -29,6 +29,7 @@ mod refutation;
 mod settle;
 mod step;
 mod trade_off;
+pub mod tube;
 mod tube_document;
 mod tube_kept;
 mod varying;
