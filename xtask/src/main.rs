@@ -16,8 +16,9 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
-  cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE]
-                               N random studies that try to break what is certified about them (resumes)
+  cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
+                               N random studies that try to break what is certified about them (resumes);
+                               one in twenty also in Pinocchio and MuJoCo, unless --alone
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`

@@ -34,9 +34,12 @@ struct Arguments {
     /// Runs per study: extreme and drawn payloads and friction.
     #[arg(long, default_value_t = 6)]
     runs: usize,
-    /// Keep the certified ones among every so many studies for other simulators; 0: none.
+    /// Keep the certified ones among every so many studies; 0: none.
     #[arg(long, default_value_t = 20)]
     keep_every: u64,
+    /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.
+    #[arg(long, value_name = "PYTHON")]
+    python: Option<PathBuf>,
     /// Write figures and records to a file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -70,9 +73,15 @@ fn attack(arguments: &Arguments) -> Result<bool, String> {
     let mut journal = Journal::open(&path).map_err(|e| e.to_string())?;
     let program = program()?;
     let Arguments { seed, runs, keep_every, .. } = *arguments;
-    let trial = Trial { seed, runs, folder: &folder, keep_every };
+    let python = arguments.python.as_deref();
+    let trial = Trial { seed, runs, folder: &folder, keep_every, python };
     let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
-    let id = |index: &u64| format!("{index} of {seed}, {runs} runs, program {program:016x}");
+    let id = |index: &u64| {
+        format!(
+            "{index} of {seed}, {runs} runs, every {keep_every} asked {}, program {program:016x}",
+            python.is_some()
+        )
+    };
     let ids: Vec<String> = places.iter().map(id).collect();
     let bar = ProgressBar::new(arguments.count);
     if let Ok(style) = ProgressStyle::with_template(

@@ -42,6 +42,8 @@ pub struct Summary {
     pub ratio_large: Option<Spread>,
     /// Likewise on joints below 15 % of the arm's largest.
     pub ratio_small: Option<Spread>,
+    /// Runs by other simulators, and what of studies they do not know.
+    pub second: (usize, BTreeMap<String, usize>),
     /// Time of designs and of runs \[s\], summed over threads.
     pub seconds: (f64, f64),
     /// Trials that stopped with a panic.
@@ -60,6 +62,7 @@ impl Summary {
             by_tag: BTreeMap::new(),
             ratio_large: None,
             ratio_small: None,
+            second: (0, BTreeMap::new()),
             seconds: (0.0, 0.0),
             panics,
         };
@@ -72,6 +75,12 @@ impl Summary {
             }
             for why in &record.redrawn {
                 *summary.redrawn.entry(short(why)).or_default() += 1;
+            }
+            if let Some(second) = &record.second {
+                summary.second.0 += second.runs;
+                if let Some(why) = &second.skipped {
+                    *summary.second.1.entry(why.clone()).or_default() += 1;
+                }
             }
             summary.runs.0 += record.runs.0;
             summary.runs.1 += record.runs.1;
@@ -138,6 +147,8 @@ impl fmt::Display for Summary {
         list(f, "drafts that were no studies", &self.redrawn)?;
         let (runs, outside) = self.runs;
         writeln!(f, "runs: {runs}, of these {outside} outside of the claim since a limit acted")?;
+        writeln!(f, "runs by Pinocchio and MuJoCo: {}", self.second.0)?;
+        list(f, "of these not asked, because of", &self.second.1)?;
         for (name, spread) in
             [("larger errors", self.ratio_large), ("errors below 15 %", self.ratio_small)]
         {

@@ -14,12 +14,15 @@ use crate::claim::{Claim, JointFound, Violation, claimed, held};
 use crate::dice::Dice;
 use crate::draft::{Draft, RANGES};
 use crate::draw::draw;
+use crate::second::{Second, opinion};
 use crate::vary::worlds;
 
 /// Draws until one is a study.
 const DRAWS: usize = 8;
 /// Designs of one study, each asking for what the one before said is possible.
 const ROUNDS: usize = 3;
+/// The world in which other simulators run a study besides its own.
+const SECOND: usize = 2;
 /// Finer integration than this makes a study too slow to be worth it.
 const SUBSTEPS_MAX: u32 = 40;
 
@@ -113,6 +116,8 @@ pub struct Record {
     pub found: Vec<JointFound>,
     /// Bounds that were left.
     pub violations: Vec<Violation>,
+    /// What other simulators said, where they were asked.
+    pub second: Option<Second>,
     /// Time of design and verification, and of the runs \[s\].
     pub seconds: (f64, f64),
 }
@@ -126,8 +131,10 @@ pub struct Trial<'a> {
     pub runs: usize,
     /// Where studies that were broken are kept, each in a folder of its number.
     pub folder: &'a Path,
-    /// Of every so many, the certified ones are kept for other simulators; 0: none.
+    /// Of every so many, the certified ones are kept, and other simulators asked; 0: none.
     pub keep_every: u64,
+    /// The Python that asks them.
+    pub python: Option<&'a Path>,
 }
 
 impl Trial<'_> {
@@ -145,6 +152,7 @@ impl Trial<'_> {
             runs: (0, 0),
             found: Vec::new(),
             violations: Vec::new(),
+            second: None,
             seconds: (0.0, 0.0),
         };
         for _ in 0..DRAWS {
@@ -157,13 +165,18 @@ impl Trial<'_> {
                 Err(why) => record.redrawn.push(why),
             }
         }
-        let asked = self.keep_every > 0 && index.is_multiple_of(self.keep_every);
-        let kept = record.ended == Ended::Certified && asked || !record.violations.is_empty();
+        let kept =
+            record.ended == Ended::Certified && self.asked(index) || !record.violations.is_empty();
         if !kept {
             // What cannot be removed is left behind, and overwritten next time.
             let _ = std::fs::remove_dir_all(&folder);
         }
         record
+    }
+
+    /// Whether other simulators are asked.
+    fn asked(&self, index: u64) -> bool {
+        self.keep_every > 0 && index.is_multiple_of(self.keep_every)
     }
 
     fn examine(&self, mut draft: Draft, dice: &mut Dice, folder: &Path, record: &mut Record) {
@@ -239,18 +252,27 @@ impl Trial<'_> {
             if !found.outside {
                 worst(&mut record.found, &found.joints);
             }
-            let broken = !found.violations.is_empty();
-            record.violations.extend(found.violations);
-            if broken && record.runs.0 > 1 {
-                let place = record.runs.0 - 1;
+            let place = record.runs.0 - 1;
+            let second = place == SECOND && self.asked(record.index);
+            if place > 0 && (second || !found.violations.is_empty()) {
                 keep.push((format!("world{place}.toml"), draft.text(&world)));
             }
+            record.violations.extend(found.violations);
         }
         keep.push(("gains.json".to_owned(), gains.to_json().unwrap_or_default()));
         keep.push(("claim.json".to_owned(), serde_json::to_string(claim).unwrap_or_default()));
         for (name, text) in keep {
             if let Err(why) = std::fs::write(folder.join(&name), text) {
                 record.redrawn.push(format!("{name}: {why}"));
+            }
+        }
+        if let Some(python) = self.python.filter(|_| self.asked(record.index)) {
+            match opinion(python, folder) {
+                Ok((second, violations)) => {
+                    record.second = Some(second);
+                    record.violations.extend(violations);
+                }
+                Err(why) => record.redrawn.push(why),
             }
         }
     }
