@@ -240,7 +240,7 @@ class Law:
         return -self.inertia * total
 
 
-def run(folder: Path, study: dict[str, Any], gains: dict[str, Any], engine: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+def run(folder: Path, study: dict[str, Any], phase: list[float], gains: dict[str, Any], engine: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     """Times, errors and velocity errors of a run, and whether a torque limit acted."""
     for section in ("supervisor", "profile", "fault"):
         if section in study:
@@ -265,6 +265,7 @@ def run(folder: Path, study: dict[str, Any], gains: dict[str, Any], engine: Any)
     bits = sensor.get("encoder_bits", "none")
     bits = arm.bits if bits == "robot" else bits
     quantum = None if bits in ("none", None) else 2.0 * np.pi / 2.0 ** spread(bits)
+    displaced = spread(phase or 0.0)
     cut = sensor.get("velocity_filter_hz")
     cut = gains.get("velocity_filter_hz") if cut == "design" else cut
     share = 1.0 if cut is None else -math.expm1(-2.0 * math.pi * cut * period)
@@ -296,7 +297,10 @@ def run(folder: Path, study: dict[str, Any], gains: dict[str, Any], engine: Any)
         times.append(t)
         errors.append(q - wanted[0])
         speeds.append(dq - wanted[1])
-        read = q.copy() if quantum is None else quantum * np.copysign(np.floor(np.abs(q / quantum) + 0.5), q)
+        read = q.copy()
+        if quantum is not None:
+            steps = q / quantum + displaced
+            read = quantum * (np.copysign(np.floor(np.abs(steps) + 0.5), steps) - displaced)
         if before is None:
             speed = dq.copy()
         else:
@@ -360,10 +364,13 @@ def examine(folder: Path) -> dict[str, Any]:
     claim = json.loads((folder / "claim.json").read_text())
     found: dict[str, Any] = {"folder": str(folder), "runs": [], "left": 0, "skipped": None}
     for path in sorted(folder.glob("study.toml")) + sorted(folder.glob("world*.toml")):
-        study = tomllib.loads(path.read_text())
+        text = path.read_text()
+        study = tomllib.loads(text)
+        phase = re.match(r"# encoder_phase = (\[.*\])", text)
+        displaced = json.loads(phase.group(1)) if phase else []
         for engine in (Pinocchio, Mujoco):
             try:
-                t, errors, speeds, limited = run(folder, study, gains, engine)
+                t, errors, speeds, limited = run(folder, study, displaced, gains, engine)
             except Skip as why:
                 found["skipped"] = str(why)
                 return found

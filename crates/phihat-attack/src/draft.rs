@@ -25,6 +25,8 @@ pub struct World {
     pub load: Option<Load>,
     /// Dry friction on top of the robot's \[N·m\] per joint.
     pub coulomb: Vec<f64>,
+    /// By how much of a quantum the encoders' steps are displaced, per joint; empty: not at all.
+    pub phase: Vec<f64>,
 }
 
 /// What a run may meet: the study's scope.
@@ -80,6 +82,10 @@ impl Draft {
     /// Text of the study, in some world.
     pub fn text(&self, world: &World) -> String {
         let mut text = String::new();
+        if !world.phase.is_empty() {
+            // No key of a study: the attack's own loop, and the second opinion, read it.
+            let _ = writeln!(text, "# encoder_phase = {:?}", world.phase);
+        }
         let mut line = |key: &str, value: &dyn Debug| _ = writeln!(text, "{key} = {value:?}");
         line("duration_s", &self.duration);
         let (robot, _) = self.arm.section();
@@ -87,7 +93,7 @@ impl Draft {
         let _ = writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_max, self.design);
         self.ranges(&mut text);
         let _ = write!(text, "\n[loop]\n{}\n[sensor]\n{}\n[world]\n", self.control, self.sensor);
-        let _ = write!(text, "{}coulomb_extra_nm = {:?}\n", self.world, world.coulomb);
+        let _ = writeln!(text, "{}coulomb_extra_nm = {:?}", self.world, world.coulomb);
         let _ = writeln!(text, "substeps = {}", self.substeps);
         if let Some(Load { mass, com, inertia }) = world.load {
             let _ = writeln!(text, "\n[world.payload]\nmass_kg = {mass:?}\ncom_m = {com:?}");

@@ -71,7 +71,8 @@ impl Hand<'_> {
     }
 
     fn control(&mut self) -> String {
-        self.rate = self.dice.pick(&[200.0, 250.0, 500.0, 1000.0, 1000.0, 1000.0, 2000.0, 4000.0]);
+        let rates = [200.0, 250.0, 333.0, 500.0, 1000.0, 1000.0, 1000.0, 2000.0, 4000.0];
+        self.rate = self.dice.pick(&rates);
         self.duration = self.dice.between(1.5, if self.rate > 1000.0 { 2.5 } else { 4.0 });
         let delay = self.dice.pick(&[0, 0, 1, 1, 1, 2, 3]);
         let mut text = format!("rate_hz = {:?}\ndelay_samples = {delay}\n", self.rate);
@@ -202,7 +203,7 @@ impl Hand<'_> {
             let com = scope.com.map(|(low, high)| 0.5 * (low + high));
             (low > 0.0).then_some(Load { mass: low, com, inertia: [0.0; 6] })
         });
-        let nominal = World { load, coulomb: scope.coulomb.1.clone() };
+        let nominal = World { load, coulomb: scope.coulomb.1.clone(), phase: Vec::new() };
         (scope, nominal)
     }
 
@@ -288,6 +289,11 @@ impl Hand<'_> {
             let far = self.dice.log_between(1e-4, 0.03);
             let q: Vec<f64> = start.iter().map(|q| q + self.dice.between(-far, far)).collect();
             let _ = write!(text, "\n[start]\nq_rad = {q:?}\n");
+            if self.dice.chance(0.3) {
+                let fast = self.dice.log_between(1e-3, 0.1);
+                let dq: Vec<f64> = q.iter().map(|_| self.dice.between(-fast, fast)).collect();
+                let _ = writeln!(text, "dq_rad_s = {dq:?}");
+            }
         }
         text + "\n[reference]\n" + &motion
     }
@@ -329,7 +335,8 @@ impl Hand<'_> {
     fn waypoints(&mut self, at: &[f64]) -> String {
         let mut text = "kind = \"waypoints\"\n".to_owned();
         let (mut t, mut q) = (0.0, at.to_vec());
-        while t < self.duration {
+        // A leg lasts 0.3 s or more.
+        for _ in 0..16 {
             let _ = write!(text, "\n[[reference.waypoint]]\nt_s = {t:?}\nq_rad = {q:?}\n");
             let leg = self.dice.between(0.3, 2.0);
             let vivid = self.dice.log_between(0.05, 0.8);
@@ -341,6 +348,9 @@ impl Hand<'_> {
                 *q = (*q + self.dice.between(-far, far)).clamp(low + 0.02, high - 0.02);
             }
             t += leg;
+            if t >= self.duration {
+                break;
+            }
         }
         text
     }
@@ -369,7 +379,9 @@ impl Hand<'_> {
 
     /// A first guess; what is infeasible is asked for again with what would be possible.
     fn error_max(&mut self) -> Vec<f64> {
-        let error = self.dice.log_between(3e-4, 2e-2);
+        // Now and then what nothing keeps: asked for again, it is close to the least that is possible.
+        let tight = self.dice.chance(0.4);
+        let error = if tight { 1e-6 } else { self.dice.log_between(3e-4, 2e-2) };
         let slides = |i: usize| self.robot.joints[i].kind == JointKind::Prismatic;
         (0..self.count()).map(|i| if slides(i) { 0.3 * error } else { error }).collect()
     }

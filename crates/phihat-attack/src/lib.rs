@@ -14,6 +14,7 @@ mod claim;
 mod dice;
 mod draft;
 mod draw;
+mod phase;
 mod second;
 mod summary;
 mod trial;

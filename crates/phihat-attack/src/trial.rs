@@ -59,19 +59,18 @@ pub fn judged(study: &Study, path: &Path) -> Verdict {
     }
 }
 
-/// Runs a study with gains, whatever is claimed of them.
+/// Runs a study with gains, whatever is claimed of them; its encoders displaced by shares of a quantum, if any.
 ///
 /// # Errors
 ///
 /// Why it cannot run, in words.
-pub fn run(study: &Study, gains: &Gains) -> Result<Outcome, String> {
+pub fn run(study: &Study, gains: &Gains, phase: &[f64]) -> Result<Outcome, String> {
     let mut study = study.clone();
     gains.give_filter(&mut study).map_err(|e| e.to_string())?;
     let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
     let period = study.control.period_ns;
     let law = gains.joint_gains(&names, period, form(&study)).map_err(|e| e.to_string())?;
-    let simulation = Simulation::new(&study, &law).map_err(|e| e.to_string())?;
-    Ok(simulation.run(|_| ()))
+    crate::phase::run(&study, &law, phase).map_err(|e| e.to_string())
 }
 
 fn form(study: &Study) -> Form {
@@ -239,7 +238,7 @@ impl Trial<'_> {
                     continue;
                 }
             };
-            let outcome = match run(&study, gains) {
+            let outcome = match run(&study, gains, &world.phase) {
                 Ok(outcome) => outcome,
                 Err(why) => {
                     record.redrawn.push(format!("run {name}: {why}"));

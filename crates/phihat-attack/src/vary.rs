@@ -13,7 +13,11 @@ pub fn worlds(
     let mut all = vec![("as the study says".to_owned(), nominal.clone())];
     let (light, heavy) = scope.mass;
     let free = heavy > 0.0 || scope.coulomb.0 != scope.coulomb.1;
+    let displaced =
+        |dice: &mut Dice| nominal.coulomb.iter().map(|_| dice.between(-0.5, 0.5)).collect();
     if !free {
+        let phase = displaced(dice);
+        all.push(("1: encoders displaced".to_owned(), World { phase, ..nominal.clone() }));
         return all;
     }
     for k in 1..count {
@@ -31,7 +35,8 @@ pub fn worlds(
             let share = if level.is_empty() { dice.share() } else { dice.pick(level) };
             low + (high - low) * share
         });
-        all.push((format!("{k}: {name}"), World { load, coulomb: coulomb.collect() }));
+        let coulomb = coulomb.collect();
+        all.push((format!("{k}: {name}"), World { load, coulomb, phase: displaced(dice) }));
     }
     all
 }

@@ -44,7 +44,7 @@ fn kept(name: &str) -> bool {
             return !clauses.is_empty();
         }
     };
-    let found = held(&claim, &run(&study, &gains).unwrap(), name);
+    let found = held(&claim, &run(&study, &gains, &[]).unwrap(), name);
     let worst = found.violations.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));
     match worst {
         Some(v) => println!(
