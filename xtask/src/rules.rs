@@ -10,7 +10,8 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("phihat", &[]),
     ("phihat-model", &[]),
     ("phihat-study", &["phihat-model"]),
-    ("phihat-design", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-certificate", &["phihat", "phihat-model", "phihat-study"]),
+    ("phihat-design", &["phihat", "phihat-certificate", "phihat-model", "phihat-study"]),
     ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
     ("phihat-baselines", &["phihat", "phihat-model"]),
     (

@@ -1,7 +1,35 @@
 //! What a design may know of an arm from its reference alone.
 
-use phihat_design::{Motion, Phi, PhiBasis};
+use phihat_design::{Arm, ArmError, Motion, Phi, PhiBasis};
 use phihat_sim::Demand;
+use phihat_study::Study;
+
+/// Postures of a reference that its arm's inertia is looked at.
+const POSTURES: u32 = 200;
+
+/// A study's arm with the postures of its reference; without them where the arm cannot follow it, which
+/// whoever walks along it is told.
+///
+/// # Errors
+///
+/// [`ArmError`]
+pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
+    let arm = Arm::of(study)?;
+    let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
+    Ok(match motion {
+        Ok(motion) => arm.along(&postures(&motion, study)),
+        Err(_) => arm,
+    })
+}
+
+/// Evenly over the run, both ends included.
+fn postures(motion: &phihat_sim::Motion, study: &Study) -> Vec<Vec<f64>> {
+    let at = |k: u32| {
+        let t = study.duration * f64::from(k) / f64::from(POSTURES - 1);
+        (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
+    };
+    (0..POSTURES).map(at).collect()
+}
 
 /// How a joint's reference moves.
 pub fn motion_along(demand: &Demand, joint: usize) -> Motion {

@@ -22,6 +22,6 @@ mod journal;
 pub mod reproduce;
 mod runner;
 
-pub use along::{motion_along, phi_along};
+pub use along::{arm_along, motion_along, phi_along};
 pub use journal::{Journal, JournalError};
 pub use runner::{Ended, Progress, run_all};

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use phihat::Form;
+use phihat_design::prelude::*;
 use phihat_design::requested_gains;
 use phihat_design::sampled::{LoopModel, SampledPeaks};
 use phihat_sim::Simulation;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::{motion_along, phi_along};
+use phihat_campaign::{arm_along, motion_along, phi_along};
 use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
@@ -17,7 +17,7 @@ const DOUBLINGS: u32 = 12;
 /// The arm, from whatever the study knows it by.
 pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
     let InertiaSource::Trace(file) = &study.design.inertia else {
-        return Arm::of(study).map_err(|e| Failure::at(path, e));
+        return arm_along(study).map_err(|e| Failure::at(path, e));
     };
     let trace = recorded(study, file)?;
     let signals = trace.joints.iter().map(|joint| JointSignals {

@@ -13,21 +13,21 @@ mod certificate;
 pub mod claims;
 mod designer;
 pub mod export;
-mod gains;
-mod phi;
+pub mod prelude;
 mod quick;
 mod request;
 pub mod sampled;
 mod trace;
 mod trade_off;
+pub mod tube;
 
-pub use arm::{Arm, ArmBasis, ArmError, ArmInertia};
-pub use certificate::{
-    Bounds, Certificate, JointCertificate, LeftOut, NotCounted, arm_inside_window,
-};
+pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
+pub use certificate::arm_inside_window;
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
-pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
-pub use phi::{Motion, Phi, PhiBasis};
+pub use phihat_certificate::{
+    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
+    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, TradeOff, VERSION,
+    Witness,
+};
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
-pub use trade_off::TradeOff;

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use crate::gains::JointRecord;
+use crate::JointRecord;
+use crate::sampled::LoopParts;
 use crate::sampled::{LoopModel, StateMatrix, left_by_acceleration};
 
 /// Samples after which a response is cut off, should it not have died before.

@@ -2,7 +2,7 @@
 
 use phihat_study::{LawRequest, Study};
 
-use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
+use crate::{FORMAT, Gains, JointRecord, VERSION};
 
 /// The gains that a study asks for in so many words.
 ///

@@ -1,24 +1,8 @@
 //! What another error bound would have cost: the laws that no other beats in both error and torque noise.
 
-use serde::{Deserialize, Serialize};
+use phihat_certificate::TradeOff;
 
 use crate::quick::Quick;
-
-/// One law of the front; estimates of the search, a few per mille low, not certified.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TradeOff {
-    /// Bound on `|e|` over the bound the study asks for, on the joint that decides.
-    pub error_share: f64,
-    /// Largest change of torque per sample that encoder steps cause, on the joint that decides \[N·m\].
-    pub torque_noise_nm: f64,
-    /// Order `m` of the estimator.
-    pub order: usize,
-    /// Bandwidth `ω` of the outer loop \[rad/s\].
-    pub bandwidth_rad_s: f64,
-    /// Whether these are the gains of the document.
-    pub chosen: bool,
-}
 
 /// Indices of those laws, ascending in noise as given, of which no quieter one has smaller gains from φ, φ̇ and
 /// the encoder: few enough to be measured against a specification.

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use phihat::Form;
+use phihat_design::prelude::*;
 use phihat_design::{
     Arm, Certificate, Gains, Motion, NotCounted, Outcome, Phi, PhiBasis, design, requested_gains,
 };

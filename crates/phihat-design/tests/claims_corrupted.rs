@@ -7,6 +7,7 @@ use claims_support::{Random, law, random_law};
 use phihat_design::claims::{
     Attenuation, Certified, Iss, Law, NormH, Optimality, PeakGain, PeakGains,
 };
+use phihat_design::prelude::*;
 
 const OFF: f64 = 1.0 + 1e-6;
 

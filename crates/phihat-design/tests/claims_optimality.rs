@@ -10,6 +10,7 @@ use phihat_design::claims::matrix::{Matrix, failing_pivot};
 use phihat_design::claims::polynomial::{self, Sign};
 use phihat_design::claims::weights::{conditions, q_diagonal, return_difference};
 use phihat_design::claims::{Attenuation, Certified, Law, Optimality};
+use phihat_design::prelude::*;
 
 const CASES: usize = 1000;
 

@@ -11,6 +11,7 @@ use phihat_design::claims::weights::{conditions, q_diagonal};
 use phihat_design::claims::{
     Attenuation, ErrorLimits, Iss, Law, MinimalGains, Optimality, PaperError, PaperRadius, Refused,
 };
+use phihat_design::prelude::*;
 
 fn refused(law: &Law, k_tilde: f64) -> Refused {
     match Optimality::at(law, k_tilde).unwrap() {

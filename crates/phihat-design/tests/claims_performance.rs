@@ -7,6 +7,7 @@ mod claims_support;
 use claims_support::{Loop, Random, law, random_law};
 use phihat_design::claims::polynomial;
 use phihat_design::claims::{Attenuation, Iss, Law, NormH, Optimality, PeakGains, WorstCase};
+use phihat_design::prelude::*;
 
 /// The exact gains lie within one part in a million of both sides.
 const GAP: f64 = 1e-6;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector};
 use phihat::{Delay, Form, JointGains, JointState, Measurement, Reference};
+use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopModel};
 use phihat_design::{Arm, Gains, JointRecord, arm_inside_window, requested_gains};
 use phihat_model::Workspace;

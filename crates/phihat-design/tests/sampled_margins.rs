@@ -5,6 +5,7 @@
 mod sampled_support;
 
 use phihat::Delay;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, Margins, ModulusMargin, bode};
 use sampled_support::{Random, Rig, estimator, plain, record};
 

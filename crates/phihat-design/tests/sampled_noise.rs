@@ -6,6 +6,7 @@
 mod sampled_support;
 
 use phihat::Reference;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{
     LargestStep, LoopForm, LoopModel, LoopVelocity, StateMatrix, TorqueNoise,
 };

@@ -5,6 +5,7 @@
 mod sampled_support;
 
 use nalgebra::DVector;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, SampledPeaks, StateMatrix};
 use sampled_support::{Outside, Random, Rig, plain, record};
 

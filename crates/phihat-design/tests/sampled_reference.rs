@@ -6,6 +6,7 @@ mod sampled_support;
 
 use phihat::Reference;
 use phihat_design::JointRecord;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, ReferenceError};
 use sampled_support::{Outside, Rig, record};
 

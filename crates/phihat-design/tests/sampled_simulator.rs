@@ -6,6 +6,7 @@ use std::path::Path;
 
 use nalgebra::DVector;
 use phihat::Form;
+use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopVelocity, StateMatrix};
 use phihat_design::{Arm, Certificate, LeftOut, arm_inside_window, requested_gains};
 use phihat_sim::Simulation;

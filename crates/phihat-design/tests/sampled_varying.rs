@@ -4,6 +4,7 @@
 
 mod sampled_support;
 
+use phihat_design::prelude::*;
 use phihat_design::sampled::{
     LoopForm, LoopModel, LoopVelocity, SampledVarying, StateMatrix, VaryingWindow,
 };

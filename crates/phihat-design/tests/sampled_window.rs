@@ -4,6 +4,7 @@
 
 mod sampled_support;
 
+use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopVelocity, StateMatrix};
 use sampled_support::{Random, Rig, estimator, plain, record};
 

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopModel};
 use phihat_design::{Arm, JointRecord, arm_inside_window, requested_gains};
 use phihat_study::{InertiaSource, Study};

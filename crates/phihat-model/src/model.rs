@@ -91,6 +91,11 @@ impl Model {
         self.compiled.link_of_joint.get(joint).copied().map(FrameId)
     }
 
+    /// Whether any joint moves the frame; none moves those that are fixed to the base.
+    pub fn moves(&self, frame: FrameId) -> bool {
+        self.compiled.seats[frame.0].segment.is_some()
+    }
+
     /// Gravity \[m/s²\] in world axes.
     pub fn gravity(&self) -> [f64; 3] {
         self.gravity

@@ -1,6 +1,6 @@
 //! What a reference asks of the arm: the unknown dynamics `φ` along it, by inverse dynamics.
 
-use phihat_model::{Body, Model, Workspace};
+use phihat_model::{Model, Workspace};
 use phihat_study::Study;
 
 use crate::error::SimError;
@@ -18,7 +18,7 @@ pub struct PhiAlong {
     pub jump: f64,
 }
 
-/// The torque that a study's reference asks for, without and with the heaviest payload.
+/// The torque that a study's reference asks for, without and with the heaviest payloads.
 ///
 /// # Method
 ///
@@ -27,7 +27,7 @@ pub struct PhiAlong {
 /// ```
 ///
 /// at every control sample after `spec.settle`, for the study's own payload, for none, and for the
-/// heaviest one the design must bear (a point mass at the tip). Remark 11 of the paper.
+/// heaviest ones the design must bear, at the corners of the box of their centres of mass. Remark 11 of the paper.
 ///
 /// # Not claimed
 ///
@@ -73,8 +73,11 @@ impl Demand {
         let period = study.control.period_ns as f64 * 1e-9;
         let bare = study.robot.plant_model().with_gravity(study.world.gravity);
         let mut cases = vec![loaded_model(study)?, bare.clone()];
-        if study.design.payload_max > 0.0 {
-            cases.push(heavy(bare, study)?);
+        let set = &study.design.payload;
+        if set.mass.1 > 0.0 {
+            for body in set.heaviest() {
+                cases.push(loaded(bare.clone(), &set.frame, &body)?);
+            }
         }
         let times = times(study, period);
         let n = study.robot.joints.len();
@@ -127,12 +130,6 @@ impl Demand {
 fn times(study: &Study, period: f64) -> Vec<f64> {
     let samples = crate::simulation::samples(study.duration, study.control.period_ns);
     (0..samples).map(|k| k as f64 * period).filter(|t| *t >= study.spec.settle).collect()
-}
-
-/// A point mass at the tip.
-fn heavy(model: Model, study: &Study) -> Result<Model, SimError> {
-    let body = Body { mass: study.design.payload_max, com: [0.0; 3], inertia: [0.0; 6] };
-    loaded(model, &study.robot.tip, &body)
 }
 
 /// `[joint][sample]`: rigid-body torque and smooth friction along the reference.

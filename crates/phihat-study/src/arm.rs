@@ -109,6 +109,25 @@ impl Arm {
         Err(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))
     }
 
+    /// The frame under `key`, or the robot's tip; some joint moves it.
+    pub(crate) fn moved_frame(&self, node: &Node<'_>, key: &str) -> Result<String, StudyError> {
+        let name = self.frame(node, key)?;
+        self.moves(node, key, &name).map(|()| name)
+    }
+
+    /// Refuses a payload on a frame that no joint moves.
+    pub(crate) fn moves(&self, node: &Node<'_>, key: &str, name: &str) -> Result<(), StudyError> {
+        let model = &self.robot.model;
+        let moved = |name: &str| model.frame(name).is_some_and(|frame| model.moves(frame));
+        if moved(name) {
+            return Ok(());
+        }
+        let names = model.frame_names().iter().map(String::as_str).filter(|name| moved(name));
+        let message = format!("no joint moves frame `{}`: a payload there is no load", clip(name));
+        let help = format!("valid: {}", names.collect::<Vec<_>>().join(", "));
+        Err(node.error(Kind::Conflict, key, message).with_help(help))
+    }
+
     /// Refuses a position of joint `j` that is outside its limits.
     pub(crate) fn check_position(
         &self,

@@ -120,6 +120,10 @@ fn check_value(
             let each = |path: &str, item: &Value<'_>| check_point(source, bounds, path, item);
             check_items(source, (min, max, "points"), path, value, each)
         }
+        (&Shape::Intervals { count, bounds }, DeValue::Array(_)) => {
+            let each = |path: &str, item: &Value<'_>| check_interval(source, bounds, path, item);
+            check_items(source, (count, count, "intervals"), path, value, each)
+        }
         (Shape::Table(section), DeValue::Table(table)) => {
             check_table(source, section, path, &value.span(), table)
         }
@@ -227,6 +231,25 @@ fn check_point(
     check_items(source, (3, 3, "numbers"), path, value, each)
 }
 
+fn check_interval(
+    source: &Source<'_>,
+    bounds: Bounds,
+    path: &str,
+    value: &Value<'_>,
+) -> Result<(), StudyError> {
+    let each = |path: &str, item: &Value<'_>| check_number(source, bounds, path, item);
+    check_items(source, (2, 2, "numbers"), path, value, each)?;
+    let items = value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
+    let ends: Vec<f64> = items.filter_map(|item| number(item.get_ref())).collect();
+    match ends[..] {
+        [low, high] if low > high => {
+            let message = format!("[{low}, {high}] is not an interval: its low end comes first");
+            Err(source.error(Kind::OutOfRange, &value.span(), path, message))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn check_items(
     source: &Source<'_>,
     (min, max, noun): (usize, usize, &str),
@@ -265,6 +288,7 @@ fn expected(shape: &Shape) -> String {
         Shape::NumberOrWord(_, words) => format!("a number or \"{}\"", words.join("\", \"")),
         Shape::List { .. } => "an array of numbers".into(),
         Shape::Points { .. } => "an array of points [x, y, z]".into(),
+        Shape::Intervals { .. } => "an array of intervals [low, high]".into(),
         Shape::PerJoint(_, words) => {
             let forms = "a number, an array with one per joint, a table by joint name";
             if words.is_empty() {

@@ -2,24 +2,28 @@
 
 use std::path::Path;
 
+use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
+use crate::payload_set;
 use crate::per_joint::Joints;
-use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource};
+use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource, World};
 
 /// Reads `[design]`; the trace it names is relative to `base`.
 pub(crate) fn read(
     node: &Node<'_>,
-    joints: &Joints,
+    (arm, world): (&Arm, &World),
     base: &Path,
 ) -> Result<DesignRequest, StudyError> {
+    let joints = &arm.joints;
     Ok(DesignRequest {
         method: match node.word("method")? {
             "paper" => DesignMethod::Paper,
             _ => DesignMethod::Ours,
         },
         orders: orders(node)?,
-        payload_max: node.number("payload_max_kg")?,
+        payload: payload_set::read(node, arm, world.payload.as_ref())?,
+        coulomb: coulomb(node, arm, world)?,
         inertia: inertia(node, joints, base)?,
         window_margin: node.number("window_margin")?,
         modulus_min: node.number("modulus_margin_min")?,
@@ -30,6 +34,34 @@ pub(crate) fn read(
         rise_time: node.number_if("rise_time_s"),
         paper: paper(&node.child("paper"), joints)?,
     })
+}
+
+/// The interval of each joint's dry friction; the world's level is inside.
+fn coulomb(node: &Node<'_>, arm: &Arm, world: &World) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
+    let (first, second) = ("coulomb_min_nm", "coulomb_max_nm");
+    let own =
+        |j: usize| if world.robot_friction { arm.robot.joints[j].friction.coulomb } else { 0.0 };
+    let level: Vec<f64> =
+        world.extra_coulomb.iter().enumerate().map(|(j, extra)| own(j) + extra).collect();
+    let low = arm.joints.numbers(node, first)?;
+    let high = arm.joints.numbers_if(node, second)?.unwrap_or_else(|| level.clone());
+    for (j, name) in arm.joints.names.iter().enumerate() {
+        let refuse = |key, end: f64, valid: &str| {
+            let message = format!(
+                "joint `{name}`: {end} N·m, while the world's dry friction is {} N·m",
+                level[j]
+            );
+            node.error_at(Kind::Conflict, key, (j, name), message)
+                .with_help(format!("valid: {valid} {} N·m", level[j]))
+        };
+        if low[j] > level[j] {
+            return Err(refuse(first, low[j], "at most"));
+        }
+        if high[j] < level[j] {
+            return Err(refuse(second, high[j], "at least"));
+        }
+    }
+    Ok((low, high))
 }
 
 fn inertia(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<InertiaSource, StudyError> {

@@ -27,7 +27,58 @@ pub(crate) static DESIGN: Section = Section {
             unit: "kg",
             shape: Shape::Number(Bounds::closed(0.0, 1e4)),
             need: Need::Number(0.0),
-            doc: "Heaviest body at the robot's tip that the gains must bear, besides none.",
+            doc: "Heaviest payload that the gains must bear, besides none. At least that of `[world.payload]`.",
+        },
+        Key {
+            name: "payload_kg",
+            unit: "kg",
+            shape: Shape::List { min: 2, max: 2, bounds: Bounds::closed(0.0, 1e4) },
+            need: Need::Optional("from 0 to `payload_max_kg`"),
+            doc: "Lightest and heaviest payload, `[low, high]`, in place of `payload_max_kg`. What the \
+                  world carries must be inside, at all times.",
+        },
+        Key {
+            name: "payload_com_m",
+            unit: "m",
+            shape: Shape::Intervals { count: 3, bounds: Bounds::within(10.0) },
+            need: Need::Optional(
+                "the frame's origin, and what lies between it and the centre of \
+                  mass of `[world.payload]`",
+            ),
+            doc: "Where the payload's centre of mass can be: a box `[[low, high], [low, high], [low, high]]` in \
+                  the axes of `payload_frame`. That of `[world.payload]` must be inside.",
+        },
+        Key {
+            name: "payload_frame",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("that of `[world.payload]`, else the robot's tip"),
+            doc: "Frame (link) that the payload is welded to; a joint must move it.",
+        },
+        Key {
+            name: "payload_gyration_m",
+            unit: "m",
+            shape: Shape::Number(Bounds::closed(0.0, 10.0)),
+            need: Need::Optional(
+                "what the inertia of `[world.payload]` needs, else 0: a point mass",
+            ),
+            doc: "How far the payload spreads about its centre of mass: no entry of its second moment \
+                  `∫ r rᵀ dm` is above mass times the square of this.",
+        },
+        Key {
+            name: "coulomb_min_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Number(0.0),
+            doc: "Lowest level of dry friction that a joint can have; the world's must be inside.",
+        },
+        Key {
+            name: "coulomb_max_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            need: Need::Optional("the world's level"),
+            doc: "Highest level of dry friction. The world's level is the robot's, where \
+                  `world.friction = \"robot\"`, plus `world.coulomb_extra_nm`.",
         },
         Key {
             name: "inertia_from",

@@ -52,6 +52,11 @@ pub(crate) enum Shape {
         max: usize,
         bounds: Bounds,
     },
+    /// An array of `count` intervals `[low, high]`.
+    Intervals {
+        count: usize,
+        bounds: Bounds,
+    },
     /// One number for all joints, an array with one per joint, or a table by joint name; or a word.
     PerJoint(Bounds, &'static [&'static str]),
     /// A table by joint name that names any of the joints.

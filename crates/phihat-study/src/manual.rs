@@ -72,6 +72,7 @@ fn value(shape: &Shape) -> String {
         Shape::List { min, max, bounds } if min == max => format!("{min} numbers, {bounds}"),
         Shape::List { min, max, bounds } => format!("{min} to {max} numbers, {bounds}"),
         Shape::Points { min, max, bounds } => format!("{min} to {max} points, {bounds}"),
+        Shape::Intervals { count, bounds } => format!("{count} intervals `[low, high]`, {bounds}"),
         Shape::PerJoint(bounds, []) => format!("per joint: {}", number(*bounds)),
         Shape::PerJoint(bounds, words) => {
             format!("per joint: {}; or {}", number(*bounds), words_of(words))

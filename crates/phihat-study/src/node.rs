@@ -159,6 +159,18 @@ impl<'a> Node<'a> {
         points.ok_or_else(|| self.missing(key))
     }
 
+    /// An array of `N` intervals `[low, high]`, if it is there.
+    pub(crate) fn intervals<const N: usize>(&self, key: &str) -> Option<[(f64, f64); N]> {
+        let items = self.value(key)?.get_ref().as_array()?;
+        let end = |item: &DeValue<'_>, i: usize| number(item.get(i)?.get_ref());
+        let ends = |item: &Spanned<DeValue<'_>>| {
+            let item = item.get_ref();
+            Some((end(item, 0)?, end(item, 1)?))
+        };
+        let intervals: Option<Vec<_>> = items.iter().map(ends).collect();
+        intervals?.try_into().ok()
+    }
+
     /// An error at the value of `key`, or at the table's head where the file does not have it.
     pub(crate) fn error(&self, kind: Kind, key: &str, message: impl Into<String>) -> StudyError {
         let span = self.value(key).map_or_else(|| self.span.clone(), Spanned::span);

@@ -24,7 +24,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm) -> Result<Option<Payload>, StudyE
         return Err(node.error(Kind::Conflict, "end_s", message));
     }
     Ok(Some(Payload {
-        frame: arm.frame(node, "frame")?,
+        frame: arm.moved_frame(node, "frame")?,
         mass: node.number("mass_kg")?,
         com: node.numbers("com_m")?,
         inertia,

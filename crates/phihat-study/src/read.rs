@@ -86,6 +86,7 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
             .error(Kind::Conflict, "velocity_filter_hz", message)
             .with_help("give a cut-off, or leave the gains to `[design]`"));
     }
+    let world = world::read(top, &arm, duration)?;
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -95,10 +96,10 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         duration,
         spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
         gains,
-        design: design::read(&top.child("design"), &arm.joints, base)?,
+        design: design::read(&top.child("design"), (&arm, &world), base)?,
         control: control::read(&top.child("loop"), &arm, period_ns)?,
         sensor,
-        world: world::read(top, &arm, duration)?,
+        world,
         interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),
         supervisor: supervisor::read(&top.child("supervisor"), &arm, duration)?,
         faults: fault::read(top, &arm, duration)?,

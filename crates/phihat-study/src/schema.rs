@@ -69,6 +69,11 @@ fn shape(shape: &'static Shape) -> Value {
             let point = json!({ "type": "array", "minItems": 3, "maxItems": 3, "items": items });
             json!({ "type": "array", "minItems": min, "maxItems": max, "items": point })
         }
+        Shape::Intervals { count, bounds } => {
+            let ends =
+                json!({ "type": "array", "minItems": 2, "maxItems": 2, "items": number(*bounds) });
+            json!({ "type": "array", "minItems": count, "maxItems": count, "items": ends })
+        }
         Shape::PerJoint(bounds, words) => {
             let each = number(*bounds);
             let mut forms = vec![

@@ -65,8 +65,10 @@ pub struct DesignRequest {
     pub method: DesignMethod,
     /// Estimator orders to try, ascending.
     pub orders: Vec<usize>,
-    /// Heaviest body at the tip \[kg\].
-    pub payload_max: f64,
+    /// Payloads that the gains must bear.
+    pub payload: crate::PayloadSet,
+    /// Lowest and highest level of dry friction \[N·m\] per joint.
+    pub coulomb: (Vec<f64>, Vec<f64>),
     /// What is known of the arm's inertia.
     pub inertia: InertiaSource,
     /// Factor by which the arm's inertia must stay inside the window, at both ends.

@@ -226,6 +226,85 @@ const WORLD: &[Case] = &[
     (35, "duration_s = 0.0", "world.push[0].duration_s", OutOfRange, "above 0"),
 ];
 
+/// What stands at line 26 of the good study, before `[world]`, whose payload is 0.3 kg at the tip and whose
+/// dry friction is 0.2 N·m + 0.1 N·m.
+const DESIGN: &[Case] = &[
+    (27, "payload_kg = [0.1, 0.2]", "design.payload_kg", Conflict, "valid: at least 0.3 kg"),
+    (27, "payload_kg = [0.4, 0.5]", "design.payload_kg", Conflict, "valid: at most 0.3 kg"),
+    (27, "payload_kg = [0.5, 0.4]", "design.payload_kg", Conflict, "the lighter one comes first"),
+    (27, "payload_kg = 0.5", "design.payload_kg", WrongType, "an array of numbers"),
+    (27, "payload_kg = [0, -1]", "design.payload_kg[1]", OutOfRange, "0 to 10000"),
+    (27, "payload_max_kg = 0.2", "design.payload_max_kg", Conflict, "world.payload has 0.3 kg"),
+    (
+        27,
+        "payload_max_kg = 1\npayload_kg = [0, 1]",
+        "design.payload_kg",
+        Conflict,
+        "keep one of them",
+    ),
+    (
+        27,
+        "payload_com_m = [[0, 0.1], [0.01, 0.02], [0, 0]]",
+        "design.payload_com_m",
+        Conflict,
+        "an interval for y that holds 0 m",
+    ),
+    (
+        27,
+        "payload_com_m = [[0, 0.1], [0.02, 0.01], [0, 0]]",
+        "design.payload_com_m[1]",
+        OutOfRange,
+        "low end comes first",
+    ),
+    (27, "payload_com_m = [[0, 1]]", "design.payload_com_m", WrongLength, "expected 3"),
+    (
+        27,
+        "payload_com_m = [[0, 1], [0], [0, 0]]",
+        "design.payload_com_m[1]",
+        WrongLength,
+        "expected 2",
+    ),
+    (27, "payload_frame = 'tol'", "design.payload_frame", UnknownName, "did you mean `tool`?"),
+    (27, "payload_frame = 'link1'", "design.payload_frame", Conflict, "welded to `tool`"),
+    (27, "payload_gyration_mm = 1", "design.payload_gyration_mm", WrongUnit, "payload_gyration_m"),
+    (27, "coulomb_min_nm = 0.4", "design.coulomb_min_nm", Conflict, "valid: at most 0.3"),
+    (
+        27,
+        "coulomb_max_nm = [0.4, 0.25, 0.4]",
+        "design.coulomb_max_nm[1]",
+        Conflict,
+        "valid: at least 0.3",
+    ),
+];
+
+#[test]
+fn mistakes_in_what_the_design_is_told_of_payload_and_friction() {
+    for &(line, text, key, kind, fragment) in DESIGN {
+        let whole = with_line(25, &format!("[design]\n{text}"));
+        let extra = text.matches('\n').count();
+        let whole = whole.replace("\n[world]", "\n\n[world]");
+        check(&whole, (line - 1 + extra, key, kind, fragment));
+    }
+}
+
+#[test]
+fn a_payload_is_where_a_joint_moves_it_and_inside_its_set() {
+    let on_base = |line: &str| {
+        with_line(29, line).replace("[world]", "[design]\npayload_max_kg = 1.0\n[world]")
+    };
+    let base = "payload = { mass_kg = 1, frame = 'base' }";
+    check(&with_line(29, base), (29, "world.payload.frame", Conflict, "valid: link1, link2"));
+    let design = on_base("").replace("payload_max", "payload_frame = 'base'\npayload_max");
+    check(&design, (27, "design.payload_frame", Conflict, "valid: link1, link2"));
+    let later = "payload = { mass_kg = 1, start_s = 1 }";
+    let text = with_line(29, later).replace("[world]", "[design]\npayload_kg = [0.5, 2]\n[world]");
+    check(&text, (27, "design.payload_kg", Conflict, "0 kg at some time"));
+    let cube = "payload = { mass_kg = 1, inertia_kg_m2 = [6e-4, 0, 0, 6e-4, 0, 6e-4] }";
+    let text =
+        with_line(29, cube).replace("[world]", "[design]\npayload_gyration_m = 0.01\n[world]");
+    check(&text, (27, "design.payload_gyration_m", Conflict, "at least 0.017321 m"));
+}
+
 const REFERENCE: &[Case] = &[
     (38, "kind = 'sinus'", "reference.kind", UnknownName, "did you mean `sines`?"),
     (38, "kind = 3", "reference.kind", WrongType, "expected a string"),

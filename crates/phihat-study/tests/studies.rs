@@ -201,3 +201,39 @@ fn the_fingerprint_is_that_of_the_text() {
     assert_eq!(read(GOOD).unwrap().sha256, expected);
     assert_ne!(read(&format!("{GOOD}\n")).unwrap().sha256, expected);
 }
+
+#[test]
+fn the_payload_set_holds_what_the_world_carries() {
+    let set = read(GOOD).unwrap().design.payload;
+    assert_eq!((set.frame.as_str(), set.mass, set.com), ("tool", (0.0, 0.3), [(0.0, 0.0); 3]));
+    assert_eq!(set.corners(), [[0.0; 3]]);
+    let payload = "payload = { mass_kg = 0.5, frame = 'link3', com_m = [0.1, -0.2, 0.0], \
+                   inertia_kg_m2 = [6e-4, 0, 0, 6e-4, 0, 6e-4] }";
+    let hull = read(&with_line(29, payload)).unwrap().design.payload;
+    assert_eq!((hull.frame.as_str(), hull.mass), ("link3", (0.0, 0.5)));
+    assert_eq!(hull.com, [(0.0, 0.1), (-0.2, 0.0), (0.0, 0.0)]);
+    assert_eq!(hull.corners().len(), 4);
+    assert!((hull.second_moment() - 3e-4).abs() < 1e-15, "{hull:?}");
+    let typed = with_line(29, payload).replace(
+        "[world]",
+        "[design]\npayload_kg = [0.4, 1]\npayload_com_m = [[0, 0.1], [-0.3, 0.3], [0, 0.1]]\n\
+         payload_gyration_m = 0.1\n[world]",
+    );
+    let typed = read(&typed).unwrap().design.payload;
+    assert_eq!((typed.mass, typed.gyration, typed.corners().len()), ((0.4, 1.0), 0.1, 8));
+    let none = read(&with_line(29, "")).unwrap().design.payload;
+    assert_eq!((none.frame.as_str(), none.mass), ("tool", (0.0, 0.0)));
+}
+
+#[test]
+fn dry_friction_is_known_to_an_interval_that_holds_the_worlds() {
+    assert_eq!(read(GOOD).unwrap().design.coulomb, (vec![0.0; 3], vec![0.1 + 0.2; 3]));
+    let typed = GOOD.replace(
+        "[world]",
+        "[design]\ncoulomb_min_nm = 0.05\ncoulomb_max_nm = {joint1=0.4,joint2=0.5,joint3=0.6}\n[world]",
+    );
+    let (low, high) = read(&typed).unwrap().design.coulomb;
+    assert_eq!((low, high), (vec![0.05; 3], vec![0.4, 0.5, 0.6]));
+    let none = GOOD.replace("[world]", "[world]\nfriction = 'none'");
+    assert_eq!(read(&none).unwrap().design.coulomb, (vec![0.0; 3], vec![0.1; 3]));
+}

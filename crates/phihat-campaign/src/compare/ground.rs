@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use phihat_baselines::{Entry, Supply};
-use phihat_design::Arm as Inertias;
 use phihat_model::ModelError;
 use phihat_sim::{Demand, Driver, Moment, Motion, SimError, Simulation};
 use phihat_study::Study;
@@ -111,7 +110,7 @@ impl Ground {
         let error_max = study.spec.error_max.clone();
         let error_max =
             error_max.ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
-        if study.design.payload_max <= 0.0 {
+        if study.design.payload.mass.1 <= 0.0 {
             return Err(lacks("design.payload_max_kg", "the heaviest payload"));
         }
         let table: Table = study.text.parse().map_err(|e: toml::de::Error| unfit(e.to_string()))?;
@@ -122,7 +121,7 @@ impl Ground {
         let n = study.robot.joints.len();
         let motion = Motion::new(&study.reference, &study.robot, study.duration);
         let motion = motion.map_err(|e| unfit(e.to_string()))?;
-        let inertias = Inertias::of(&study).map_err(|e| unfit(e.to_string()))?;
+        let inertias = crate::arm_along(&study).map_err(|e| unfit(e.to_string()))?;
         let given = study.gains.as_ref().map(|gains| gains.inertia.clone());
         let units = given.unwrap_or_else(|| inertias.nominal());
         let over = |units: Vec<f64>| inertias.against(units).map_err(|e| unfit(e.to_string()));

@@ -2,14 +2,15 @@
 
 use phihat_baselines::{DesignedJoint, Entry, rival};
 use phihat_design::claims::{Attenuation, Law, Optimality};
+use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks, TorqueNoise};
-use phihat_design::{Arm as Inertias, Clause, JointRecord, Outcome, design};
+use phihat_design::{Clause, JointRecord, Outcome, design};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
 
 use super::ground::Ground;
 use super::record::Mark;
-use crate::along::phi_along;
+use crate::along::{arm_along, phi_along};
 
 /// Inertia ratios at which the sampled loop's gains are found.
 const RATIOS: u32 = 9;
@@ -55,7 +56,7 @@ impl Own {
         // All laws have the study's filter.
         study.sensor.velocity_filter_designed = false;
         let demand = Demand::along(&study).map_err(|e| e.to_string())?;
-        let arm = Inertias::of(&study).map_err(|e| e.to_string())?;
+        let arm = arm_along(&study).map_err(|e| e.to_string())?;
         let outcome = design(&study, &arm, &|joint, inertia| phi_along(&demand, joint, inertia));
         let gains = match outcome.map_err(|e| e.to_string())? {
             Outcome::Designed(gains) => gains,

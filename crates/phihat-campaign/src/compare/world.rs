@@ -102,7 +102,7 @@ impl World {
             Parts::Encoder | Parts::Delay => {}
             Parts::Payload => {
                 let mut payload = Table::new();
-                payload.insert("mass_kg".to_owned(), study.design.payload_max.into());
+                payload.insert("mass_kg".to_owned(), study.design.payload.mass.1.into());
                 set(table, &["world", "payload"], payload.into());
             }
             Parts::Friction => {

@@ -147,7 +147,7 @@ impl Matrix {
         let draw = self.draw(case);
         let arm = &self.arms[case.arm];
         let torque = study.control.torque_max.as_ref().map_or(0.0, |max| max[draw.joint]);
-        let units = Units { period: period(study), torque, payload: study.design.payload_max };
+        let units = Units { period: period(study), torque, payload: study.design.payload.mass.1 };
         let joint = &study.robot.joints[draw.joint].name;
         let mut table = with_order(&arm.table, case.order);
         let seed = i64::try_from(case.seed).unwrap_or(i64::MAX);

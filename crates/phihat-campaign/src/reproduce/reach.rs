@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use phihat_design::{Arm, JointRecord};
 use phihat_study::Study;

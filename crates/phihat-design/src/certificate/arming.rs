@@ -4,11 +4,12 @@ use phihat_study::Study;
 
 use super::scope::unmodelled;
 use super::start::start_inside_window;
-use crate::arm::{Arm, ArmInertia};
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
-use crate::gains::{Gains, JointRecord};
+use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
+use crate::{Arm, ArmInertia};
+use crate::{Gains, JointRecord};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
 /// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the
@@ -73,22 +74,4 @@ pub(crate) fn inside(
     holds(claim, &lower, window.low, low, window.low <= low)?;
     let upper = format!("{margin}·arm.high ≤ window.high");
     holds(claim, &upper, high, window.high, high <= window.high)
-}
-
-/// Whether a claim was made over the arm's whole range.
-pub(super) fn covers(
-    claim: &str,
-    (low, high): (f64, f64),
-    arm: &ArmInertia,
-) -> Result<(), Refutation> {
-    let slack = 1.0 + 1e-9;
-    holds(claim, "from ≤ arm.low", low, arm.low, low <= arm.low * slack)?;
-    holds(claim, "arm.high ≤ to", arm.high, high, arm.high <= high * slack)
-}
-
-/// The same for a list of ratios that were tried.
-pub(super) fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
-    let low = mu.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = mu.iter().copied().fold(0.0, f64::max);
-    covers(claim, (low, high), arm)
 }

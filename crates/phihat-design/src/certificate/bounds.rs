@@ -1,45 +1,12 @@
 //! What peak-to-peak gains and a known `φ` say about one joint's error.
 
-use serde::{Deserialize, Serialize};
+use phihat_certificate::Bounds;
 
-use super::JointCertificate;
-use crate::claims::Refutation;
-use crate::claims::law::holds;
-use crate::gains::JointRecord;
-use crate::phi::Phi;
+use crate::sampled::LoopParts;
 use crate::sampled::{
     LoopForm, LoopModel, LoopVelocity, ReadingError, ReferenceError, SampledPeaks,
 };
-
-const CLAIM: &str = "error bound";
-
-/// Guaranteed bounds on one joint's steady error.
-///
-/// # Claim
-///
-/// ```text
-/// |e|, |ė| ≤ (ramp |φ̇_smooth| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
-///   and, measurements arriving s samples late, + sT |q̇_d| on e, + sT |q̈_d| on ė
-/// |∫e|     ≤ from φ with its own gains + t · (|e| from encoder and motion) + T |e| + t · K_d T² |φ̇|/(12 K_p low M̄)
-/// ```
-///
-/// The reference's own motion counts where it is known: see [`Phi::motion`].
-/// A constant misreading of the encoder is a constant error, so `∫e` grows with the time `t` of the run; the last
-/// term is what a `φ` that varies within the sample intervals adds where the observer reads a true velocity.
-///
-/// # Not claimed
-///
-/// Where [`Phi::motion`] is not known, what the motion of the reference costs by itself comes on top.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bounds {
-    /// `|e|` \[rad\].
-    pub error_rad: f64,
-    /// `|ė|` \[rad/s\].
-    pub velocity_error_rad_s: f64,
-    /// `|∫e|` \[rad·s\], for a run as long as the certificate says; `None`: grows without bound.
-    pub integral_rad_s: Option<f64>,
-}
+use crate::{JointRecord, Phi};
 
 /// What bounds are made of.
 #[derive(Debug, Clone, Copy)]
@@ -113,40 +80,5 @@ impl<'a> Evidence<'a> {
             velocity_error_rad_s: state(2) + besides(1),
             integral_rad_s: integral.is_finite().then_some(integral),
         }
-    }
-}
-
-impl JointCertificate {
-    /// The bounds must not be below what gains and `φ` give.
-    pub(super) fn verify_bounds(
-        &self,
-        record: &JointRecord,
-        duration: f64,
-    ) -> Result<(), Refutation> {
-        let (Some(bounds), Some(phi)) = (&self.bounds, &self.phi) else {
-            let neither = self.bounds.is_none();
-            return holds(CLAIM, "a bound needs a φ to be a bound for", 1.0, 0.0, neither);
-        };
-        let Some(peaks) = &self.sampled else {
-            return holds(CLAIM, "a bound needs peak gains", 1.0, 0.0, false);
-        };
-        let read = self.reading.is_some() == self.noise.is_some();
-        holds(CLAIM, "reading error and torque noise go together", 0.0, 0.0, read)?;
-        let quantum = self.noise.as_ref().map_or(0.0, |n| n.quantum_rad);
-        let moved = self.reference.as_ref();
-        let told = phi.motion.is_none() || moved.is_some_and(|moved| moved.feed_forward);
-        holds(CLAIM, "a motion costs what the reference error says", 0.0, 0.0, told)?;
-        let loop_ = (record, &self.model);
-        let evidence =
-            Evidence::new(loop_, peaks, self.reading.as_ref(), moved, (quantum, duration));
-        let least = evidence.bounds(phi);
-        let enough = |what: &str, least: f64, claimed: f64| {
-            let claimed = claimed * (1.0 + 1e-9);
-            holds(CLAIM, &format!("gains × φ ≤ claimed |{what}|"), least, claimed, least <= claimed)
-        };
-        enough("e", least.error_rad, bounds.error_rad)?;
-        enough("ė", least.velocity_error_rad_s, bounds.velocity_error_rad_s)?;
-        let Some(claimed) = bounds.integral_rad_s else { return Ok(()) };
-        enough("∫e", least.integral_rad_s.unwrap_or(f64::INFINITY), claimed)
     }
 }

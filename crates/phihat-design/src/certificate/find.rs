@@ -2,10 +2,11 @@
 
 use super::bounds::Evidence;
 use super::{JointCertificate, RATIOS, inside};
-use crate::arm::ArmInertia;
+use crate::ArmInertia;
+use crate::JointRecord;
+use crate::Phi;
 use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakGains, Refutation};
-use crate::gains::JointRecord;
-use crate::phi::Phi;
+use crate::prelude::*;
 use crate::sampled::{
     InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
     SampledVarying, TorqueNoise, VaryingWindow,

@@ -3,9 +3,10 @@
 use phihat_study::Study;
 
 use super::arming::inside;
-use crate::arm::ArmInertia;
+use crate::ArmInertia;
+use crate::JointRecord;
 use crate::claims::Refutation;
-use crate::gains::JointRecord;
+use crate::prelude::*;
 use crate::sampled::estimator::sampled_coefficients;
 use crate::sampled::{InertiaWindow, LoopModel};
 

@@ -1,61 +1,28 @@
 //! How much attenuation a law can be certified for: the values of `K̃` that admit a certificate.
 
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::{Attenuation, Interval};
 
-use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::law::{Law, Refutation};
 use crate::claims::polynomial::{self, Sign};
-use crate::claims::weights::{q_diagonal, return_difference, return_difference_parts};
+use crate::claims::weights::{return_difference, return_difference_parts};
 
 const CLAIM: &str = "attenuation";
 
 /// Relative distance to the edge at which an edge is probed.
 const PROBE: f64 = 1e-6;
 
-/// An open interval of `K̃` \[1/s\].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Interval {
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-}
-
-/// The values of `K̃` in `(0, a_{m−1})` for which a law is inverse optimal.
-///
-/// # Claim
-///
-/// ```text
-/// diagonal:            q_i(K̃) > 0 for all i, exactly for low < K̃ < high                         (T5)
-/// return difference:   |(jω)^m + K̃g(jω)|² ≥ ω^{2m} for all ω, exactly for K̃ ≥ K̃_min
-/// γ = 1/√(a_{m−1} − K̃)
-/// ```
-///
-/// The second is necessary and sufficient for optimality with *some* `Q ⪰ 0`; it does not involve
-/// `K_p`, `K_d`. Both sides are affine in `K̃`, and the second grows with it (`|g|² ≥ 0`): so each
-/// set is an interval, and its edges are what has to be checked.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Attenuation {
-    /// `K̃` with a diagonal `Q ≻ 0`; `None`: there is none in `(0, a_{m−1})`.
-    pub diagonal: Option<Interval>,
-    /// Smallest `K̃` whose return difference holds; `None`: it is not below `a_{m−1}`.
-    pub return_difference: Option<f64>,
-    /// Where the return difference fails just below that value, `ω²` \[rad²/s²\]; `None`: as ω → ∞, or never.
-    pub blocking_w: Option<f64>,
-    /// Infimum of `γ` with a diagonal `Q`.
-    pub gamma_diagonal: Option<f64>,
-    /// Infimum of `γ` by the return difference.
-    pub gamma_return_difference: Option<f64>,
-}
-
-impl Attenuation {
+/// Finding an [`Attenuation`].
+pub trait FindAttenuation: Sized {
     /// Finds the intervals: half-lines intersected for the first, bisection for the second.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense, or the result does not survive [`Self::verify`].
-    pub fn of(law: &Law) -> Result<Self, Refutation> {
+    fn of(law: &Law) -> Result<Self, Refutation>;
+}
+
+impl FindAttenuation for Attenuation {
+    fn of(law: &Law) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         let a_top = law.a_top();
         let gamma = |k_tilde: f64| 1.0 / (a_top - k_tilde).sqrt();
@@ -77,84 +44,6 @@ impl Attenuation {
         found.verify(law)?;
         Ok(found)
     }
-
-    /// A `K̃` well inside the diagonal interval: the geometric mean of its ends, or a third of the
-    /// upper one where the lower is 0.
-    pub fn k_tilde(&self) -> Option<f64> {
-        let Interval { low, high } = self.diagonal?;
-        Some(if low > 0.0 { (low * high).sqrt() } else { high / 3.0 })
-    }
-
-    /// Probes every edge from both sides.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        self.verify_gammas(law)?;
-        if let Some(interval) = self.diagonal {
-            verify_diagonal(law, interval)?;
-        } else {
-            let none = diagonal_interval(law).is_none();
-            holds(CLAIM, "no K̃ has q_i > 0 for all i", 0.0, 0.0, none)?;
-        }
-        let a_top = law.a_top();
-        let Some(least) = self.return_difference else {
-            let below =
-                !polynomial::is_non_negative(&return_difference(law, a_top * (1.0 - PROBE)));
-            return holds(CLAIM, "return difference fails below a_{m−1}", a_top, 0.0, below);
-        };
-        holds(CLAIM, "0 ≤ K̃_min < a_{m−1}", least, a_top, least >= 0.0 && least < a_top)?;
-        let above = (least * (1.0 + PROBE)).max(a_top * 1e-12);
-        let proven = polynomial::is_non_negative(&return_difference(law, above));
-        holds(CLAIM, "|(jω)^m + K̃g|² ≥ ω^{2m} just above K̃_min", above, least, proven)?;
-        if least > 0.0 {
-            let h = return_difference(law, least * (1.0 - PROBE));
-            let last = h.last().copied().unwrap_or(0.0);
-            let value = self.blocking_w.map_or(last, |w| polynomial::value(&h, w));
-            holds(CLAIM, "return difference < 0 just below K̃_min", value, 0.0, value < 0.0)?;
-        }
-        Ok(())
-    }
-
-    fn verify_gammas(&self, law: &Law) -> Result<(), Refutation> {
-        let pairs = [
-            (self.diagonal.map(|i| i.low), self.gamma_diagonal),
-            (self.return_difference, self.gamma_return_difference),
-        ];
-        for (k_tilde, gamma) in pairs {
-            let both = k_tilde.is_some() == gamma.is_some();
-            holds(CLAIM, "γ is stated where K̃ is", 0.0, 0.0, both)?;
-            if let (Some(k_tilde), Some(gamma)) = (k_tilde, gamma) {
-                let r_inverse = k_tilde + 1.0 / (gamma * gamma);
-                agrees(CLAIM, "K̃ + 1/γ² = a_{m−1}", r_inverse, law.a_top(), 1e-12)?;
-                holds(CLAIM, "γ > 0", gamma, 0.0, gamma > 0.0)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// `q_i` is affine in `K̃`: positive just inside both ends means positive between them.
-fn verify_diagonal(law: &Law, interval: Interval) -> Result<(), Refutation> {
-    let (Interval { low, high }, a_top) = (interval, law.a_top());
-    holds(CLAIM, "0 ≤ low", low, 0.0, low >= 0.0)?;
-    holds(CLAIM, "low < high", low, high, low < high)?;
-    holds(CLAIM, "high ≤ a_{m−1}", high, a_top, high <= a_top)?;
-    let width = high - low;
-    for k_tilde in [low + PROBE * width, high - PROBE * width] {
-        for (i, q_i) in q_diagonal(law, k_tilde).iter().enumerate() {
-            holds(CLAIM, &format!("Q{0}{0} > 0 inside", i + 1), *q_i, 0.0, *q_i > 0.0)?;
-        }
-    }
-    for (edge, outside, free) in
-        [("low", low - PROBE * width, low <= 0.0), ("high", high + PROBE * width, high >= a_top)]
-    {
-        let least = q_diagonal(law, outside).into_iter().fold(f64::INFINITY, f64::min);
-        holds(CLAIM, &format!("some q_i ≤ 0 beyond {edge}"), least, 0.0, free || least <= 0.0)?;
-    }
-    Ok(())
 }
 
 /// Where all `q_i = β_i + K̃ α_i` are positive within `(0, a_{m−1})`.

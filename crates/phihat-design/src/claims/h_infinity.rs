@@ -1,49 +1,28 @@
 //! The exact H-infinity norm from φ to the error.
 
 use nalgebra::{DMatrix, Schur};
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::NormH;
 
-use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::law::{Law, Refutation};
 use crate::claims::polynomial;
 use crate::claims::response::Response;
-
-const CLAIM: &str = "H-infinity norm";
 
 /// Relative distance between the two sides that the search aims at.
 const GAP: f64 = 1e-6;
 
-/// `sup_ω |e(jω)/φ(jω)|` of one joint at a frozen inertia ratio `μ`, for `M̄ = 1`.
-///
-/// # Claim
-///
-/// ```text
-/// G = −s^m/p(s),   p = D(s)A_o(s) + (μ−1)s^{m+2} Hurwitz
-/// |G(jω*)| ≥ lower,      upper² |p(jω)|² − ω^{2m} ≥ 0 for all ω
-/// ```
-///
-/// The first is one evaluation, the second the positivity of a polynomial in `ω²`: no eigenvalue is needed to
-/// check either.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NormH {
-    /// Inertia ratio.
-    pub mu: f64,
-    /// The norm is at least this \[rad/(N·m) at M̄ = 1 kg·m²\].
-    pub lower: f64,
-    /// It is at most this.
-    pub upper: f64,
-    /// Where the lower side is attained \[rad/s\].
-    pub frequency_rad_s: f64,
-}
-
-impl NormH {
+/// Finding a [`NormH`].
+pub trait FindNorm: Sized {
     /// Finds the norm by level sets: the imaginary eigenvalues of a Hamiltonian matrix are the
     /// frequencies where `|G|` equals the level (Boyd, Balakrishnan; Bruinsma, Steinbuch).
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the loop is not stable at `μ`, or the result does not survive [`Self::verify`].
-    pub fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
+    fn of(law: &Law, mu: f64) -> Result<Self, Refutation>;
+}
+
+impl FindNorm for NormH {
+    fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
         let response = Response::new(law, mu)?;
         let (m, n, sigma) = (law.order(), response.size(), response.sigma);
         let scaled: Vec<f64> = response.last_row().iter().map(|k| -k).chain([1.0]).collect();
@@ -71,44 +50,22 @@ impl NormH {
         let mut found = Self { mu, lower: lower * (1.0 - 1e-12), upper: lower, frequency_rad_s };
         for doublings in 0..20 {
             found.upper = lower * (1.0 + GAP * f64::from(1 << doublings));
-            if polynomial::is_non_negative(&found.distance(&p, m)) {
+            if polynomial::is_non_negative(&distance(&found, &p, m)) {
                 break;
             }
         }
         found.verify(law)?;
         Ok(found)
     }
+}
 
-    /// Checks both sides and that the loop is stable.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let m = law.order();
-        holds(CLAIM, "μ > 0", self.mu, 0.0, self.mu > 0.0)?;
-        holds(CLAIM, "lower > 0", self.lower, 0.0, self.lower > 0.0)?;
-        let den = law.denominator(self.mu);
-        let stable = polynomial::is_hurwitz(&den);
-        holds(CLAIM, "D A_o + (μ−1)s^{m+2} is Hurwitz", self.mu, 0.0, stable)?;
-        let p = polynomial::magnitude_squared(&den);
-        let w = self.frequency_rad_s * self.frequency_rad_s;
-        let value = (power(w, m) / polynomial::value(&p, w)).sqrt();
-        holds(CLAIM, "|G(jω*)| ≥ lower", value, self.lower, value >= self.lower)?;
-        holds(CLAIM, "upper > 0", self.upper, 0.0, self.upper > 0.0)?;
-        let below = polynomial::is_non_negative(&self.distance(&p, m));
-        holds(CLAIM, "upper² |p(jω)|² ≥ ω^{2m} for all ω", self.upper, value, below)
+/// `upper² |p|² − w^m`.
+fn distance(claim: &NormH, p: &[f64], m: usize) -> Vec<f64> {
+    let mut out: Vec<f64> = p.iter().map(|c| claim.upper * claim.upper * c).collect();
+    if let Some(c) = out.get_mut(m) {
+        *c -= 1.0;
     }
-
-    /// `upper² |p|² − w^m`.
-    fn distance(&self, p: &[f64], m: usize) -> Vec<f64> {
-        let mut out: Vec<f64> = p.iter().map(|c| self.upper * self.upper * c).collect();
-        if let Some(c) = out.get_mut(m) {
-            *c -= 1.0;
-        }
-        out
-    }
+    out
 }
 
 fn power(w: f64, m: usize) -> f64 {

@@ -1,81 +1,41 @@
 //! Input-to-state stability of the closed loop, with explicit constants.
 
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::Iss;
 
-use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::{
     Matrix, failing_pivot, identity, is_symmetric, largest_shift, norm_frobenius, product, sum,
     transpose,
 };
 use crate::claims::optimality::{Certified, last_column};
-use crate::claims::performance::{PeakGain, compare};
+use crate::claims::performance::PeakGain;
 use crate::claims::response::Response;
 
 const CLAIM: &str = "input-to-state stability";
 
-/// `ẋ = (A − BK)x − Bφ` is input-to-state stable.
-///
-/// # Claim
-///
-/// With `V = ½xᵀSx` (30) and `W = −(A−BK)ᵀS − S(A−BK)`; for the certificate's `S` this is
-/// `W = Q + (2a_{m−1} − K̃) SBBᵀS`:
-///
-/// ```text
-/// s_min I ≼ S ≼ s_max I                                                        (26)
-/// W ≽ w_min I:   V̇ ≤ −γ₁|x|² + γ₂φ²,   γ₁ = w_min/4,  γ₂ = |SB|²/w_min           (27)
-///                |x| ≥ ρ|φ|  ⟹  V̇ ≤ −γ₁|x|²,   ρ = 4|SB|/w_min                  (28)
-/// W ≽ 2λS:       |x(t)| ≤ √(s_max/s_min) e^{−λt} |x(0)|   at φ = 0               (24)
-/// |x(t)| ≤ … + gain |φ|_∞,   gain = ‖B‖ ∫‖e^{(A−BK)τ}‖dτ,  ‖B‖ = 1                (25)
-/// ```
-///
-/// The paper's α: `a_{m−1} = αK̃ + 1/γ²` needs `α > ½`, here `a_{m−1} > K̃/2`, so that `W ≽ Q`.
-///
-/// # Not claimed
-///
-/// `|x|` mixes rad·s, rad and rad/s as in the paper; the constants are large for that reason alone.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Iss {
-    /// `K̃` whose `S` this is; `None`: some other Lyapunov matrix.
-    pub k_tilde: Option<f64>,
-    /// `S`.
-    pub s: Matrix,
-    /// Below the smallest eigenvalue of `S`.
-    pub s_min: f64,
-    /// Above the largest eigenvalue of `S`.
-    pub s_max: f64,
-    /// `√(s_max/s_min)`.
-    pub overshoot: f64,
-    /// Decay rate `λ` \[1/s\].
-    pub rate: f64,
-    /// Below the smallest eigenvalue of `W`.
-    pub w_min: f64,
-    /// `|SB|`.
-    pub sb_norm: f64,
-    /// `γ₁` of (27).
-    pub gamma1: f64,
-    /// `γ₂` of (27).
-    pub gamma2: f64,
-    /// Gain of (25); the upper side uses the Frobenius norm, the lower one is `1/√n` of it.
-    pub gain: PeakGain,
-}
-
-impl Iss {
+/// Finding [`Iss`].
+pub trait FindIss: Sized {
     /// With the Lyapunov function of a certificate: the paper's.
     ///
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that cannot be met.
-    pub fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation> {
-        Self::with(law, certified.s.clone(), Some(certified.k_tilde))
-    }
+    fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation>;
 
     /// Without a certificate: with `W = I` in the loop's own time, so that any stable law has it.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the loop is not stable.
-    pub fn of_loop(law: &Law) -> Result<Self, Refutation> {
+    fn of_loop(law: &Law) -> Result<Self, Refutation>;
+}
+
+impl FindIss for Iss {
+    fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation> {
+        with(law, certified.s.clone(), Some(certified.k_tilde))
+    }
+
+    fn of_loop(law: &Law) -> Result<Self, Refutation> {
         let response = Response::new(law, 1.0)?;
         let n = response.size();
         let scale: Vec<f64> =
@@ -84,87 +44,47 @@ impl Iss {
             .map(|i| (0..n).map(|j| if i == j { scale[i] * scale[i] } else { 0.0 }).collect())
             .collect();
         let s = lyapunov_solution(&law.closed_loop(), &w, &scale).unwrap_or_default();
-        Self::with(law, s, None)
+        with(law, s, None)
     }
+}
 
-    fn with(law: &Law, s: Matrix, k_tilde: Option<f64>) -> Result<Self, Refutation> {
-        law.check(CLAIM)?;
-        let n = law.order() + 2;
-        holds(CLAIM, "S = Sᵀ", s.len() as f64, n as f64, is_symmetric(&s, n))?;
-        let w = decrease(law, &s);
-        let least = |x: &Matrix, y: &Matrix, name: &str| {
-            largest_shift(x, y).ok_or_else(|| {
-                let (_, pivot, bound) = failing_pivot(x).unwrap_or((0, f64::NAN, 0.0));
-                Refutation {
-                    claim: CLAIM.to_owned(),
-                    inequality: name.to_owned(),
-                    left: pivot,
-                    right: bound,
-                }
-            })
-        };
-        let unit = identity(n);
-        let s_min = least(&s, &unit, "S ≻ 0")?;
-        let w_min = least(&w, &unit, "W ≻ 0")?;
-        let rate = 0.5 * least(&w, &s, "W ≻ 0")?;
-        let s_max = norm_frobenius(&s);
-        let sb_norm = norm(&last_column(&s));
-        let found = Self {
-            k_tilde,
-            overshoot: (s_max / s_min).sqrt(),
-            s,
-            s_min,
-            s_max,
-            rate,
-            w_min,
-            sb_norm,
-            gamma1: w_min / 4.0,
-            gamma2: sb_norm * sb_norm / w_min,
-            gain: gain(law)?,
-        };
-        found.verify(law)?;
-        Ok(found)
-    }
-
-    /// Recomputes everything from the gains and `S`.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let n = law.order() + 2;
-        let symmetric = is_symmetric(&self.s, n);
-        holds(CLAIM, "S = Sᵀ", self.s.len() as f64, n as f64, symmetric)?;
-        if let Some(k_tilde) = self.k_tilde {
-            let (left, right) = (law.a_top(), 0.5 * k_tilde);
-            holds(CLAIM, "a_{m−1} > K̃/2 (α > ½)", left, right, k_tilde > 0.0 && left > right)?;
-        }
-        let (w, unit) = (decrease(law, &self.s), identity(n));
-        for (value, name) in
-            [(self.s_min, "s_min > 0"), (self.w_min, "w_min > 0"), (self.rate, "λ > 0")]
-        {
-            holds(CLAIM, name, value, 0.0, value > 0.0)?;
-        }
-        definite("S ≽ s_min I", &sum(&self.s, -self.s_min, &unit))?;
-        definite("W ≽ w_min I", &sum(&w, -self.w_min, &unit))?;
-        definite("W ≽ 2λS", &sum(&w, -2.0 * self.rate, &self.s))?;
-        let size = norm_frobenius(&self.s);
-        let below = size <= self.s_max * (1.0 + 1e-12);
-        holds(CLAIM, "‖S‖_F ≤ s_max", size, self.s_max, below)?;
-        let ratio = (self.s_max / self.s_min).sqrt();
-        agrees(CLAIM, "overshoot = √(s_max/s_min)", self.overshoot, ratio, 1e-12)?;
-        let sb_norm = norm(&last_column(&self.s));
-        agrees(CLAIM, "|SB|", self.sb_norm, sb_norm, 1e-12)?;
-        agrees(CLAIM, "γ₁ = w_min/4", self.gamma1, self.w_min / 4.0, 1e-12)?;
-        agrees(CLAIM, "γ₂ = |SB|²/w_min", self.gamma2, sb_norm * sb_norm / self.w_min, 1e-12)?;
-        compare("∫‖e^{(A−BK)τ}‖dτ", self.gain, gain(law)?)
-    }
-
-    /// `|x(t)|` at φ = 0 is at most this \[1\], per unit of `|x(0)|`.
-    pub fn beta(&self, time_s: f64) -> f64 {
-        self.overshoot * (-self.rate * time_s).exp()
-    }
+fn with(law: &Law, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
+    law.check(CLAIM)?;
+    let n = law.order() + 2;
+    holds(CLAIM, "S = Sᵀ", s.len() as f64, n as f64, is_symmetric(&s, n))?;
+    let w = decrease(law, &s);
+    let least = |x: &Matrix, y: &Matrix, name: &str| {
+        largest_shift(x, y).ok_or_else(|| {
+            let (_, pivot, bound) = failing_pivot(x).unwrap_or((0, f64::NAN, 0.0));
+            Refutation {
+                claim: CLAIM.to_owned(),
+                inequality: name.to_owned(),
+                left: pivot,
+                right: bound,
+            }
+        })
+    };
+    let unit = identity(n);
+    let s_min = least(&s, &unit, "S ≻ 0")?;
+    let w_min = least(&w, &unit, "W ≻ 0")?;
+    let rate = 0.5 * least(&w, &s, "W ≻ 0")?;
+    let s_max = norm_frobenius(&s);
+    let sb_norm = norm(&last_column(&s));
+    let found = Iss {
+        k_tilde,
+        overshoot: (s_max / s_min).sqrt(),
+        s,
+        s_min,
+        s_max,
+        rate,
+        w_min,
+        sb_norm,
+        gamma1: w_min / 4.0,
+        gamma2: sb_norm * sb_norm / w_min,
+        gain: gain(law)?,
+    };
+    found.verify(law)?;
+    Ok(found)
 }
 
 /// `W = −(A−BK)ᵀS − S(A−BK)`, exactly symmetric.
@@ -179,13 +99,6 @@ fn gain(law: &Law) -> Result<PeakGain, Refutation> {
     let frobenius = response.integral_of_ladder_norm();
     let lower = frobenius.lower / (response.size() as f64).sqrt();
     Ok(PeakGain { lower, upper: frobenius.upper })
-}
-
-fn definite(name: &str, x: &Matrix) -> Result<(), Refutation> {
-    match failing_pivot(x) {
-        None => Ok(()),
-        Some((_, pivot, least)) => holds(CLAIM, name, pivot, least, false),
-    }
 }
 
 fn norm(v: &[f64]) -> f64 {

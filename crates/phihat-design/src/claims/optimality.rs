@@ -1,11 +1,9 @@
 //! Inverse optimality: the law is the optimal one of a game, whose weights are the certificate.
 
-use core::fmt;
+pub use phihat_certificate::{Certified, Optimality, Refused};
 
-use serde::{Deserialize, Serialize};
-
-use crate::claims::law::{Law, Refutation, agrees, holds};
-use crate::claims::matrix::{Matrix, absolute, failing_pivot, is_symmetric, product, transpose};
+use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::matrix::Matrix;
 use crate::claims::weights::{Condition, conditions, q_diagonal};
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
@@ -13,174 +11,35 @@ pub const RESIDUAL: f64 = 1e-10;
 
 const CLAIM: &str = "optimality";
 
-/// What the mathematics says about a law at one value of `K̃`.
-///
-/// # Claim
-///
-/// ```text
-/// AᵀS + SA − K̃ S B Bᵀ S + Q = 0,   Q = diag(q_1 … q_{m+2}) ≻ 0,   S ≻ 0                      (13)
-/// a_{m−1} BᵀS = K,   a_{m−1} = R⁻¹ = K̃ + 1/γ²                                              (14), (20)
-/// q_i = coefficient of ω^{2(i−1)} in (1/K̃) |D(jω)|² (|(jω)^m + K̃ g(jω)|² − ω^{2m})            (T5)
-/// ```
-///
-/// Then the L2-gain from `d = −φ` to the cost `xᵀQx + uᵀRu` is at most `γ²` (11), and the worst
-/// disturbance is `d = BᵀSx/γ²`.
-///
-/// # Not claimed
-///
-/// A refusal says that no *diagonal* `Q` exists at this `K̃`, not that the loop is unstable.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, tag = "outcome", rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Optimality {
-    /// The weights exist; here they are.
-    Certified(Certified),
-    /// They do not; this is the condition in the way.
-    Refuted(Refused),
-}
-
-/// The evidence of inverse optimality.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Certified {
-    /// `K̃` \[1/s\].
-    pub k_tilde: f64,
-    /// Attenuation level `γ`.
-    pub gamma: f64,
-    /// Diagonal of `Q`.
-    pub q: Vec<f64>,
-    /// `S`, row by row.
-    pub s: Matrix,
-    /// Worst-case disturbance feedback: `d = worstᵀx`, `worst = SB/γ²`.
-    pub worst: Vec<f64>,
-}
-
-/// Why there is no certificate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Refused {
-    /// `K̃` at which it was asked for \[1/s\].
-    pub k_tilde: f64,
-    /// The paper's name of the condition (A1 … A3, B1, B2), or `Q33` and so on for higher orders.
-    pub condition: String,
-    /// Which number decides, such as `Q44`.
-    pub quantity: String,
-    /// Its value; it should be positive.
-    pub value: f64,
-}
-
-impl Optimality {
+/// Judging [`Optimality`].
+pub trait FindOptimality: Sized {
     /// Judges a law at a given `K̃`.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the law itself makes no sense (order, finite gains, `a_{m−1} > 0`), or when
     /// what was computed does not survive [`Self::verify`].
-    pub fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation> {
+    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation>;
+}
+
+impl FindOptimality for Optimality {
+    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         let claim = match refusal(law, k_tilde) {
             Some(refused) => Self::Refuted(refused),
-            None => Self::Certified(Certified::at(law, k_tilde)),
+            None => Self::Certified(certified(law, k_tilde)),
         };
         claim.verify(law)?;
         Ok(claim)
     }
-
-    /// Recomputes everything from the gains.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        match self {
-            Self::Certified(certified) => certified.verify(law),
-            Self::Refuted(refused) => refused.verify(law),
-        }
-    }
-
-    /// The certificate, if there is one.
-    pub fn certified(&self) -> Option<&Certified> {
-        match self {
-            Self::Certified(certified) => Some(certified),
-            Self::Refuted(_) => None,
-        }
-    }
 }
 
-impl Certified {
-    /// The last row of (13) read upwards gives `S` in closed form.
-    fn at(law: &Law, k_tilde: f64) -> Self {
-        let s = riccati_solution(law, k_tilde);
-        let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
-        let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
-        Self { k_tilde, gamma, q: q_diagonal(law, k_tilde), s, worst }
-    }
-
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let (n, k) = (law.order() + 2, law.k());
-        let Self { k_tilde, gamma, q, s, worst } = self;
-        holds(CLAIM, "K̃ > 0", *k_tilde, 0.0, *k_tilde > 0.0)?;
-        holds(CLAIM, "γ > 0", *gamma, 0.0, *gamma > 0.0)?;
-        let r_inverse = k_tilde + 1.0 / (gamma * gamma);
-        agrees(CLAIM, "K̃ + 1/γ² = a_{m−1}", r_inverse, law.a_top(), 1e-12)?;
-        let symmetric = is_symmetric(s, n);
-        holds(CLAIM, "S = Sᵀ ∈ ℝ^{(m+2)×(m+2)}", s.len() as f64, n as f64, symmetric)?;
-        let sizes = q.len() == n && worst.len() == n;
-        holds(CLAIM, "Q and d are of size m+2", q.len() as f64, n as f64, sizes)?;
-        let expected = q_diagonal(law, *k_tilde);
-        for (i, (q_i, of_t5)) in q.iter().zip(&expected).enumerate() {
-            let name = quantity(i);
-            holds(CLAIM, &format!("{name} > 0"), *q_i, 0.0, *q_i > 0.0)?;
-            agrees(CLAIM, &format!("{name} of (T5)"), *q_i, *of_t5, RESIDUAL)?;
-        }
-        let sb = last_column(s);
-        for i in 0..n {
-            agrees(CLAIM, "a_{m−1} BᵀS = K", law.a_top() * sb[i], k[i], 1e-12)?;
-            agrees(CLAIM, "d = BᵀSx/γ²", worst[i], sb[i] / (gamma * gamma), 1e-12)?;
-        }
-        check_riccati(law, *k_tilde, q, s)?;
-        match failing_pivot(s) {
-            None => gains_positive(law),
-            Some((_, pivot, least)) => holds(CLAIM, "S ≻ 0", pivot, least, false),
-        }
-    }
-}
-
-impl Refused {
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        law.check(CLAIM)?;
-        let claim = "refusal of optimality";
-        let Some(found) = refusal(law, self.k_tilde) else {
-            return holds(claim, &format!("{} ≤ 0", self.quantity), self.value, 0.0, false);
-        };
-        let same = found.condition == self.condition && found.quantity == self.quantity;
-        holds(claim, &format!("{} fails", self.condition), self.value, found.value, same)?;
-        agrees(claim, &self.quantity, self.value, found.value, RESIDUAL)
-    }
-}
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "refused on {} with {} = {:.4}", self.condition, self.quantity, self.value)
-    }
-}
-
-fn check_riccati(law: &Law, k_tilde: f64, q: &[f64], s: &Matrix) -> Result<(), Refutation> {
-    let (a, sb) = (law.a_matrix(), last_column(s));
-    let (sa, size) = (product(s, &a), product(&absolute(s), &absolute(&a)));
-    let (at_s, at_size) = (transpose(&sa), transpose(&size));
-    for i in 0..s.len() {
-        for j in 0..s.len() {
-            let weight = if i == j { q[i] } else { 0.0 };
-            let pull = k_tilde * sb[i] * sb[j];
-            let residual = (sa[i][j] + at_s[i][j] - pull + weight).abs();
-            let scale = size[i][j] + at_size[i][j] + pull.abs() + weight.abs();
-            let name = "|AᵀS + SA − K̃SBBᵀS + Q| ≤ 1e-10 (sum of absolute terms)";
-            holds(CLAIM, name, residual, RESIDUAL * scale, residual <= RESIDUAL * scale)?;
-        }
-    }
-    Ok(())
+/// The last row of (13) read upwards gives `S` in closed form.
+fn certified(law: &Law, k_tilde: f64) -> Certified {
+    let s = riccati_solution(law, k_tilde);
+    let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
+    let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
+    Certified { k_tilde, gamma, q: q_diagonal(law, k_tilde), s, worst }
 }
 
 /// Off its diagonal, (13) reads `S_{i−1,j} = −S_{i,j−1} + K̃c_ic_j − c_il_j − l_ic_j`, with `c = SB` and `l`

@@ -1,61 +1,23 @@
 //! How large the errors get: peak-to-peak gains of the loop, and the paper's bound beside them.
 
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::{PaperRadius, PeakGain, PeakGains};
 
 use crate::claims::iss::Iss;
-use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::law::{Law, Refutation};
 use crate::claims::response::Response;
 
-const CLAIM: &str = "performance";
-
-/// Relative tolerance when a bound is computed again, on another machine perhaps.
-const AGAIN: f64 = 1e-9;
-
-/// A number known from both sides.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PeakGain {
-    /// It is at least this.
-    pub lower: f64,
-    /// It is at most this: the guarantee.
-    pub upper: f64,
-}
-
-/// Peak-to-peak gains of one joint at a frozen inertia ratio `μ`, for `M̄ = 1` (divide by `M̄` for real units).
-///
-/// # Claim
-///
-/// ```text
-/// |x_i|_∞ ≤ ‖G_{x_i←φ}‖₁ |φ|_∞,   G_{x_i←φ} = −s^i/(D(s)A_o(s) + (μ−1)s^{m+2})
-/// x = (∫…∫e, …, ∫e, e, ė),  i = 0 … m+1;   G_{x_i}/s = G_{x_{i−1}}
-/// φ̂ − φ = D(s) e
-/// ```
-///
-/// from rest, and attained by a φ that switches between its extremes ([`WorstCase`]). The errors that
-/// derivatives of φ cause are further down the ladder: `|e|_∞ ≤ ‖G_{∫e}‖₁ |φ̇|_∞`.
-///
-/// # Not claimed
-///
-/// At `μ ≠ 1`, φ here is the part that does not come from the loop's own acceleration: loads, and
-/// `(μ−1) M̄ q̈_d`. Sampling, delay and saturation are not in it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PeakGains {
-    /// Inertia ratio.
-    pub mu: f64,
-    /// From φ to each state of the ladder, `∫…∫e` first, `ė` last.
-    pub states: Vec<PeakGain>,
-    /// From φ to the estimation error `φ̂ − φ`.
-    pub estimate: PeakGain,
-}
-
-impl PeakGains {
+/// Finding [`PeakGains`].
+pub trait FindPeakGains: Sized {
     /// Computes the gains.
     ///
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense or the loop is not stable at `μ`.
-    pub fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
+    fn of(law: &Law, mu: f64) -> Result<Self, Refutation>;
+}
+
+impl FindPeakGains for PeakGains {
+    fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
         let response = Response::new(law, mu)?;
         let (n, sigma) = (response.size(), response.sigma);
         let norm = response.integral_of_norm();
@@ -72,47 +34,6 @@ impl PeakGains {
         let rest = in_seconds(response.l1(&c, norm), sigma);
         let estimate = PeakGain { lower: scale + rest.lower, upper: scale + rest.upper };
         Ok(Self { mu, states: (0..n).map(gain).collect(), estimate })
-    }
-
-    /// Computes them again and compares.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the gain that is not what it should be.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
-        let again = Self::of(law, self.mu)?;
-        let (own, right) = (self.states.len(), again.states.len());
-        holds(CLAIM, "gains of m+2 states", own as f64, right as f64, own == right)?;
-        for (i, (claimed, true_)) in self.states.iter().zip(&again.states).enumerate() {
-            compare(&format!("‖G_x{}‖₁", i + 1), *claimed, *true_)?;
-        }
-        compare("‖G_(φ̂−φ)‖₁", self.estimate, again.estimate)
-    }
-
-    /// Gain from the `derivative`-th derivative of φ to a state of the ladder (0: the lowest integral);
-    /// `None` when there is no finite one.
-    pub fn state(&self, index: usize, derivative: usize) -> Option<PeakGain> {
-        self.states.get(index.checked_sub(derivative)?).copied()
-    }
-
-    /// Gain from the `derivative`-th derivative of φ to `e`; finite for `derivative ≤ m`.
-    pub fn error(&self, derivative: usize) -> Option<PeakGain> {
-        self.state(self.states.len().checked_sub(2)?, derivative)
-    }
-
-    /// Gain from the `derivative`-th derivative of φ to `ė`; finite for `derivative ≤ m + 1`.
-    pub fn velocity_error(&self, derivative: usize) -> Option<PeakGain> {
-        self.state(self.states.len().checked_sub(1)?, derivative)
-    }
-
-    /// Gain from φ to the lowest running integral `∫e`.
-    pub fn integral(&self) -> Option<PeakGain> {
-        self.error(1)
-    }
-
-    /// `|e|_∞ ≤ ‖G/s‖₁ |φ̇_smooth|_∞ + ‖G‖₁ |φ_jump|_∞`: φ split into a smooth part and jumps.
-    pub fn error_bound(&self, phi_smooth_rate: f64, phi_jump: f64) -> Option<f64> {
-        Some(self.error(1)?.upper * phi_smooth_rate + self.error(0)?.upper * phi_jump)
     }
 }
 
@@ -162,53 +83,19 @@ impl WorstCase {
     }
 }
 
-/// The paper's bound on `|x|` per unit of φ, as printed and as it can be proven.
-///
-/// # Claim
-///
-/// ```text
-/// printed:    |x| ≤ 2 |SB|/λ_min φ_max                                                      (40)
-/// corrected:  limsup |x(t)| ≤ √cond(S) 2 |SB|/λ_min φ_max
-/// ```
-///
-/// `V̇ < 0` outside the printed ball; what is invariant is the smallest level set of `V` around it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PaperRadius {
-    /// (40) as printed; not a bound.
-    pub printed: f64,
-    /// The ultimate bound.
-    pub corrected: f64,
+/// Finding a [`PaperRadius`].
+pub trait FindPaperRadius: Sized {
+    /// From the evidence of input-to-state stability.
+    fn of(iss: &Iss) -> Self;
 }
 
-impl PaperRadius {
-    /// From the evidence of input-to-state stability.
-    pub fn of(iss: &Iss) -> Self {
+impl FindPaperRadius for PaperRadius {
+    fn of(iss: &Iss) -> Self {
         let printed = 2.0 * iss.sb_norm / iss.w_min;
         Self { printed, corrected: printed * iss.overshoot }
-    }
-
-    /// Checks the evidence, then the two numbers.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law, iss: &Iss) -> Result<(), Refutation> {
-        iss.verify(law)?;
-        let own = Self::of(iss);
-        agrees(CLAIM, "(40) = 2|SB|/λ_min", self.printed, own.printed, AGAIN)?;
-        agrees(CLAIM, "bound = √cond(S) (40)", self.corrected, own.corrected, AGAIN)
     }
 }
 
 fn in_seconds(gain: PeakGain, sigma: f64) -> PeakGain {
     PeakGain { lower: gain.lower / sigma, upper: gain.upper / sigma }
-}
-
-/// A claimed pair is right when it encloses the true one.
-pub(crate) fn compare(what: &str, claimed: PeakGain, again: PeakGain) -> Result<(), Refutation> {
-    let enough = claimed.upper >= again.upper * (1.0 - AGAIN);
-    holds(CLAIM, &format!("{what} ≤ its bound"), again.upper, claimed.upper, enough)?;
-    let attained = claimed.lower <= again.lower * (1.0 + AGAIN);
-    holds(CLAIM, &format!("{what} ≥ its lower bound"), again.lower, claimed.lower, attained)
 }

@@ -1,6 +1,6 @@
 //! The family of laws that is searched.
 
-use crate::gains::JointRecord;
+use crate::JointRecord;
 use crate::quick::Quick;
 use crate::request::estimator;
 use crate::sampled::LoopModel;

@@ -16,10 +16,10 @@ use thiserror::Error;
 pub use advice::Alternative;
 pub use infeasible::{Clause, Infeasible};
 
+use crate::Gains;
+use crate::Phi;
 use crate::arm::{Arm, ArmError};
 use crate::claims::{PaperError, Refutation};
-use crate::gains::Gains;
-use crate::phi::Phi;
 use candidate::Candidate;
 use search::{COARSE, FINE, Grid, Search};
 use verdict::{KEYS, Nearest};

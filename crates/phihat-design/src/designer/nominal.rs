@@ -1,6 +1,6 @@
 //! How the nominal inertia is shared out between the joints.
 
-use crate::arm::{Arm, ArmError, ArmInertia};
+use crate::{Arm, ArmError, ArmInertia};
 
 /// Factor of one step on one joint, and most steps.
 const STEP: f64 = 1.12;

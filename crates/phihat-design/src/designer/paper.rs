@@ -3,12 +3,13 @@
 use phihat_study::Study;
 
 use super::{DesignError, PhiOf};
+use crate::Certificate;
 use crate::arm::Arm;
-use crate::certificate::Certificate;
 use crate::claims::paper::Feedback;
 use crate::claims::times::{estimator_at, from_rise_time, from_settling_time};
 use crate::claims::{ErrorLimits, Law, MinimalGains};
-use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
+use crate::prelude::*;
+use crate::{FORMAT, Gains, JointRecord, VERSION};
 
 /// Gains by the recipe.
 ///

@@ -7,13 +7,16 @@ use super::known::Known;
 use super::nominal::shared_out;
 use super::verdict::Verdict;
 use super::{DesignError, PhiOf};
-use crate::arm::{Arm, ArmInertia};
-use crate::certificate::{Certificate, Evidence, as_modelled};
+use crate::Certificate;
+use crate::TradeOff;
+use crate::certificate::{Evidence, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
-use crate::gains::{FORMAT, Gains, JointRecord, VERSION};
+use crate::prelude::*;
 use crate::quick::Quick;
 use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, TorqueNoise, least_modulus};
-use crate::trade_off::{TradeOff, front, worth_measuring};
+use crate::trade_off::{front, worth_measuring};
+use crate::{Arm, ArmInertia};
+use crate::{FORMAT, Gains, JointRecord, VERSION};
 
 /// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;

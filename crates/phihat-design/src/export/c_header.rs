@@ -4,8 +4,8 @@ use core::fmt::Write;
 
 use super::number::exact;
 use super::{notes, period};
-use crate::gains::{Gains, JointRecord};
 use crate::sampled::estimator_coefficients;
+use crate::{Gains, JointRecord};
 
 pub(super) fn text(gains: &Gains) -> String {
     let order = gains.joints.iter().map(|joint| joint.a.len()).max().unwrap_or(0);

@@ -2,7 +2,7 @@
 
 use super::number::exact;
 use super::{notes, period};
-use crate::gains::Gains;
+use crate::Gains;
 use crate::sampled::estimator_coefficients;
 
 pub(super) fn text(gains: &Gains) -> String {

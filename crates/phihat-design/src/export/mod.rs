@@ -16,7 +16,7 @@ use phihat::Form;
 use thiserror::Error;
 
 use crate::claims::Refutation;
-use crate::gains::{Gains, GainsError};
+use crate::{Gains, GainsError};
 
 /// What to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

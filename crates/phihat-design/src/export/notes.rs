@@ -2,9 +2,9 @@
 
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
-use crate::certificate::{Certificate, JointCertificate};
-use crate::gains::Gains;
+use crate::Gains;
 use crate::sampled::{LoopModel, LoopVelocity, ReferenceError};
+use crate::{Certificate, JointCertificate};
 
 /// Where the gains come from.
 pub(super) fn origin(gains: &Gains) -> Vec<String> {

@@ -1,11 +1,13 @@
 //! The law of order 1 as a PID, and what can be claimed of it.
 
-use crate::certificate::{Bounds, Certificate, Evidence, JointCertificate, RATIOS, inside};
+use crate::certificate::{Evidence, RATIOS, inside};
 use crate::claims::Refutation;
-use crate::gains::{Gains, JointRecord};
+use crate::prelude::*;
 use crate::sampled::{
     InertiaWindow, LoopForm, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
 };
+use crate::{Bounds, Certificate, JointCertificate};
+use crate::{Gains, JointRecord};
 
 /// The gains of one joint as a PID on `e = q − q_d`.
 ///

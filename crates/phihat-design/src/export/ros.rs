@@ -5,7 +5,7 @@ use core::fmt::Write;
 use super::number::{exact, up};
 use super::pid::{Pid, PidClaims};
 use super::{ExportError, notes};
-use crate::gains::Gains;
+use crate::Gains;
 
 const HOW: [&str; 10] = [
     "Parameters of joint_trajectory_controller (ros2_controllers of Jazzy from mid-2025, Kilted and later)",

@@ -5,18 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::refutation::refuse;
 use super::riccati;
 use crate::claims::Refutation;
-use crate::claims::matrix::{Matrix, failing_pivot_above};
-
-/// Pivots must exceed this share of their diagonal entry: rounding of a product of matrices this small.
-const PIVOT_SHARE: f64 = 1e-12;
-
-/// `Ok` when a symmetric matrix is clearly positive definite.
-pub(crate) fn definite(claim: &str, what: &str, matrix: &Matrix) -> Result<(), Refutation> {
-    match failing_pivot_above(matrix, PIVOT_SHARE) {
-        None => Ok(()),
-        Some((_, pivot, least)) => Err(refuse(claim, what, pivot, least)),
-    }
-}
+use crate::claims::matrix::Matrix;
 
 /// The test of Shorten and Narendra for `A_1`, `A_2` of continuous systems that differ by rank one, by
 /// eigenvalues: quick, and not trusted.

@@ -1,8 +1,9 @@
 //! Stability margins of the sampled loop, worst over a range of inertia.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 use nalgebra::Complex;
+pub use phihat_certificate::Margins;
 use serde::{Deserialize, Serialize};
 
 use super::exclusion::{Exclusion, from_segment};
@@ -12,43 +13,15 @@ use super::refutation::{at_most, plausible, plausible_loop};
 use super::window::{InertiaWindow, angles};
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::prelude::*;
 
 const CLAIM: &str = "margins";
 
-/// Margins of `L/μ`, each the worst over `μ` in `[low, high]`, at the point where torque meets inertia.
-///
-/// # Claim
-///
-/// For each `μ` in the range, the loop stays stable when the torque that acts is, unknown to the law,
-///
-/// - multiplied by anything from `1/gain_down` to `gain_up`;
-/// - turned by less than `phase_deg` either way, at all frequencies;
-/// - late by less than `delay_s` more (a whole number of samples is exact).
-///
-/// `modulus` is the smallest `|1 + L/μ|`: the inverse of the largest sensitivity.
-///
-/// # Evidence
-///
-/// [`Self::verify`] proves gain and modulus by zero exclusion. Phase and delay it searches again, four times
-/// as densely: checked, not proved. The modulus alone implies a phase margin of `2 asin(modulus/2)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Margins {
-    /// Smallest inertia ratio of the range.
-    pub low: f64,
-    /// Largest inertia ratio of the range.
-    pub high: f64,
-    /// How much more torque: `low` over the window's lower edge.
-    pub gain_up: f64,
-    /// How much less torque: the window's upper edge over `high`.
-    pub gain_down: f64,
-    /// Phase margin \[°\].
-    pub phase_deg: f64,
-    /// Delay margin \[s\].
-    pub delay_s: f64,
-    /// Modulus margin.
-    pub modulus: f64,
-}
+/// Margins are claimed this much inside of where they were found, so that they can be proved.
+const INSIDE: f64 = 1.0 - 1e-4;
+
+/// Longest delay that is claimed \[samples\].
+const FARTHEST: f64 = 1000.0;
 
 /// A proved modulus margin over a range of inertia: `|1 + L(e^{jθ})/μ| > distance`, and stable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -77,7 +50,8 @@ impl ModulusMargin {
     }
 }
 
-impl Margins {
+/// Finding [`Margins`].
+pub trait FindMargins: Sized {
     /// Computes the margins over `[low, high]`.
     ///
     /// # Method
@@ -88,7 +62,18 @@ impl Margins {
     /// # Errors
     ///
     /// [`Refutation`] when the loop is not stable over the range.
-    pub fn find(
+    fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
+
+    /// The same at one inertia ratio.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when the loop is not stable there.
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation>;
+}
+
+impl FindMargins for Margins {
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
         (low, high): (f64, f64),
@@ -104,60 +89,20 @@ impl Margins {
             high,
             gain_up: low / window.low,
             gain_down: window.high / high,
-            phase_deg: phase.to_degrees(),
-            delay_s: delay * model.period_s,
-            modulus: search.modulus(&angles()),
+            phase_deg: phase.to_degrees().min(180.0) * INSIDE,
+            delay_s: (delay * INSIDE).min(FARTHEST) * model.period_s,
+            modulus: search.modulus(&angles()) * INSIDE,
         })
     }
 
-    /// The same at one inertia ratio.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`] when the loop is not stable there.
-    pub fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
         Self::find(gains, model, (mu, mu))
-    }
-
-    /// Proves gain and modulus margins, searches phase and delay again.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the margin.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        let Self { low, high, .. } = *self;
-        let wide = InertiaWindow {
-            low: low / self.gain_up,
-            high: high * self.gain_down,
-            low_hz: 0.0,
-            high_hz: 0.0,
-        };
-        wide.verify(gains, model)?;
-        let distance = self.modulus * (1.0 - 1e-3);
-        ModulusMargin { low, high, distance }.verify(gains, model)?;
-        let open = OpenLoop::new(gains, model);
-        let (phase, delay) = Search { open: &open, low, high }.phase_and_delay(&dense());
-        let slack = 1.0 + 1e-3;
-        at_most(CLAIM, "phase margin ≤ found again", self.phase_deg, phase.to_degrees() * slack)?;
-        at_most(CLAIM, "delay margin ≤ found again", self.delay_s, delay * model.period_s * slack)
     }
 }
 
 /// Smallest `|1 + L/μ|` over a range of inertia.
 pub(crate) fn least_modulus(open: &OpenLoop, (low, high): (f64, f64)) -> f64 {
     Search { open, low, high }.modulus(&angles())
-}
-
-/// The grid, four times as dense.
-fn dense() -> Vec<f64> {
-    let grid = angles();
-    let between = |pair: &[f64]| {
-        let (a, b) = (pair[0], pair[1]);
-        [a, 0.75 * a + 0.25 * b, 0.5 * (a + b), 0.25 * a + 0.75 * b]
-    };
-    let mut dense: Vec<f64> = grid.windows(2).flat_map(between).collect();
-    dense.push(PI);
-    dense
 }
 
 struct Search<'a> {

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::estimator::sampled_coefficients;
+use super::model::LoopParts;
 use super::model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use super::polynomial::{Polynomial, on_circle};
 use crate::JointRecord;

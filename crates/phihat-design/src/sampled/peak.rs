@@ -1,10 +1,11 @@
 //! Peak-to-peak gains of the sampled loop: how large an error a bounded `φ` can make.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::SampledPeaks;
 
 use super::model::LoopModel;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::model::LoopParts;
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Horizon, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
@@ -12,108 +13,59 @@ use crate::claims::Refutation;
 
 const CLAIM: &str = "sampled peak gains";
 
-/// Worst errors at the samples, worst over some inertia ratios.
-///
-/// # Claim
-///
-/// From rest, at every sample, with `x = (∫e, e, ė)`:
-///
-/// ```text
-/// |x_i| ≤ jump_i max|φ|/M̄          |x_i| ≤ ramp_i max|φ̇|/M̄      (φ continuous, φ(0) = 0)        (S1)
-/// |x_i| ≤ bend_i max|φ̈|/M̄                                        (φ(0) = φ̇(0) = 0)
-/// ```
-///
-/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e`, and for `bend`, with `φ` held over each sample
-/// interval (steps of at most `φ̇ T`, that differ by at most `φ̈ T²`). For `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling,
-/// friction, load; the part `(M − M̄)q̈` is in the loop already. `∫e` is `T Σ e_k`.
-///
-/// # Evidence
-///
-/// The L1 norms: the response to an impulse at any instant of an interval is linear in that instant, so its
-/// absolute integral is exact; what the sum leaves out is bounded by `‖A^N‖`. Both are computed again by
-/// [`Self::verify`].
-///
-/// # Not claimed
-///
-/// Errors between samples; ratios between those tried. With the observer and a measured velocity, a `φ` that
-/// keeps varying within the sample intervals shifts the sampled velocity by `T²φ̇/(12M)` and so leaves an error
-/// of `K_d/K_p` times that, whose integral grows: hence the restriction on `∫e`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SampledPeaks {
-    /// Inertia ratios tried.
-    pub mu: Vec<f64>,
-    /// Gains from `φ/M̄` \[rad/s²\] to `∫e` \[rad·s\], `e` \[rad\], `ė` \[rad/s\].
-    pub jump: [f64; 3],
-    /// Gains from `φ̇/M̄` \[rad/s³\]; `None`: a lasting ramp makes `∫e` grow without bound.
-    pub ramp: [Option<f64>; 3],
-    /// Gains from `φ̈/M̄` \[rad/s⁴\]; `None`: a lasting parabola makes the error grow without bound.
-    pub bend: [Option<f64>; 3],
-}
-
-impl SampledPeaks {
+/// Finding [`SampledPeaks`].
+pub trait FindSampledPeaks: Sized {
     /// Computes them at `count` ratios from `low` to `high`.
     ///
     /// # Errors
     ///
     /// [`Refutation`] when the loop is unstable at one of them.
-    pub fn find(
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
-        (low, high): (f64, f64),
+        range: (f64, f64),
         count: u32,
-    ) -> Result<Self, Refutation> {
-        Self::over(gains, model, ratios(low, high, count).collect())
-    }
+    ) -> Result<Self, Refutation>;
 
     /// At one ratio.
     ///
     /// # Errors
     ///
     /// [`Refutation`] when the loop is unstable there.
-    pub fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
-        Self::over(gains, model, vec![mu])
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation>;
+}
+
+impl FindSampledPeaks for SampledPeaks {
+    fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        (low, high): (f64, f64),
+        count: u32,
+    ) -> Result<Self, Refutation> {
+        over(gains, model, ratios(low, high, count).collect())
     }
 
-    fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<Self, Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        plausible_ratios(CLAIM, &mu)?;
-        let none = [Some(0.0); 3];
-        let mut worst = Self { mu: Vec::new(), jump: [0.0; 3], ramp: none, bend: none };
-        for mu in &mu {
-            let matrix = StateMatrix::new(gains, model, *mu);
-            let one = Norms::new(&matrix, model, gains.a.len())?;
-            for i in 0..3 {
-                worst.bend[i] = worst.bend[i].zip(one.bend[i]).map(|(a, b)| a.max(b));
-                worst.jump[i] = worst.jump[i].max(one.jump[i]);
-                worst.ramp[i] = worst.ramp[i].zip(one.ramp[i]).map(|(a, b)| a.max(b));
-            }
-        }
-        Ok(Self { mu, ..worst })
+    fn at(gains: &JointRecord, model: &LoopModel, mu: f64) -> Result<Self, Refutation> {
+        over(gains, model, vec![mu])
     }
+}
 
-    /// Computes the norms again: the gains must not be smaller.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the gain.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        let again = Self::over(gains, model, self.mu.clone())?;
-        let slack = 1.0 + 1e-9;
-        for (i, name) in ["∫e", "e", "ė"].into_iter().enumerate() {
-            let inequality = format!("‖{name} ← φ‖₁ ≤ claimed");
-            at_most(CLAIM, &inequality, again.jump[i], self.jump[i] * slack)?;
-            let inequality = format!("‖{name} ← φ̇‖₁ ≤ claimed");
-            let unbounded = f64::INFINITY;
-            let found = again.ramp[i].unwrap_or(unbounded);
-            at_most(CLAIM, &inequality, found, self.ramp[i].unwrap_or(unbounded) * slack)?;
-            let inequality = format!("‖{name} ← φ̈‖₁ ≤ claimed");
-            let found = again.bend[i].unwrap_or(unbounded);
-            at_most(CLAIM, &inequality, found, self.bend[i].unwrap_or(unbounded) * slack)?;
+fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<SampledPeaks, Refutation> {
+    plausible(CLAIM, gains)?;
+    plausible_loop(CLAIM, model)?;
+    plausible_ratios(CLAIM, &mu)?;
+    let none = [Some(0.0); 3];
+    let mut worst = SampledPeaks { mu: Vec::new(), jump: [0.0; 3], ramp: none, bend: none };
+    for mu in &mu {
+        let matrix = StateMatrix::new(gains, model, *mu);
+        let one = Norms::new(&matrix, model, gains.a.len())?;
+        for i in 0..3 {
+            worst.bend[i] = worst.bend[i].zip(one.bend[i]).map(|(a, b)| a.max(b));
+            worst.jump[i] = worst.jump[i].max(one.jump[i]);
+            worst.ramp[i] = worst.ramp[i].zip(one.ramp[i]).map(|(a, b)| a.max(b));
         }
-        Ok(())
     }
+    Ok(SampledPeaks { mu, ..worst })
 }
 
 /// The norms at one inertia ratio.

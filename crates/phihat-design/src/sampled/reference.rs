@@ -1,11 +1,11 @@
 //! What the reference's own motion costs: the part of the error that no unknown torque causes.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::ReferenceError;
 
 use super::model::LoopModel;
 use super::peak::mean_of_parabola;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Horizon, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
@@ -16,108 +16,64 @@ const CLAIM: &str = "reference error";
 /// An error that stays under a constant acceleration of 1 rad/s² is none below this \[rad/(rad/s²)\].
 const NONE: f64 = 1e-12;
 
-/// Peak-to-peak gains from the reference's acceleration and jerk to `e` and `ė`, worst over inertia ratios.
-///
-/// A velocity that is filtered or differenced is late, and so is a torque behind a delay or a drive: following
-/// an accelerated reference costs an error even where `φ` is zero. Without the feed-forward `M̄ q̈_d`, all of
-/// that torque has to be found by the estimator. `φ` is what is asked for along the reference,
-/// `τ(q_d, q̇_d, q̈_d) − M̄ q̈_d`, so that `(M − M̄) q̈_d` counts there and not here.
-///
-/// # Claim
-///
-/// From rest on the reference, at every sample, and in addition to what `φ` and the encoder cause:
-///
-/// ```text
-/// |e| ≤ acceleration max|q̈_d|    (q̈_d held over each sample interval)
-/// |e| ≤ jerk max|q⃛_d|            (q̈_d continuous, q̈_d(0) = 0)                                  (S2)
-/// |ė| likewise, by the gains named after the velocity
-/// ```
-///
-/// # Method
-///
-/// With the reference state `r = (q_d, q̇_d, q̈_d)`, `r_{k+1} = Φ r_k`, and `x_{k+1} = A x_k + R r_k` (in which
-/// `(1 − μ) q̈_d` stands for what `φ` has of it), the loop would follow along `x = S r` where `SΦ = AS + R`; what
-/// a jerk adds to `x − S r` dies out by `A`.
-///
-/// # Evidence
-///
-/// L1 norms with their tails bounded, computed again by [`Self::verify`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ReferenceError {
-    /// Whether `M̄ q̈_d` is fed forward.
-    pub feed_forward: bool,
-    /// Inertia ratios tried.
-    pub mu: Vec<f64>,
-    /// From `q̈_d` to `e` \[rad/(rad/s²)\].
-    pub acceleration: f64,
-    /// From the jerk to `e` \[rad/(rad/s³)\]; `None`: a constant acceleration leaves an error that stays.
-    pub jerk: Option<f64>,
-    /// From `q̈_d` to `ė` \[(rad/s)/(rad/s²)\].
-    pub velocity_acceleration: f64,
-    /// From the jerk to `ė` \[(rad/s)/(rad/s³)\]; `None`: as above.
-    pub velocity_jerk: Option<f64>,
-}
-
-impl ReferenceError {
+/// Finding a [`ReferenceError`].
+pub trait FindReferenceError: Sized {
     /// Computes them at `count` ratios from `low` to `high`.
     ///
     /// # Errors
     ///
     /// [`Refutation`] when the loop is unstable at one of them.
-    pub fn find(
+    fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        feed_forward: bool,
+        range: (f64, f64),
+        count: u32,
+    ) -> Result<Self, Refutation>;
+}
+
+impl FindReferenceError for ReferenceError {
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
         feed_forward: bool,
         (low, high): (f64, f64),
         count: u32,
     ) -> Result<Self, Refutation> {
-        Self::over(gains, model, feed_forward, ratios(low, high, count).collect())
+        over(gains, model, feed_forward, ratios(low, high, count).collect())
     }
+}
 
-    fn over(
-        gains: &JointRecord,
-        model: &LoopModel,
-        feed_forward: bool,
-        mu: Vec<f64>,
-    ) -> Result<Self, Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        plausible_ratios(CLAIM, &mu)?;
-        let (mut acceleration, mut jerk) = ([0.0_f64; 2], [Some(0.0_f64); 2]);
-        for ratio in &mu {
-            let matrix = StateMatrix::new(gains, model, *ratio);
-            let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", *ratio, 1.0);
-            let following = Following::of(&matrix, feed_forward).ok_or_else(unstable)?;
-            let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
-            for of in 0..2 {
-                acceleration[of] = acceleration[of].max(following.acceleration(of, horizon));
-                jerk[of] = jerk[of].zip(following.jerk(of, horizon)).map(|(a, b)| a.max(b));
-            }
+fn over(
+    gains: &JointRecord,
+    model: &LoopModel,
+    feed_forward: bool,
+    mu: Vec<f64>,
+) -> Result<ReferenceError, Refutation> {
+    plausible(CLAIM, gains)?;
+    plausible_loop(CLAIM, model)?;
+    plausible_ratios(CLAIM, &mu)?;
+    let (mut acceleration, mut jerk) = ([0.0_f64; 2], [Some(0.0_f64); 2]);
+    for ratio in &mu {
+        let matrix = StateMatrix::new(gains, model, *ratio);
+        let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", *ratio, 1.0);
+        let following = Following::of(&matrix, feed_forward).ok_or_else(unstable)?;
+        let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
+        for of in 0..2 {
+            acceleration[of] = acceleration[of].max(following.acceleration(of, horizon));
+            jerk[of] = jerk[of].zip(following.jerk(of, horizon)).map(|(a, b)| a.max(b));
         }
-        let [acceleration, velocity_acceleration] = acceleration;
-        let [jerk, velocity_jerk] = jerk;
-        Ok(Self { feed_forward, mu, acceleration, jerk, velocity_acceleration, velocity_jerk })
     }
-
-    /// Computes the norms again: the gains must not be smaller.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the gain.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        let again = Self::over(gains, model, self.feed_forward, self.mu.clone())?;
-        let slack = 1.0 + 1e-9;
-        let enough = |what: &str, found: Option<f64>, claimed: Option<f64>| {
-            let all = f64::INFINITY;
-            at_most(CLAIM, what, found.unwrap_or(all), claimed.unwrap_or(all) * slack)
-        };
-        enough("‖e ← q̈_d‖₁ ≤ claimed", Some(again.acceleration), Some(self.acceleration))?;
-        enough("‖e ← q⃛_d‖₁ ≤ claimed", again.jerk, self.jerk)?;
-        let (found, claimed) = (again.velocity_acceleration, self.velocity_acceleration);
-        enough("‖ė ← q̈_d‖₁ ≤ claimed", Some(found), Some(claimed))?;
-        enough("‖ė ← q⃛_d‖₁ ≤ claimed", again.velocity_jerk, self.velocity_jerk)
-    }
+    let [acceleration, velocity_acceleration] = acceleration;
+    let [jerk, velocity_jerk] = jerk;
+    Ok(ReferenceError {
+        feed_forward,
+        mu,
+        acceleration,
+        jerk,
+        velocity_acceleration,
+        velocity_jerk,
+    })
 }
 
 /// What a unit of acceleration held over one interval leaves, for a search; `None` should the loop not follow.

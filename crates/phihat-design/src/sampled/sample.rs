@@ -4,6 +4,7 @@
 use nalgebra::DVector;
 
 use super::estimator::estimator_coefficients;
+use super::model::LoopParts;
 use super::model::{Drive, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use super::open_loop::literal_factors;
 use crate::JointRecord;

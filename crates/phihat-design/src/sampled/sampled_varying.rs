@@ -1,51 +1,19 @@
 //! Inertia that changes from sample to sample: one quadratic form for the sampled loop.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::SampledVarying;
 
-use super::common_form::{definite, exists, first_proved, widest};
+use super::common_form::{exists, first_proved, widest};
 use super::model::LoopModel;
 use super::refutation::{plausible, plausible_loop, refuse};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use crate::claims::matrix::{Matrix, is_symmetric, product, sum, transpose};
 
 const CLAIM: &str = "varying inertia, sampled";
 
-/// A range of inertia ratios through which the arm may move from sample to sample, by any steps.
-///
-/// # Claim
-///
-/// For the loop as it is sampled, with its delay, velocity source, filter and drive; for one or more joints with
-/// these same gains in this same loop; and `W_k = M̄^{1/2} M(q)⁻¹ M̄^{1/2}` constant over each sample interval, with
-/// eigenvalues in `[1/high, 1/low]`, different in any way from one interval to the next: `V = xᵀ(P ⊗ I)x`
-/// decreases at every sample along
-///
-/// ```text
-/// x_{k+1} = A(W_k) x_k,   A(1/μ) the state matrix of the loop                                       (V2)
-/// ```
-///
-/// # Evidence
-///
-/// `P`. `A` is affine in `W`, so `V(x_{k+1})` is convex in it, and the ends suffice: `P ≻ 0` and
-/// `P − AᵀPA ≻ 0` at `low` and at `high`, each checked by Cholesky.
-///
-/// # Not claimed
-///
-/// Inertia that changes within an interval, and Coriolis torque: both enter as a disturbance.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SampledVarying {
-    /// Smallest `μ`.
-    pub low: f64,
-    /// Largest `μ`.
-    pub high: f64,
-    /// `P`, row by row, for the state of [`StateMatrix`].
-    pub p: Vec<Vec<f64>>,
-}
-
-impl SampledVarying {
+/// Finding a [`SampledVarying`].
+pub trait FindSampledVarying: Sized {
     /// Finds `P` for a range.
     ///
     /// # Method
@@ -56,7 +24,22 @@ impl SampledVarying {
     /// # Errors
     ///
     /// [`Refutation`] when there is no such `P`, or none was found.
-    pub fn find(
+    fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
+
+    /// The widest part of a range that has a form, from the geometric mean of its ends outwards.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is none.
+    fn widest_within(
+        gains: &JointRecord,
+        model: &LoopModel,
+        range: (f64, f64),
+    ) -> Result<Self, Refutation>;
+}
+
+impl FindSampledVarying for SampledVarying {
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
         (low, high): (f64, f64),
@@ -81,12 +64,7 @@ impl SampledVarying {
         })
     }
 
-    /// The widest part of a range that has a form, from the geometric mean of its ends outwards.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`] when there is none.
-    pub fn widest_within(
+    fn widest_within(
         gains: &JointRecord,
         model: &LoopModel,
         (low, high): (f64, f64),
@@ -96,32 +74,6 @@ impl SampledVarying {
             Self::find(gains, model, (centre / ratio.sqrt(), centre * ratio.sqrt()))
         })
     }
-
-    /// Checks the three definiteness conditions.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality and its least pivot.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        if !(0.0 < self.low && self.low <= self.high && self.high.is_finite()) {
-            return Err(refuse(CLAIM, "0 < low ≤ high", self.low, self.high));
-        }
-        let [fast, slow] = [self.low, self.high].map(|mu| rows(gains, model, mu));
-        if !is_symmetric(&self.p, fast.len()) {
-            return Err(refuse(CLAIM, "P = Pᵀ, of the loop's size", 0.0, 1.0));
-        }
-        definite(CLAIM, "P ≻ 0", &self.p)?;
-        let falls = |a: &Matrix| sum(&self.p, -1.0, &product(&transpose(a), &product(&self.p, a)));
-        definite(CLAIM, "P − AᵀPA ≻ 0 at low", &falls(&fast))?;
-        definite(CLAIM, "P − AᵀPA ≻ 0 at high", &falls(&slow))
-    }
-}
-
-fn rows(gains: &JointRecord, model: &LoopModel, mu: f64) -> Matrix {
-    let matrix = StateMatrix::new(gains, model, mu);
-    matrix.matrix().row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
 /// `D = b cᵀ` from its largest row and that row's largest entry, `c` of unit length.

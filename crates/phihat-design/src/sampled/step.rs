@@ -1,9 +1,9 @@
 //! The largest step of the reference that no limit has to cut.
 
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::LargestStep;
 
 use super::model::LoopModel;
-use super::refutation::{at_most, plausible, plausible_loop, plausible_ratios, refuse};
+use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
@@ -11,91 +11,55 @@ use crate::claims::Refutation;
 
 const CLAIM: &str = "largest step";
 
-/// How far `q_d` may jump (with `q̇_d = q̈_d = 0`) so that neither torque nor torque rate reaches its limit.
-///
-/// # Claim
-///
-/// From rest without load, for every inertia ratio tried, `|τ_k| ≤ τ_max` and `|τ_k − τ_{k−1}| ≤ τ̇_max T` at
-/// all samples after a step of at most `step_rad`: the loop stays linear, so its stability is that of
-/// the inertia window. The response is linear in the step; with a load the torque left counts.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LargestStep {
-    /// The step \[rad\]; `None`: no limit is stated.
-    pub step_rad: Option<f64>,
-    /// Largest |τ| after a step of 1 rad \[N·m\].
-    pub torque_per_rad_nm: f64,
-    /// Largest |τ_k − τ_{k−1}| after a step of 1 rad \[N·m\].
-    pub change_per_rad_nm: f64,
-    /// Inertia ratios tried.
-    pub mu: Vec<f64>,
-}
-
-impl LargestStep {
+/// Finding a [`LargestStep`].
+pub trait FindStep: Sized {
     /// Finds it at `count` ratios from `low` to `high`, for a torque limit \[N·m\] and a rate limit \[N·m/s\].
     ///
     /// # Errors
     ///
     /// [`Refutation`] when the loop is unstable at one of them.
-    pub fn find(
+    fn find(
+        gains: &JointRecord,
+        model: &LoopModel,
+        limits: (Option<f64>, Option<f64>),
+        range: (f64, f64),
+        count: u32,
+    ) -> Result<Self, Refutation>;
+}
+
+impl FindStep for LargestStep {
+    fn find(
         gains: &JointRecord,
         model: &LoopModel,
         (torque_max, torque_rate_max): (Option<f64>, Option<f64>),
         (low, high): (f64, f64),
         count: u32,
     ) -> Result<Self, Refutation> {
-        let mut found = Self::over(gains, model, ratios(low, high, count).collect())?;
+        let mut found = over(gains, model, ratios(low, high, count).collect())?;
         let by_torque = torque_max.map(|limit| limit / found.torque_per_rad_nm);
         let by_rate = torque_rate_max.map(|limit| limit * model.period_s / found.change_per_rad_nm);
         found.step_rad = by_torque.into_iter().chain(by_rate).reduce(f64::min);
         Ok(found)
     }
+}
 
-    fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<Self, Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        plausible_ratios(CLAIM, &mu)?;
-        let (mut torque, mut change) = (0.0_f64, 0.0_f64);
-        for mu in &mu {
-            let matrix = StateMatrix::new(gains, model, *mu);
-            let Some(response) = Response::of(&matrix, &matrix.reference()[0]) else {
-                return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
-            };
-            torque = torque.max(response.step_peak());
-            change = change.max(response.peak());
-        }
-        Ok(Self {
-            step_rad: None,
-            torque_per_rad_nm: gains.inertia_kg_m2 * torque,
-            change_per_rad_nm: gains.inertia_kg_m2 * change,
-            mu,
-        })
-    }
-
-    /// Computes the responses again and checks the step against the limits.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the limit.
-    pub fn verify(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        (torque_max, torque_rate_max): (Option<f64>, Option<f64>),
-    ) -> Result<(), Refutation> {
-        let again = Self::over(gains, model, self.mu.clone())?;
-        let Some(step) = self.step_rad else {
-            let limits = f64::from(u8::from(torque_max.or(torque_rate_max).is_some()));
-            return at_most(CLAIM, "no step stated: no limit stated", limits, 0.0);
+fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<LargestStep, Refutation> {
+    plausible(CLAIM, gains)?;
+    plausible_loop(CLAIM, model)?;
+    plausible_ratios(CLAIM, &mu)?;
+    let (mut torque, mut change) = (0.0_f64, 0.0_f64);
+    for mu in &mu {
+        let matrix = StateMatrix::new(gains, model, *mu);
+        let Some(response) = Response::of(&matrix, &matrix.reference()[0]) else {
+            return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
         };
-        let slack = 1.0 + 1e-9;
-        if let Some(limit) = torque_max {
-            at_most(CLAIM, "|τ| ≤ τ_max", step * again.torque_per_rad_nm, limit * slack)?;
-        }
-        if let Some(limit) = torque_rate_max {
-            let change = step * again.change_per_rad_nm / model.period_s;
-            at_most(CLAIM, "|τ̇| ≤ τ̇_max", change, limit * slack)?;
-        }
-        Ok(())
+        torque = torque.max(response.step_peak());
+        change = change.max(response.peak());
     }
+    Ok(LargestStep {
+        step_rad: None,
+        torque_per_rad_nm: gains.inertia_kg_m2 * torque,
+        change_per_rad_nm: gains.inertia_kg_m2 * change,
+        mu,
+    })
 }

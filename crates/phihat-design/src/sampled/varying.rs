@@ -1,56 +1,17 @@
 //! Inertia that changes while the arm moves: one quadratic form for a whole range.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::VaryingWindow;
 
-use super::common_form::{definite, exists, first_proved, widest};
-use super::refutation::{plausible, refuse};
+use super::common_form::{exists, first_proved, widest};
+use super::refutation::plausible;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use crate::claims::matrix::is_symmetric;
 
 const CLAIM: &str = "varying inertia";
 
-/// A range of inertia ratios through which the arm may move, at any speed.
-///
-/// # Claim
-///
-/// For the continuous law, one or more joints with these same gains, and `W(t) = M̄^{1/2} M(q(t))⁻¹ M̄^{1/2}`
-/// varying in any way with eigenvalues in `[1/high, 1/low]`, `V = xᵀ(P ⊗ I)x` decreases along
-///
-/// ```text
-/// x = (∫…∫e, …, ∫e, e, ė),   x_i' = x_{i+1},   ė' = −W (k_1 x_1 + … + k_{m+2} x_{m+2})
-/// D(s) A_o(s) = s^{m+2} + k_{m+2} s^{m+1} + … + k_1                                           (V1)
-/// ```
-///
-/// # Evidence
-///
-/// `P`. The system is affine in `W`, so two matrix inequalities at the ends suffice: `P ≻ 0` and
-/// `A_iᵀP + PA_i ≺ 0`, each checked by Cholesky.
-///
-/// # Not claimed
-///
-/// Coriolis torque is not in (V1): it enters as a disturbance. Sampling and delay are not in (V1): see
-/// [`super::InertiaWindow`] for each frozen inertia.
-///
-/// # References
-///
-/// Shorten and Narendra (2003), King and Nathanson (2006): such a `P` exists iff `A_1`, `A_2` are Hurwitz and
-/// `A_1A_2` has no negative real eigenvalue.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VaryingWindow {
-    /// Smallest `μ`.
-    pub low: f64,
-    /// Largest `μ`.
-    pub high: f64,
-    /// Unit of time of the state \[s⁻¹\]: entry `i` of `x` is multiplied by `rate^(n−i)`.
-    pub rate_per_s: f64,
-    /// `P`, row by row, in these units.
-    pub p: Vec<Vec<f64>>,
-}
-
-impl VaryingWindow {
+/// Finding a [`VaryingWindow`].
+pub trait FindVarying: Sized {
     /// Finds `P` for a range.
     ///
     /// # Method
@@ -60,7 +21,29 @@ impl VaryingWindow {
     /// # Errors
     ///
     /// [`Refutation`] when there is no such `P`, or none was found.
-    pub fn find(gains: &JointRecord, (low, high): (f64, f64)) -> Result<Self, Refutation> {
+    fn find(gains: &JointRecord, range: (f64, f64)) -> Result<Self, Refutation>;
+
+    /// The widest range that begins at `low`, up to `highest`, found to a part in a thousand.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is none.
+    fn widest_from(gains: &JointRecord, low: f64, highest: f64) -> Result<Self, Refutation>;
+
+    /// The widest range `[centre/√ratio, centre·√ratio]`, up to a ratio, found to a part in a thousand.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`] when there is none.
+    fn widest_around(
+        gains: &JointRecord,
+        centre: f64,
+        highest_ratio: f64,
+    ) -> Result<Self, Refutation>;
+}
+
+impl FindVarying for VaryingWindow {
+    fn find(gains: &JointRecord, (low, high): (f64, f64)) -> Result<Self, Refutation> {
         plausible(CLAIM, gains)?;
         let rate_per_s = rate(gains);
         let [fast, slow] = [low, high].map(|mu| matrix(gains, rate_per_s, 1.0 / mu));
@@ -75,21 +58,11 @@ impl VaryingWindow {
         })
     }
 
-    /// The widest range that begins at `low`, up to `highest`, found to a part in a thousand.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`] when there is none.
-    pub fn widest_from(gains: &JointRecord, low: f64, highest: f64) -> Result<Self, Refutation> {
+    fn widest_from(gains: &JointRecord, low: f64, highest: f64) -> Result<Self, Refutation> {
         widest(highest / low, |ratio| Self::find(gains, (low, low * ratio)))
     }
 
-    /// The widest range `[centre/√ratio, centre·√ratio]`, up to a ratio, found to a part in a thousand.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`] when there is none.
-    pub fn widest_around(
+    fn widest_around(
         gains: &JointRecord,
         centre: f64,
         highest_ratio: f64,
@@ -97,37 +70,6 @@ impl VaryingWindow {
         widest(highest_ratio, |ratio| {
             Self::find(gains, (centre / ratio.sqrt(), centre * ratio.sqrt()))
         })
-    }
-
-    /// Checks the three definiteness conditions.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality and its least pivot.
-    pub fn verify(&self, gains: &JointRecord) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        let n = gains.a.len() + 2;
-        if !is_symmetric(&self.p, n) {
-            return Err(refuse(CLAIM, "P = Pᵀ, of size m + 2", 0.0, 1.0));
-        }
-        if !(0.0 < self.low && self.low <= self.high && self.rate_per_s > 0.0) {
-            return Err(refuse(CLAIM, "0 < low ≤ high", self.low, self.high));
-        }
-        definite(CLAIM, "P ≻ 0", &self.p)?;
-        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at low", &self.falls(gains, self.low))?;
-        definite(CLAIM, "−(AᵀP + PA) ≻ 0 at high", &self.falls(gains, self.high))
-    }
-
-    /// `−(AᵀP + PA)` at one ratio, written out for (V1).
-    fn falls(&self, gains: &JointRecord, mu: f64) -> Vec<Vec<f64>> {
-        let k = coefficients(gains, self.rate_per_s);
-        let n = k.len();
-        // (PA)_ij = P_{i,j−1} − P_{i,n−1} k_j/μ.
-        let pa = |i: usize, j: usize| {
-            let shifted = if j > 0 { self.p[i][j - 1] } else { 0.0 };
-            shifted - self.p[i][n - 1] * k[j] / mu
-        };
-        (0..n).map(|i| (0..n).map(|j| -(pa(i, j) + pa(j, i))).collect()).collect()
     }
 }
 

@@ -3,9 +3,8 @@
 use core::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
-use serde::{Deserialize, Serialize};
+pub use phihat_certificate::InertiaWindow;
 
-use super::exclusion::Exclusion;
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
 use super::polynomial::{Polynomial, on_circle};
@@ -30,33 +29,8 @@ const SHARE: f64 = 0.05;
 /// … but at most this \[rad/sample\].
 const EVEN: f64 = PI / 128.0;
 
-/// For which ratios `μ` of true to nominal inertia one joint's sampled loop is stable.
-///
-/// # Claim
-///
-/// For every constant `μ` in `[low, high]` all poles of the loop lie inside the unit circle.
-///
-/// # Evidence
-///
-/// The two numbers; [`Self::verify`] proves them by zero exclusion, from nothing but gains and model.
-///
-/// # Not claimed
-///
-/// Inertia that varies in time: [`super::VaryingWindow`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct InertiaWindow {
-    /// Smallest stable `μ`.
-    pub low: f64,
-    /// Largest stable `μ`.
-    pub high: f64,
-    /// Frequency of the oscillation at the lower edge \[Hz\].
-    pub low_hz: f64,
-    /// Frequency of the oscillation at the upper edge \[Hz\].
-    pub high_hz: f64,
-}
-
-impl InertiaWindow {
+/// Finding an [`InertiaWindow`].
+pub trait FindWindow: Sized {
     /// Finds the window around `μ = 1`.
     ///
     /// # Method
@@ -67,97 +41,57 @@ impl InertiaWindow {
     /// # Errors
     ///
     /// [`Refutation`] when the loop is unstable at `μ = 1`.
-    pub fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation> {
+    fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation>;
+}
+
+impl FindWindow for InertiaWindow {
+    fn find(gains: &JointRecord, model: &LoopModel) -> Result<Self, Refutation> {
         plausible(CLAIM, gains)?;
         plausible_loop(CLAIM, model)?;
         let open = OpenLoop::new(gains, model);
         stable_at_one(&open)?;
-        Ok(Self::around(&open, 1.0))
+        Ok(around(&open, 1.0))
     }
+}
 
-    /// The nearest real-axis crossings of `−L` below and above `mu`.
-    pub(crate) fn around(open: &OpenLoop, mu: f64) -> Self {
-        let mut window = Self { low: 0.0, high: WIDEST, low_hz: 0.0, high_hz: 0.0 };
-        let mut below = f64::NEG_INFINITY;
-        let mut last: Option<(f64, f64)> = None;
-        let per_sample = TAU * open.period();
-        let mut found = |theta: f64, value: f64| {
-            if value > below && value <= mu {
-                below = value;
-                window.low = value * (1.0 + INSIDE);
-                window.low_hz = theta / per_sample;
-            }
-            if value > mu && value < window.high {
-                window.high = value * (1.0 - INSIDE);
-                window.high_hz = theta / per_sample;
-            }
-        };
-        for theta in angles() {
-            let side = turned_side(open, theta);
-            if let Some((before, last_side)) = last
-                && last_side * side < 0.0
-            {
-                let crossing = bisect(open, (before, last_side), theta);
-                let value = -open.at_angle(crossing).re;
-                if value > 0.0 {
-                    found(crossing, value);
-                }
-            }
-            last = Some((theta, side));
+/// The nearest real-axis crossings of `−L` below and above `mu`.
+pub(crate) fn around(open: &OpenLoop, mu: f64) -> InertiaWindow {
+    let mut window = InertiaWindow { low: 0.0, high: WIDEST, low_hz: 0.0, high_hz: 0.0 };
+    let mut below = f64::NEG_INFINITY;
+    let mut last: Option<(f64, f64)> = None;
+    let per_sample = TAU * open.period();
+    let mut found = |theta: f64, value: f64| {
+        if value > below && value <= mu {
+            below = value;
+            window.low = value * (1.0 + INSIDE);
+            window.low_hz = theta / per_sample;
         }
-        // θ = π is real by itself.
-        let value = -open.at_angle(PI).re;
-        if value > 0.0 {
-            found(PI, value);
+        if value > mu && value < window.high {
+            window.high = value * (1.0 - INSIDE);
+            window.high_hz = theta / per_sample;
         }
-        window.low = window.low.max(1.0 / WIDEST);
-        window.high = window.high.min(WIDEST);
-        window
+    };
+    for theta in angles() {
+        let side = turned_side(open, theta);
+        if let Some((before, last_side)) = last
+            && last_side * side < 0.0
+        {
+            let crossing = bisect(open, (before, last_side), theta);
+            let value = -open.at_angle(crossing).re;
+            if value > 0.0 {
+                found(crossing, value);
+            }
+        }
+        last = Some((theta, side));
     }
-
-    /// Proves the claim from gains and model alone; no solver is trusted.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], with the frequency at which the proof fails.
-    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        self.verify_decay(gains, model, 0.0)
+    // θ = π is real by itclaim.
+    let value = -open.at_angle(PI).re;
+    if value > 0.0 {
+        found(PI, value);
     }
-
-    /// Proves that every mode, at every `μ` in `[low, high]`, decays at least as fast as `e^{−rate t}`.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], with the frequency at which the proof fails.
-    pub fn verify_decay(
-        &self,
-        gains: &JointRecord,
-        model: &LoopModel,
-        rate: f64,
-    ) -> Result<(), Refutation> {
-        plausible(CLAIM, gains)?;
-        plausible_loop(CLAIM, model)?;
-        let open = OpenLoop::new(gains, model);
-        let radius = (-rate * model.period_s).exp();
-        let Self { low, high, .. } = *self;
-        Exclusion { open: &open, low, high, radius, distance: 0.0 }.prove(CLAIM)
-    }
-
-    /// The part of the window that keeps a share: `[low·margin_low, high/margin_high]`.
-    #[must_use]
-    pub fn inside(&self, margin_low: f64, margin_high: f64) -> Self {
-        Self { low: self.low * margin_low, high: self.high / margin_high, ..*self }
-    }
-
-    /// Whether `[low, high]` lies inside.
-    pub fn contains(&self, low: f64, high: f64) -> bool {
-        self.low <= low && low <= high && high <= self.high
-    }
-
-    /// `high/low`: the ratio of inertias the window holds.
-    pub fn ratio(&self) -> f64 {
-        self.high / self.low
-    }
+    window.low = window.low.max(1.0 / WIDEST);
+    window.high = window.high.min(WIDEST);
+    window
 }
 
 /// The frequencies looked at \[rad/sample\], ascending to π: logarithmic below, even near π.

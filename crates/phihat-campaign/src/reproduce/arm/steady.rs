@@ -1,5 +1,6 @@
 //! Figs. 7 and 11: the errors of the steady part against (48) and (49).
 
+use phihat_design::prelude::*;
 use phihat_design::requested_gains;
 use phihat_design::sampled::{LoopModel, SampledPeaks};
 use phihat_study::LawForm;

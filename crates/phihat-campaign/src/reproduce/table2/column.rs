@@ -3,6 +3,7 @@
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::weights::q_diagonal;
 use phihat_design::claims::{Law, Optimality, Refused, polynomial};
+use phihat_design::prelude::*;
 
 /// One column as printed.
 pub(super) struct Column {

@@ -2,6 +2,7 @@
 
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three};
 use super::super::gains::{PHI_MAX, first};

@@ -2,6 +2,7 @@
 
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains, polynomial};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three};
 use super::super::gains::{PHI_MAX, second_h1, second_h2, second_h3};

@@ -1,6 +1,7 @@
 //! What Sec. VII-D says without a figure: (40) on seven joints, and a higher order.
 
 use phihat_design::claims::{Iss, Optimality, PaperRadius, Refutation};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three};
 use super::super::gains::first;

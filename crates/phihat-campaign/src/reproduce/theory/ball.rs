@@ -2,6 +2,7 @@
 
 use phihat_design::claims::matrix::{apply, dot};
 use phihat_design::claims::{Iss, Law, Optimality, PaperRadius, PeakGains};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three};
 use super::super::draw::Draw;

@@ -3,6 +3,7 @@
 use phihat_design::claims::{
     Certified, Iss, Law, Optimality, PaperRadius, PeakGains, Refutation, WorstCase,
 };
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three, words};
 use super::super::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all as laws};

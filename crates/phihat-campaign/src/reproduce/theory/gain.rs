@@ -3,6 +3,7 @@
 use core::f64::consts::TAU;
 
 use phihat_design::claims::{Certified, Law, Optimality, polynomial};
+use phihat_design::prelude::*;
 
 use super::super::compose::{curve, lines, log_axis, number, three, words};
 use super::super::draw::Draw;

@@ -2,6 +2,7 @@
 
 use phihat_design::claims::matrix::{Matrix, apply, dot, product, sum, transpose};
 use phihat_design::claims::{Certified, Law, Optimality};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three, words};
 use super::super::gains::{K_TILDE_H3, all, second_h3};

@@ -3,6 +3,7 @@
 use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot, sum};
 use phihat_design::claims::{Iss, Law, Optimality, polynomial};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three, words};
 use super::super::draw::Draw;

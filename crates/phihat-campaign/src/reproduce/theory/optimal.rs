@@ -3,6 +3,7 @@
 use phihat_design::claims::matrix::failing_pivot;
 use phihat_design::claims::weights::{conditions, q_diagonal};
 use phihat_design::claims::{Attenuation, Law, Optimality, polynomial};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three, words};
 use super::super::draw::Draw;

@@ -6,6 +6,7 @@ use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::failing_pivot;
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{ErrorLimits, Law, MinimalGains, Optimality};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three, words};
 use super::super::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, equal_rate, first, second_h3};

@@ -1,6 +1,7 @@
 //! (44): what a criterion row by row is worth as a bound.
 
 use phihat_design::claims::{ErrorLimits, MinimalGains, PeakGains};
+use phihat_design::prelude::*;
 
 use super::super::compose::{number, three};
 use super::super::gains::PHI_MAX;

@@ -36,7 +36,7 @@ pub struct Motion {
 
 impl Motion {
     /// What it does through gains from acceleration and jerk.
-    pub(crate) fn costs(&self, acceleration: f64, jerk: Option<f64>) -> f64 {
+    pub fn costs(&self, acceleration: f64, jerk: Option<f64>) -> f64 {
         let held = acceleration * self.acceleration_rad_s2;
         jerk.map_or(held, |jerk| held.min(jerk * self.jerk_rad_s3))
     }
@@ -59,7 +59,7 @@ pub enum PhiBasis {
 impl Phi {
     /// What a signal with these bounds does through a peak-to-peak gain `jump` from `φ`, and `ramp` from `φ̇`:
     /// `ramp |φ̇_smooth| + jump |φ_jump|`, or `jump |φ|` where the size is known and gives less.
-    pub(crate) fn bound(&self, jump: f64, ramp: Option<f64>) -> f64 {
+    pub fn bound(&self, jump: f64, ramp: Option<f64>) -> f64 {
         let smooth = ramp.map_or(f64::INFINITY, |gain| gain * self.rate_nm_s);
         let by_parts = smooth + jump * self.jump_nm;
         self.size_nm.map_or(by_parts, |size| by_parts.min(jump * size))

@@ -5,14 +5,13 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::certificate::Certificate;
-use crate::trade_off::TradeOff;
+use crate::{Certificate, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
 
 /// The version of the document's shape that this crate writes and reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Gains of one joint, in SI units; see NOTATION.md.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,85 @@
+//! The certificate: every claim about a set of gains as data.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    ArmInertia, Attenuation, Bounds, InertiaWindow, Iss, LargestStep, LoopModel, Margins, NormH,
+    NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError, ReferenceError, Refutation,
+    SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
+};
+
+/// Everything that is claimed about a set of gains on an arm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// The arm's range of inertia, measured in the gains' `M̄`.
+    pub arm: ArmInertia,
+    /// Factor by which that range must stay inside each window, at both ends.
+    pub window_margin: f64,
+    /// Length of a run \[s\] for which the bounds on `∫e` hold.
+    pub duration_s: f64,
+    /// One entry per joint, in the robot's order.
+    pub joints: Vec<JointCertificate>,
+    /// What the study has and the claims leave out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_counted: Vec<NotCounted>,
+}
+
+/// The claims about one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointCertificate {
+    /// Joint name.
+    pub name: String,
+    /// The sampled loop that the claims are about.
+    pub model: LoopModel,
+    /// Inertia window of the sampled loop; `None`: unstable even at the nominal inertia.
+    pub window: Option<InertiaWindow>,
+    /// Range through which the inertia may move at any speed, for the continuous law; `None`: no common
+    /// quadratic form.
+    pub varying: Option<VaryingWindow>,
+    /// The same for the sampled loop.
+    pub sampled_varying: Option<SampledVarying>,
+    /// Levels `γ` at which the law is optimal.
+    pub attenuation: Attenuation,
+    /// Inverse optimality at one `K̃`; `None` where no diagonal `Q` exists.
+    pub optimality: Option<Optimality>,
+    /// Input-to-state stability.
+    pub iss: Iss,
+    /// The paper's bound (40) on `|x|` per unit of `φ/M̄`, and the ultimate bound that holds.
+    pub paper: PaperRadius,
+    /// H-infinity norm from φ to the error.
+    pub norm: NormH,
+    /// Continuous peak-to-peak gains at `μ = 1`.
+    pub peaks: PeakGains,
+    /// Stability margins over the arm's range; like all that follows `None` where the window is refused.
+    pub margins: Option<Margins>,
+    /// Sampled peak-to-peak gains over the arm's range.
+    pub sampled: Option<SampledPeaks>,
+    /// Gains from the encoder's error to the true error; `None` also for an exact position.
+    pub reading: Option<ReadingError>,
+    /// Gains from the reference's own motion to the error.
+    pub reference: Option<ReferenceError>,
+    /// Torque noise from the encoder; `None` also for an exact position.
+    pub noise: Option<TorqueNoise>,
+    /// Largest reference step that no limit has to cut.
+    pub step: Option<LargestStep>,
+    /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\] that `step` is about.
+    pub limits: (Option<f64>, Option<f64>),
+    /// What `φ` may be; `None`: not known, so no bound on the error.
+    pub phi: Option<Phi>,
+    /// What follows for the error.
+    pub bounds: Option<Bounds>,
+    /// Claims that do not hold, each with its inequality. Gains with any of these do not arm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<Refutation>,
+}
+
+impl Certificate {
+    /// The first claim that the certificate itself says does not hold.
+    pub fn refused(&self) -> Option<Refutation> {
+        let own =
+            |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
+        self.joints.iter().find_map(own)
+    }
+}

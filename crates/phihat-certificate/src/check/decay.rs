@@ -1,0 +1,329 @@
+//! How a loop forgets: the norm of its state contracts, and what is still to come is bounded by it.
+
+use super::sample::{LINE, Loop, Outside, Signals};
+use crate::refutation::refuse;
+use crate::{LoopForm, LoopVelocity, Refutation};
+
+/// Steps after which a loop counts as not decaying.
+const LONGEST: usize = 1 << 21;
+
+/// What is left of a sum when it is cut.
+const LEFT: f64 = 1e-17;
+
+/// The signals that a loop carries from sample to sample, in the order of [`crate::SampledVarying`], each in a unit of
+/// its own.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout(Vec<(Slot, f64)>);
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Slot {
+    Position,
+    Velocity,
+    Memory(usize),
+    LastPosition,
+    LastVelocity,
+    Mean,
+    End,
+    Line(usize),
+}
+
+impl Layout {
+    pub(crate) fn of(of: &Loop) -> Self {
+        let w = of.kp.sqrt();
+        let observer = of.model.form == LoopForm::Observer;
+        let mut slots = vec![(Slot::Position, 1.0), (Slot::Velocity, w)];
+        let (mut unit, factor) = if observer { (w * w, w) } else { (1.0 / w, 1.0 / w) };
+        for j in 0..of.order {
+            slots.push((Slot::Memory(j), unit));
+            unit *= factor;
+        }
+        if of.model.velocity == LoopVelocity::Differenced {
+            slots.push((Slot::LastPosition, 1.0));
+        }
+        if observer || of.model.velocity_filter_hz.is_some() {
+            slots.push((Slot::LastVelocity, w));
+        }
+        if observer {
+            slots.push((Slot::Mean, w * w));
+        }
+        if of.drives() {
+            slots.push((Slot::End, w * w));
+        }
+        slots.extend((0..of.late.min(LINE)).map(|i| (Slot::Line(i), w * w)));
+        Self(slots)
+    }
+
+    /// Number of signals.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// One unit of one signal.
+    fn unit(&self, index: usize) -> Signals {
+        let mut x = Signals::REST;
+        if let Some((slot, unit)) = self.0.get(index) {
+            *place(&mut x, *slot) = *unit;
+        }
+        x
+    }
+
+    /// Every signal in its unit.
+    fn read(&self, x: &Signals) -> Vec<f64> {
+        let mut x = *x;
+        self.0.iter().map(|(slot, unit)| *place(&mut x, *slot) / unit).collect()
+    }
+
+    fn size(&self, x: &Signals) -> f64 {
+        let mut x = *x;
+        self.0.iter().fold(0.0, |most, (slot, unit)| most.max((*place(&mut x, *slot) / unit).abs()))
+    }
+
+    /// The state that one sample under a constant outside leaves as it is.
+    pub(crate) fn fixed_point(&self, of: &Loop, outside: &Outside) -> Signals {
+        let n = self.len();
+        let pushed = self.read(&of.step(&Signals::REST, outside).0);
+        // (1 − A) x = b, by elimination with pivots.
+        let mut rows: Vec<Vec<f64>> = self
+            .matrix(of)
+            .into_iter()
+            .enumerate()
+            .map(|(i, row)| {
+                let unit = |j: usize| f64::from(u8::from(i == j));
+                let left = row.into_iter().enumerate().map(|(j, a)| unit(j) - a);
+                left.chain([pushed[i]]).collect()
+            })
+            .collect();
+        for column in 0..n {
+            let size = |i: &usize| rows[*i][column].abs();
+            let pivot = (column..n).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
+            rows.swap(column, pivot);
+            let own = rows[column].clone();
+            for row in rows.iter_mut().skip(column + 1) {
+                let factor = row[column] / own[column];
+                for (entry, value) in row.iter_mut().zip(&own) {
+                    *entry -= factor * value;
+                }
+            }
+        }
+        let mut solution = vec![0.0; n];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| rows[i][j] * solution[j]).sum();
+            solution[i] = (rows[i][n] - known) / rows[i][i];
+        }
+        let mut x = Signals::REST;
+        for ((slot, unit), value) in self.0.iter().zip(solution) {
+            *place(&mut x, *slot) = unit * value;
+        }
+        x
+    }
+
+    /// `A` in these units, row by row: what one sample makes of the signals.
+    pub(crate) fn matrix(&self, of: &Loop) -> Vec<Vec<f64>> {
+        let columns: Vec<Vec<f64>> = (0..self.len())
+            .map(|j| self.read(&of.step(&self.unit(j), &Outside::default()).0))
+            .collect();
+        (0..self.len()).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
+    }
+}
+
+fn place(x: &mut Signals, slot: Slot) -> &mut f64 {
+    match slot {
+        Slot::Position => &mut x.q,
+        Slot::Velocity => &mut x.v,
+        Slot::Memory(j) => &mut x.memory[j],
+        Slot::LastPosition => &mut x.position,
+        Slot::LastVelocity => &mut x.velocity,
+        Slot::Mean => &mut x.mean,
+        Slot::End => &mut x.end,
+        Slot::Line(i) => &mut x.line[i],
+    }
+}
+
+/// What is looked at, sample by sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Seen {
+    /// `e` \[rad\].
+    pub(crate) e: f64,
+    /// `ė` \[rad/s\].
+    pub(crate) de: f64,
+    /// Torque commanded \[rad/s²\].
+    pub(crate) u: f64,
+}
+
+impl Seen {
+    fn each(self) -> [f64; 3] {
+        [self.e, self.de, self.u]
+    }
+}
+
+/// That a loop forgets, by trial on every signal.
+///
+/// # Claim
+///
+/// `‖A^K‖_∞ = ρ < ½`, `A^K` built column by column from signals. For a state of size `s` at some sample and
+/// every output `y`, all later ones included:
+///
+/// ```text
+/// Σ |y_j| ≤ s G_0/(1−ρ),   Σ (j+1)|y_j| ≤ s (G_1/(1−ρ) + K G_0 ρ/(1−ρ)²), …
+/// G_p = Σ_{j<K} C(j+p, p) Σ_columns |y_j|
+/// ```
+#[derive(Debug, Clone)]
+pub(crate) struct Decay {
+    layout: Layout,
+    block: f64,
+    rho: f64,
+    /// `G_0 … G_3` of each output.
+    sums: [[f64; 4]; 3],
+}
+
+impl Decay {
+    /// # Errors
+    ///
+    /// [`Refutation`]: nothing contracts.
+    pub(crate) fn of(claim: &str, of: &Loop) -> Result<Self, Refutation> {
+        let layout = Layout::of(of);
+        let mut columns: Vec<Signals> = (0..layout.len()).map(|j| layout.unit(j)).collect();
+        let mut sums = [[0.0; 4]; 3];
+        for j in 0..LONGEST / layout.len() {
+            let mut at = [0.0; 3];
+            for column in &mut columns {
+                let (next, u) = of.step(column, &Outside::default());
+                let seen = Seen { e: column.q, de: column.v, u };
+                for (total, value) in at.iter_mut().zip(seen.each()) {
+                    *total += value.abs();
+                }
+                *column = next;
+            }
+            let n = j as f64;
+            let weights = [
+                1.0,
+                n + 1.0,
+                (n + 1.0) * (n + 2.0) / 2.0,
+                (n + 1.0) * (n + 2.0) * (n + 3.0) / 6.0,
+            ];
+            for (sums, value) in sums.iter_mut().zip(at) {
+                for (sum, weight) in sums.iter_mut().zip(weights) {
+                    *sum += weight * value;
+                }
+            }
+            if j % 16 == 15 {
+                let rho = norm(&layout, &columns);
+                if !rho.is_finite() {
+                    break;
+                }
+                if rho < 0.5 {
+                    return Ok(Self { layout, block: n + 1.0, rho, sums });
+                }
+            }
+        }
+        Err(refuse(claim, "A^k → 0 (stable loop), μ", of.mu, 1.0))
+    }
+
+    /// Bounds of `Σ_j C(j+p, p)|y_j|`, `p = 0 … 3`, over all outputs from a state on.
+    fn rest(&self, size: f64) -> [[f64; 4]; 3] {
+        let (k, rho, left) = (self.block, self.rho, 1.0 - self.rho);
+        // Σ_b ρ^b C(bK + j + p, p) ≤ Σ_b ρ^b (1 + bK)^p C(j+p, p).
+        let mut blocks = [0.0; 4];
+        let mut share = 1.0;
+        for b in 0..400 {
+            let step = 1.0 + f64::from(b) * k;
+            let mut power = share;
+            for total in &mut blocks {
+                *total += power;
+                power *= step;
+            }
+            share *= rho;
+        }
+        blocks[0] = blocks[0].max(1.0 / left);
+        self.sums.map(|sums| core::array::from_fn(|p| size * blocks[p] * sums[p]))
+    }
+
+    /// Runs a loop from a state until hardly anything is left to come.
+    pub(crate) fn run(&self, of: &Loop, from: &Signals) -> Run {
+        let mut x = *from;
+        let mut run = Run { seen: Vec::new(), rest: [[0.0; 4]; 3] };
+        let mut largest = [0.0_f64; 3];
+        for j in 0..LONGEST {
+            let (next, u) = of.step(&x, &Outside::default());
+            let seen = Seen { e: x.q, de: x.v, u };
+            for (most, value) in largest.iter_mut().zip(seen.each()) {
+                *most = most.max(value.abs());
+            }
+            run.seen.push(seen);
+            x = next;
+            if j % 64 == 63 {
+                let size = self.layout.size(&x);
+                let done = (0..3).all(|i| self.sums[i][0] * size <= LEFT * largest[i]);
+                if done || !size.is_finite() {
+                    break;
+                }
+            }
+        }
+        run.rest = self.rest(self.layout.size(&x));
+        run
+    }
+}
+
+fn norm(layout: &Layout, columns: &[Signals]) -> f64 {
+    let mut rows = vec![0.0_f64; layout.len()];
+    for column in columns {
+        for (row, value) in rows.iter_mut().zip(layout.read(column)) {
+            *row += value.abs();
+        }
+    }
+    rows.into_iter().fold(0.0, |most, row| if row.is_nan() { f64::INFINITY } else { most.max(row) })
+}
+
+/// A loop's free motion, and bounds on all that comes after.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub(crate) seen: Vec<Seen>,
+    /// `Σ_j C(j+p, p)|y_j|` of what was cut, for `e`, `ė`, `u`.
+    pub(crate) rest: [[f64; 4]; 3],
+}
+
+/// Which output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Output {
+    Error = 0,
+    Velocity = 1,
+    Torque = 2,
+}
+
+impl Run {
+    pub(crate) fn of(&self, output: Output) -> impl DoubleEndedIterator<Item = f64> {
+        self.seen.iter().map(move |seen| seen.each()[output as usize])
+    }
+
+    pub(crate) fn left(&self, output: Output) -> [f64; 4] {
+        self.rest[output as usize]
+    }
+
+    /// `Σ |y_k|`.
+    pub(crate) fn sum(&self, output: Output) -> f64 {
+        self.of(output).map(f64::abs).sum::<f64>() + self.left(output)[0]
+    }
+
+    /// `Σ_k |Σ…Σ y|`, `times` times summed over all that is still to come: for an output whose `times` lowest moments
+    /// vanish this is what has come so far.
+    pub(crate) fn summed(&self, output: Output, times: usize) -> f64 {
+        let mut values: Vec<f64> = self.of(output).collect();
+        for _ in 0..times {
+            let mut later = 0.0;
+            for value in values.iter_mut().rev() {
+                let own = *value;
+                *value = later;
+                later += own;
+            }
+        }
+        // Of what was cut, `y_{N+j}` counts `C(N+j, p) = Σ_a C(N, p−a) C(j, a)` times.
+        let count = values.len() as f64;
+        let mut choose = 1.0;
+        let mut cut = 0.0;
+        for back in 0..=times {
+            cut += choose * self.left(output).get(times - back).copied().unwrap_or(f64::INFINITY);
+            choose *= (count - back as f64) / (back as f64 + 1.0);
+        }
+        values.iter().map(|value| value.abs()).sum::<f64>() + cut
+    }
+}

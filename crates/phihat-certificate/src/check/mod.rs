@@ -1,0 +1,14 @@
+//! The arithmetic of the check: nothing here is shared with whoever finds a claim.
+
+pub(crate) mod agree;
+pub(crate) mod complex;
+pub(crate) mod decay;
+pub(crate) mod definite;
+pub(crate) mod estimator;
+pub(crate) mod exclusion;
+pub(crate) mod free;
+pub(crate) mod integral;
+pub(crate) mod plausible;
+pub(crate) mod polynomial;
+pub(crate) mod returns;
+pub(crate) mod sample;

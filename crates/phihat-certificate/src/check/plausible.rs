@@ -1,0 +1,63 @@
+//! What every sampled claim begins with: numbers that make sense.
+
+use crate::refutation::refuse;
+use crate::{JointRecord, LoopModel, Refutation};
+
+/// `Err` unless `left ≤ right`; a NaN fails.
+pub(crate) fn at_most(
+    claim: &str,
+    inequality: &str,
+    left: f64,
+    right: f64,
+) -> Result<(), Refutation> {
+    if left <= right { Ok(()) } else { Err(refuse(claim, inequality, left, right)) }
+}
+
+/// The same with room for the rounding of two ways to compute it.
+pub(crate) fn enough(
+    claim: &str,
+    inequality: &str,
+    found: f64,
+    claimed: f64,
+) -> Result<(), Refutation> {
+    at_most(claim, inequality, found, claimed * (1.0 + 1e-8))
+}
+
+/// Gains that the core runs.
+pub(crate) fn gains(claim: &str, record: &JointRecord) -> Result<(), Refutation> {
+    let order = record.a.len();
+    at_most(claim, "1 ≤ m", 1.0, order as f64)?;
+    at_most(claim, "m ≤ 4", order as f64, phihat::ORDER_MAX as f64)?;
+    let outer = [record.inertia_kg_m2, record.kp_per_s2, record.kd_per_s];
+    for value in record.a.iter().chain(&outer) {
+        if !value.is_finite() || *value <= 0.0 {
+            return Err(refuse(claim, "0 < gain < ∞", *value, 0.0));
+        }
+    }
+    Ok(())
+}
+
+/// A loop that can be run.
+pub(crate) fn model(claim: &str, model: &LoopModel) -> Result<(), Refutation> {
+    let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
+    for value in bandwidths.chain([model.period_s]) {
+        if !value.is_finite() || value <= 0.0 {
+            return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
+        }
+    }
+    for delay in [model.delay_samples, model.sample_delay_samples] {
+        at_most(claim, "delay ≤ 8 samples", f64::from(delay), phihat::DELAY_MAX as f64)?;
+    }
+    Ok(())
+}
+
+/// Inertia ratios that were tried.
+pub(crate) fn ratios(claim: &str, mu: &[f64]) -> Result<(), Refutation> {
+    at_most(claim, "1 ≤ number of inertia ratios", 1.0, mu.len() as f64)?;
+    at_most(claim, "number of inertia ratios ≤ 1000", mu.len() as f64, 1000.0)?;
+    for ratio in mu {
+        at_most(claim, "0 < μ", f64::MIN_POSITIVE, *ratio)?;
+        at_most(claim, "μ < ∞", *ratio, f64::MAX)?;
+    }
+    Ok(())
+}

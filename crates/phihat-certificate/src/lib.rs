@@ -1,0 +1,59 @@
+//! What is claimed about gains, as data: the gains document and its certificate.
+//!
+//! This crate finds nothing: whoever checks a claim must not see how it was found.
+#![forbid(unsafe_code)]
+
+mod arm;
+mod attenuation;
+mod bounds;
+mod certificate;
+mod check;
+mod gains;
+mod iss;
+mod law;
+mod margins;
+mod model;
+mod noise;
+mod norm;
+mod not_counted;
+mod optimality;
+mod peaks;
+mod performance;
+mod phi;
+mod reading;
+mod reference;
+mod refutation;
+mod step;
+mod trade_off;
+mod varying;
+mod verify;
+mod weights;
+mod window;
+
+pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
+pub use attenuation::{Attenuation, Interval};
+pub use bounds::Bounds;
+pub use certificate::{Certificate, JointCertificate};
+pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
+pub use iss::Iss;
+pub use law::Law;
+pub use margins::Margins;
+pub use model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+pub use noise::TorqueNoise;
+pub use norm::NormH;
+pub use not_counted::{LeftOut, NotCounted};
+pub use optimality::{Certified, Optimality, Refused};
+pub use peaks::SampledPeaks;
+pub use performance::{PaperRadius, PeakGain, PeakGains};
+pub use phi::{Motion, Phi, PhiBasis};
+pub use reading::ReadingError;
+pub use reference::ReferenceError;
+pub use refutation::Refutation;
+pub use step::LargestStep;
+pub use trade_off::TradeOff;
+pub use varying::{SampledVarying, VaryingWindow};
+pub use verify::RATIOS;
+pub use window::InertiaWindow;
+
+/// A small matrix, row by row.
+pub type Matrix = Vec<Vec<f64>>;

@@ -1,0 +1,303 @@
+//! Checking a whole certificate against the gains that carry it.
+
+use crate::check::agree::agrees;
+use crate::check::plausible::{self, at_most};
+use crate::refutation::refuse;
+use crate::{
+    ArmBasis, ArmInertia, Certificate, FORMAT, Gains, JointCertificate, JointRecord, Law,
+    LoopModel, Phi, Refutation, VERSION,
+};
+
+const CLAIM: &str = "certificate";
+
+/// Inertia ratios at which figures are computed over the arm's range, logarithmically even, both ends among them.
+pub const RATIOS: u32 = 9;
+
+/// Two ways to compute the same number of a document.
+const SAME: f64 = 1e-9;
+
+impl Certificate {
+    /// Checks every claim by means of its own, from the gains alone, and that the document speaks of one arm, one loop
+    /// and these gains throughout.
+    ///
+    /// # Errors
+    ///
+    /// The first [`Refutation`], naming joint, claim and inequality with both sides; last of all the one that
+    /// the certificate itself states.
+    pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
+        self.whole(gains)?;
+        let mut checked: Vec<&JointCertificate> = Vec::new();
+        for (joint, record) in self.joints.iter().zip(&gains.joints) {
+            let told = checked.iter().any(|before| joint.tells_the_same(before));
+            joint.verify(record, self, told).map_err(|why| why.on(&joint.name))?;
+            checked.push(joint);
+        }
+        self.refused().map_or(Ok(()), Err)
+    }
+
+    /// What the document says of itself must fit together.
+    fn whole(&self, gains: &Gains) -> Result<(), Refutation> {
+        let yes = Refutation::unless;
+        let written = gains.format == FORMAT && gains.version == VERSION;
+        let (own, right) = (f64::from(gains.version), f64::from(VERSION));
+        yes(CLAIM, "format and version are those of this document", own, right, written)?;
+        positive("loop rate", gains.rate_hz)?;
+        let (own, theirs) = (self.joints.len() as f64, gains.joints.len() as f64);
+        let all = own > 0.0
+            && self.joints.len() == gains.joints.len()
+            && self.joints.len() == self.arm.nominal_kg_m2.len();
+        yes(CLAIM, "one entry per joint, and at least one joint", own, theirs, all)?;
+        shared_law(gains)?;
+        self.names(gains)?;
+        self.arm.plausible()?;
+        positive("duration", self.duration_s)?;
+        at_most(CLAIM, "1 ≤ window margin", 1.0, self.window_margin)?;
+        at_most(CLAIM, "window margin < ∞", self.window_margin, f64::MAX)?;
+        for ((joint, record), nominal) in
+            self.joints.iter().zip(&gains.joints).zip(&self.arm.nominal_kg_m2)
+        {
+            let named = |why: Refutation| why.on(&joint.name);
+            plausible::gains(CLAIM, record).map_err(named)?;
+            plausible::model(CLAIM, &joint.model).map_err(named)?;
+            let sides = (*nominal, record.inertia_kg_m2);
+            agrees(CLAIM, "the arm is measured in the gains' M̄", sides, SAME).map_err(named)?;
+            let sides = (gains.rate_hz * joint.model.period_s, 1.0);
+            agrees(CLAIM, "rate times period of the loop is 1", sides, SAME).map_err(named)?;
+            filter(gains, &joint.model).map_err(named)?;
+        }
+        self.one_loop()
+    }
+
+    fn names(&self, gains: &Gains) -> Result<(), Refutation> {
+        for (i, (joint, record)) in self.joints.iter().zip(&gains.joints).enumerate() {
+            let same = joint.name == record.name && !joint.name.trim().is_empty();
+            Refutation::unless(CLAIM, "joint names agree", 0.0, 0.0, same)
+                .map_err(|why| why.on(&joint.name))?;
+            let twice = self.joints.iter().skip(i + 1).any(|other| other.name == joint.name);
+            Refutation::unless(CLAIM, "no two joint names are the same", 0.0, 0.0, !twice)
+                .map_err(|why| why.on(&joint.name))?;
+        }
+        Ok(())
+    }
+
+    /// Joints that an arm couples are one loop at each eigenvalue only if all of them are in the same loop. Joints that are
+    /// known one by one may have drives of their own.
+    fn one_loop(&self) -> Result<(), Refutation> {
+        let coupled = self.arm.basis == ArmBasis::Postures;
+        let Some(first) = self.joints.first() else { return Ok(()) };
+        for joint in &self.joints {
+            let drive = if coupled { joint.model.drive_bandwidth_hz } else { None };
+            let wanted = if coupled { first.model.drive_bandwidth_hz } else { None };
+            let own = LoopModel { drive_bandwidth_hz: drive, ..joint.model };
+            let same = own == LoopModel { drive_bandwidth_hz: wanted, ..first.model };
+            let of = |model: &LoopModel| model.drive_bandwidth_hz.unwrap_or(model.period_s);
+            let what = "all joints are in the same sampled loop";
+            Refutation::unless(CLAIM, what, of(&joint.model), of(&first.model), same)
+                .map_err(|why| why.on(&joint.name))?;
+        }
+        Ok(())
+    }
+}
+
+/// The eigenvalue argument for a coupled arm needs one law for all joints.
+fn shared_law(gains: &Gains) -> Result<(), Refutation> {
+    let Some(first) = gains.joints.first() else { return Ok(()) };
+    let law = Law::from(first);
+    for joint in &gains.joints {
+        let same = Law::from(joint) == law;
+        let claim = format!("{}: inertia window of the arm", joint.name);
+        let what = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
+        Refutation::unless(&claim, what, joint.kp_per_s2, first.kp_per_s2, same)?;
+    }
+    Ok(())
+}
+
+/// The gains' own filter, where they carry one.
+fn filter(gains: &Gains, model: &LoopModel) -> Result<(), Refutation> {
+    let of = |hz: Option<f64>| hz.unwrap_or(0.0);
+    let (own, carried) = (model.velocity_filter_hz, gains.velocity_filter_hz);
+    let same = carried.is_none() || carried == own;
+    let what = "velocity filter is that of the gains";
+    Refutation::unless(CLAIM, what, of(own), of(carried), same)
+}
+
+fn positive(what: &str, value: f64) -> Result<(), Refutation> {
+    let sensible = value > 0.0 && value.is_finite();
+    Refutation::unless(CLAIM, &format!("0 < {what} < ∞"), value, 0.0, sensible)
+}
+
+impl ArmInertia {
+    fn plausible(&self) -> Result<(), Refutation> {
+        let sensible = 0.0 < self.low && self.low <= self.high && self.high.is_finite();
+        Refutation::unless("arm", "0 < low ≤ high < ∞", self.low, self.high, sensible)?;
+        let told = !self.source.trim().is_empty();
+        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)
+    }
+}
+
+impl Phi {
+    /// Bounds are sizes.
+    fn plausible(&self) -> Result<(), Refutation> {
+        let motion = self.motion.map(|m| [m.velocity_rad_s, m.acceleration_rad_s2, m.jerk_rad_s3]);
+        let all = [self.rate_nm_s, self.jump_nm].into_iter().chain(self.size_nm);
+        for value in all.chain(motion.into_iter().flatten()) {
+            at_most("phi", "0 ≤ bound", 0.0, value)?;
+            at_most("phi", "bound < ∞", value, f64::MAX)?;
+        }
+        let told = !self.source.trim().is_empty();
+        Refutation::unless("phi", "the bounds say where they come from", 0.0, 0.0, told)
+    }
+}
+
+impl JointCertificate {
+    /// Checks the claims; those that do not depend on the nominal inertia only where they are not `told` already.
+    fn verify(
+        &self,
+        record: &JointRecord,
+        whole: &Certificate,
+        told: bool,
+    ) -> Result<(), Refutation> {
+        if let Some(phi) = &self.phi {
+            phi.plausible()?;
+        }
+        if !self.refused.is_empty() {
+            // What is said about the range rests on what is refused.
+            let rests = [
+                self.margins.is_some(),
+                self.sampled.is_some(),
+                self.reading.is_some(),
+                self.reference.is_some(),
+                self.noise.is_some(),
+                self.step.is_some(),
+                self.bounds.is_some(),
+            ];
+            let bare = rests.iter().all(|there| !there);
+            Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, bare)?;
+        }
+        self.covers(whole)?;
+        if !told {
+            self.verify_loop(record)?;
+        }
+        if !self.refused.is_empty() {
+            return Ok(());
+        }
+        if let Some(noise) = &self.noise {
+            noise.verify(record, &self.model)?;
+        }
+        if let Some(step) = &self.step {
+            step.verify(record, &self.model, self.limits)?;
+        }
+        self.verify_bounds(record, whole)
+    }
+
+    /// Whether all that does not depend on the nominal inertia is the same, for the law that joints share.
+    fn tells_the_same(&self, other: &Self) -> bool {
+        self.model == other.model
+            && self.window == other.window
+            && self.varying == other.varying
+            && self.sampled_varying == other.sampled_varying
+            && self.attenuation == other.attenuation
+            && self.optimality == other.optimality
+            && self.iss == other.iss
+            && self.paper == other.paper
+            && self.norm == other.norm
+            && self.peaks == other.peaks
+            && self.margins == other.margins
+            && self.sampled == other.sampled
+            && self.reading == other.reading
+            && self.reference == other.reference
+    }
+
+    /// Continuous law and sampled loop, at whatever nominal inertia.
+    fn verify_loop(&self, record: &JointRecord) -> Result<(), Refutation> {
+        let law = Law::from(record);
+        self.attenuation.verify(&law)?;
+        if let Some(optimality) = &self.optimality {
+            optimality.verify(&law)?;
+        }
+        self.paper.verify(&law, &self.iss)?;
+        for (claim, mu) in [("H-infinity norm", self.norm.mu), ("performance", self.peaks.mu)] {
+            agrees(claim, "μ = 1", (mu, 1.0), 1e-12)?;
+        }
+        self.norm.verify(&law)?;
+        self.peaks.verify(&law)?;
+        if let Some(varying) = &self.varying {
+            varying.verify(record)?;
+        }
+        if let Some(varying) = &self.sampled_varying {
+            varying.verify(record, &self.model)?;
+        }
+        if let Some(window) = &self.window {
+            window.verify(record, &self.model)?;
+        }
+        if let Some(margins) = &self.margins {
+            margins.verify(record, &self.model)?;
+        }
+        if let Some(sampled) = &self.sampled {
+            sampled.verify(record, &self.model)?;
+        }
+        if let Some(reading) = &self.reading {
+            reading.verify(record, &self.model)?;
+        }
+        if let Some(reference) = &self.reference {
+            reference.verify(record, &self.model)?;
+        }
+        Ok(())
+    }
+
+    /// That the claims are about the arm's whole range of inertia, and none is missing without a reason.
+    fn covers(&self, whole: &Certificate) -> Result<(), Refutation> {
+        if !self.refused.is_empty() {
+            return Ok(());
+        }
+        let arm = &whole.arm;
+        let (Some(window), Some(margins), Some(sampled), Some(reference), Some(step)) =
+            (&self.window, &self.margins, &self.sampled, &self.reference, &self.step)
+        else {
+            return Err(refuse(
+                CLAIM,
+                "a claim that is missing is refused with its reason",
+                0.0,
+                1.0,
+            ));
+        };
+        let (low, high) = (arm.low / whole.window_margin, arm.high * whole.window_margin);
+        let lower = format!("window.low ≤ arm.low/{}", whole.window_margin);
+        at_most("inertia window", &lower, window.low, low)?;
+        let upper = format!("{}·arm.high ≤ window.high", whole.window_margin);
+        at_most("inertia window", &upper, high, window.high)?;
+        agrees("margins", "low is arm.low", (margins.low, arm.low), SAME)?;
+        agrees("margins", "high is arm.high", (margins.high, arm.high), SAME)?;
+        tried("sampled peak gains", &sampled.mu, arm)?;
+        tried("reference error", &reference.mu, arm)?;
+        let fed = reference.feed_forward;
+        Refutation::unless("reference error", "M̄q̈_d is fed forward", 0.0, 1.0, fed)?;
+        tried("largest step", &step.mu, arm)?;
+        let together = self.reading.is_some() == self.noise.is_some();
+        Refutation::unless(
+            CLAIM,
+            "reading error and torque noise go together",
+            0.0,
+            0.0,
+            together,
+        )?;
+        if let (Some(reading), Some(noise)) = (&self.reading, &self.noise) {
+            tried("reading error", &reading.mu, arm)?;
+            tried("torque noise", &noise.mu, arm)?;
+        }
+        Ok(())
+    }
+}
+
+/// Figures are found at the ratios that the range itself gives: no document chooses where it is looked at.
+fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
+    let (own, wanted) = (mu.len() as f64, f64::from(RATIOS));
+    let all = mu.len() == RATIOS as usize;
+    Refutation::unless(claim, "as many ratios as are tried", own, wanted, all)?;
+    for (k, mu) in (0..RATIOS).zip(mu) {
+        let share = f64::from(k) / f64::from(RATIOS - 1);
+        let even = arm.low * (arm.high / arm.low).powf(share);
+        agrees(claim, "ratios are even over the arm's range", (*mu, even), SAME)?;
+    }
+    Ok(())
+}

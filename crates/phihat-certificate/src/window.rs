@@ -1,0 +1,101 @@
+//! The inertia window: for which inertias the sampled loop is stable.
+
+use core::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::complex::Complex;
+use crate::check::exclusion::{self, Family};
+use crate::check::plausible::{self, at_most};
+use crate::check::returns::Returns;
+use crate::{JointRecord, LoopModel, Refutation};
+
+const CLAIM: &str = "inertia window";
+
+/// How far, relative, the loop at an edge may be from an oscillation at the edge's frequency.
+const EDGE: f64 = 1e-4;
+
+/// For which ratios `μ` of true to nominal inertia one joint's sampled loop is stable.
+///
+/// # Claim
+///
+/// For every constant `μ` in `[low, high]` all poles of the loop lie inside the unit circle.
+///
+/// # Evidence
+///
+/// The two numbers; [`Self::verify`] proves them by zero exclusion, from nothing but gains and model.
+///
+/// # Not claimed
+///
+/// Inertia that varies in time: [`super::VaryingWindow`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InertiaWindow {
+    /// Smallest stable `μ`.
+    pub low: f64,
+    /// Largest stable `μ`.
+    pub high: f64,
+    /// Frequency of the oscillation at the lower edge \[Hz\].
+    pub low_hz: f64,
+    /// Frequency of the oscillation at the upper edge \[Hz\].
+    pub high_hz: f64,
+}
+
+impl InertiaWindow {
+    /// The part of the window that keeps a share: `[low·margin_low, high/margin_high]`.
+    #[must_use]
+    pub fn inside(&self, margin_low: f64, margin_high: f64) -> Self {
+        Self { low: self.low * margin_low, high: self.high / margin_high, ..*self }
+    }
+
+    /// Whether `[low, high]` lies inside.
+    pub fn contains(&self, low: f64, high: f64) -> bool {
+        self.low <= low && low <= high && high <= self.high
+    }
+
+    /// `high/low`: the ratio of inertias the window holds.
+    pub fn ratio(&self) -> f64 {
+        self.high / self.low
+    }
+}
+
+impl InertiaWindow {
+    /// Proves the claim from gains and model alone: no root of any loop in the window lies on or outside of the unit
+    /// circle, and an oscillation is where the two edges say.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        self.verify_decay(gains, model, 0.0)?;
+        let returns = Returns::new(gains, model);
+        for (mu, hz) in [(self.low, self.low_hz), (self.high, self.high_hz)] {
+            // An edge without a frequency is where the search ended.
+            if hz.abs() > 0.0 {
+                let value = exclusion::crossing(&returns, TAU * hz * model.period_s);
+                let off = (value - Complex::new(mu, 0.0)).size() / mu;
+                at_most(CLAIM, "−L at the edge's frequency is μ", off, EDGE)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Proves that every mode, at every `μ` in `[low, high]`, decays at least as fast as `e^{−rate t}`.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify_decay(
+        &self,
+        gains: &JointRecord,
+        model: &LoopModel,
+        rate: f64,
+    ) -> Result<(), Refutation> {
+        plausible::gains(CLAIM, gains)?;
+        plausible::model(CLAIM, model)?;
+        let returns = Returns::new(gains, model);
+        let radius = (-rate * model.period_s).exp();
+        let Self { low, high, .. } = *self;
+        Family { returns: &returns, low, high }.stable(CLAIM, (radius, 0.0, 0))
+    }
+}

@@ -1,0 +1,106 @@
+//! What a finder finds, the check proves by other means, and a hundred-thousandth more it refuses; for every form,
+//! velocity source, filter, drive, delay and order.
+//! Wrong if both sides had the same mistake, or if the check proved more than is true.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+use phihat_certificate::{
+    InertiaWindow, JointRecord, LargestStep, LoopForm, LoopModel, LoopTorque, LoopVelocity,
+    Margins, ReadingError, ReferenceError, SampledPeaks, SampledVarying, TorqueNoise,
+    VaryingWindow,
+};
+use phihat_design::prelude::*;
+
+/// All poles at `w`.
+fn estimator(order: usize, w: f64) -> Vec<f64> {
+    match order {
+        1 => vec![w],
+        2 => vec![w * w, 2.0 * w],
+        3 => vec![w * w * w, 3.0 * w * w, 3.0 * w],
+        _ => vec![w.powi(4), 4.0 * w.powi(3), 6.0 * w * w, 4.0 * w],
+    }
+}
+
+fn record(order: usize) -> JointRecord {
+    JointRecord {
+        name: "joint".into(),
+        inertia_kg_m2: 0.7,
+        kp_per_s2: 150.0,
+        kd_per_s: 25.0,
+        a: estimator(order, 30.0),
+    }
+}
+
+fn every_model() -> Vec<LoopModel> {
+    let mut models = Vec::new();
+    for form in [LoopForm::Observer, LoopForm::Literal] {
+        for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
+            for velocity_filter_hz in [None, Some(90.0)] {
+                for (drive_bandwidth_hz, torque) in [
+                    (None, LoopTorque::Applied),
+                    (Some(150.0), LoopTorque::Applied),
+                    (Some(150.0), LoopTorque::Demanded),
+                ] {
+                    for delay_samples in [0, 2] {
+                        models.push(LoopModel {
+                            period_s: 1e-3,
+                            delay_samples,
+                            velocity,
+                            velocity_filter_hz,
+                            form,
+                            drive_bandwidth_hz,
+                            sample_delay_samples: delay_samples / 2,
+                            torque,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    models
+}
+
+#[test]
+fn every_claim_about_the_sampled_loop_is_proved_and_not_much_more() {
+    let mut worst = Vec::new();
+    for model in every_model() {
+        for order in 1..=4 {
+            let gains = record(order);
+            let Ok(window) = InertiaWindow::find(&gains, &model) else { continue };
+            let range = (window.low.max(0.4) * 1.2, window.high.min(4.0) / 1.2);
+            if range.0 >= range.1 {
+                continue;
+            }
+            let mut check = |what: &str, found: Result<(), phihat_certificate::Refutation>| {
+                if let Err(why) = found {
+                    worst.push(format!("{what}: {why} m {order} {model:?}"));
+                }
+            };
+            check("window", window.verify(&gains, &model));
+            let margins = Margins::find(&gains, &model, range).unwrap();
+            check("margins", margins.verify(&gains, &model));
+            let peaks = SampledPeaks::find(&gains, &model, range, 3).unwrap();
+            check("peaks", peaks.verify(&gains, &model));
+            let reading = ReadingError::find(&gains, &model, range, 3).unwrap();
+            check("reading", reading.verify(&gains, &model));
+            for fed in [true, false] {
+                let reference = ReferenceError::find(&gains, &model, fed, range, 3).unwrap();
+                check("reference", reference.verify(&gains, &model));
+            }
+            let noise = TorqueNoise::find(&gains, &model, 1e-5, range, 3).unwrap();
+            check("noise", noise.verify(&gains, &model));
+            let limits = (Some(40.0), Some(900.0));
+            let step = LargestStep::find(&gains, &model, limits, range, 3).unwrap();
+            check("step", step.verify(&gains, &model, limits));
+            if let Ok(varying) = VaryingWindow::find(&gains, range) {
+                check("varying", varying.verify(&gains));
+            }
+            if let Ok(varying) = SampledVarying::find(&gains, &model, (range.0, range.0 * 1.2)) {
+                check("sampled varying", varying.verify(&gains, &model));
+            }
+        }
+    }
+    for line in &worst {
+        println!("{line}");
+    }
+    assert!(worst.is_empty(), "{}", worst.len());
+}

@@ -1,0 +1,236 @@
+//! The ends of an arm's range of inertia, sought from the best of its sampled postures.
+
+use core::f64::consts::TAU;
+
+use nalgebra::DVector;
+use phihat_model::Workspace;
+
+use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
+use super::witness::seen;
+use phihat_certificate::Witness;
+
+/// Postures from which an end is sought, and those of them that are followed to the end.
+pub(super) const STARTS: u32 = 20;
+const FOLLOWED: usize = 4;
+
+/// Sweeps over all joints before the choice, and most after it.
+const FIRST_SWEEPS: u32 = 2;
+const SWEEPS: u32 = 40;
+
+/// Smallest relative gain of a sweep that is worth another.
+const GAIN: f64 = 1e-8;
+
+/// Points of a joint's travel at which its energy is compared, and halvings of the step about the best.
+const POINTS: u32 = 40;
+const HALVINGS: u32 = 30;
+
+/// Which end of the range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Low,
+    High,
+}
+
+impl End {
+    /// Larger is better.
+    fn score(self, value: f64) -> f64 {
+        match self {
+            Self::Low => -value,
+            Self::High => value,
+        }
+    }
+
+    fn of(self, (low, high): (Eigen, Eigen)) -> Eigen {
+        match self {
+            Self::Low => low,
+            Self::High => high,
+        }
+    }
+}
+
+/// A posture on its way.
+#[derive(Debug, Clone)]
+struct At {
+    q: Vec<f64>,
+    payload: usize,
+    value: f64,
+    vector: DVector<f64>,
+}
+
+/// The posture and payload of an end.
+///
+/// # Method
+///
+/// `vᵀ W v` is twice the kinetic energy at the joint rates `M̄^{-1/2} v`. In each joint's angle it is a
+/// trigonometric polynomial of order 2 (link twists are affine in its cosine and sine), known from 5 values: its
+/// best point inside the travel is taken, `v` becomes the eigenvector there, and so on, joint after joint: the
+/// eigenvalue never gets worse. In a sliding joint's position it is a parabola.
+pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<Witness> {
+    let search = Search { postures, nominal, end };
+    let tried = if end == End::Low { &postures.light } else { &postures.heavy };
+    let mut order: Vec<(f64, usize)> =
+        tried.iter().enumerate().map(|(i, tried)| (search.score(tried), i)).collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    order.truncate(STARTS as usize);
+    let mut starts: Vec<At> = order.iter().map(|(_, i)| search.look(&tried[*i])).collect();
+    let better = |a: &At, b: &At| end.score(b.value).total_cmp(&end.score(a.value));
+    for start in &mut starts {
+        search.choose_payload(start);
+        search.climb(start, FIRST_SWEEPS);
+    }
+    starts.sort_by(better);
+    starts.truncate(FOLLOWED);
+    for start in &mut starts {
+        search.climb(start, SWEEPS);
+        if search.choose_payload(start) {
+            search.climb(start, SWEEPS);
+        }
+    }
+    starts.sort_by(better);
+    let best = starts.into_iter().next()?;
+    Some(seen(best.q, &postures.payloads[best.payload].body, best.value))
+}
+
+struct Search<'a> {
+    postures: &'a Postures,
+    nominal: &'a [f64],
+    end: End,
+}
+
+impl Search<'_> {
+    fn score(&self, tried: &Tried) -> f64 {
+        let all = scaled(&tried.matrix, self.nominal).symmetric_eigenvalues();
+        self.end.score(if self.end == End::Low { all.min() } else { all.max() })
+    }
+
+    fn look(&self, tried: &Tried) -> At {
+        let (value, vector) = self.end.of(eigen(&scaled(&tried.matrix, self.nominal)));
+        At { q: tried.q.clone(), payload: tried.payload, value, vector }
+    }
+
+    /// Takes the best of the heaviest payloads; whether that is another one.
+    fn choose_payload(&self, at: &mut At) -> bool {
+        if self.end == End::Low {
+            return false;
+        }
+        let before = at.payload;
+        let mut best: Option<At> = None;
+        for payload in 1..=self.postures.heaviest {
+            let (value, vector) = self.eigen(&at.q, payload);
+            if best.as_ref().is_none_or(|best| value > best.value) {
+                best = Some(At { q: at.q.clone(), payload, value, vector });
+            }
+        }
+        if let Some(best) = best {
+            *at = best;
+        }
+        at.payload != before
+    }
+
+    fn eigen(&self, q: &[f64], payload: usize) -> Eigen {
+        let model = &self.postures.payloads[payload].model;
+        self.end.of(eigen(&scaled_mass_matrix(model, &mut Workspace::new(model), q, self.nominal)))
+    }
+
+    fn climb(&self, at: &mut At, sweeps: u32) {
+        for _ in 0..sweeps {
+            let before = at.value;
+            for joint in 0..at.q.len() {
+                self.turn(at, joint);
+            }
+            if self.end.score(at.value - before) <= GAIN * before.abs() {
+                break;
+            }
+        }
+    }
+
+    /// The best position of one joint.
+    fn turn(&self, at: &mut At, joint: usize) {
+        let model = &self.postures.payloads[at.payload].model;
+        let mut workspace = Workspace::new(model);
+        let rates: Vec<f64> =
+            at.vector.iter().zip(self.nominal).map(|(v, m)| v / m.sqrt()).collect();
+        let mut q = at.q.clone();
+        let mut energy = |x: f64| {
+            q[joint] = x;
+            2.0 * model.kinetic_energy(&mut workspace, &q, &rates)
+        };
+        let (low, high) = self.postures.travel[joint];
+        let found = if self.postures.slides[joint] {
+            let parabola = Parabola::through(low, high, &mut energy);
+            self.best(low, high, |x| parabola.at(x))
+        } else {
+            let wave = Wave::of(&mut energy);
+            self.best(low, high, |x| wave.at(x))
+        };
+        let mut q = at.q.clone();
+        q[joint] = found;
+        let (value, vector) = self.eigen(&q, at.payload);
+        if self.end.score(value) > self.end.score(at.value) {
+            *at = At { q, payload: at.payload, value, vector };
+        }
+    }
+
+    fn best(&self, low: f64, high: f64, energy: impl Fn(f64) -> f64) -> f64 {
+        let mut step = (high - low) / f64::from(POINTS);
+        let score = |x: &f64| self.end.score(energy(*x));
+        let points = (0..=POINTS).map(|k| low + f64::from(k) * step);
+        let mut best = points.max_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(low);
+        for _ in 0..HALVINGS {
+            step *= 0.5;
+            for x in [best - step, best + step] {
+                let x = x.clamp(low, high);
+                if score(&x) > score(&best) {
+                    best = x;
+                }
+            }
+        }
+        best
+    }
+}
+
+/// `a_0 + a_1 cos x + b_1 sin x + a_2 cos 2x + b_2 sin 2x`.
+struct Wave([f64; 5]);
+
+impl Wave {
+    fn of(energy: &mut impl FnMut(f64) -> f64) -> Self {
+        let mut sums = [0.0; 5];
+        for k in 0..5_u8 {
+            let x = TAU * f64::from(k) / 5.0;
+            let value = energy(x) / 5.0;
+            let terms =
+                [1.0, 2.0 * x.cos(), 2.0 * x.sin(), 2.0 * (2.0 * x).cos(), 2.0 * (2.0 * x).sin()];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += value * term;
+            }
+        }
+        Self(sums)
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        let [mean, a, b, c, d] = self.0;
+        let (sin, cos) = x.sin_cos();
+        mean + a * cos + b * sin + c * (2.0 * cos * cos - 1.0) + d * 2.0 * sin * cos
+    }
+}
+
+/// A parabola in `(x − middle)/half`.
+struct Parabola {
+    middle: f64,
+    half: f64,
+    terms: [f64; 3],
+}
+
+impl Parabola {
+    fn through(low: f64, high: f64, energy: &mut impl FnMut(f64) -> f64) -> Self {
+        let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).max(f64::MIN_POSITIVE));
+        let [left, centre, right] = [low, middle, high].map(energy);
+        let terms = [centre, 0.5 * (right - left), 0.5 * (right + left) - centre];
+        Self { middle, half, terms }
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        let u = (x - self.middle) / self.half;
+        self.terms[0] + u * (self.terms[1] + u * self.terms[2])
+    }
+}

@@ -1,0 +1,223 @@
+//! What is known of an arm's inertia: the range that a constant nominal inertia has to stand for.
+
+mod ascent;
+mod postures;
+mod prove;
+mod witness;
+
+use nalgebra::DMatrix;
+use phihat_certificate::{ArmBasis, ArmInertia, Searched};
+use phihat_study::{InertiaSource, Study};
+use thiserror::Error;
+
+pub use prove::{ProofProgress, Unproved};
+pub use witness::replay;
+
+use crate::trace::InertiaEstimate;
+use ascent::{End, STARTS, extreme};
+use postures::{Postures, scaled};
+
+/// Why the range cannot be found.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ArmError {
+    /// The payload cannot be attached.
+    #[error("payload: {0}")]
+    Payload(String),
+    /// A mass matrix is not positive definite.
+    #[error("the mass matrix of the robot has an eigenvalue of {0} at some posture")]
+    Mass(f64),
+    /// The study wants an estimate from a trace that was not given.
+    #[error("design.inertia_from is \"trace\": the trace's estimate is missing")]
+    NoEstimate,
+}
+
+/// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    basis: ArmBasis,
+    source: String,
+    knowledge: Knowledge,
+}
+
+#[derive(Debug, Clone)]
+enum Knowledge {
+    /// A robot's postures.
+    Postures(Box<Postures>),
+    /// `M(q)` at some of them.
+    Matrices(Vec<DMatrix<f64>>),
+    /// Low and high \[kg·m²\] per joint.
+    Intervals(Vec<f64>, Vec<f64>),
+}
+
+impl Arm {
+    /// A study's arm, from its robot's postures or the intervals it types.
+    ///
+    /// The postures of its reference belong to it too: [`Self::along`] adds them.
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError`]; an estimate from a trace is made by [`Self::estimated`].
+    pub fn of(study: &Study) -> Result<Self, ArmError> {
+        match &study.design.inertia {
+            InertiaSource::Robot => Self::sampled(study),
+            InertiaSource::Typed { low, high } => Ok(Self {
+                basis: ArmBasis::Typed,
+                source: "an interval per joint typed in the study; coupling is not in it".into(),
+                knowledge: Knowledge::Intervals(low.clone(), high.clone()),
+            }),
+            InertiaSource::Trace(_) => Err(ArmError::NoEstimate),
+        }
+    }
+
+    /// An arm known by what a trace shows of it.
+    pub fn estimated(estimates: &[InertiaEstimate]) -> Self {
+        let windows = estimates.iter().map(|e| e.windows).min().unwrap_or(0);
+        Self {
+            basis: ArmBasis::Trace,
+            source: format!(
+                "ESTIMATE from a recorded trace, not a proof: regression over {windows} or more windows per \
+                 joint, ± 3 standard errors; coupling is not in it"
+            ),
+            knowledge: Knowledge::Intervals(
+                estimates.iter().map(|e| e.low_kg_m2).collect(),
+                estimates.iter().map(|e| e.high_kg_m2).collect(),
+            ),
+        }
+    }
+
+    fn sampled(study: &Study) -> Result<Self, ArmError> {
+        let postures = Postures::of(study)?;
+        let (set, name) = (&study.design.payload, &study.robot.name);
+        Ok(Self {
+            basis: ArmBasis::Postures,
+            source: format!(
+                "{} postures inside the joint limits of {name} and those of the reference, rotors included, \
+                 payload {} to {} kg on {}; the ends sought from the best {STARTS}",
+                postures.count(),
+                set.mass.0,
+                set.mass.1,
+                set.frame
+            ),
+            knowledge: Knowledge::Postures(Box::new(postures)),
+        })
+    }
+
+    /// The same arm known at the postures of a reference too \[rad, m\]; no change where it is known by
+    /// intervals.
+    #[must_use]
+    pub fn along(mut self, reference: &[Vec<f64>]) -> Self {
+        if let Knowledge::Postures(postures) = &mut self.knowledge {
+            postures.along(reference);
+        }
+        self
+    }
+
+    /// The geometric mean of each joint's own range \[kg·m²\]: a good nominal inertia.
+    pub fn nominal(&self) -> Vec<f64> {
+        match &self.knowledge {
+            Knowledge::Intervals(low, high) => {
+                low.iter().zip(high).map(|(l, h)| (l * h).sqrt()).collect()
+            }
+            Knowledge::Matrices(matrices) => means(matrices.iter()),
+            Knowledge::Postures(p) => means(p.light.iter().chain(&p.heavy).map(|t| &t.matrix)),
+        }
+    }
+
+    /// The same arm known by fewer postures only: those with the smallest and the largest eigenvalues against
+    /// some nominal inertias, and nothing sought between them.
+    pub(crate) fn extremes(&self, nominal: &[f64], count: usize) -> Self {
+        let Knowledge::Postures(postures) = &self.knowledge else { return self.clone() };
+        let best = |end: End| {
+            let tried = if end == End::Low { &postures.light } else { &postures.heavy };
+            let score = |m: &DMatrix<f64>| {
+                let all = scaled(m, nominal).symmetric_eigenvalues();
+                if end == End::Low { all.min() } else { -all.max() }
+            };
+            let mut all: Vec<_> = tried.iter().map(|t| (score(&t.matrix), &t.matrix)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            all.into_iter().take(count).map(|(_, matrix)| matrix.clone())
+        };
+        let few = best(End::Low).chain(best(End::High)).collect();
+        Self { knowledge: Knowledge::Matrices(few), ..self.clone() }
+    }
+
+    /// The range of inertia, measured in given nominal inertias \[kg·m²\].
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError::Mass`].
+    pub fn against(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
+        let mut searched = None;
+        let (low, high) = match &self.knowledge {
+            Knowledge::Intervals(low, high) => (
+                low.iter().zip(&nominal).map(|(l, m)| l / m).fold(f64::INFINITY, f64::min),
+                high.iter().zip(&nominal).map(|(h, m)| h / m).fold(0.0, f64::max),
+            ),
+            Knowledge::Matrices(matrices) => matrices
+                .iter()
+                .map(|m| scaled(m, &nominal).symmetric_eigenvalues())
+                .fold((f64::INFINITY, 0.0), |(a, b), all| (all.min().min(a), all.max().max(b))),
+            Knowledge::Postures(postures) => {
+                searched = witnesses(postures, &nominal);
+                searched.as_ref().map_or((f64::NAN, f64::NAN), |searched: &Searched| {
+                    (searched.low.eigenvalue, searched.high.eigenvalue)
+                })
+            }
+        };
+        if low.is_nan() || low <= 0.0 {
+            return Err(ArmError::Mass(low));
+        }
+        let (basis, source) = (self.basis, self.source.clone());
+        Ok(ArmInertia { basis, source, nominal_kg_m2: nominal, low, high, searched })
+    }
+}
+
+impl Arm {
+    /// Proves that no eigenvalue is above `factor` times the largest that was found; `go_on` says after each cell
+    /// whether to continue.
+    ///
+    /// # Errors
+    ///
+    /// [`Unproved`], with how far it came.
+    pub fn prove(
+        &self,
+        range: &ArmInertia,
+        factor: f64,
+        go_on: &mut dyn FnMut(ProofProgress) -> bool,
+    ) -> Result<ArmInertia, Unproved> {
+        let (Knowledge::Postures(postures), Some(searched)) = (&self.knowledge, &range.searched)
+        else {
+            return Err(Unproved::NotOfARobot);
+        };
+        let proved = prove::prove(postures, &range.nominal_kg_m2, factor * range.high, go_on)?;
+        let searched = Some(Searched { proved: Some(proved), ..searched.clone() });
+        Ok(ArmInertia { searched, ..range.clone() })
+    }
+}
+
+/// Where both ends of the range are.
+fn witnesses(postures: &Postures, nominal: &[f64]) -> Option<Searched> {
+    Some(Searched {
+        postures: postures.count(),
+        of_reference: postures.of_reference,
+        starts: STARTS,
+        frame: postures.frame.clone(),
+        low: extreme(postures, nominal, End::Low)?,
+        high: extreme(postures, nominal, End::High)?,
+        proved: None,
+    })
+}
+
+/// The geometric mean of the range of each entry of the diagonal.
+fn means<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<f64> {
+    let mut ends: Vec<(f64, f64)> = Vec::new();
+    for matrix in matrices {
+        ends.resize(matrix.nrows(), (f64::INFINITY, 0.0));
+        for (i, (low, high)) in ends.iter_mut().enumerate() {
+            *low = low.min(matrix[(i, i)]);
+            *high = high.max(matrix[(i, i)]);
+        }
+    }
+    ends.into_iter().map(|(low, high)| (low * high).sqrt()).collect()
+}

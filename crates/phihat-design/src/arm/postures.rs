@@ -1,0 +1,175 @@
+//! An arm's postures with the lightest and the heaviest payloads, and the eigenvalues there.
+
+use core::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+use phihat_model::{Body, Joint, JointKind, Model, Workspace};
+use phihat_study::{PayloadSet, Study};
+
+use super::ArmError;
+
+/// Postures inside the joints' travel looked at per payload.
+pub(super) const SAMPLES: u32 = 1500;
+
+/// An arm with one of the payloads that decide.
+#[derive(Debug, Clone)]
+pub(super) struct Loaded {
+    pub(super) body: Body,
+    pub(super) model: Model,
+}
+
+/// `M(q)` at a posture, with the payload of an index.
+#[derive(Debug, Clone)]
+pub(super) struct Tried {
+    pub(super) q: Vec<f64>,
+    pub(super) payload: usize,
+    pub(super) matrix: DMatrix<f64>,
+}
+
+/// All postures looked at.
+#[derive(Debug, Clone)]
+pub(super) struct Postures {
+    pub(super) frame: String,
+    /// The lightest; the heaviest ones; and, where these are several, a body between them.
+    pub(super) payloads: Vec<Loaded>,
+    /// How many of them are heaviest ones, from 1 on.
+    pub(super) heaviest: usize,
+    /// Ends of travel \[rad, m\]; one turn where a joint has no ends.
+    pub(super) travel: Vec<(f64, f64)>,
+    pub(super) slides: Vec<bool>,
+    /// With the lightest payload, and with heavy ones.
+    pub(super) light: Vec<Tried>,
+    pub(super) heavy: Vec<Tried>,
+    pub(super) of_reference: u32,
+}
+
+impl Postures {
+    /// Samples a study's robot.
+    pub(super) fn of(study: &Study) -> Result<Self, ArmError> {
+        let set = &study.design.payload;
+        let bare = study.robot.plant_model();
+        let mut bodies = vec![set.lightest()];
+        let heaviest = set.heaviest();
+        let count = heaviest.len();
+        bodies.extend(heaviest);
+        if count > 1 {
+            bodies.push(between(set));
+        }
+        let load = |body: Body| {
+            let model = bare.clone().with_payload_on(&set.frame, &body);
+            model.map(|model| Loaded { body, model }).map_err(|e| ArmError::Payload(e.to_string()))
+        };
+        let mut postures = Self {
+            frame: set.frame.clone(),
+            payloads: bodies.into_iter().map(load).collect::<Result<_, _>>()?,
+            heaviest: count,
+            travel: study.robot.joints.iter().map(travel).collect(),
+            slides: study.robot.joints.iter().map(|j| j.kind == JointKind::Prismatic).collect(),
+            light: Vec::new(),
+            heavy: Vec::new(),
+            of_reference: 0,
+        };
+        let last = postures.payloads.len() - 1;
+        for q in evenly(&postures.travel) {
+            postures.light.push(postures.tried(&q, 0));
+            postures.heavy.push(postures.tried(&q, last));
+        }
+        Ok(postures)
+    }
+
+    /// Looks at the postures of a reference too, with every heaviest payload.
+    pub(super) fn along(&mut self, reference: &[Vec<f64>]) {
+        for q in reference.iter().filter(|q| q.len() == self.travel.len()) {
+            self.light.push(self.tried(q, 0));
+            for payload in 1..=self.heaviest {
+                self.heavy.push(self.tried(q, payload));
+            }
+            self.of_reference += 1;
+        }
+    }
+
+    /// How many postures were looked at.
+    pub(super) fn count(&self) -> u32 {
+        u32::try_from(self.light.len()).unwrap_or(u32::MAX)
+    }
+
+    fn tried(&self, q: &[f64], payload: usize) -> Tried {
+        let (n, model) = (q.len(), &self.payloads[payload].model);
+        let mut entries = vec![0.0; n * n];
+        model.mass_matrix(&mut Workspace::new(model), q, &mut entries);
+        Tried { q: q.to_vec(), payload, matrix: DMatrix::from_row_slice(n, n, &entries) }
+    }
+}
+
+/// The heaviest body with the mean of the corners' second moments about the box's centre.
+fn between(set: &PayloadSet) -> Body {
+    let moment = 3.0 * set.second_moment();
+    let spread = set.com.map(|(low, high)| {
+        let half = 0.5 * (high - low);
+        moment + set.mass.1 * half * half
+    });
+    let [x, y, z] = spread;
+    let com = set.com.map(|(low, high)| 0.5 * (low + high));
+    Body { mass: set.mass.1, com, inertia: [y + z, 0.0, 0.0, x + z, 0.0, x + y] }
+}
+
+/// A joint's ends of travel; one turn about 0 or about its middle where that is all there is to see.
+fn travel(joint: &Joint) -> (f64, f64) {
+    let (low, high) = joint.position.unwrap_or((-PI, PI));
+    match joint.kind {
+        _ if !(high - low).is_finite() => (-PI, PI),
+        JointKind::Prismatic => (low, high),
+        _ if high - low > 2.0 * PI => (0.5 * (low + high) - PI, 0.5 * (low + high) + PI),
+        _ => (low, high),
+    }
+}
+
+/// Postures from the additive recurrence on square roots of primes: even, and the same every time.
+fn evenly(travel: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
+    let roots: Vec<f64> = primes().map(f64::sqrt).take(travel.len()).collect();
+    (1..=SAMPLES).map(move |k| {
+        let at = |(root, (low, high)): (&f64, &(f64, f64))| {
+            low + (f64::from(k) * root).fract() * (high - low)
+        };
+        roots.iter().zip(travel).map(at).collect()
+    })
+}
+
+fn primes() -> impl Iterator<Item = f64> {
+    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    (2..u32::MAX).filter(prime).map(f64::from)
+}
+
+/// `M̄^{-1/2} M M̄^{-1/2}`.
+pub(super) fn scaled(matrix: &DMatrix<f64>, nominal: &[f64]) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (nominal[i] * nominal[j]).sqrt())
+}
+
+/// `M̄^{-1/2} M(q) M̄^{-1/2}`.
+pub(super) fn scaled_mass_matrix(
+    model: &Model,
+    workspace: &mut Workspace,
+    q: &[f64],
+    nominal: &[f64],
+) -> DMatrix<f64> {
+    let n = q.len();
+    let mut entries = vec![0.0; n * n];
+    model.mass_matrix(workspace, q, &mut entries);
+    scaled(&DMatrix::from_row_slice(n, n, &entries), nominal)
+}
+
+/// An eigenvalue with its vector.
+pub(super) type Eigen = (f64, DVector<f64>);
+
+/// Smallest and largest eigenvalue of a symmetric matrix, with their vectors.
+pub(super) fn eigen(w: &DMatrix<f64>) -> (Eigen, Eigen) {
+    let all = w.clone().symmetric_eigen();
+    let of = |i: usize| (all.eigenvalues[i], all.eigenvectors.column(i).into_owned());
+    let (mut low, mut high) = (0, 0);
+    for i in 0..all.eigenvalues.len() {
+        low = if all.eigenvalues[i] < all.eigenvalues[low] { i } else { low };
+        high = if all.eigenvalues[i] > all.eigenvalues[high] { i } else { high };
+    }
+    (of(low), of(high))
+}

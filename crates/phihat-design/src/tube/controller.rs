@@ -1,0 +1,297 @@
+//! The control side of one sample, for the nominal run and for small deviations from it.
+
+use super::lanes::Lane;
+use crate::sampled::{
+    LoopForm, LoopModel, LoopParts, LoopTorque, LoopVelocity, estimator_coefficients,
+    literal_factors,
+};
+use phihat_certificate::JointRecord;
+
+/// What of the loop does not change from sample to sample: sensors, law, delays, drives, per joint.
+#[derive(Debug, Clone)]
+pub(super) struct Law {
+    pub(super) joints: Vec<JointLaw>,
+    pub(super) period: f64,
+    /// The first command is zero, and the law is first asked at the second sample.
+    pub(super) starts_at_zero: bool,
+}
+
+/// One joint's part of it.
+#[derive(Debug, Clone)]
+pub(super) struct JointLaw {
+    pub(super) inertia: f64,
+    kp: f64,
+    kd: f64,
+    order: usize,
+    /// Observer: what the innovation adds to memory `j`. Literal: weight of integral `j`.
+    on_memory: Vec<f64>,
+    /// Literal: weights of `e` and `ė` in `φ̂`.
+    on_error: [f64; 2],
+    pub(super) model: LoopModel,
+}
+
+/// One demand of the law on its reference: `q_d, q̇_d, q̈_d`.
+pub(super) type Jet = [f64; 3];
+
+impl JointLaw {
+    pub(super) fn new(record: &JointRecord, model: LoopModel) -> Self {
+        let m = record.a.len();
+        let (on_memory, on_error) = match model.form {
+            LoopForm::Observer => {
+                let mut alpha = estimator_coefficients(&record.a, model.period_s);
+                alpha.reverse();
+                (alpha, [0.0; 2])
+            }
+            LoopForm::Literal => {
+                // x_{m+1} = e, x_{m+2} = ė; memory j is the (j+1)-fold integral, x_{m−j}.
+                let factors = literal_factors(record);
+                let integrals = (0..m).map(|j| factors[m - 1 - j]).collect();
+                (integrals, [factors[m], factors[m + 1]])
+            }
+        };
+        Self {
+            inertia: record.inertia_kg_m2,
+            kp: record.kp_per_s2,
+            kd: record.kd_per_s,
+            order: m,
+            on_memory,
+            on_error,
+            model,
+        }
+    }
+}
+
+/// The state of all joints' control sides, for `W` runs at once.
+#[derive(Debug, Clone)]
+pub(super) struct Control<const W: usize> {
+    joints: Vec<JointState<W>>,
+    /// What the law asked for at this sample.
+    pub(super) command: Vec<Lane<W>>,
+    /// Mean torque over the interval that begins at this sample.
+    pub(super) mean: Vec<Lane<W>>,
+    /// `∫∫ τ − ½T² mean`: what the drive's curve adds to a unit inertia's way over the interval.
+    pub(super) bulge: Vec<Lane<W>>,
+}
+
+#[derive(Debug, Clone)]
+struct JointState<const W: usize> {
+    last_position: Lane<W>,
+    last_velocity: Lane<W>,
+    law_velocity: Lane<W>,
+    acted: Lane<W>,
+    gap: Lane<W>,
+    told: Lane<W>,
+    memory: Vec<Lane<W>>,
+    line: Vec<Lane<W>>,
+    /// Messages on their way: position, velocity, torque.
+    way: Vec<[Lane<W>; 3]>,
+}
+
+impl<const W: usize> Control<W> {
+    pub(super) fn new(law: &Law) -> Self {
+        let zero = [0.0; W];
+        let joint = |joint: &JointLaw| JointState {
+            last_position: zero,
+            last_velocity: zero,
+            law_velocity: zero,
+            acted: zero,
+            gap: zero,
+            told: zero,
+            memory: vec![zero; joint.order],
+            line: vec![zero; joint.model.delay_samples as usize],
+            way: vec![[zero; 3]; joint.model.sample_delay_samples as usize],
+        };
+        let n = law.joints.len();
+        Self {
+            joints: law.joints.iter().map(joint).collect(),
+            command: vec![zero; n],
+            mean: vec![zero; n],
+            bulge: vec![zero; n],
+        }
+    }
+
+    /// Number of states per run.
+    pub(super) fn length(&self) -> usize {
+        self.joints.iter().map(JointState::length).sum()
+    }
+
+    /// Shows every state, joint after joint, in a fixed order.
+    pub(super) fn each(&mut self, mut visit: impl FnMut(usize, &mut Lane<W>)) {
+        let mut at = 0;
+        for joint in &mut self.joints {
+            for state in joint.states() {
+                visit(at, state);
+                at += 1;
+            }
+        }
+    }
+
+    /// Senses and asks the law at sample `k`; leaves `command`.
+    pub(super) fn ask(
+        &mut self,
+        law: &Law,
+        k: usize,
+        reference: impl Fn(usize) -> Jet,
+        (position, velocity): (&[Lane<W>], &[Lane<W>]),
+    ) {
+        for (i, joint) in law.joints.iter().enumerate() {
+            let state = &mut self.joints[i];
+            let message = state.sense(joint, law.period, k, (&position[i], &velocity[i]));
+            let first = usize::from(law.starts_at_zero);
+            self.command[i] = if k < first {
+                [0.0; W]
+            } else {
+                state.law(joint, law.period, k == first, reference(i), &message)
+            };
+        }
+    }
+
+    /// Lets the commands act, after limits that the caller put on them.
+    pub(super) fn act(&mut self, law: &Law) {
+        for (i, joint) in law.joints.iter().enumerate() {
+            let state = &mut self.joints[i];
+            let told = state.delay(&self.command[i]);
+            (self.mean[i], self.bulge[i]) = state.drive(joint, law.period, &told);
+            state.acted = match joint.model.torque {
+                LoopTorque::Applied => self.mean[i],
+                LoopTorque::Demanded => told,
+            };
+        }
+    }
+}
+
+impl Control<1> {
+    /// Torque of a drive some time into the interval.
+    pub(super) fn torque(&self, law: &Law, i: usize, elapsed: f64) -> f64 {
+        let (joint, state) = (&law.joints[i], &self.joints[i]);
+        match joint.model.drive_bandwidth_hz {
+            None => self.mean[i][0],
+            Some(hz) => {
+                let rate = core::f64::consts::TAU * hz;
+                // The state has the gap at the interval's end.
+                state.told[0] + state.gap[0] * (rate * (law.period - elapsed)).exp()
+            }
+        }
+    }
+}
+
+impl<const W: usize> JointState<W> {
+    fn length(&self) -> usize {
+        6 + self.memory.len() + self.line.len() + 3 * self.way.len()
+    }
+
+    fn states(&mut self) -> impl Iterator<Item = &mut Lane<W>> {
+        [
+            &mut self.last_position,
+            &mut self.last_velocity,
+            &mut self.law_velocity,
+            &mut self.acted,
+            &mut self.gap,
+            &mut self.told,
+        ]
+        .into_iter()
+        .chain(&mut self.memory)
+        .chain(&mut self.line)
+        .chain(self.way.iter_mut().flatten())
+    }
+
+    fn sense(
+        &mut self,
+        joint: &JointLaw,
+        period: f64,
+        k: usize,
+        (position, velocity): (&Lane<W>, &Lane<W>),
+    ) -> [Lane<W>; 3] {
+        let share = joint.model.filter_gain();
+        let mut sensed = *velocity;
+        if k > 0 {
+            for c in 0..W {
+                let raw = match joint.model.velocity {
+                    LoopVelocity::Measured => velocity[c],
+                    LoopVelocity::Differenced => (position[c] - self.last_position[c]) / period,
+                };
+                sensed[c] = self.last_velocity[c] + share * (raw - self.last_velocity[c]);
+                if !joint.model.filters() {
+                    sensed[c] = raw;
+                }
+            }
+        }
+        self.last_position = *position;
+        self.last_velocity = sensed;
+        let fresh = [*position, sensed, self.acted];
+        if self.way.is_empty() {
+            return fresh;
+        }
+        if k == 0 {
+            self.way.fill(fresh);
+        }
+        let arrived = self.way.remove(0);
+        self.way.push(fresh);
+        arrived
+    }
+
+    fn law(
+        &mut self,
+        joint: &JointLaw,
+        period: f64,
+        first: bool,
+        [q, dq, ddq]: Jet,
+        [position, velocity, acted]: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let m = joint.order;
+        let mut command = [0.0; W];
+        for c in 0..W {
+            let (e, de) = (position[c] - q, velocity[c] - dq);
+            let phi_hat = match joint.model.form {
+                LoopForm::Observer => {
+                    if !first {
+                        let innovation = period * (acted[c] - self.memory[0][c])
+                            - joint.inertia * (velocity[c] - self.law_velocity[c]);
+                        for j in 0..m {
+                            let next = if j + 1 < m { self.memory[j + 1][c] } else { 0.0 };
+                            self.memory[j][c] += period * next + joint.on_memory[j] * innovation;
+                        }
+                    }
+                    self.memory[0][c]
+                }
+                LoopForm::Literal => {
+                    let mut total = joint.on_error[0] * e + joint.on_error[1] * de;
+                    let mut below = e;
+                    for j in 0..m {
+                        if !first {
+                            self.memory[j][c] += period * below;
+                        }
+                        below = self.memory[j][c];
+                        total += joint.on_memory[j] * below;
+                    }
+                    -joint.inertia * total
+                }
+            };
+            command[c] = joint.inertia * (ddq - joint.kd * de - joint.kp * e) + phi_hat;
+        }
+        self.law_velocity = *velocity;
+        command
+    }
+
+    fn delay(&mut self, command: &Lane<W>) -> Lane<W> {
+        if self.line.is_empty() {
+            return *command;
+        }
+        let told = self.line.remove(0);
+        self.line.push(*command);
+        told
+    }
+
+    fn drive(&mut self, joint: &JointLaw, period: f64, told: &Lane<W>) -> (Lane<W>, Lane<W>) {
+        let Some(drive) = joint.model.drive() else { return (*told, [0.0; W]) };
+        let (mut mean, mut bulge) = (*told, [0.0; W]);
+        for c in 0..W {
+            let gap = self.gap[c] + self.told[c] - told[c];
+            mean[c] += drive.mean * gap;
+            bulge[c] = (drive.double - 0.5 * period * period * drive.mean) * gap;
+            self.gap[c] = gap * (1.0 - drive.lost);
+        }
+        self.told = *told;
+        (mean, bulge)
+    }
+}

@@ -1,0 +1,235 @@
+//! Small deviations from the nominal run: derivatives of the dynamics and the step from sample to sample.
+
+use phihat_model::{Model, Workspace};
+
+use super::nominal::Nominal;
+use super::scene::Scene;
+
+/// Steps of the differences in position and velocity.
+const STEP: f64 = 1e-5;
+
+/// Row-major `n × n`.
+pub(super) type Square = Vec<f64>;
+
+/// Derivatives of inverse dynamics at one state: `M`, by velocity, by position.
+#[derive(Debug, Clone)]
+pub(super) struct Derivatives {
+    pub(super) m: Square,
+    pub(super) d: Square,
+    pub(super) k: Square,
+}
+
+/// Differences of a model's inverse dynamics.
+pub(super) struct Differences<'a> {
+    pub(super) model: &'a Model,
+    workspace: Workspace<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    plus: Vec<f64>,
+    minus: Vec<f64>,
+}
+
+impl<'a> Differences<'a> {
+    pub(super) fn new(model: &'a Model) -> Self {
+        let zero = vec![0.0; model.joint_count()];
+        Self {
+            model,
+            workspace: Workspace::new(model),
+            q: zero.clone(),
+            v: zero.clone(),
+            plus: zero.clone(),
+            minus: zero,
+        }
+    }
+
+    pub(super) fn torque(&mut self, (q, v, a): (&[f64], &[f64], &[f64]), tau: &mut [f64]) {
+        self.model.inverse_dynamics(&mut self.workspace, q, v, a, tau);
+    }
+
+    pub(super) fn at(&mut self, (q, v, a): (&[f64], &[f64], &[f64])) -> Derivatives {
+        let n = q.len();
+        let mut out = Derivatives { m: vec![0.0; n * n], d: vec![0.0; n * n], k: vec![0.0; n * n] };
+        self.model.mass_matrix(&mut self.workspace, q, &mut out.m);
+        self.q.copy_from_slice(q);
+        self.v.copy_from_slice(v);
+        for j in 0..n {
+            for (by_velocity, matrix) in [(true, &mut out.d), (false, &mut out.k)] {
+                for (sign, tau) in [(1.0, &mut self.plus), (-1.0, &mut self.minus)] {
+                    let (x, base) =
+                        if by_velocity { (&mut self.v, v[j]) } else { (&mut self.q, q[j]) };
+                    x[j] = base + sign * STEP;
+                    self.model.inverse_dynamics(&mut self.workspace, &self.q, &self.v, a, tau);
+                    let x = if by_velocity { &mut self.v } else { &mut self.q };
+                    x[j] = base;
+                }
+                for i in 0..n {
+                    matrix[i * n + j] = (self.plus[i] - self.minus[i]) / (2.0 * STEP);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// What holds over one sample: the derivatives in its middle and the exact step of the linear plant.
+#[derive(Debug)]
+pub(super) struct Interval {
+    /// `M⁻¹`.
+    pub(super) inverse: Square,
+    pub(super) derivatives: Derivatives,
+    /// `[ε; w]` one sample on, `2n × 2n`.
+    pub(super) step: Vec<f64>,
+    /// From held torque to `[ε; w]`, `2n × n`.
+    pub(super) held: Vec<f64>,
+    /// Torque that the robot adds per `ε` and per `ε̇` at the sample; empty where it adds none.
+    pub(super) added: Vec<f64>,
+}
+
+/// State and acceleration in the middle of an interval.
+pub(super) fn middle(scene: &Scene<'_>, run: &Nominal, k: usize) -> [Vec<f64>; 3] {
+    let n = scene.n;
+    let (now, next) = (k * n, (k + 1) * n);
+    let t = scene.period;
+    let v: Vec<f64> = (0..n).map(|i| 0.5 * (run.dq[now + i] + run.dq[next + i])).collect();
+    let a: Vec<f64> = (0..n).map(|i| (run.dq[next + i] - run.dq[now + i]) / t).collect();
+    let q = (0..n).map(|i| 0.5 * (run.q[now + i] + run.q[next + i])).collect();
+    [q, v, a]
+}
+
+impl Interval {
+    pub(super) fn new(
+        scene: &Scene<'_>,
+        run: &Nominal,
+        k: usize,
+        differences: &mut Differences<'_>,
+        bare: &mut Differences<'_>,
+    ) -> Option<Self> {
+        let n = scene.n;
+        let [q, v, a] = middle(scene, run, k);
+        let mut derivatives = differences.at((&q, &v, &a));
+        for i in 0..n {
+            derivatives.d[i * n + i] += scene.friction[i].slope(v[i]);
+        }
+        let inverse = inverse(&derivatives.m, n)?;
+        let (step, held) = discretised(&inverse, &derivatives, n, scene.period);
+        let mut added = Vec::new();
+        if scene.adds_gravity || scene.friction.iter().any(|f| f.added.is_some()) {
+            added = vec![0.0; 2 * n * n];
+            let at = k * n;
+            if scene.adds_gravity {
+                let rest = vec![0.0; n];
+                let gravity = bare.at((&run.q[at..at + n], &rest, &rest));
+                added[..n * n].copy_from_slice(&gravity.k);
+            }
+            for i in 0..n {
+                if let Some(own) = &scene.friction[i].added {
+                    added[n * n + i * n + i] = own.slope(run.dq[at + i]);
+                }
+            }
+        }
+        Some(Self { inverse, derivatives, step, held, added })
+    }
+}
+
+/// Inverse of a positive definite matrix by Cholesky; `None` where it is not.
+pub(super) fn inverse(m: &[f64], n: usize) -> Option<Square> {
+    let mut l = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let mut sum = m[i * n + j];
+            for k in 0..j {
+                sum -= l[i * n + k] * l[j * n + k];
+            }
+            if i == j {
+                if sum.is_nan() || sum <= 0.0 {
+                    return None;
+                }
+                l[i * n + i] = sum.sqrt();
+            } else {
+                l[i * n + j] = sum / l[j * n + j];
+            }
+        }
+    }
+    let mut out = vec![0.0; n * n];
+    let mut column = vec![0.0; n];
+    for c in 0..n {
+        for i in 0..n {
+            let mut sum = f64::from(u8::from(i == c));
+            for k in 0..i {
+                sum -= l[i * n + k] * column[k];
+            }
+            column[i] = sum / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let mut sum = column[i];
+            for k in i + 1..n {
+                sum -= l[k * n + i] * column[k];
+            }
+            column[i] = sum / l[i * n + i];
+        }
+        for i in 0..n {
+            out[i * n + c] = column[i];
+        }
+    }
+    Some(out)
+}
+
+/// `a b`, all `n × n`.
+pub(super) fn product(a: &[f64], b: &[f64], n: usize) -> Square {
+    let mut out = vec![0.0; n * n];
+    for i in 0..n {
+        for k in 0..n {
+            let factor = a[i * n + k];
+            for j in 0..n {
+                out[i * n + j] += factor * b[k * n + j];
+            }
+        }
+    }
+    out
+}
+
+/// Exact step of `ε' = w, w' = M⁻¹(τ − D w − K ε)` over a sample, by its series to the sixth order.
+fn discretised(inverse: &[f64], at: &Derivatives, n: usize, t: f64) -> (Vec<f64>, Vec<f64>) {
+    let negative = |m: &[f64]| product(inverse, m, n).iter().map(|x| -x).collect::<Vec<f64>>();
+    let (on_e, on_w) = (negative(&at.k), negative(&at.d));
+    // Columns of Tʲ/j! Aʲ, each state as (ε rows, w rows), for 2n unit states; then the integral on M⁻¹.
+    let wide = 2 * n;
+    let apply = |x: &[f64]| {
+        let mut out = vec![0.0; wide * wide];
+        for i in 0..n {
+            out[i * wide..(i + 1) * wide].copy_from_slice(&x[(n + i) * wide..(n + i + 1) * wide]);
+            for k in 0..n {
+                let (e, w) = (on_e[i * n + k], on_w[i * n + k]);
+                for c in 0..wide {
+                    out[(n + i) * wide + c] += e * x[k * wide + c] + w * x[(n + k) * wide + c];
+                }
+            }
+        }
+        out
+    };
+    let mut term = vec![0.0; wide * wide];
+    for i in 0..wide {
+        term[i * wide + i] = 1.0;
+    }
+    let mut step = term.clone();
+    let mut integral: Vec<f64> = term.iter().map(|x| x * t).collect();
+    for order in 1..=6_u8 {
+        let factor = t / f64::from(order);
+        term = apply(&term).iter().map(|x| x * factor).collect();
+        let last = t / f64::from(order + 1);
+        for i in 0..wide * wide {
+            step[i] += term[i];
+            integral[i] += term[i] * last;
+        }
+    }
+    let mut held = vec![0.0; wide * n];
+    for i in 0..wide {
+        for k in 0..n {
+            let factor = integral[i * wide + n + k];
+            for j in 0..n {
+                held[i * n + j] += factor * inverse[k * n + j];
+            }
+        }
+    }
+    (step, held)
+}

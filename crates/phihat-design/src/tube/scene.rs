@@ -1,0 +1,254 @@
+//! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
+
+use core::f64::consts::TAU;
+
+use phihat_model::{Body, Model, Sigmoid};
+use phihat_study::{PayloadSet, Push, Study};
+
+use super::controller::{JointLaw, Law};
+use super::{Desired, TubeRefusal};
+use crate::sampled::{LoopModel, LoopVelocity};
+use phihat_certificate::Gains;
+
+/// Velocity at which the simulator's Coulomb law reaches 1/√2 of its level \[rad/s\].
+pub(super) const COULOMB_VELOCITY: f64 = 1e-3;
+
+/// Smooth friction of one joint, and its interval of dry friction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Friction {
+    pub(super) viscous: f64,
+    pub(super) sigmoid: Option<Sigmoid>,
+    /// Least and largest Coulomb level \[N·m\].
+    pub(super) level: (f64, f64),
+    /// What the robot compensates by itself: share times its own friction.
+    pub(super) added: Option<AddedFriction>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AddedFriction {
+    pub(super) share: f64,
+    pub(super) own: phihat_model::Friction,
+}
+
+/// `v/√(v² + v_c²)`.
+pub(super) fn dry(v: f64) -> f64 {
+    v / (v * v + COULOMB_VELOCITY * COULOMB_VELOCITY).sqrt()
+}
+
+impl Friction {
+    pub(super) fn smooth(&self, v: f64) -> f64 {
+        self.viscous * v + self.sigmoid.map_or(0.0, |law| law.torque(v))
+    }
+
+    pub(super) fn slope(&self, v: f64) -> f64 {
+        self.viscous + self.sigmoid.map_or(0.0, |law| slope(&law, v))
+    }
+
+    /// Largest `|F''|` between two velocities.
+    pub(super) fn bend(&self, (low, high): (f64, f64)) -> f64 {
+        let of = |law: &Sigmoid, share: f64| share * bend(law, (low, high));
+        let own = self.sigmoid.map_or(0.0, |law| of(&law, 1.0));
+        own + self.added.map_or(0.0, |a| a.own.sigmoid.map_or(0.0, |law| of(&law, a.share)))
+    }
+}
+
+impl AddedFriction {
+    /// Without its Coulomb part.
+    pub(super) fn smooth(&self, v: f64) -> f64 {
+        self.share * (self.own.viscous * v + self.own.sigmoid.map_or(0.0, |law| law.torque(v)))
+    }
+
+    pub(super) fn slope(&self, v: f64) -> f64 {
+        self.share * (self.own.viscous + self.own.sigmoid.map_or(0.0, |law| slope(&law, v)))
+    }
+
+    pub(super) fn level(&self) -> f64 {
+        self.share * self.own.coulomb
+    }
+}
+
+fn logistic(law: &Sigmoid, v: f64) -> f64 {
+    1.0 / (1.0 + (-law.steepness_s_rad * (v + law.offset_rad_s)).exp())
+}
+
+fn slope(law: &Sigmoid, v: f64) -> f64 {
+    let z = logistic(law, v);
+    law.amplitude_nm * law.steepness_s_rad * z * (1.0 - z)
+}
+
+/// Largest `|σ''|` over an interval: `A s² |z(1 − z)(1 − 2z)|` peaks at `z = ½ ± 1/√12`.
+fn bend(law: &Sigmoid, (low, high): (f64, f64)) -> f64 {
+    let at = |z: f64| (z * (1.0 - z) * (1.0 - 2.0 * z)).abs();
+    let (a, b) = (logistic(law, low), logistic(law, high));
+    let (a, b) = (a.min(b), a.max(b));
+    let half = 1.0 / 12.0_f64.sqrt();
+    let mut most = at(a).max(at(b));
+    for peak in [0.5 - half, 0.5 + half] {
+        if a <= peak && peak <= b {
+            most = most.max(at(peak));
+        }
+    }
+    (law.amplitude_nm * law.steepness_s_rad * law.steepness_s_rad).abs() * most
+}
+
+/// Everything that does not change along the run.
+#[derive(Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) n: usize,
+    pub(super) period: f64,
+    pub(super) samples: usize,
+    pub(super) substeps: u32,
+    pub(super) names: Vec<String>,
+    pub(super) law: Law,
+    pub(super) friction: Vec<Friction>,
+    pub(super) pushes: &'a [Push],
+    pub(super) start: (Vec<f64>, Vec<f64>),
+    /// Largest error of a reading \[rad\].
+    pub(super) misread: Vec<f64>,
+    pub(super) measured_velocity: bool,
+    /// Torque limit, and largest change per sample.
+    pub(super) limits: Vec<(f64, f64)>,
+    /// The bare arm under gravity.
+    pub(super) bare: Model,
+    /// Whether the robot adds gravity of the bare arm.
+    pub(super) adds_gravity: bool,
+    pub(super) payload: Option<PayloadSet>,
+    pub(super) desired: &'a Desired,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(
+        study: &'a Study,
+        gains: &Gains,
+        desired: &'a Desired,
+    ) -> Result<Self, TubeRefusal> {
+        let n = study.robot.joints.len();
+        let (low, high) = &study.design.coulomb;
+        let period = study.control.period_ns as f64 * 1e-9;
+        let profile = &study.interface.profile;
+        if profile.torque_filter.is_some() {
+            return Err(TubeRefusal::Unsupported("profile.torque_filter_hz"));
+        }
+        for (there, key) in [
+            (study.supervisor.is_some(), "supervisor"),
+            (study.world.flexibility.is_some(), "world.flexibility"),
+            (study.world.stiction.is_some(), "world.stiction"),
+            (study.world.end_stops.is_some(), "world.end_stops"),
+            (!study.world.walls.is_empty(), "world.wall"),
+            (!study.world.forces.is_empty(), "world.push.force_n"),
+            (study.world.drive.is_some(), "world.drive"),
+            (!study.faults.is_empty(), "fault"),
+            (study.sensor.jitter > 0.0, "sensor.sample_jitter_s"),
+            (study.sensor.wrap, "sensor.wrap"),
+            (study.world.network.command.share > 0.0, "world.network.command_loss"),
+            (study.world.network.sample.share > 0.0, "world.network.sample_loss"),
+            (study.world.warm_up.0 != 1.0, "world.friction_cold_factor"),
+            (
+                study.world.payload.as_ref().is_some_and(|p| p.start > 0.0 || p.end.is_finite()),
+                "world.payload.start_s",
+            ),
+            (any(&study.sensor.position_noise), "sensor.position_noise_rad"),
+            (any(&study.sensor.velocity_noise), "sensor.velocity_noise_rad_s"),
+            (any(&study.sensor.torque_noise), "sensor.torque_noise_nm"),
+        ] {
+            if there {
+                return Err(TubeRefusal::Unsupported(key));
+            }
+        }
+        let bits = study.sensor.encoder_bits.as_ref();
+        let quantum = |i: usize| bits.map_or(0.0, |b| TAU / 2.0_f64.powi(b[i].cast_signed()));
+        let misread = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
+        let models: Vec<LoopModel> =
+            (0..n).map(|i| LoopModel::from_study(study, i).with_filter_of(gains, study)).collect();
+        let joints = gains.joints.iter().zip(&models);
+        let law = Law {
+            joints: joints.map(|(record, model)| JointLaw::new(record, *model)).collect(),
+            period,
+            starts_at_zero: study.interface.kept && profile.first_torque_max.is_some(),
+        };
+        let friction = |i: usize| {
+            let own = study.robot.joints[i].friction;
+            let acts = if study.world.robot_friction { own } else { Default::default() };
+            Friction {
+                viscous: acts.viscous + study.world.extra_viscous[i],
+                sigmoid: acts.sigmoid,
+                level: (low[i], high[i]),
+                added: (profile.adds_friction > 0.0)
+                    .then_some(AddedFriction { share: profile.adds_friction, own }),
+            }
+        };
+        let limit = |i: usize| {
+            let (torque, rate) = study.limits(i);
+            let rule = profile.torque_rate_max;
+            let rate = rate.into_iter().chain(rule).fold(f64::INFINITY, f64::min);
+            let clamp = study.robot.joints[i].torque_max.filter(|_| profile.clamps_torque);
+            let torque = torque.into_iter().chain(clamp).fold(f64::INFINITY, f64::min);
+            (torque, rate * period)
+        };
+        let start = match &study.world.start {
+            Some(start) => (start.q.clone(), start.dq.clone()),
+            None => (desired.q[..n].to_vec(), desired.dq[..n].to_vec()),
+        };
+        let samples = desired.q.len() / n;
+        if samples < 2 || desired.q.len() != samples * n {
+            return Err(TubeRefusal::Unsupported("a run of fewer than two samples"));
+        }
+        Ok(Self {
+            n,
+            period,
+            samples,
+            substeps: study.world.substeps.max(2),
+            names: study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
+            law,
+            friction: (0..n).map(friction).collect(),
+            pushes: &study.world.pushes,
+            start,
+            misread: (0..n).map(misread).collect(),
+            measured_velocity: models.iter().any(|m| m.velocity == LoopVelocity::Measured),
+            limits: (0..n).map(limit).collect(),
+            bare: study.robot.plant_model().with_gravity(study.world.gravity),
+            adds_gravity: profile.adds_gravity,
+            payload: Some(&study.design.payload).filter(|set| set.mass.1 > 0.0).cloned(),
+            desired,
+        })
+    }
+
+    /// The arm with a body on the payload's frame, `com` from the middle of the box.
+    pub(super) fn loaded(
+        &self,
+        mass: f64,
+        off: [f64; 3],
+        inertia: [f64; 6],
+    ) -> Result<Model, TubeRefusal> {
+        let Some(set) = &self.payload else { return Ok(self.bare.clone()) };
+        let middle = centre(set);
+        let com = core::array::from_fn(|i| middle[i] + off[i]);
+        let body = Body { mass, com, inertia };
+        let loaded = self.bare.clone().with_payload_on(&set.frame, &body);
+        loaded.map_err(|why| TubeRefusal::Payload(why.to_string()))
+    }
+
+    /// Torques of declared pushes at a time, as the simulator has them.
+    pub(super) fn push(&self, t: f64, tau: &mut [f64]) {
+        tau.fill(0.0);
+        for push in self.pushes {
+            if push.start <= t && t < push.start + push.duration {
+                tau[push.joint] += push.torque;
+            }
+        }
+    }
+}
+
+/// Middle of the centre of mass's box.
+pub(super) fn centre(set: &PayloadSet) -> [f64; 3] {
+    set.com.map(|(low, high)| 0.5 * (low + high))
+}
+
+/// Half widths of the box.
+pub(super) fn half(set: &PayloadSet) -> [f64; 3] {
+    set.com.map(|(low, high)| 0.5 * (high - low))
+}
+
+fn any(values: &[f64]) -> bool {
+    values.iter().any(|value| value.abs() > 0.0)
+}

@@ -1,0 +1,233 @@
+//! The range of an arm's inertia: its ends are found, and can be looked at again.
+//!
+//! Wrong if some posture lies far outside the range, or a witness does not show what it says.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
+
+use core::f64::consts::PI;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use nalgebra::DMatrix;
+use phihat_design::{Arm, ArmInertia, Unproved};
+use phihat_model::{Robot, Workspace};
+use phihat_study::Study;
+
+/// A planar chain of equal links, endless joints.
+fn chain(joints: usize) -> Study {
+    let mut urdf = String::from("<robot name=\"chain\">\n<link name=\"base\"/>\n");
+    for i in 0..joints {
+        let (parent, x) =
+            if i == 0 { ("base".to_owned(), 0.0) } else { (format!("l{}", i - 1), 0.3) };
+        let _ = write!(
+            urdf,
+            "<link name=\"l{i}\"><inertial><origin xyz=\"0.15 0 0\"/><mass value=\"1\"/>\
+             <inertia ixx=\"1e-4\" iyy=\"8e-3\" izz=\"8e-3\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n\
+             <joint name=\"j{i}\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"l{i}\"/>\
+             <origin xyz=\"{x} 0 0\"/><axis xyz=\"0 0 1\"/></joint>\n"
+        );
+    }
+    urdf += "</robot>\n";
+    let folder = std::env::temp_dir().join(format!("phihat_chain_{joints}_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("chain.urdf"), urdf).unwrap();
+    let study = read(
+        "duration_s = 2.0\n[robot]\nfile = \"chain.urdf\"\narmature_kg_m2 = 0.1\n[spec]\nerror_max_rad = 1e-3\n[design]\n[loop]\n\
+         torque_max_nm = \"none\"\n[reference]\nkind = \"hold\"\nq_rad = 0.3\n",
+        &folder,
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+    study
+}
+
+fn read(text: &str, base: &Path) -> Study {
+    Study::from_text(text, "range.toml", base).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn named(robot: &str, design: &str) -> Study {
+    let text = format!(
+        "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_max_rad = 1e-3\n[design]\n{design}\n\
+         [reference]\nkind = \"hold\"\npose = \"ready\"\n"
+    );
+    read(&text, Path::new(""))
+}
+
+fn eigenvalues(robot: &Robot, q: &[f64], nominal: &[f64]) -> (f64, f64) {
+    let (n, model) = (q.len(), robot.plant_model());
+    let mut m = vec![0.0; n * n];
+    model.mass_matrix(&mut Workspace::new(&model), q, &mut m);
+    let w = DMatrix::from_fn(n, n, |i, j| m[i * n + j] / (nominal[i] * nominal[j]).sqrt());
+    let all = w.symmetric_eigenvalues();
+    (all.min(), all.max())
+}
+
+fn replayed(study: &Study, range: &ArmInertia) {
+    let searched = range.searched.as_ref().unwrap();
+    let again = |w: &phihat_design::Witness| {
+        phihat_design::replay(w, &study.robot, &searched.frame, &range.nominal_kg_m2).unwrap()
+    };
+    assert!((again(&searched.low).0 / range.low - 1.0).abs() < 1e-9);
+    assert!((again(&searched.high).1 / range.high - 1.0).abs() < 1e-9);
+    for witness in [&searched.low, &searched.high] {
+        for (q, joint) in witness.q.iter().zip(&study.robot.joints) {
+            let (low, high) = joint.position.unwrap_or((-PI, PI));
+            assert!(*q >= low && *q <= high, "{} is outside {low} to {high}", q);
+        }
+    }
+}
+
+#[test]
+fn a_long_chain_is_found_stretched() {
+    for joints in [3, 12, 16] {
+        let study = chain(joints);
+        let range = Arm::of(&study).unwrap().against(vec![1.0; joints]).unwrap();
+        let (_, stretched) = eigenvalues(&study.robot, &vec![0.0; joints], &vec![1.0; joints]);
+        // All entries of M are largest there, and positive: so is its largest eigenvalue.
+        assert!(range.high <= stretched * (1.0 + 1e-9));
+        assert!(range.high > stretched * (1.0 - 1e-6), "{joints}: {} of {stretched}", range.high);
+        replayed(&study, &range);
+    }
+}
+
+#[test]
+fn no_posture_of_a_dense_sample_lies_outside() {
+    for (robot, joints) in [("planar3r", 3), ("panda", 7), ("ur5", 6)] {
+        let study = named(robot, "");
+        let arm = Arm::of(&study).unwrap();
+        let range = arm.against(arm.nominal()).unwrap();
+        replayed(&study, &range);
+        let mut random = 7_u64;
+        let mut unit = || {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        for _ in 0..20_000 {
+            let q: Vec<f64> = (0..joints)
+                .map(|j| {
+                    let (low, high) = study.robot.joints[j].position.unwrap_or((-PI, PI));
+                    low + (high - low) * unit()
+                })
+                .collect();
+            let (low, high) = eigenvalues(&study.robot, &q, &range.nominal_kg_m2);
+            assert!(low >= range.low * (1.0 - 1e-6), "{robot}: {low} below {}", range.low);
+            assert!(high <= range.high * (1.0 + 1e-6), "{robot}: {high} above {}", range.high);
+        }
+    }
+}
+
+#[test]
+fn every_payload_of_the_set_is_inside() {
+    let set = "payload_kg = [0.0, 2.0]\npayload_com_m = [[-0.05, 0.05], [0.0, 0.1], [0.0, 0.1]]\n\
+               payload_gyration_m = 0.05";
+    let study = named("panda", set);
+    let arm = Arm::of(&study).unwrap();
+    let range = arm.against(arm.nominal()).unwrap();
+    replayed(&study, &range);
+    let high = &range.searched.as_ref().unwrap().high;
+    assert!((high.mass_kg - 2.0).abs() < 1e-12);
+    let mut light = high.clone();
+    light.mass_kg = 1.0;
+    light.inertia_kg_m2 = [0.0; 6];
+    let frame = &study.design.payload.frame;
+    assert!(
+        phihat_design::replay(&light, &study.robot, frame, &range.nominal_kg_m2).unwrap().1
+            < range.high
+    );
+    let bare = named("panda", "");
+    let without = Arm::of(&bare).unwrap().against(range.nominal_kg_m2.clone()).unwrap();
+    assert!(without.high < range.high && (without.low / range.low - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn the_postures_of_the_reference_count() {
+    let study = named("panda", "");
+    let posture = study.robot.poses["ready"].clone();
+    let arm = Arm::of(&study).unwrap().along(&[posture]);
+    let range = arm.against(arm.nominal()).unwrap();
+    assert_eq!(range.searched.unwrap().of_reference, 1);
+}
+
+/// Proved to a factor, with nothing seen above; how many cells.
+fn proved(study: &Study, factor: f64, cells: u64) -> Result<u64, Unproved> {
+    let arm = Arm::of(study).unwrap();
+    let range = arm.against(arm.nominal()).unwrap();
+    let whole = arm.prove(&range, factor, &mut |progress| progress.cells < cells)?;
+    let proved = whole.searched.unwrap().proved.unwrap();
+    assert!((proved.high / (factor * range.high) - 1.0).abs() < 1e-12 && proved.low <= range.low);
+    Ok(proved.cells)
+}
+
+#[test]
+fn a_planar_arm_is_proved_to_a_tenth() {
+    let cells = proved(&named("planar3r", ""), 1.1, 100_000).unwrap();
+    assert!(cells < 50_000, "{cells}");
+    let set = "payload_kg = [0.0, 0.5]\npayload_com_m = [[-0.1, 0.1], [0.0, 0.1], [0.0, 0.0]]";
+    proved(&named("planar3r", set), 1.1, 100_000).unwrap();
+    proved(&chain(3), 1.1, 100_000).unwrap();
+}
+
+#[test]
+fn what_is_false_is_not_proved_and_what_is_stopped_says_how_far_it_came() {
+    let refused = proved(&named("planar3r", ""), 0.9, 100_000).unwrap_err();
+    let Unproved::Beyond { q, eigenvalue, limit } = refused else { panic!("{refused}") };
+    assert!(eigenvalue > limit && q.len() == 3);
+    let Err(Unproved::Stopped(progress)) = proved(&named("panda", ""), 1.5, 200) else {
+        panic!("200 cells are not enough");
+    };
+    assert!(progress.cells == 200 && progress.done < 1.0);
+}
+
+#[test]
+fn tmp_panda() {
+    let study = Study::read(Path::new("../../studies/panda_design.toml")).unwrap();
+    let arm = Arm::of(&study).unwrap();
+    let range = arm.against(arm.nominal()).unwrap();
+    for f in [1.5, 1.35, 1.25] {
+        let t = std::time::Instant::now();
+        let r = arm.prove(&range, f, &mut |p| {
+            if p.cells % 100000 == 0 {
+                println!("{p:?} {:?}", t.elapsed());
+            }
+            t.elapsed().as_secs() < 90
+        });
+        println!("{f} {:?} {:?}", r.map(|r| r.searched.unwrap().proved), t.elapsed());
+    }
+}
+
+#[test]
+fn tmp_time() {
+    let study = Study::read(Path::new("../../studies/panda_rate.toml")).unwrap();
+    for (com, e) in [(0.0, 1.7e-3), (0.05, 1.8e-3), (0.05, 2.0e-3), (0.0, 1.8e-3)] {
+        let text =
+            study.text.replace("com_m = [0.0, 0.0, 0.05]", &format!("com_m = [0.0, 0.0, {com}]"));
+        let mut study = read(&text, Path::new("../../studies"));
+        study.spec.error_max = Some(vec![e; 7]);
+        let demand = phihat_sim::Demand::along(&study).unwrap();
+        let arm = Arm::of(&study).unwrap();
+        let phi = |j: usize, m: f64| {
+            let p = demand.phi(j, m);
+            let (a, jk) = demand.motion(j);
+            phihat_design::Phi {
+                basis: phihat_design::PhiBasis::Reference,
+                source: String::new(),
+                size_nm: Some(p.size),
+                rate_nm_s: p.rate,
+                jump_nm: p.jump,
+                motion: Some(phihat_design::Motion {
+                    velocity_rad_s: demand.velocity(j),
+                    acceleration_rad_s2: a,
+                    jerk_rad_s3: jk,
+                }),
+            }
+        };
+        match phihat_design::design(&study, &arm, &phi).unwrap() {
+            phihat_design::Outcome::Designed(g) => {
+                println!("{com} {e} ok {:?}", g.certificate.map(|c| (c.arm.low, c.arm.high)))
+            }
+            phihat_design::Outcome::Infeasible(i) => println!("{com} {e} {:?}", i.clauses),
+            _ => {}
+        }
+    }
+}
