@@ -1,7 +1,8 @@
 //! What a certificate claims of a run, as bounds for every joint and time, and whether a run keeps them.
 
-use phihat_design::{Gains, LeftOut};
-use phihat_sim::{JointTrace, Outcome};
+use phihat_design::Gains;
+use phihat_design::tube::{self, Desired};
+use phihat_sim::{JointTrace, Motion, Outcome};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,10 @@ pub struct JointClaim {
     pub error: Vec<(f64, f64)>,
     /// Least and largest velocity error \[rad/s\].
     pub velocity: Vec<(f64, f64)>,
+    /// Largest torque commanded \[N·m\]; empty: not claimed.
+    pub torque: Vec<f64>,
+    /// Largest change of it from one sample to the next \[N·m\].
+    pub step: Vec<f64>,
 }
 
 /// What gains claim about the study that they were designed for; else why they claim nothing.
@@ -44,23 +49,23 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, String> {
     if let Some(refused) = certificate.refused() {
         return Err(format!("refused: {refused}"));
     }
-    if let Some(out) = certificate.not_counted.first() {
-        let (LeftOut::Bounds | LeftOut::BoundsAndStability) = out.claims;
-        return Err(format!("not counted: {}", out.key));
-    }
-    let joints = certificate.joints.iter().map(|joint| {
-        let bounds = joint.bounds.as_ref().ok_or("no bounds")?;
-        let (e, v) = (bounds.error_rad, bounds.velocity_error_rad_s);
-        Ok(JointClaim {
-            name: joint.name.clone(),
-            from_s: study.spec.settle,
-            bin_s: None,
-            error: vec![(-e, e)],
-            velocity: vec![(-v, v)],
-        })
+    let mut study = study.clone();
+    gains.give_filter(&mut study).map_err(|e| e.to_string())?;
+    let motion = Motion::new(&study.reference, &study.robot, study.duration);
+    let motion = motion.map_err(|e| e.to_string())?;
+    let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
+    let tube = tube::find(&study, gains, &desired).map_err(|why| format!("tube: {why}"))?;
+    let tube_bin = tube.bin_s;
+    let joints = gains.joints.iter().zip(tube.joints).map(|(joint, tube)| JointClaim {
+        name: joint.name.clone(),
+        from_s: 0.0,
+        bin_s: Some(tube_bin),
+        error: tube.error,
+        velocity: tube.velocity,
+        torque: tube.torque,
+        step: tube.step,
     });
-    let joints = joints.collect::<Result<_, String>>()?;
-    Ok(Claim { joints, settle_s: study.spec.settle, limits_silent: false })
+    Ok(Claim { joints: joints.collect(), settle_s: study.spec.settle, limits_silent: true })
 }
 
 /// One joint of one run against a claim.
@@ -138,14 +143,22 @@ pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
     }
     let t: Vec<f64> = trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
     for (joint, claimed) in trace.joints.iter().zip(&claim.joints) {
-        let signals = [("e", &joint.e, &claimed.error), ("de", &joint.de, &claimed.velocity)];
-        for (signal, values, bounds) in signals {
+        let around = |sizes: &[f64]| sizes.iter().map(|x| (-x, *x)).collect::<Vec<_>>();
+        let before = core::iter::once(&0.0).chain(&joint.tau_command);
+        let step: Vec<f64> = joint.tau_command.iter().zip(before).map(|(a, b)| a - b).collect();
+        let signals = [
+            ("e", &joint.e, claimed.error.clone()),
+            ("de", &joint.de, claimed.velocity.clone()),
+            ("torque", &joint.tau_command, around(&claimed.torque)),
+            ("torque step", &step, around(&claimed.step)),
+        ];
+        for (signal, values, bounds) in &signals {
             let Some(worst) = furthest(&t, values, claimed, bounds) else { continue };
             if worst.ratio > 1.0 + ROUNDING && !found.outside {
                 let named = violation(&joint.name, signal, worst.t_s);
                 found.violations.push(Violation { run: named.run, joint: named.joint, ..worst });
                 if let Some(last) = found.violations.last_mut() {
-                    signal.clone_into(&mut last.signal);
+                    (*signal).clone_into(&mut last.signal);
                 }
             }
         }

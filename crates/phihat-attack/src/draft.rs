@@ -76,7 +76,7 @@ pub struct Draft {
 }
 
 /// Whether studies may state a set of payloads and an interval of dry friction.
-pub const RANGES: bool = false;
+pub const RANGES: bool = true;
 
 impl Draft {
     /// Text of the study, in some world.
