@@ -1,6 +1,7 @@
 //! What a design may know of an arm from its reference alone.
 
-use phihat_design::{Arm, ArmError, Motion, Phi, PhiBasis};
+use phihat_design::coupled::coupled;
+use phihat_design::{Arm, ArmError, CoupledGains, Gains, Motion, Phi, PhiBasis};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -29,6 +30,27 @@ fn postures(motion: &phihat_sim::Motion, study: &Study) -> Vec<Vec<f64>> {
         (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
     };
     (0..POSTURES).map(at).collect()
+}
+
+/// Postures of a reference at which coupled gains are looked at.
+const FROZEN: u32 = 8;
+
+/// Coupled gains of designed gains, over postures of the study's reference and others; see [`coupled`].
+///
+/// # Errors
+///
+/// The [`Refutation`](phihat_design::claims::Refutation) of a posture at which the loop is not stable.
+pub fn coupled_along(
+    study: &Study,
+    gains: &Gains,
+) -> Result<Option<CoupledGains>, phihat_design::claims::Refutation> {
+    let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
+    let posture = |motion: &phihat_sim::Motion, k: u32| -> Vec<f64> {
+        let t = study.duration * f64::from(k) / f64::from(FROZEN);
+        (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
+    };
+    let along = motion.map(|motion| (0..FROZEN).map(|k| posture(&motion, k)).collect::<Vec<_>>());
+    coupled(study, gains, &along.unwrap_or_default())
 }
 
 /// How a joint's reference moves.

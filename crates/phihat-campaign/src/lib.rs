@@ -21,7 +21,9 @@ mod hash;
 mod journal;
 pub mod reproduce;
 mod runner;
+mod typed_phi;
 
-pub use along::{arm_along, motion_along, phi_along};
+pub use along::{arm_along, coupled_along, motion_along, phi_along};
 pub use journal::{Journal, JournalError};
 pub use runner::{Ended, Progress, run_all};
+pub use typed_phi::typed_phi_holds;

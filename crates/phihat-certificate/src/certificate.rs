@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ArmInertia, Attenuation, Bounds, InertiaWindow, Iss, LargestStep, LoopModel, Margins, NormH,
-    NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError, ReferenceError, Refutation,
-    SampledPeaks, SampledVarying, TorqueNoise, VaryingWindow,
+    ArmInertia, Attenuation, Bounds, CoupledGains, InertiaWindow, Iss, LargestStep, LoopModel,
+    Margins, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
+    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
+    VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -20,9 +21,22 @@ pub struct Certificate {
     pub duration_s: f64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointCertificate>,
+    /// How far a push on one joint moves every joint, at frozen postures; `None` where no model of the arm is known, or the loop
+    /// does not hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupled: Option<CoupledGains>,
     /// What the study has and the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
+    /// An envelope of the study's run from its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube: Option<Tube>,
+    /// Why there is no tube.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_refused: Option<String>,
+    /// When the steady part begins, and why then; `None`: not told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle: Option<Settle>,
 }
 
 /// The claims about one joint.

@@ -32,6 +32,12 @@ impl Certificate {
             joint.verify(record, self, told).map_err(|why| why.on(&joint.name))?;
             checked.push(joint);
         }
+        if let Some(coupled) = &self.coupled {
+            let whole = self.refused().is_none();
+            Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;
+            let models = self.joints.iter().map(|joint| &joint.model);
+            coupled.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
+        }
         self.refused().map_or(Ok(()), Err)
     }
 

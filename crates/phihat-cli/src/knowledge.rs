@@ -4,8 +4,10 @@ use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::{arm_along, motion_along, phi_along};
-use phihat_design::{Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia};
+use phihat_campaign::{arm_along, coupled_along, motion_along, phi_along, typed_phi_holds};
+use phihat_design::{
+    Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia, typed_inertia_holds,
+};
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
 
@@ -16,6 +18,7 @@ const DOUBLINGS: u32 = 12;
 
 /// The arm, from whatever the study knows it by.
 pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
+    typed_inertia_holds(study).map_err(|e| Failure::at(path, e))?;
     let InertiaSource::Trace(file) = &study.design.inertia else {
         return arm_along(study).map_err(|e| Failure::at(path, e));
     };
@@ -40,15 +43,21 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
-    match &study.design.phi {
-        PhiSource::Typed { rate, jump } => made(study, &|joint, _| Phi {
-            basis: PhiBasis::Typed,
-            source: "typed in the study".to_owned(),
-            size_nm: None,
-            rate_nm_s: rate[joint],
-            jump_nm: jump[joint],
-            motion: None,
-        }),
+    let outcome = match &study.design.phi {
+        PhiSource::Typed { rate, jump } => {
+            let typed = made(study, &|joint, _| Phi {
+                basis: PhiBasis::Typed,
+                source: "typed in the study".to_owned(),
+                size_nm: None,
+                rate_nm_s: rate[joint],
+                jump_nm: jump[joint],
+                motion: None,
+            })?;
+            if let Outcome::Designed(gains) = &typed {
+                typed_phi_holds(study, &demand, gains).map_err(|e| Failure::at(path, e))?;
+            }
+            Ok(typed)
+        }
         PhiSource::Trace(file) => {
             let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -60,7 +69,19 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         }
         PhiSource::Simulation => simulated(study, &demand, &made),
         PhiSource::Reference => made(study, &|joint, inertia| phi_along(&demand, joint, inertia)),
+    };
+    with_coupled(study, outcome?, path)
+}
+
+/// Adds to designed gains how far a push on one joint moves every joint.
+fn with_coupled(study: &Study, mut outcome: Outcome, path: &Path) -> Result<Outcome, Failure> {
+    if let Outcome::Designed(gains) = &mut outcome {
+        let coupled = coupled_along(study, gains).map_err(|e| Failure::at(path, e))?;
+        if let Some(certificate) = &mut gains.certificate {
+            certificate.coupled = coupled;
+        }
     }
+    Ok(outcome)
 }
 
 type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome, Failure>;

@@ -48,8 +48,9 @@ pub use crate::reproduce::reproduction;
 #[command(
     name = "phihat",
     version,
-    after_help = "Exit codes: 0 done and within spec · 1 done, but a bound was exceeded or the run \
-                  diverged · 2 the input cannot be used.\n\nExample:\n  phihat run studies/first.toml"
+    after_help = "Exit codes: 0 done and within spec, also where a torque limit acted (the verdict then says \
+                  so) · 1 done, but a bound was exceeded, the run diverged, or it left a tube that its \
+                  certificate promised · 2 the input cannot be used.\n\nExample:\n  phihat run studies/first.toml"
 )]
 struct Arguments {
     #[command(subcommand)]

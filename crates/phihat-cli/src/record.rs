@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
-use phihat_report::{Record, RunInfo};
+use phihat_report::{Record, RunInfo, TubeRun, limits_acted};
 use phihat_sim::{Abort, Divergence, Metrics, Simulation, Trace};
 use phihat_study::{LawForm, Study};
 use serde_json::json;
@@ -122,6 +122,7 @@ impl Session {
             command += " --uncertified";
             warnings.push(format!("run uncertified: {why}"));
         }
+        settle(&mut study, &chosen);
         let forecast = phihat_sim::forecast(&study).map_err(|e| Failure::at(path, e))?;
         warnings.extend(forecast.into_iter().map(|line| format!("forecast: {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| Failure::at(path, e))?;
@@ -193,7 +194,7 @@ impl Done {
         files::write(&at("study.toml"), &self.study.text)?;
         files::write(&at("gains.json"), &self.gains.to_json().map_err(Failure::plain)?)?;
         files::write(&at("run.json"), &pretty(&json!(self.run)))?;
-        files::write(&at("metrics.json"), &pretty(&json!(self.metrics)))?;
+        files::write(&at("metrics.json"), &pretty(&self.figures()))?;
         let trace = at("trace.csv");
         files::write_with(&trace, |file| {
             self.trace.write_csv(file).map_err(|e| Failure::at(&trace, e))
@@ -203,6 +204,43 @@ impl Done {
             self.trace.write_parquet(file).map_err(|e| Failure::at(&at("trace.parquet"), e))
         })?;
         Ok(())
+    }
+
+    /// The figures of the run: its metrics, and under `tube` the run beside the tube that its gains carry.
+    pub fn figures(&self) -> serde_json::Value {
+        let mut figures = json!(self.metrics);
+        if let Some(run) = self.tube() {
+            figures["tube"] = json!(run);
+        }
+        figures
+    }
+
+    /// The run beside the tube that its gains carry.
+    pub fn tube(&self) -> Option<TubeRun> {
+        TubeRun::of(&self.record())
+    }
+
+    /// Whether the run came to its end, kept every bound, and no promise about it is broken.
+    pub fn good(&self) -> bool {
+        let ended = self.divergence.is_none() && self.abort.is_none();
+        ended && self.metrics.within_spec && self.tube().is_none_or(|run| run.broken().is_none())
+    }
+
+    /// The verdict as one word.
+    fn verdict(&self) -> &'static str {
+        if self.tube().is_some_and(|run| run.broken().is_some()) {
+            "certificate_broken"
+        } else if self.divergence.is_some() {
+            "diverged"
+        } else if self.abort.is_some() {
+            "stopped"
+        } else if !self.metrics.within_spec {
+            "outside_spec"
+        } else if self.metrics.limited_steady_share > 0.0 {
+            "within_spec_limited"
+        } else {
+            "within_spec"
+        }
     }
 
     /// Tells what came out; the exit code says whether it is within spec.
@@ -218,12 +256,17 @@ impl Done {
                 "report": report,
                 "diverged": diverged,
                 "stopped": stopped,
-                "metrics": self.metrics,
+                "verdict": self.verdict(),
+                "limited": limits_acted(&self.metrics),
+                "metrics": self.figures(),
             });
             println!("{document:#}");
         } else {
             println!("{} · {}", self.study.name, self.study.title);
             println!("{}", table::metrics(&self.metrics));
+            if let Some(run) = self.tube() {
+                println!("{}", table::tube(&run));
+            }
             match &self.abort {
                 Some(abort) => println!("{}", table::abort(abort)),
                 None => println!("{}", table::verdict(&self.metrics, self.divergence.as_ref())),
@@ -233,8 +276,16 @@ impl Done {
                 None => println!("trace: {}", folder.join("trace.csv").display()),
             }
         }
-        let good = self.divergence.is_none() && self.abort.is_none() && self.metrics.within_spec;
-        if good { ExitCode::SUCCESS } else { ExitCode::from(1) }
+        if self.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
+    }
+}
+
+/// The steady part begins when the certificate of this study says, where the study does not say it.
+pub(crate) fn settle(study: &mut Study, gains: &Gains) {
+    let certificate = gains.certificate.as_ref().filter(|_| gains.study_sha256 == study.sha256);
+    let found = certificate.and_then(|certificate| certificate.settle);
+    if let Some(found) = found.filter(|_| !study.spec.settle_stated) {
+        study.spec.settle = found.settle_s;
     }
 }
 

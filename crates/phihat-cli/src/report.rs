@@ -12,6 +12,7 @@ use phihat_study::Study;
 
 use crate::failure::Failure;
 use crate::files;
+use crate::record::settle;
 
 /// Make the report of a recorded trace again.
 ///
@@ -43,7 +44,8 @@ impl Report {
         let gains_path = beside("gains.json");
         let gains = Gains::from_json(&files::read(&gains_path)?)
             .map_err(|e| Failure::at(&gains_path, e))?;
-        let study = Study::read(&beside("study.toml")).map_err(|e| Failure::study(&e))?;
+        let mut study = Study::read(&beside("study.toml")).map_err(|e| Failure::study(&e))?;
+        settle(&mut study, &gains);
         let metrics = Metrics::of(&trace, &study);
         let record = Record {
             run: &run,

@@ -142,3 +142,60 @@ fn knowledge_from_a_simulation_and_from_a_trace_is_named_in_the_certificate() {
     assert_eq!(answer.code, 2);
     assert!(answer.err.contains("nowhere.csv: cannot be read"), "{}", answer.err);
 }
+
+#[test]
+fn what_is_typed_must_hold_what_the_robots_own_model_says() {
+    let folder = folder("typed");
+    let study = |design: &str| {
+        format!(
+            "duration_s = 3.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint3 = 0.5 }}\n[spec]\nerror_max_rad = 0.1\n\
+             [design]\n{design}\n[sensor]\nencoder_bits = 18\n[world]\ncoulomb_extra_nm = 0.1\n[reference]\n\
+             kind = \"sines\"\ncenter_rad = 0.3\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n\
+             phase_rad = 0.0\n"
+        )
+    };
+    let refusal = |design: &str| {
+        fs::write(folder.join("typed.toml"), study(design)).unwrap();
+        let answer = phihat(&folder, &["design", "typed.toml"]);
+        (answer.code, format!("{}{}", answer.out, answer.err))
+    };
+    let inertia =
+        |low: f64, high: f64| format!("inertia_low_kg_m2 = {low}\ninertia_high_kg_m2 = {high}");
+    let (code, text) = refusal(&inertia(0.5, 5.0));
+    assert_eq!(code, 2, "{text}");
+    for word in
+        ["design.inertia_low_kg_m2 of joint joint2: 0.5 kg·m² is typed", "kg·m² (the smallest"]
+    {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    let (code, text) = refusal(&inertia(0.01, 0.3));
+    assert_eq!(code, 2, "{text}");
+    assert!(
+        text.contains("design.inertia_high_kg_m2 of joint joint1: 0.3 kg·m² is typed"),
+        "{text}"
+    );
+    // Each joint's own range holds, the coupled arm's does not.
+    let own = phihat(&folder, &["robots", "planar3r", "--json"]).out;
+    assert!(!own.is_empty());
+    let (code, text) = refusal(&inertia(0.01, 0.85));
+    assert_eq!(code, 2, "{text}");
+    assert!(
+        text.contains("largest eigenvalue, with its payloads, measured in the typed high ends"),
+        "{text}"
+    );
+    let (code, text) = refusal(&inertia(0.05, 3.0));
+    assert_eq!(code, 0, "{text}");
+    let phi =
+        |rate: f64, jump: f64| format!("phi_rate_max_nm_s = {rate}\nphi_jump_max_nm = {jump}");
+    let (code, text) = refusal(&phi(100.0, 0.05));
+    assert_eq!(code, 2, "{text}");
+    assert!(text.contains("design.phi_jump_max_nm of joint joint1: 0.05 N·m is typed"), "{text}");
+    let (code, text) = refusal(&phi(0.5, 1.0));
+    assert_eq!(code, 2, "{text}");
+    assert!(
+        text.contains("design.phi_rate_max_nm_s of joint joint1: 0.5 N·m/s is typed"),
+        "{text}"
+    );
+    let (code, text) = refusal(&phi(60.0, 1.0));
+    assert_eq!(code, 0, "{text}");
+}

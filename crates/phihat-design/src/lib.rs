@@ -11,6 +11,8 @@
 mod arm;
 mod certificate;
 pub mod claims;
+mod contradiction;
+pub mod coupled;
 mod designer;
 pub mod export;
 pub mod prelude;
@@ -23,11 +25,13 @@ pub mod tube;
 
 pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
 pub use certificate::arm_inside_window;
+pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, FORMAT, Gains, GainsError, JointCertificate,
-    JointRecord, LeftOut, Motion, NotCounted, Phi, PhiBasis, Proved, Searched, TradeOff, VERSION,
-    Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
+    Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left, LeftOut, Motion,
+    NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle, SettleFrom,
+    TradeOff, Tube, TubeJoint, TubeKept, VERSION, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

@@ -6,6 +6,7 @@ pub use crate::claims::h_infinity::FindNorm;
 pub use crate::claims::iss::FindIss;
 pub use crate::claims::optimality::FindOptimality;
 pub use crate::claims::performance::{FindPaperRadius, FindPeakGains};
+pub use crate::coupled::FindCoupledGains;
 pub use crate::sampled::{
     FindMargins, FindNoise, FindReadingError, FindReferenceError, FindSampledPeaks,
     FindSampledVarying, FindStep, FindVarying, FindWindow,

@@ -127,6 +127,42 @@ fn the_torque_rate_limit_is_a_clause() {
 }
 
 #[test]
+fn the_robots_own_rule_is_a_clause_and_is_kept() {
+    let (arm, center, payload) = ARMS[0];
+    let mut study = study(arm, center, payload, 4e-3);
+    let free = gains(&study);
+    let period = study.control.period_ns as f64 * 1e-9;
+    let change = |gains: &Gains| {
+        let joints = &gains.certificate.as_ref().unwrap().joints;
+        joints.iter().map(|j| j.noise.as_ref().unwrap().change_max_nm).fold(0.0, f64::max)
+    };
+    // Not the study's limit but the interface's, which the controller keeps.
+    assert!(study.control.torque_rate_max.is_none());
+    let rule = 0.9 * change(&free) / period;
+    study.interface.profile.torque_rate_max = Some(rule);
+    match designed(&study) {
+        Outcome::Designed(gains) => {
+            let joints = &gains.certificate.as_ref().unwrap().joints;
+            assert!(change(&gains) < rule * period, "{} {rule}", change(&gains));
+            assert!(joints.iter().all(|joint| joint.limits.1 == Some(rule)), "in the certificate");
+        }
+        Outcome::Infeasible(no) => {
+            assert!(no.clauses.iter().any(|c| c.key == "profile.torque_rate_max_nm_s"), "{no:?}");
+        }
+        _ => panic!("another outcome"),
+    }
+    study.interface.profile.torque_rate_max = Some(rule / 100.0);
+    let Outcome::Infeasible(no) = designed(&study) else { panic!("too quiet to be possible") };
+    let clause = no.clauses.iter().find(|c| c.key == "profile.torque_rate_max_nm_s").unwrap();
+    assert!(clause.wanted < clause.possible.unwrap());
+    // A controller that does not keep the rule is not limited by it, and the claims say so.
+    study.interface.kept = false;
+    assert!(matches!(designed(&study), Outcome::Designed(_)));
+    let told = phihat_design::NotCounted::of(&study);
+    assert!(told.iter().any(|one| one.key == "profile.controller_keeps"), "{told:?}");
+}
+
+#[test]
 fn a_design_is_the_same_every_time_and_survives_its_file() {
     let (arm, center, payload) = ARMS[0];
     let study = study(arm, center, payload, 2e-3);

@@ -137,12 +137,12 @@ impl Trace {
     /// The figures of the run, as in metrics.json.
     #[getter]
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        json::to_python(py, &self.done.metrics)
+        json::to_python(py, &self.done.figures())
     }
     /// Whether every bound of the study held, and the run came to its end.
     #[getter]
     fn within_spec(&self) -> bool {
-        self.done.divergence.is_none() && self.done.metrics.within_spec
+        self.done.good()
     }
     /// When [s] and at which joint the run diverged; None if it did not.
     #[getter]

@@ -63,11 +63,32 @@
     c.restore();
   }
 
+  // The tube around the first curve: steps, shaded.
+  function drawTube(u, c, panel) {
+    if (!panel.tube) return;
+    const [t, low, high] = panel.tube;
+    c.fillStyle = ink("--tube");
+    c.beginPath();
+    const to = (k, y) => c.lineTo(u.valToPos(t[k], "x", true), u.valToPos(y, "y", true));
+    high.forEach((y, k) => { to(k, y); to(k + 1, y); });
+    for (let k = low.length - 1; k >= 0; k -= 1) { to(k + 1, low[k]); to(k, low[k]); }
+    c.fill();
+  }
+
+  // Least and largest of the tube within what is seen.
+  function tubeSpan(u, panel) {
+    const [t, low, high] = panel.tube ?? [[], [], []];
+    const { min, max } = u.scales.x;
+    const seen = (_, k) => min == null || (t[k + 1] > min && t[k] < max);
+    return [...low.filter(seen), ...high.filter(seen)];
+  }
+
   function drawTimeBounds(u, chart, panel) {
     const { min: x0, max: x1 } = u.scales.x;
     const { min: y0, max: y1 } = u.scales.y;
     if (x0 == null || y0 == null) return;
     clipped(u, (c) => {
+      drawTube(u, c, panel);
       if (panel.bound != null) {
         const from = chart.bound_after_settle ? Math.max(x0, data.settle_s) : x0;
         if (from < x1) {
@@ -117,6 +138,7 @@
       let ends = low == null ? [] : [low, high];
       const visible = !chart.bound_after_settle || u.scales.x.max == null || u.scales.x.max > data.settle_s;
       if (boundsBox.checked && panel.bound != null && visible) ends = [...ends, panel.bound, -panel.bound];
+      if (boundsBox.checked) ends = [...ends, ...tubeSpan(u, panel)];
       return widened(span(ends));
     };
     const curves = chart.curves.map((curve, i) => ({
@@ -226,10 +248,11 @@
 
   function subtitle(chart, panel) {
     const span = chart.phase ? `from the start to ${show(data.settle_s)} s; ` : "";
-    if (panel.bound == null) return chart.bound_label ? `${span}no ${chart.bound_label} stated` : "";
+    const tube = panel.tube ? "shaded: its tube; " : "";
+    if (panel.bound == null) return chart.bound_label ? `${span}${tube}no ${chart.bound_label} stated` : "";
     const when = chart.bound_after_settle && !chart.phase ? ` from ${show(data.settle_s)} s on` : "";
     const unit = chart.curves[0].unit;
-    return `${span}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
+    return `${span}${tube}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
   }
 
   function card(chart, joint, title, grid) {

@@ -4,6 +4,7 @@ use crate::figure::claim_figures;
 use crate::number::{number, stated};
 use crate::record::Record;
 use crate::text::line;
+use crate::tube::tube;
 use maud::{Markup, PreEscaped, html};
 use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;
@@ -33,10 +34,12 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                     @match one.claims {
                         LeftOut::Bounds => "not in the bounds",
                         LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
+                        LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
                     }
                 }
             } }
         }
+        (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
         @for figure in claim_figures(record) {

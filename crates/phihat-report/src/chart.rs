@@ -1,6 +1,8 @@
 //! The charts of a run: which quantity, in which unit, against which bound.
 
+use crate::band::{self, Band, Ends};
 use crate::record::Seen;
+use phihat_design::Tube;
 use phihat_sim::{JointMetrics, JointTrace};
 
 /// Beyond this a sample is drawn as a gap: the run has diverged, and no axis helps.
@@ -38,6 +40,8 @@ pub(crate) struct Panel {
     pub joint: String,
     pub curves: Vec<Vec<f64>>,
     pub bound: Option<f64>,
+    /// The tube that the first curve is in.
+    pub tube: Option<Band>,
 }
 
 /// One quantity of all joints.
@@ -74,7 +78,7 @@ pub(crate) fn charts(record: &Seen<'_>) -> Vec<Chart> {
     if joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()) {
         charts.push(error_integral(record));
     }
-    if joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some()) {
+    if record.tube.is_some() || joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some()) {
         charts.push(velocity_error(record));
     }
     charts.extend([torque(record), unknown_dynamics(record), phase(record), torque_step(record)]);
@@ -98,13 +102,20 @@ fn tracking(record: &Seen<'_>) -> Chart {
 fn error(record: &Seen<'_>) -> Chart {
     Chart {
         stem: "error",
-        title: "Error e = q − q_d against its bound",
+        title: match record.tube {
+            Some(_) => "Error e = q − q_d in its tube (shaded), against its bound",
+            None => "Error e = q − q_d against its bound",
+        },
         x_label: TIME,
         y_label: "error e [mrad]",
         plane: Plane::Time,
         curves: vec![curve("e", "mrad", false)],
         bound: SPEC,
-        panels: panels(record, 1e3, |j| vec![j.e.clone()], |m| m.error_spec_rad),
+        panels: tubed(
+            panels(record, 1e3, |j| vec![j.e.clone()], |m| m.error_spec_rad),
+            (record, 1e3),
+            band::error,
+        ),
     }
 }
 
@@ -126,13 +137,20 @@ fn velocity_error(record: &Seen<'_>) -> Chart {
     let bound: BoundOf = |m| m.velocity_error_spec_rad_s;
     Chart {
         stem: "velocity-error",
-        title: "Velocity error ė against its bound",
+        title: match record.tube {
+            Some(_) => "Velocity error ė in its tube (shaded), against its bound",
+            None => "Velocity error ė against its bound",
+        },
         x_label: TIME,
         y_label: "ė [mrad/s]",
         plane: Plane::Time,
         curves: vec![curve("ė", "mrad/s", false)],
         bound: SPEC,
-        panels: panels(record, 1e3, |j| vec![j.de.clone()], bound),
+        panels: tubed(
+            panels(record, 1e3, |j| vec![j.de.clone()], bound),
+            (record, 1e3),
+            band::velocity,
+        ),
     }
 }
 
@@ -202,8 +220,19 @@ fn panels(record: &Seen<'_>, scale: f64, columns: Columns, bound: BoundOf) -> Ve
         joint: crate::text::line(&joint.name),
         curves: columns(joint).iter().map(|c| drawable(c, samples, scale)).collect(),
         bound: record.metrics.joints.get(j).and_then(bound).map(|b| scale * b),
+        tube: None,
     };
     record.trace.joints.iter().enumerate().map(panel).collect()
+}
+
+/// The same panels with the tube around their first curve.
+fn tubed(mut panels: Vec<Panel>, (record, scale): (&Seen<'_>, f64), ends: Ends) -> Vec<Panel> {
+    for (j, panel) in panels.iter_mut().enumerate() {
+        let joint =
+            |tube: &Tube| tube.joints.get(j).map(|joint| Band::of(tube, joint, ends, scale));
+        panel.tube = record.tube.and_then(joint);
+    }
+    panels
 }
 
 /// Exactly `samples` values; NaN where there is nothing to draw.

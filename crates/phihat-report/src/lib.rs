@@ -14,12 +14,14 @@
 //! proved about the gains stands in their certificate, which the page repeats and does not check.
 #![forbid(unsafe_code)]
 
+mod band;
 mod certificate;
 mod chart;
 mod comparison;
 mod decimate;
 mod faults;
 mod figure;
+mod limited;
 mod number;
 mod page;
 mod payload;
@@ -30,6 +32,7 @@ mod sections;
 mod supervision;
 mod table;
 mod text;
+mod tube;
 mod verdict;
 
 pub use comparison::{
@@ -38,6 +41,8 @@ pub use comparison::{
 };
 pub use faults::faults_page;
 pub use figure::{Figure, figures, reproduction_figures};
+pub use limited::limits_acted;
 pub use page::page;
 pub use record::{Record, RunInfo};
 pub use reproduction::reproduction_page;
+pub use tube::TubeRun;

@@ -9,6 +9,7 @@ use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;
 use crate::text::line;
+use crate::tube::TubeRun;
 use crate::verdict::{Verdict, verdict};
 use crate::{sections, table};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -75,7 +76,7 @@ fn heading(record: &Record<'_>) -> Markup {
                 " · " (line(&run.form)) " form at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 " · simulated"
             }
-            (verdict_box(&verdict(record.metrics)))
+            (verdict_box(&verdict(record.metrics, TubeRun::of(record).as_ref())))
         }
     }
 }
@@ -94,6 +95,16 @@ fn verdict_box(verdict: &Verdict) -> Markup {
         },
         Verdict::Within { joints, closest } => p.verdict.within {
             strong { "Within spec on all " (joints) " joints." } " Nearest to a bound: " (closest) "."
+        },
+        Verdict::Limited { joints, closest, limited } => div.verdict.limited {
+            p {
+                strong { "Within spec" @if *joints > 1 { " on all " (joints) " joints" } ", but " } (limited)
+                "."
+            }
+            p { "Nearest to a bound: " (closest) "." }
+        },
+        Verdict::Broken { sentence } => p.verdict.outside {
+            strong { "Outside its tube:" } " " (sentence) "."
         },
         Verdict::Outside { joints, broken } => div.verdict.outside {
             p { strong { "Outside spec on " (broken.len()) " of " (joints)

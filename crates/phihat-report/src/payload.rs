@@ -41,6 +41,9 @@ struct CurveData {
 #[derive(Serialize)]
 struct PanelData {
     bound: Option<f64>,
+    /// Steps of the tube: times (one more), least, largest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tube: Option<[Vec<f64>; 3]>,
     t: Vec<f64>,
     y: Vec<Vec<f64>>,
 }
@@ -76,6 +79,7 @@ fn chart_data(chart: &Chart, t: &[f64], settle: usize) -> ChartData {
         let take = |values: &[f64]| indices.iter().map(|&k| rounded(values[k])).collect();
         PanelData {
             bound: panel.bound.map(rounded),
+            tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
             t: indices.iter().map(|&k| (t[k] * 1e9).round() / 1e9).collect(),
             y: panel.curves.iter().map(|c| take(c)).collect(),
         }

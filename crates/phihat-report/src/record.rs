@@ -1,6 +1,6 @@
 //! What a page is made from.
 
-use phihat_design::Gains;
+use phihat_design::{Gains, Tube};
 use phihat_sim::{Metrics, Trace};
 use serde::{Deserialize, Serialize};
 
@@ -24,11 +24,16 @@ pub struct Record<'a> {
 pub(crate) struct Seen<'a> {
     pub trace: &'a Trace,
     pub metrics: &'a Metrics,
+    /// The tube that was promised for it.
+    pub tube: Option<&'a Tube>,
 }
 
 impl<'a> Record<'a> {
     pub(crate) fn seen(&self) -> Seen<'a> {
-        Seen { trace: self.trace, metrics: self.metrics }
+        let own = self.gains.study_sha256 == self.run.study_sha256;
+        let certificate = self.gains.certificate.as_ref().filter(|_| own);
+        let tube = certificate.and_then(|certificate| certificate.tube.as_ref());
+        Seen { trace: self.trace, metrics: self.metrics, tube }
     }
 }
 

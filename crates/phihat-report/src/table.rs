@@ -44,6 +44,7 @@ pub(crate) fn torque(metrics: &Metrics) -> Markup {
                     th scope="col" { "largest |Δτ| commanded" (unit("N·m per sample")) }
                     th scope="col" { "torque limit met" (unit("samples")) }
                     th scope="col" { "rate limit met" (unit("samples")) }
+                    th scope="col" { "either met, steady" (unit("% of samples")) }
                     th scope="col" { "largest |φ|" (unit("N·m")) }
                     th scope="col" { "largest |φ − φ̂|, steady" (unit("N·m")) }
                 } }
@@ -53,6 +54,9 @@ pub(crate) fn torque(metrics: &Metrics) -> Markup {
                     (against_limit(joint.tau_step_max_nm, joint.tau_step_limit_nm))
                     (count(joint.saturated_samples, metrics.samples))
                     (count(joint.rate_limited_samples, metrics.samples))
+                    td.limited[joint.limited_steady_share > 0.0] {
+                        (stated(1e2 * joint.limited_steady_share))
+                    }
                     td { (number(joint.phi_max_nm)) }
                     td { (number(joint.phi_error_steady_max_nm)) }
                 } } }

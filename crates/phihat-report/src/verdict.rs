@@ -1,7 +1,9 @@
 //! Did it hold, and by how much: every stated bound against what was measured.
 
+use crate::limited::limits_acted;
 use crate::number::{number, percent, stated};
 use crate::text::line;
+use crate::tube::TubeRun;
 use phihat_sim::{JointMetrics, Metrics};
 
 /// One bound of the study.
@@ -46,6 +48,10 @@ pub(crate) enum Verdict {
     NothingStated,
     /// Every stated bound holds.
     Within { joints: usize, closest: String },
+    /// They do, but a limit acted, of which no claim speaks.
+    Limited { joints: usize, closest: String, limited: String },
+    /// The run left a tube that no such run leaves.
+    Broken { sentence: String },
     /// Some do not; one phrase per joint.
     Outside { joints: usize, broken: Vec<String> },
     /// The record says "outside", its figures do not.
@@ -75,8 +81,11 @@ pub(crate) fn excess(measured: f64, bound: f64) -> String {
     }
 }
 
-/// The verdict on a run.
-pub(crate) fn verdict(metrics: &Metrics) -> Verdict {
+/// The verdict on a run, beside the tube that was promised for it.
+pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
+    if let Some(run) = tube.filter(|run| run.broken().is_some()) {
+        return Verdict::Broken { sentence: run.sentence() };
+    }
     if metrics.samples == 0 || metrics.joints.is_empty() {
         return Verdict::NoSamples;
     }
@@ -102,7 +111,10 @@ pub(crate) fn verdict(metrics: &Metrics) -> Verdict {
         _ if !broken.is_empty() => Verdict::Outside { joints, broken },
         None => Verdict::NothingStated,
         Some(_) if !metrics.within_spec => Verdict::Contradiction,
-        Some((_, closest)) => Verdict::Within { joints, closest },
+        Some((_, closest)) => match limits_acted(metrics) {
+            Some(limited) => Verdict::Limited { joints, closest, limited },
+            None => Verdict::Within { joints, closest },
+        },
     }
 }
 

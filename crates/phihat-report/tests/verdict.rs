@@ -40,6 +40,7 @@ fn numbered() -> Fixture {
     joint.tau_step_limit_nm = Some(0.26);
     joint.saturated_samples = 14;
     joint.rate_limited_samples = 150;
+    joint.limited_steady_share = 0.035;
     joint.phi_max_nm = 16.25;
     joint.phi_error_steady_max_nm = 0.175;
     fixture.metrics.within_spec = true;
@@ -58,7 +59,7 @@ fn every_metric_stands_in_the_table_in_its_unit() {
     assert_eq!(
         cells[1],
         "joint1 9.900 limit 12.5: 79 % used 0.1300 limit 0.26: 50 % used \
-         14 0.70 % of the run 150 7.5 % of the run 16.25 0.1750"
+         14 0.70 % of the run 150 7.5 % of the run 3.5 16.25 0.1750"
     );
     assert_eq!(heads[0].matches("[mrad]").count(), 3);
     assert!(heads[0].contains("[mrad·s]") && heads[0].contains("[mrad/s]"));
@@ -91,6 +92,37 @@ fn a_broken_bound_is_named_with_its_excess_whatever_the_record_claims() {
     let outside = texts(&phihat_report::page(&fixture.record()), "td.outside");
     assert_eq!(outside.len(), 2);
     assert!(outside.iter().all(|cell| cell.contains("OUTSIDE")), "{outside:?}");
+}
+
+#[test]
+fn limits_that_acted_are_told_on_top_though_the_spec_holds() {
+    let mut fixture = fixture(7, 2_000);
+    for joint in &mut fixture.metrics.joints {
+        joint.error_steady_max_rad = 1e-3;
+        joint.velocity_error_steady_max_rad_s = 0.1;
+    }
+    fixture.metrics.within_spec = true;
+    assert!(verdict_of(&fixture).starts_with("Within spec on all 7 joints. Nearest"));
+    fixture.metrics.joints[1].rate_limited_steady_samples = 300;
+    assert_eq!(
+        verdict_of(&fixture),
+        "Within spec on all 7 joints, but the torque-rate limit acted in 30 % of the samples of joint2 (4.3 % of \
+         all) after t = 1 s: no certificate speaks of that . Nearest to a bound: |e| of joint1 uses 50 % of its bound ."
+    );
+    fixture.metrics.joints[0].saturated_steady_samples = 1;
+    let both = verdict_of(&fixture);
+    assert!(
+        both.contains("but the torque limit acted in 0.10 % of the samples of joint1"),
+        "{both}"
+    );
+    assert!(both.contains(", and the torque-rate limit acted in 30 % of"), "{both}");
+    // Every joint, the worst three by name.
+    fixture.metrics.joints.iter_mut().for_each(|joint| joint.rate_limited_steady_samples += 1);
+    let all = verdict_of(&fixture);
+    assert!(
+        all.contains("30 % of the samples of joint2") && all.contains("4 more joints"),
+        "{all}"
+    );
 }
 
 #[test]

@@ -38,6 +38,12 @@ pub struct JointMetrics {
     pub saturated_samples: u64,
     /// Samples whose command met the torque-rate limit.
     pub rate_limited_samples: u64,
+    /// Samples of the steady part whose command met the torque limit.
+    pub saturated_steady_samples: u64,
+    /// Samples of the steady part whose command met the torque-rate limit.
+    pub rate_limited_steady_samples: u64,
+    /// Share of the samples of the steady part whose command met either.
+    pub limited_steady_share: f64,
     /// Largest |φ| \[N·m\].
     pub phi_max_nm: f64,
     /// Largest |φ − φ̂| of the steady part \[N·m\].
@@ -53,6 +59,10 @@ pub struct Metrics {
     pub settle_s: f64,
     /// Number of control samples.
     pub samples: u64,
+    /// Number of control samples of the steady part.
+    pub steady_samples: u64,
+    /// Share of the commands of all joints in the steady part that met a limit: no claim about gains speaks of these.
+    pub limited_steady_share: f64,
     /// Whether every stated bound holds on every joint.
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
@@ -66,12 +76,17 @@ impl Metrics {
         let first = trace.index_at(settle_s);
         let joint = |(i, joint): (usize, &JointTrace)| joint_metrics(joint, study, i, first);
         let joints: Vec<_> = trace.joints.iter().enumerate().map(joint).collect();
+        let steady = trace.len().saturating_sub(first);
+        let shares = joints.iter().map(|joint| joint.limited_steady_share);
+        let limited = shares.sum::<f64>() / joints.len().max(1) as f64;
         let wanted = crate::simulation::samples(study.duration, study.control.period_ns);
         let complete = first < trace.len() && trace.len() as u64 >= wanted;
         Self {
             duration_s: trace.len() as f64 * trace.period_ns as f64 * 1e-9,
             settle_s,
             samples: trace.len() as u64,
+            steady_samples: steady as u64,
+            limited_steady_share: limited,
             within_spec: complete && joints.iter().all(JointMetrics::within_spec),
             joints,
         }
@@ -97,6 +112,9 @@ fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> J
     let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
     let steps = joint.tau_command.windows(2).map(|w| w[1] - w[0]);
     let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;
+    let after = |flags: &[bool]| count(flags.get(first..).unwrap_or(&[]));
+    let either = joint.saturated.iter().zip(&joint.rate_limited).skip(first).map(|(a, b)| *a || *b);
+    let limited = either.filter(|limited| *limited).count() as f64;
     let period = study.control.period_ns as f64 * 1e-9;
     let (torque_max, torque_rate_max) = study.limits(i);
     JointMetrics {
@@ -115,6 +133,9 @@ fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> J
         tau_step_limit_nm: torque_rate_max.map(|rate| rate * period),
         saturated_samples: count(&joint.saturated),
         rate_limited_samples: count(&joint.rate_limited),
+        saturated_steady_samples: after(&joint.saturated),
+        rate_limited_steady_samples: after(&joint.rate_limited),
+        limited_steady_share: limited / errors.len().max(1) as f64,
         phi_max_nm: largest(joint.phi.iter().copied()),
         phi_error_steady_max_nm: largest(misfit),
     }

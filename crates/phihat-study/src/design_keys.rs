@@ -121,7 +121,9 @@ pub(crate) static DESIGN: Section = Section {
             name: "torque_step_max_nm",
             unit: "N·m",
             shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
-            need: Need::Optional("the torque-rate limit per sample, if there is one"),
+            need: Need::Optional(
+                "no clause of its own; a torque-rate limit of `[loop]` or `[profile]` always counts",
+            ),
             doc: "Largest change of torque per sample that encoder steps may cause, guaranteed.",
         },
         Key {

@@ -50,6 +50,8 @@ pub struct Study {
 pub struct Spec {
     /// When the steady part begins \[s\].
     pub settle: f64,
+    /// Whether the study states `settle`; else it is a default that a certificate's tube replaces.
+    pub settle_stated: bool,
     /// Largest |e| \[rad\] per joint.
     pub error_max: Option<Vec<f64>>,
     /// Largest |∫e| \[rad·s\] per joint.

@@ -1,7 +1,9 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use comfy_table::Table;
-use phihat_design::{Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted};
+use phihat_design::{
+    Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
+};
 
 use super::{MILLI, align, plain_table};
 
@@ -59,6 +61,8 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
     }
     lines.extend(certificate.joints.first().map(law));
     lines.extend(not_counted(&certificate.not_counted));
+    lines.extend(certificate.tube_refused.iter().map(|why| format!("no tube: {why}")));
+    lines.extend(certificate.settle.map(settle));
     lines.join("\n")
 }
 
@@ -84,6 +88,21 @@ fn row(joint: &JointCertificate) -> Vec<String> {
     ]
 }
 
+/// From when on the specification is held against a run, and why then.
+fn settle(settle: Settle) -> String {
+    let why = match settle.from {
+        SettleFrom::Study => "as the study says",
+        SettleFrom::Tube => {
+            "the study does not say when: from then on the tube stays inside the specification"
+        }
+        SettleFrom::TubeLevel => {
+            "the study does not say when, and the tube never keeps the specification: from then on it is at its own level"
+        }
+        SettleFrom::Default => "the study does not say when, and there is no tube: the default",
+    };
+    format!("steady from t = {} s on: {why}", settle.settle_s)
+}
+
 /// What the study has and the claims leave out, one line for each kind of claim.
 pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     let line = |(claims, words): (LeftOut, &str)| {
@@ -94,6 +113,7 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     [
         (LeftOut::Bounds, "NOT counted in the bounds"),
         (LeftOut::BoundsAndStability, "NOT counted at all, neither in the bounds nor in stability"),
+        (LeftOut::AllButTube, "NOT counted but in a tube, where there is one"),
     ]
     .into_iter()
     .filter_map(line)

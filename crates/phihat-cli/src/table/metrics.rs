@@ -1,6 +1,7 @@
 //! What a run measured.
 
 use comfy_table::Table;
+use phihat_report::{TubeRun, limits_acted};
 use phihat_sim::{Abort, Divergence, JointMetrics, Metrics};
 
 use super::{MILLI, align, plain_table};
@@ -17,7 +18,7 @@ struct Column {
     bound: fn(&JointMetrics) -> Option<f64>,
 }
 
-const COLUMNS: [Column; 9] = [
+const COLUMNS: [Column; 10] = [
     Column::free("rms e", "mrad", 4, |j| j.error_rms_rad * MILLI),
     Column {
         heading: "max |e|",
@@ -55,6 +56,7 @@ const COLUMNS: [Column; 9] = [
         bound: |j| j.tau_step_limit_nm,
     },
     Column::free("saturated", "samples", 0, |j| j.saturated_samples as f64),
+    Column::free("limited", "% steady", 2, |j| 1e2 * j.limited_steady_share),
     Column::free("max |φ|", "N·m", 2, |j| j.phi_max_nm),
     Column::free("max |φ−φ̂|", "N·m", 2, |j| j.phi_error_steady_max_nm),
 ];
@@ -135,9 +137,45 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
     let beyond: Vec<&str> =
         metrics.joints.iter().filter(|j| !j.within_spec()).map(|j| j.name.as_str()).collect();
     if metrics.within_spec {
-        format!("within spec on all {} joints {steady}", metrics.joints.len())
+        let within = format!("within spec on all {} joints {steady}", metrics.joints.len());
+        match limits_acted(metrics) {
+            Some(limited) => format!("{within}, BUT {limited}"),
+            None => within,
+        }
     } else {
         format!("OUT OF SPEC on {} {steady}", beyond.join(", "))
+    }
+}
+
+/// Promised and measured, joint by joint, and whether any sample left the tube.
+pub(crate) fn tube(run: &TubeRun) -> String {
+    let mut table = plain_table([
+        "joint",
+        "max |e|\nmrad",
+        "tube\nmrad",
+        "tube /\nmeasured",
+        "max |ė|\nmrad/s",
+        "tube\nmrad/s",
+        "least distance\nfrom its edge, mrad",
+    ]);
+    for joint in &run.kept.joints {
+        let edge = if joint.room_rad < 0.0 { " !" } else { "" };
+        table.add_row([
+            joint.name.clone(),
+            format!("{:.3}", joint.error_max_rad * MILLI),
+            format!("{:.3}", joint.error_tube_rad * MILLI),
+            format!("{:.2}", joint.error_tube_rad / joint.error_max_rad),
+            format!("{:.1}", joint.velocity_error_max_rad_s * MILLI),
+            format!("{:.1}", joint.velocity_error_tube_rad_s * MILLI),
+            format!("{:.3}{edge}", joint.room_rad * MILLI),
+        ]);
+    }
+    align(&mut table);
+    let steady = format!("maxima from t = {} s on", run.kept.settle_s);
+    let sentence = run.sentence();
+    match run.broken() {
+        Some(_) => format!("{table}\n({steady})\nOUTSIDE ITS TUBE: {sentence}"),
+        None => format!("{table}\n({steady}) {sentence}"),
     }
 }
 

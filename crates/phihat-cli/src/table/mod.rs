@@ -9,7 +9,7 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
 pub(crate) use design::{certificate, gains, infeasible};
-pub(crate) use metrics::{abort, metrics, verdict};
+pub(crate) use metrics::{abort, metrics, tube, verdict};
 pub(crate) use robots::{joints, robots};
 pub(crate) use world::world;
 

@@ -16,7 +16,9 @@ pub(crate) use scope::as_modelled;
 
 use crate::claims::Refutation;
 use crate::sampled::{LoopModel, TorqueNoise};
-use crate::{ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi};
+use crate::{
+    ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi, Settle,
+};
 
 pub(crate) use phihat_certificate::RATIOS;
 
@@ -49,7 +51,6 @@ impl FindCertificate for Certificate {
         let bits = study.sensor.encoder_bits.as_ref();
         let mut known: Vec<find::Shared> = Vec::new();
         let mut joint = |(i, record): (usize, &JointRecord)| {
-            let per = |v: &Option<Vec<f64>>| v.as_ref().and_then(|v| v.get(i)).copied();
             let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
             let drive = scope::gains(study, i);
             let at = known.iter().position(|shared| shared.is_of(&model, drive));
@@ -65,7 +66,8 @@ impl FindCertificate for Certificate {
             let context = find::Context {
                 record,
                 arm: &arm,
-                limits: (per(&study.control.torque_max), per(&study.control.torque_rate_max)),
+                // The robot's own rules are limits like the study's.
+                limits: study.limits(i),
                 quantum: bits.and_then(|b| b.get(i)).map(|bits| TorqueNoise::quantum(*bits)),
                 duration: study.duration,
             };
@@ -76,6 +78,16 @@ impl FindCertificate for Certificate {
         };
         let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self { arm, window_margin, duration_s, joints, not_counted: NotCounted::of(study) })
+        Ok(Self {
+            arm,
+            window_margin,
+            duration_s,
+            joints,
+            coupled: None,
+            not_counted: NotCounted::of(study),
+            tube: None,
+            tube_refused: None,
+            settle: Some(Settle::of(study, None)),
+        })
     }
 }

@@ -49,7 +49,7 @@ impl Search<'_> {
             let (share, joint) = found.or((i == 0).then_some(any))?;
             let wanted = self.limit(i)?.get(joint).copied()?;
             Some(Clause {
-                key: KEYS[i].to_owned(),
+                key: self.key(i, joint).to_owned(),
                 joint: Some(self.study.robot.joints[joint].name.clone()),
                 wanted,
                 possible: found.map(|_| wanted * share * SURE),

@@ -5,7 +5,7 @@ use phihat_study::Study;
 use super::candidate::{Candidate, Shape};
 use super::known::Known;
 use super::nominal::shared_out;
-use super::verdict::Verdict;
+use super::verdict::{KEYS, Verdict};
 use super::{DesignError, PhiOf};
 use crate::Certificate;
 use crate::TradeOff;
@@ -15,7 +15,7 @@ use crate::prelude::*;
 use crate::quick::Quick;
 use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, TorqueNoise, least_modulus};
 use crate::trade_off::{front, worth_measuring};
-use crate::{Arm, ArmInertia};
+use crate::{Arm, ArmInertia, Phi};
 use crate::{FORMAT, Gains, JointRecord, VERSION};
 
 /// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
@@ -56,7 +56,7 @@ pub(super) struct Search<'a> {
     models: Vec<LoopModel>,
     quanta: Vec<f64>,
     /// In the order of the clauses.
-    limits: [Option<Vec<f64>>; 4],
+    limits: [Option<Vec<f64>>; 5],
     /// Smallest `ω` that settles and rises in time \[rad/s\].
     pub(super) slowest: f64,
 }
@@ -77,13 +77,16 @@ impl<'a> Search<'a> {
             bits.map_or(0.0, |b| TorqueNoise::quantum(*b))
         };
         let quanta: Vec<f64> = (0..n).map(quantum).collect();
-        let step_max = step_max(study);
+        let (step_max, rate_max) = (study.design.torque_step_max.clone(), rate_max(study));
         let own = arm.nominal();
         let error: Vec<f64> = (0..n)
             .map(|joint| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error_max[joint])
             .collect();
+        let period = study.control.period_ns as f64 * 1e-9;
+        let steps = rate_max.as_ref().map(|rates| rates.iter().map(|r| r * period).collect());
+        let steps: Option<Vec<f64>> = step_max.clone().or(steps);
         let noise: Vec<f64> = (0..n)
-            .map(|joint| quanta[joint] / step_max.as_ref().map_or(1.0, |limits| limits[joint]))
+            .map(|joint| quanta[joint] / steps.as_ref().map_or(1.0, |limits| limits[joint]))
             .collect();
         let arm = shared_out(arm, &error, &noise)?;
         let settling = study.design.settling_time.map(|time| from_settling_time(time, 1.0).0);
@@ -101,6 +104,7 @@ impl<'a> Search<'a> {
                 study.spec.velocity_error_max.clone(),
                 study.spec.error_integral_max.clone(),
                 step_max,
+                rate_max,
             ],
             slowest: settling.into_iter().chain(rise).fold(0.0, f64::max).sqrt(),
         })
@@ -109,6 +113,25 @@ impl<'a> Search<'a> {
     /// What the study allows per joint by a clause.
     pub(super) fn limit(&self, clause: usize) -> Option<&Vec<f64>> {
         self.limits[clause].as_ref()
+    }
+
+    /// The key of a clause in the study; a rate limit may be the robot's own rule.
+    pub(super) fn key(&self, clause: usize, joint: usize) -> &'static str {
+        let stated = self.study.control.torque_rate_max.as_ref().map(|rates| rates[joint]);
+        let rule =
+            self.study.interface.profile.torque_rate_max.filter(|_| self.study.interface.kept);
+        match (rule, stated) {
+            _ if clause != KEYS.len() - 1 => KEYS[clause],
+            (Some(rule), Some(stated)) if stated <= rule => KEYS[clause],
+            (Some(_), _) => "profile.torque_rate_max_nm_s",
+            (None, _) => KEYS[clause],
+        }
+    }
+
+    /// Rate of torque \[N·m/s\] that an encoder's step and the motion of the reference ask for together.
+    fn rate(&self, change: f64, inertia: f64, phi: &Phi) -> f64 {
+        let jerk = phi.motion.map_or(0.0, |motion| motion.jerk_rad_s3);
+        change / self.models[0].period_s + phi.rate_nm_s + inertia * jerk
     }
 
     /// Those of a grid that keep window and modulus margin, and how many laws were tried.
@@ -205,19 +228,22 @@ impl<'a> Search<'a> {
                 duration: self.study.duration,
             };
             let phi = self.known[joint].at(inertia);
-            let bounds = evidence.bounds(&phi.unwrap_or_else(|| (self.phi)(joint, inertia)));
+            let phi = phi.unwrap_or_else(|| (self.phi)(joint, inertia));
+            let bounds = evidence.bounds(&phi);
+            let change = change * inertia * 0.5 * quantum;
             let values = [
                 bounds.error_rad,
                 bounds.velocity_error_rad_s,
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
-                change * inertia * 0.5 * quantum,
+                change,
+                self.rate(change, inertia, &phi),
             ];
             self.compare(&mut verdict, joint, values);
         }
         verdict
     }
 
-    fn compare(&self, verdict: &mut Verdict, joint: usize, values: [f64; 4]) {
+    fn compare(&self, verdict: &mut Verdict, joint: usize, values: [f64; 5]) {
         for (clause, value) in values.into_iter().enumerate() {
             if let Some(limits) = self.limit(clause) {
                 verdict.raise(clause, value / limits[joint], joint);
@@ -237,12 +263,14 @@ impl<'a> Search<'a> {
         let mut found = Certificate::find(study, &gains, arm.clone(), &phi)?;
         let mut verdict = Verdict::default();
         for (joint, claims) in found.joints.iter().enumerate() {
-            let Some(bounds) = &claims.bounds else { return Ok(None) };
+            let (Some(bounds), Some(phi)) = (&claims.bounds, &claims.phi) else { return Ok(None) };
+            let change = claims.noise.as_ref().map_or(0.0, |noise| noise.change_max_nm);
             let values = [
                 bounds.error_rad,
                 bounds.velocity_error_rad_s,
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
-                claims.noise.as_ref().map_or(0.0, |noise| noise.change_max_nm),
+                change,
+                self.rate(change, gains.joints[joint].inertia_kg_m2, phi),
             ];
             self.compare(&mut verdict, joint, values);
         }
@@ -295,10 +323,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Largest change of torque per sample that encoder steps may cause \[N·m\] per joint.
-fn step_max(study: &Study) -> Option<Vec<f64>> {
-    let period = study.control.period_ns as f64 * 1e-9;
-    let by_rate = |rates: &Vec<f64>| rates.iter().map(|rate| rate * period).collect();
-    let stated = study.design.torque_step_max.clone();
-    stated.or_else(|| study.control.torque_rate_max.as_ref().map(by_rate))
+/// Rate of torque \[N·m/s\] per joint that the study or the robot's interface allows; `None`: any on every joint.
+fn rate_max(study: &Study) -> Option<Vec<f64>> {
+    let of = |joint: usize| study.limits(joint).1.unwrap_or(f64::INFINITY);
+    let rates: Vec<f64> = (0..study.robot.joints.len()).map(of).collect();
+    rates.iter().any(|rate| rate.is_finite()).then_some(rates)
 }

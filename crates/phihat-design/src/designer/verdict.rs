@@ -1,11 +1,12 @@
 //! How far a candidate is from each clause of the specification, and the nearest miss of each.
 
 /// The clauses: their keys in a study, in the order of [`Verdict::shares`].
-pub(super) const KEYS: [&str; 4] = [
+pub(super) const KEYS: [&str; 5] = [
     "spec.error_max_rad",
     "spec.velocity_error_max_rad_s",
     "spec.error_integral_max_rad_s",
     "design.torque_step_max_nm",
+    "loop.torque_rate_max_nm_s",
 ];
 
 /// Share of a clause that is used, and the joint that decides.
@@ -14,7 +15,7 @@ pub(super) type Share = (f64, usize);
 /// For each clause: measured over wanted, and the joint that decides; 0 where the study does not ask.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Verdict {
-    pub(super) shares: [Share; 4],
+    pub(super) shares: [Share; 5],
 }
 
 impl Verdict {
@@ -39,7 +40,7 @@ impl Verdict {
 /// The nearest miss of each clause while the others stand.
 #[derive(Debug, Default)]
 pub(super) struct Nearest {
-    pub(super) alone: [Option<Share>; 4],
+    pub(super) alone: [Option<Share>; 5],
     /// The error that decides when nothing else is asked.
     pub(super) any: Option<Share>,
 }

@@ -30,7 +30,7 @@ mod reference;
 mod refutation;
 mod response;
 mod riccati;
-mod sample;
+pub(crate) mod sample;
 mod sampled_varying;
 mod state_matrix;
 mod step;

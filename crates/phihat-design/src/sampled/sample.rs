@@ -147,6 +147,15 @@ impl<'a> Sample<'a> {
         (next, u)
     }
 
+    /// The torque that acts at the start of the interval that begins at this sample, for the torque `u` commanded now.
+    pub(crate) fn acting(&self, x: &[f64], u: f64) -> f64 {
+        match (self.layout.end_torque, self.model.late()) {
+            (Some(i), _) => x[i],
+            (None, 0) => u,
+            (None, _) => x[self.layout.line],
+        }
+    }
+
     /// (T4).
     fn observe(&self, x: &[f64], velocity: f64, next: &mut [f64]) -> f64 {
         let (t, first) = (self.model.period_s, self.layout.memory);

@@ -129,8 +129,9 @@ impl Rig {
         (position, velocity)
     }
 
-    /// One sample; gives the command.
-    pub fn step(&mut self, outside: &Outside) -> Command<f64> {
+    /// The law, delay and drive of one sample: the command, and the integral of the torque that acts over the interval and
+    /// its double integral. The motion is left to whoever asks.
+    pub fn ask(&mut self, outside: &Outside) -> (Command<f64>, f64, f64) {
         let (q, dq) = self.sense(outside.encoder);
         let measurement = Measurement { q, dq, tau_applied: self.tau_mean };
         let command = self.gains.update(&mut self.state, &measurement, &outside.reference);
@@ -152,9 +153,16 @@ impl Rig {
             mean = hidden;
             double = 0.5 * t * t * hidden;
         }
+        (command, g * mean * t, g * double)
+    }
+
+    /// One sample; gives the command.
+    pub fn step(&mut self, outside: &Outside) -> Command<f64> {
+        let (command, push, lever) = self.ask(outside);
+        let t = self.model.period_s;
         let (phi, slope) = (outside.phi, outside.phi_slope);
-        let impulse = g * mean * t - phi * t - slope * t * t / 2.0;
-        let lever = g * double - phi * t * t / 2.0 - slope * t * t * t / 6.0;
+        let impulse = push - phi * t - slope * t * t / 2.0;
+        let lever = lever - phi * t * t / 2.0 - slope * t * t * t / 6.0;
         self.q += t * self.dq + lever / self.inertia;
         self.dq += impulse / self.inertia;
         command

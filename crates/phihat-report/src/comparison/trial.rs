@@ -57,7 +57,7 @@ pub fn trial_page(trial: &Trial<'_>) -> String {
                 (table::tracking(trial.metrics))
                 (table::torque(trial.metrics))
                 h2 { "Figures" }
-                div { @for figure in run_figures(&Seen { trace: trial.trace, metrics: trial.metrics }) {
+                div { @for figure in run_figures(&Seen { trace: trial.trace, metrics: trial.metrics, tube: None }) {
                     @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))

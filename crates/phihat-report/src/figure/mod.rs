@@ -53,7 +53,10 @@ pub(crate) fn run_figures(record: &Seen<'_>) -> Vec<Figure> {
         figures.push(figure(&chart, &Run { t: &t, span, settle_s }));
         // On paper nobody can zoom: the start-up would hide how the error sits in its bound.
         if chart.stem == "error" {
-            let title = "Error e in the steady part against its bound";
+            let title = match record.tube {
+                Some(_) => "Error e in the steady part, in its tube (shaded), against its bound",
+                None => "Error e in the steady part against its bound",
+            };
             let steady = Chart { stem: "error-steady", title, ..chart };
             figures.push(figure(&steady, &Run { t: &t, span: settle..t.len(), settle_s }));
         }
@@ -119,6 +122,7 @@ fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), run: &Run<'_
             t: pick(run.t),
             curves: panel.curves.iter().map(|c| pick(c)).collect(),
             bound: panel.bound,
+            tube: panel.tube.as_ref(),
             settle_s: run.settle_s,
         };
         draw_panel(&ink, &area)?;
@@ -128,6 +132,8 @@ fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), run: &Run<'_
 
 /// Colours of the curves, after Okabe and Ito; the second is the dashed one.
 const INKS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
+/// Colour of the tube, before it is made transparent.
+const TUBE_INK: RGBColor = RGBColor(0, 158, 115);
 /// Colour of bounds and marks.
 const BOUND_INK: RGBColor = RGBColor(90, 90, 91);
 

@@ -1,7 +1,8 @@
 //! One joint's panel of a static figure.
 
 use super::axis::{extent, strokes};
-use super::{Area, BOUND_INK, Drawn, INKS, TEXT};
+use super::{Area, BOUND_INK, Drawn, INKS, TEXT, TUBE_INK};
+use crate::band::Band;
 use crate::chart::{Chart, Plane};
 use crate::number::{number, tick};
 use plotters::chart::ChartContext;
@@ -20,6 +21,7 @@ pub(super) struct Ink<'a> {
     pub t: Vec<f64>,
     pub curves: Vec<Vec<f64>>,
     pub bound: Option<f64>,
+    pub tube: Option<&'a Band>,
     pub settle_s: f64,
 }
 
@@ -49,6 +51,7 @@ pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
         .x_desc(ink.chart.x_label)
         .y_desc(ink.chart.y_label)
         .draw()?;
+    draw_tube(ink, &mut plane, &x)?;
     draw_bounds(ink, &mut plane, &x, &y)?;
     match ink.chart.plane {
         Plane::Time => draw_curves(ink, &mut plane),
@@ -81,8 +84,26 @@ fn ranges(ink: &Ink<'_>) -> (Range<f64>, Range<f64>) {
         let x = e.iter().copied().chain(bounds()).chain([0.0]);
         return (extent(x, 0.08), extent(de.iter().copied().chain([0.0]), 0.08));
     }
-    let y = ink.curves.iter().flatten().copied().chain(bounds());
-    (extent(ink.t.iter().copied(), 0.0), extent(y, 0.08))
+    let x = extent(ink.t.iter().copied(), 0.0);
+    let steps = ink.tube.map_or(vec![], |tube| tube.within((x.start, x.end)));
+    let tube = steps.iter().flat_map(|(.., low, high)| [*low, *high]);
+    let y = ink.curves.iter().flatten().copied().chain(bounds()).chain(tube);
+    let y = extent(y, 0.08);
+    (x, y)
+}
+
+/// A band of steps, drawn as one shape: there and back.
+fn draw_tube<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>, x: &Range<f64>) -> Drawn<'b> {
+    let steps = ink.tube.map_or(vec![], |tube| tube.within((x.start, x.end)));
+    let finite = steps.into_iter().filter(|(.., low, high)| (high - low).is_finite());
+    let steps: Vec<_> = finite.collect();
+    let above = steps.iter().flat_map(|(from, to, _, high)| [(*from, *high), (*to, *high)]);
+    let below = steps.iter().rev().flat_map(|(from, to, low, _)| [(*to, *low), (*from, *low)]);
+    let outline: Vec<_> = above.chain(below).collect();
+    if !outline.is_empty() {
+        plane.draw_series([Polygon::new(outline, TUBE_INK.mix(0.25).filled())])?;
+    }
+    Ok(())
 }
 
 fn draw_bounds<'b>(

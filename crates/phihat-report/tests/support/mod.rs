@@ -151,6 +151,9 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
             tau_step_limit_nm: None,
             saturated_samples: j.saturated.iter().filter(|s| **s).count() as u64,
             rate_limited_samples: 0,
+            saturated_steady_samples: 0,
+            rate_limited_steady_samples: 0,
+            limited_steady_share: 0.0,
             phi_max_nm: peak(&j.phi),
             phi_error_steady_max_nm: peak(&differences[steady..]),
         }
@@ -163,6 +166,8 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         duration_s: samples as f64 * PERIOD,
         settle_s: SETTLE as f64 * PERIOD,
         samples: samples as u64,
+        steady_samples: (samples - steady) as u64,
+        limited_steady_share: 0.0,
         within_spec: joints.iter().all(holds),
         joints,
     }

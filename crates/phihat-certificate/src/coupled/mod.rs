@@ -1,0 +1,10 @@
+//! Coupled gains: how far a push on one joint moves every joint, at frozen postures; their check by a second method.
+//!
+//! [`CoupledGains::verify`] plays the loop itself, joint by joint and sample by sample, at the postures that the document keeps.
+
+mod alpha;
+mod check;
+mod document;
+mod played;
+
+pub use document::{CoupledGains, FrozenPayload, FrozenPosture};

@@ -1,0 +1,263 @@
+//! The arm's loop at one posture, played: sensor, law, delay, drive of each joint, one inertia for all. Many runs side by side.
+
+use core::f64::consts::TAU;
+
+use super::alpha::alpha;
+use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+
+/// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
+pub(super) const OUTPUTS: usize = 5;
+
+/// Places in a joint's state: then come the estimator's memory and the torques on their way.
+const Q: usize = 0;
+const DQ: usize = 1;
+const LAST_Q: usize = 2;
+const LAST_V: usize = 3;
+const MEAN: usize = 4;
+const END: usize = 5;
+const MEMORY: usize = 6;
+
+/// One joint's law in its loop.
+struct Law<'a> {
+    model: &'a LoopModel,
+    inertia: f64,
+    kp: f64,
+    kd: f64,
+    order: usize,
+    late: usize,
+    /// Observer: what feeds each memory. Literal: the factor of each integral.
+    weights: Vec<f64>,
+    /// Literal: factors of `e` and `ė`.
+    on_error: [f64; 2],
+    filter: f64,
+    /// `1 − e^{−ωT}`; 1 without a drive.
+    lost: f64,
+    /// Mean over the interval of a unit gap between torque and demand, and `∫_0^T (T − t)` of it.
+    gap: [f64; 2],
+}
+
+impl<'a> Law<'a> {
+    fn new(record: &JointRecord, model: &'a LoopModel) -> Self {
+        let (a, kp, kd) = (&record.a, record.kp_per_s2, record.kd_per_s);
+        let m = a.len();
+        // (A_o(s)(s² + K_d s + K_p) − s^{m+2}) = Σ p_i s^i: the literal law weighs the i-th of (∫…∫e, …, e, ė) with p_i,
+        // less what the outer loop does itself.
+        let outer = [kp, kd, 1.0];
+        let mut p = vec![0.0; m + 3];
+        for (i, a) in a.iter().chain([&1.0]).enumerate() {
+            for (j, outer) in outer.iter().enumerate() {
+                p[i + j] += a * outer;
+            }
+        }
+        let (weights, on_error) = match model.form {
+            LoopForm::Observer => (alpha(a, model.period_s), [0.0; 2]),
+            LoopForm::Literal => {
+                (p[..m].iter().rev().copied().collect(), [p[m] - kp, p[m + 1] - kd])
+            }
+        };
+        let t = model.period_s;
+        let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
+        let lost = x.map_or(1.0, |x| -(-x).exp_m1());
+        let gap = x.map_or([0.0; 2], |x| [lost / x, t * t * (1.0 - lost / x) / x]);
+        Self {
+            model,
+            inertia: record.inertia_kg_m2,
+            kp,
+            kd,
+            order: m,
+            late: (model.delay_samples + model.sample_delay_samples) as usize,
+            weights,
+            on_error,
+            filter: model.velocity_filter_hz.map_or(1.0, |hz| -(-TAU * hz * t).exp_m1()),
+            lost,
+            gap,
+        }
+    }
+
+    fn length(&self) -> usize {
+        MEMORY + self.order + self.late
+    }
+
+    /// What one unit of each place is: the joint's own time `1/√K_p` and inertia.
+    fn unit(&self, place: usize) -> f64 {
+        let (w, root) = (self.kp.sqrt(), self.inertia.sqrt());
+        let power = |k: usize| (0..k).fold(1.0, |power, _| power * w);
+        match (place, self.model.form) {
+            (Q | LAST_Q, _) => 1.0 / root,
+            (DQ | LAST_V, _) => w / root,
+            (MEAN | END, _) => w * w / root,
+            (k, LoopForm::Observer) if k < MEMORY + self.order => power(k - MEMORY + 2) / root,
+            (k, LoopForm::Literal) if k < MEMORY + self.order => 1.0 / power(k - MEMORY + 1) / root,
+            _ => w * w / root,
+        }
+    }
+
+    /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
+    fn step(&self, x: &mut [f64], reading: f64) -> Told {
+        let t = self.model.period_s;
+        let position = x[Q] + reading;
+        let raw = match self.model.velocity {
+            LoopVelocity::Measured => x[DQ],
+            LoopVelocity::Differenced => (position - x[LAST_Q]) / t,
+        };
+        let velocity = x[LAST_V] + self.filter * (raw - x[LAST_V]);
+        let phi_hat = match self.model.form {
+            LoopForm::Observer => {
+                let innovation = t * (x[MEAN] - x[MEMORY]) - (velocity - x[LAST_V]);
+                for j in 0..self.order {
+                    let slope = if j + 1 < self.order { x[MEMORY + j + 1] } else { 0.0 };
+                    x[MEMORY + j] += t * slope + self.weights[j] * innovation;
+                }
+                x[MEMORY]
+            }
+            LoopForm::Literal => {
+                let mut below = position;
+                let mut total = self.on_error[0] * position + self.on_error[1] * velocity;
+                for j in 0..self.order {
+                    x[MEMORY + j] += t * below;
+                    below = x[MEMORY + j];
+                    total += self.weights[j] * below;
+                }
+                -total
+            }
+        };
+        let commanded = phi_hat - self.kp * position - self.kd * velocity;
+        (x[LAST_Q], x[LAST_V]) = (position, velocity);
+        let line = MEMORY + self.order;
+        let demand = if self.late == 0 { commanded } else { x[line] };
+        if self.late > 0 {
+            x.copy_within(line + 1..line + self.late, line);
+            x[line + self.late - 1] = commanded;
+        }
+        let acting = if self.model.drive_bandwidth_hz.is_some() { x[END] } else { demand };
+        let gap = acting - demand;
+        let mean = demand + self.gap[0] * gap;
+        let lever = 0.5 * t * t * demand + self.gap[1] * gap;
+        x[END] = acting - self.lost * gap;
+        x[MEAN] = match self.model.torque {
+            LoopTorque::Applied => mean,
+            LoopTorque::Demanded => demand,
+        };
+        Told { commanded, acting, push: t * mean, lever }
+    }
+}
+
+/// What a joint's loop says in one sample, per unit of its inertia.
+struct Told {
+    commanded: f64,
+    acting: f64,
+    /// Integral of the torque that acts over the interval, and its double integral.
+    push: f64,
+    lever: f64,
+}
+
+/// Runs of one arm side by side.
+pub(super) struct Played<'a> {
+    laws: Vec<Law<'a>>,
+    /// `M^{-1}`.
+    inverse: &'a [Vec<f64>],
+    /// `[joint][run]`: the states.
+    states: Vec<Vec<Vec<f64>>>,
+    /// `[joint][run]`: reading errors of the next sample \[rad\].
+    readings: Vec<Vec<f64>>,
+}
+
+impl<'a> Played<'a> {
+    /// So many runs from rest.
+    pub(super) fn new(
+        loops: &[(&JointRecord, &'a LoopModel)],
+        inverse: &'a [Vec<f64>],
+        runs: usize,
+    ) -> Self {
+        let laws: Vec<Law<'a>> = loops.iter().map(|(r, m)| Law::new(r, m)).collect();
+        let states = laws.iter().map(|law| vec![vec![0.0; law.length()]; runs]).collect();
+        let readings = vec![vec![0.0; runs]; laws.len()];
+        Self { laws, inverse, states, readings }
+    }
+
+    /// Length of the whole arm's state.
+    pub(super) fn length(&self) -> usize {
+        self.laws.iter().map(Law::length).sum()
+    }
+
+    /// Starts run `k` from place `k` of the arm's state, one of its units each.
+    pub(super) fn start_everywhere(&mut self) {
+        let mut run = 0;
+        for (law, states) in self.laws.iter().zip(&mut self.states) {
+            for place in 0..law.length() {
+                states[run][place] = law.unit(place);
+                run += 1;
+            }
+        }
+    }
+
+    /// Kicks a run with a torque impulse of 1 N·m·s on a joint, `lever` seconds before the next sample.
+    pub(super) fn kick(&mut self, run: usize, joint: usize, lever: f64) {
+        for (i, states) in self.states.iter_mut().enumerate() {
+            states[run][Q] += lever * self.inverse[i][joint];
+            states[run][DQ] += self.inverse[i][joint];
+        }
+    }
+
+    /// Lets a joint's encoder of a run be read 1 rad too far at the next sample.
+    pub(super) fn misread(&mut self, run: usize, joint: usize) {
+        self.readings[joint][run] = 1.0;
+    }
+
+    /// Largest part of a run's state, in its units.
+    pub(super) fn size(&self, run: usize) -> f64 {
+        let mut most = 0.0_f64;
+        for (law, states) in self.laws.iter().zip(&self.states) {
+            for (place, value) in states[run].iter().enumerate() {
+                most = most.max(value.abs() / law.unit(place));
+            }
+        }
+        most
+    }
+
+    /// Largest sum over all runs of a part of the state, in its units: `‖A^k‖_∞` after [`Self::start_everywhere`].
+    pub(super) fn norm(&self) -> f64 {
+        let mut most = 0.0_f64;
+        for (law, states) in self.laws.iter().zip(&self.states) {
+            for place in 0..law.length() {
+                let sum: f64 = states.iter().map(|x| x[place].abs()).sum();
+                most = most.max(sum / law.unit(place));
+            }
+        }
+        most
+    }
+
+    /// One sample of every run; shows each joint's outputs, run by run.
+    pub(super) fn step(&mut self, mut show: impl FnMut(usize, usize, &[f64; OUTPUTS])) {
+        let n = self.laws.len();
+        let runs = self.readings.first().map_or(0, Vec::len);
+        let mut told = Vec::with_capacity(n);
+        for run in 0..runs {
+            told.clear();
+            for (joint, law) in self.laws.iter().enumerate() {
+                let x = &mut self.states[joint][run];
+                let reading = core::mem::take(&mut self.readings[joint][run]);
+                told.push(([x[Q], x[DQ]], law.step(x, reading)));
+            }
+            for i in 0..n {
+                let (mut acceleration, mut push, mut lever) = (0.0, 0.0, 0.0);
+                for (j, (_, told)) in told.iter().enumerate() {
+                    let share = self.inverse[i][j] * self.laws[j].inertia;
+                    acceleration += share * told.acting;
+                    push += share * told.push;
+                    lever += share * told.lever;
+                }
+                let ([e, de], own) = &told[i];
+                let inertia = self.laws[i].inertia;
+                show(
+                    i,
+                    run,
+                    &[*e, *de, acceleration, inertia * own.commanded, inertia * own.acting],
+                );
+                let x = &mut self.states[i][run];
+                x[Q] += self.laws[i].model.period_s * x[DQ] + lever;
+                x[DQ] += push;
+            }
+        }
+    }
+}

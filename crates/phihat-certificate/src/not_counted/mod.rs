@@ -1,0 +1,162 @@
+//! What of a study the claims leave out.
+//!
+//! Every structure of a study is taken apart here, field by field, so that none can be added to a study without a
+//! decision: in the loop model, in what is known of arm and φ, or on the list.
+
+mod around;
+mod world;
+
+use phihat_study::{Control, Fault, Sensor, Study};
+use serde::{Deserialize, Serialize};
+
+/// Something in a study that the claims leave out. The law's linear loop is as certified all the same.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NotCounted {
+    /// Its key in the study.
+    pub key: String,
+    /// Its value there.
+    pub value: String,
+    /// Which claims do not count it.
+    pub claims: LeftOut,
+}
+
+/// Which claims leave something out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LeftOut {
+    /// Bounds on the error, and the tube; the loop stays the one whose stability is claimed.
+    Bounds,
+    /// Bounds, tube and stability: while it acts, the loop is another one.
+    BoundsAndStability,
+    /// Bounds from φ and the claims about the loop; the tube of the run counts it.
+    AllButTube,
+}
+
+impl NotCounted {
+    /// Everything in a study that claims about its gains leave out. Where this is empty and nothing is refused, the
+    /// bounds are about the study as it runs.
+    pub fn of(study: &Study) -> Vec<Self> {
+        let Study {
+            // Who and what it is.
+            name: _,
+            title: _,
+            text: _,
+            sha256: _,
+            // Of what is random, each is listed by itself.
+            seed: _,
+            // The certificate says for how long a run its claims are.
+            duration: _,
+            // In the range of inertia and in φ; its limits are the loop's, the world's and the interface's.
+            robot: _,
+            // What is asked for.
+            spec: _,
+            gains: _,
+            design: _,
+            control,
+            sensor,
+            world,
+            interface,
+            supervisor,
+            faults,
+            // In φ, and in what its motion costs.
+            reference: _,
+        } = study;
+        let mut list = List(Vec::new());
+        control_counts(control);
+        list.sensor(sensor);
+        list.world(world);
+        list.interface(interface);
+        if let Some(request) = supervisor {
+            list.supervisor(request);
+        }
+        faults.iter().for_each(|fault| list.fault(fault));
+        list.0
+    }
+
+    /// Whether a tube counts it.
+    pub fn in_tube(&self) -> bool {
+        self.claims == LeftOut::AllButTube
+    }
+}
+
+/// Nothing of `[loop]` is left out.
+fn control_counts(control: &Control) {
+    let Control {
+        // In the loop model.
+        period_ns: _,
+        delay_samples: _,
+        form: _,
+        // Claims hold while no limit acts. The rate limit is a clause of the design; a tube says whether any limit
+        // can act along it, and a run says how often one did.
+        torque_max: _,
+        torque_rate_max: _,
+    } = control;
+}
+
+struct List(Vec<NotCounted>);
+
+impl List {
+    fn add(&mut self, key: &str, value: impl ToString, claims: LeftOut) {
+        self.0.push(NotCounted { key: key.to_owned(), value: value.to_string(), claims });
+    }
+
+    /// A list in which a value differs from the one that is counted; one number where all are the same.
+    fn values(&mut self, key: &str, values: &[f64], counted: f64) {
+        if values.iter().any(|value| value.is_nan() || (value - counted).abs() > 0.0) {
+            self.add(key, text(values), LeftOut::Bounds);
+        }
+    }
+
+    /// Values that change the loop while they act.
+    fn acting(&mut self, key: &str, values: Option<&Vec<f64>>) {
+        if let Some(values) = values {
+            self.add(key, text(values), LeftOut::BoundsAndStability);
+        }
+    }
+
+    fn sensor(&mut self, sensor: &Sensor) {
+        let Sensor {
+            // In the bounds.
+            encoder_bits: _,
+            // In the loop model.
+            velocity: _,
+            velocity_filter_hz: _,
+            velocity_filter_designed: _,
+            torque: _,
+            delay_samples: _,
+            position_noise,
+            position_bias,
+            velocity_noise,
+            torque_noise,
+            // Forbids the loop model.
+            jitter: _,
+            // Another side only where the transmission is elastic, which forbids the loop model.
+            at_motor: _,
+            wrap,
+        } = sensor;
+        self.values("sensor.position_noise_rad", position_noise, 0.0);
+        self.values("sensor.position_bias_rad", position_bias, 0.0);
+        self.values("sensor.velocity_noise_rad_s", velocity_noise, 0.0);
+        self.values("sensor.torque_noise_nm", torque_noise, 0.0);
+        if *wrap {
+            self.add("sensor.wrap", "true", LeftOut::Bounds);
+        }
+    }
+
+    fn fault(&mut self, fault: &Fault) {
+        let Fault { kind, start, duration, joint: _, size: _ } = fault;
+        // Whatever kind: a payload changes the inertia, a weak drive the gain, a lost sample the loop.
+        let value = format!("{} from {start} s for {duration} s", kind.word());
+        self.add("fault.kind", value, LeftOut::BoundsAndStability);
+    }
+}
+
+/// One number where all are the same.
+fn text(values: &[f64]) -> String {
+    let same = values.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
+    match values.first() {
+        Some(value) if same => format!("{value}"),
+        _ => format!("{values:?}"),
+    }
+}

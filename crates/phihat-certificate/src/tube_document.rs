@@ -1,0 +1,148 @@
+//! The tube as data: an envelope that a study's run keeps from its start.
+
+use serde::{Deserialize, Serialize};
+
+/// Nanoseconds of a second.
+const NANO: f64 = 1e9;
+
+/// An envelope of the error of one study's run, from `t = 0`.
+///
+/// # Claim
+///
+/// For every payload of the set and every dry-friction level of its interval, constants of the run, and for any phase
+/// of the encoders, the study's run from its start keeps `e` and `ė` inside the bins at all samples.
+///
+/// # Not claimed
+///
+/// Whatever the certificate lists as not counted; another study, another start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tube {
+    /// Length of a bin \[s\]: bin `b` holds the samples with `b·bin_s ≤ t < (b+1)·bin_s`.
+    pub bin_s: f64,
+    /// Length of the run \[s\].
+    pub duration_s: f64,
+    /// When the steady part begins \[s\].
+    pub settle_s: f64,
+    /// Into how many slices of mass the payloads were divided.
+    pub slices: u32,
+    /// The payloads.
+    pub payload: PayloadSet,
+    /// Lowest and highest level of dry friction \[N·m\] per joint.
+    pub coulomb_nm: (Vec<f64>, Vec<f64>),
+    /// Quantum of the position \[rad\] per joint; 0: exact.
+    pub quantum_rad: Vec<f64>,
+    /// One entry per joint, in the robot's order.
+    pub joints: Vec<TubeJoint>,
+    /// No torque limit and no torque-rate limit can act anywhere along it.
+    pub limits_silent: bool,
+}
+
+/// Bodies of which one is welded to a frame of the arm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadSet {
+    /// Frame (link) name.
+    pub frame: String,
+    /// Smallest and largest mass \[kg\].
+    pub mass_kg: (f64, f64),
+    /// Box of the centre of mass \[m\], in the frame's axes.
+    pub com_m: [(f64, f64); 3],
+    /// Radius of gyration \[m\]: no second moment about the centre of mass is larger than mass times its square.
+    pub gyration_m: f64,
+}
+
+/// One joint's part of the envelope; the lists have one entry per bin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TubeJoint {
+    /// Joint name.
+    pub name: String,
+    /// Least `e` \[rad\].
+    pub error_low_rad: Vec<f64>,
+    /// Largest `e` \[rad\].
+    pub error_high_rad: Vec<f64>,
+    /// Least `ė` \[rad/s\].
+    pub velocity_low_rad_s: Vec<f64>,
+    /// Largest `ė` \[rad/s\].
+    pub velocity_high_rad_s: Vec<f64>,
+    /// Largest |e| of the bins from `settle_s` on \[rad\].
+    pub error_max_rad: f64,
+    /// Largest |ė| of the bins from `settle_s` on \[rad/s\].
+    pub velocity_error_max_rad_s: f64,
+    /// Largest commanded torque of the whole run \[N·m\].
+    pub torque_max_nm: f64,
+    /// Its largest change from one sample to the next \[N·m\].
+    pub torque_step_max_nm: f64,
+}
+
+impl Tube {
+    /// Number of bins.
+    pub fn bins(&self) -> usize {
+        self.joints.iter().map(TubeJoint::bins).min().unwrap_or(0)
+    }
+
+    /// When a bin begins \[s\].
+    pub fn start_of(&self, bin: usize) -> f64 {
+        bin as f64 * self.bin_s
+    }
+
+    /// The bin that a sample at a time \[ns\] is in; it may lie beyond the last.
+    pub fn bin_of(&self, t_ns: u64) -> usize {
+        // A quotient of seconds would put 0.29 s into the bin before its own.
+        let bin_ns = (self.bin_s * NANO).round();
+        let bin = (t_ns as f64 / bin_ns).floor();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a cast saturates, and what is beyond the last bin is in none"
+        )]
+        let index = bin as usize;
+        index
+    }
+
+    /// From when on the rest of the tube stays inside `|e| ≤ error_max` \[rad\] on every joint: the start of the first
+    /// such bin \[s\]. `None`: its last bin does not.
+    pub fn settled(&self, error_max: &[f64]) -> Option<f64> {
+        let within = |bin: usize| {
+            let mut joints = self.joints.iter().zip(error_max);
+            joints.all(|(joint, bound)| joint.error_at(bin) <= *bound)
+        };
+        let outside = (0..self.bins()).rev().find(|bin| !within(*bin));
+        let first = outside.map_or(0, |bin| bin + 1);
+        (first < self.bins() && error_max.len() >= self.joints.len()).then(|| self.start_of(first))
+    }
+
+    /// From when on the tube stays at the level of its own second half \[s\]: what is left for a specification that it
+    /// never keeps.
+    pub fn own_settled(&self) -> f64 {
+        let half = self.bins() / 2;
+        let level = |joint: &TubeJoint| {
+            (half..self.bins()).fold(0.0, |most: f64, bin| most.max(joint.error_at(bin)))
+        };
+        let levels: Vec<f64> = self.joints.iter().map(level).collect();
+        self.settled(&levels).unwrap_or(0.0)
+    }
+}
+
+impl TubeJoint {
+    fn bins(&self) -> usize {
+        let (error, velocity) = (&self.error_low_rad, &self.velocity_low_rad_s);
+        let lengths = [
+            error.len(),
+            self.error_high_rad.len(),
+            velocity.len(),
+            self.velocity_high_rad_s.len(),
+        ];
+        lengths.into_iter().min().unwrap_or(0)
+    }
+
+    /// Largest |e| of a bin \[rad\]; infinite where there is none.
+    fn error_at(&self, bin: usize) -> f64 {
+        let ends = (self.error_low_rad.get(bin), self.error_high_rad.get(bin));
+        let (Some(low), Some(high)) = ends else { return f64::INFINITY };
+        // NaN bounds nothing.
+        let most = low.abs().max(high.abs());
+        if low.is_nan() || high.is_nan() { f64::INFINITY } else { most }
+    }
+}

@@ -1,0 +1,238 @@
+//! Several joints' loops on one inertia matrix, as one linear step, and its impulse responses.
+
+use nalgebra::{DMatrix, DVector};
+use phihat_certificate::{JointRecord, LoopModel};
+
+use crate::sampled::sample::{Input, Sample};
+
+/// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.
+pub(super) const OUTPUTS: usize = 5;
+
+/// Outputs after a torque impulse at an interval's start, at its end, and after an encoder's error; one left over.
+pub(super) type Lines = [f64; 16];
+
+/// Sums over a response's whole future, per output: from torque (absolute integral), from the encoder (absolute sum).
+pub(super) type Sums = [[f64; OUTPUTS]; 2];
+
+/// What may be left of the state when a sum is cut; what is left of a response is bounded and added.
+const LEFT: f64 = 1e-4;
+
+/// Longest horizon is `2^DOUBLINGS` samples.
+const DOUBLINGS: u32 = 20;
+
+/// After how many samples the loop has forgotten, and what is left then: `A^samples`, `‖A^samples‖_∞ < 1`.
+#[derive(Debug, Clone)]
+pub(super) struct Horizon {
+    pub(super) samples: usize,
+    power: DMatrix<f64>,
+}
+
+/// The joints `i` with their laws and loops on one constant matrix `M`: `M q̈ = τ − d`.
+pub(super) struct Linear {
+    a: DMatrix<f64>,
+    entries: Vec<(usize, usize, f64)>,
+    /// Output rows of each joint on the state.
+    rows: Vec<Vec<[f64; OUTPUTS]>>,
+    /// State after a unit torque impulse on each joint at an interval's start and at its end, sparse.
+    kicks: Vec<[Vec<(usize, f64)>; 2]>,
+    /// State after a unit error of each encoder, sparse.
+    readings: Vec<Vec<(usize, f64)>>,
+    /// Outputs of joint `i` at the very sample of encoder `j`'s error, `direct[j][i]`.
+    direct: Vec<Vec<[f64; OUTPUTS]>>,
+    period: f64,
+}
+
+impl Linear {
+    /// Laws in their loops on the inverse of an inertia matrix \[1/(kg·m²)\].
+    pub(super) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
+        let samples: Vec<Sample<'_>> = loops.iter().map(|(r, m)| Sample::new(r, m, 1.0)).collect();
+        let nominal: Vec<f64> = loops.iter().map(|(r, _)| r.inertia_kg_m2).collect();
+        let n = loops.len();
+        let starts: Vec<usize> = samples
+            .iter()
+            .scan(0, |at, s| Some(core::mem::replace(at, *at + s.length())))
+            .collect();
+        let length = samples.iter().map(Sample::length).sum();
+        let period = loops.first().map_or(0.0, |(_, model)| model.period_s);
+        let scales: Vec<DVector<f64>> =
+            samples.iter().zip(&nominal).map(|(s, m)| s.scale() / m.sqrt()).collect();
+        let mut own = Self {
+            a: DMatrix::zeros(length, length),
+            entries: Vec::new(),
+            rows: vec![vec![[0.0; OUTPUTS]; length]; n],
+            kicks: Vec::new(),
+            readings: Vec::new(),
+            direct: Vec::new(),
+            period,
+        };
+        // The law, delay and drive are the joint's own; what acts moves every joint.
+        for j in 0..n {
+            let step = |x: &[f64], input: &Input| {
+                let (mut next, u) = samples[j].step(x, input);
+                let twice = next[0] - x[0] - period * x[1];
+                let once = next[1] - x[1];
+                (next[0], next[1]) = (x[0] + period * x[1], x[1]);
+                let acting = samples[j].acting(x, u);
+                let mut outputs = vec![[0.0; OUTPUTS]; n];
+                (outputs[j][0], outputs[j][1]) = (x[0], x[1]);
+                (outputs[j][3], outputs[j][4]) = (nominal[j] * u, nominal[j] * acting);
+                let mut all = vec![0.0; length];
+                for (k, value) in next.iter().enumerate() {
+                    all[starts[j] + k] = value / scales[j][k];
+                }
+                for i in 0..n {
+                    let share = inverse[(i, j)] * nominal[j];
+                    outputs[i][2] = share * acting;
+                    all[starts[i]] += share * twice / scales[i][0];
+                    all[starts[i] + 1] += share * once / scales[i][1];
+                }
+                (all, outputs)
+            };
+            for k in 0..samples[j].length() {
+                let mut x = vec![0.0; samples[j].length()];
+                x[k] = scales[j][k];
+                let (next, outputs) = step(&x, &Input::default());
+                own.a.set_column(starts[j] + k, &DVector::from_vec(next));
+                for i in 0..n {
+                    own.rows[i][starts[j] + k] = outputs[i];
+                }
+            }
+            let rest = vec![0.0; samples[j].length()];
+            let (next, direct) = step(&rest, &Input { encoder: 1.0, ..Input::default() });
+            own.readings.push(sparse(next));
+            own.direct.push(direct);
+            let kick = |lever: f64| {
+                let mut x = vec![0.0; length];
+                for i in 0..n {
+                    x[starts[i]] = lever * inverse[(i, j)] / scales[i][0];
+                    x[starts[i] + 1] = inverse[(i, j)] / scales[i][1];
+                }
+                sparse(x)
+            };
+            own.kicks.push([kick(period), kick(0.0)]);
+        }
+        let of = |(k, value): (usize, &f64)| (k % length, k / length, *value);
+        own.entries = own.a.iter().enumerate().map(of).filter(|e| e.2 != 0.0).collect();
+        own
+    }
+
+    /// `None` when the loop does not forget.
+    pub(super) fn horizon(&self) -> Option<Horizon> {
+        let (mut power, mut half) = (self.a.clone(), self.a.clone());
+        for doublings in 0..=DOUBLINGS {
+            let left = norm_inf(&power);
+            if !left.is_finite() {
+                return None;
+            }
+            if left < LEFT {
+                return Some(Horizon { samples: 1 << doublings, power });
+            }
+            let whole = &power * &power;
+            // Half way between two powers of two.
+            if doublings > 0 {
+                let between = &power * &half;
+                if norm_inf(&between) < LEFT {
+                    return Some(Horizon { samples: 3 << (doublings - 1), power: between });
+                }
+            }
+            half = core::mem::replace(&mut power, whole);
+        }
+        None
+    }
+
+    /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the horizon; gives what the
+    /// sums leave out, per input: `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`.
+    pub(super) fn walk(
+        &self,
+        i: usize,
+        (samples, horizon): (usize, &Horizon),
+        mut visit: impl FnMut(usize, &Lines),
+    ) -> Vec<Sums> {
+        let mut now = self.rows[i].clone();
+        let mut next = now.clone();
+        let mut total = [0.0; OUTPUTS];
+        let mut before: Vec<Lines> = self.direct.iter().map(|d| first(&d[i])).collect();
+        for (j, lines) in before.iter().enumerate() {
+            visit(j, lines);
+        }
+        for _ in 0..samples {
+            for (j, before) in before.iter_mut().enumerate() {
+                let mut lines = [0.0; 16];
+                add(&mut lines, 0, &now, &self.kicks[j][0]);
+                add(&mut lines, OUTPUTS, &now, &self.kicks[j][1]);
+                add(&mut lines, 2 * OUTPUTS, &now, &self.readings[j]);
+                let raw = lines;
+                for k in [3, 4, 8, 9, 13, 14] {
+                    lines[k] -= before[k];
+                }
+                *before = raw;
+                visit(j, &lines);
+            }
+            for row in &now {
+                for o in 0..OUTPUTS {
+                    total[o] += row[o].abs();
+                }
+            }
+            next.fill([0.0; OUTPUTS]);
+            for (row, column, value) in &self.entries {
+                for o in 0..OUTPUTS {
+                    next[*column][o] += value * now[*row][o];
+                }
+            }
+            core::mem::swap(&mut now, &mut next);
+        }
+        let rest = 1.0 / (1.0 - norm_inf(&horizon.power));
+        let size = |x: &[(usize, f64)]| {
+            let later =
+                |row: usize| x.iter().map(|(k, v)| horizon.power[(row, *k)] * v).sum::<f64>();
+            (0..now.len()).fold(0.0_f64, |most, row| later(row).abs().max(most))
+        };
+        let tail = |size: f64| {
+            // The last two are changes: differences of what comes.
+            core::array::from_fn(|o| {
+                let twice = if o < 3 { 1.0 } else { 2.0 };
+                twice * total[o] * size * rest
+            })
+        };
+        let tails = self.kicks.iter().zip(&self.readings);
+        let tails = tails.map(|([start, end], reading)| {
+            [tail(self.period * size(start).max(size(end))), tail(size(reading))]
+        });
+        tails.collect()
+    }
+}
+
+/// Adds one sample's outputs to the sums.
+pub(super) fn count(sums: &mut Sums, lines: &Lines, period: f64) {
+    for o in 0..OUTPUTS {
+        sums[0][o] += period * mean_of_line(lines[o], lines[OUTPUTS + o]);
+        sums[1][o] += lines[2 * OUTPUTS + o].abs();
+    }
+}
+
+/// Mean of `|·|` along a line from `a` to `b`.
+fn mean_of_line(a: f64, b: f64) -> f64 {
+    if a * b >= 0.0 { 0.5 * (a + b).abs() } else { (a * a + b * b) / (2.0 * (a.abs() + b.abs())) }
+}
+
+fn first(direct: &[f64; OUTPUTS]) -> Lines {
+    let mut lines = [0.0; 16];
+    lines[2 * OUTPUTS..3 * OUTPUTS].copy_from_slice(direct);
+    lines
+}
+
+fn add(lines: &mut Lines, from: usize, rows: &[[f64; OUTPUTS]], x: &[(usize, f64)]) {
+    for (k, value) in x {
+        for o in 0..OUTPUTS {
+            lines[from + o] += value * rows[*k][o];
+        }
+    }
+}
+
+fn sparse(x: Vec<f64>) -> Vec<(usize, f64)> {
+    x.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect()
+}
+
+fn norm_inf(a: &DMatrix<f64>) -> f64 {
+    a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
+}

@@ -1,0 +1,114 @@
+//! Frozen postures at which coupled gains are looked for.
+
+use core::f64::consts::PI;
+
+use phihat_certificate::{FrozenPayload, FrozenPosture, Matrix};
+use phihat_model::{Body, Model, Workspace};
+use phihat_study::Study;
+
+use crate::arm::ArmError;
+
+/// What the words of a posture end with that the search has moved.
+const IMPROVED: &str = ", moved to where a push does more";
+
+/// A study's arm with each payload it may carry: where postures come from.
+#[derive(Debug)]
+pub struct Postures<'a> {
+    study: &'a Study,
+    cases: Vec<(Option<FrozenPayload>, Model)>,
+}
+
+impl<'a> Postures<'a> {
+    /// Empty-handed, with the heaviest payload of the design as a point in the middle of its box, and with the study's own.
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError`] when a payload cannot be attached.
+    pub fn of(study: &'a Study) -> Result<Self, ArmError> {
+        let bare = study.robot.plant_model();
+        let mut payloads = vec![None];
+        let set = &study.design.payload;
+        if set.mass.1 > 0.0 {
+            payloads.push(Some(FrozenPayload {
+                frame: set.frame.clone(),
+                mass_kg: set.mass.1,
+                com_m: set.com.map(|(low, high)| 0.5 * (low + high)),
+                inertia_kg_m2: [0.0; 6],
+            }));
+        }
+        if let Some(own) = &study.world.payload {
+            payloads.push(Some(FrozenPayload {
+                frame: own.frame.clone(),
+                mass_kg: own.mass,
+                com_m: own.com,
+                inertia_kg_m2: own.inertia,
+            }));
+        }
+        let with = |payload: &Option<FrozenPayload>| match payload {
+            None => Ok(bare.clone()),
+            Some(p) => {
+                let body = Body { mass: p.mass_kg, com: p.com_m, inertia: p.inertia_kg_m2 };
+                let loaded = bare.clone().with_payload_on(&p.frame, &body);
+                loaded.map_err(|e| ArmError::Payload(e.to_string()))
+            }
+        };
+        let cases = payloads.into_iter().map(|p| Ok((p.clone(), with(&p)?)));
+        Ok(Self { study, cases: cases.collect::<Result<_, ArmError>>()? })
+    }
+
+    /// One posture with every payload.
+    pub fn at(&self, q: &[f64], source: &str) -> Vec<FrozenPosture> {
+        let frozen = |(payload, model): &(Option<FrozenPayload>, Model)| FrozenPosture {
+            source: match payload {
+                None => source.to_owned(),
+                Some(p) => format!("{source}, {} kg at {}", p.mass_kg, p.frame),
+            },
+            q_rad: q.to_vec(),
+            payload: payload.clone(),
+            mass_matrix_kg_m2: mass_matrix(model, q),
+        };
+        self.cases.iter().map(frozen).collect()
+    }
+
+    /// A posture with one joint moved, inside its limits, and the payload it had.
+    pub(super) fn moved(&self, from: &FrozenPosture, joint: usize, step: f64) -> FrozenPosture {
+        let mut q_rad = from.q_rad.clone();
+        let (low, high) = self.study.robot.joints[joint].position.unwrap_or((-PI, PI));
+        q_rad[joint] = (q_rad[joint] + step).clamp(low.min(q_rad[joint]), high.max(q_rad[joint]));
+        let case = self.cases.iter().find(|(payload, _)| *payload == from.payload);
+        let mass_matrix_kg_m2 =
+            case.map_or_else(Matrix::new, |(_, model)| mass_matrix(model, &q_rad));
+        let source = if from.source.ends_with(IMPROVED) {
+            from.source.clone()
+        } else {
+            format!("{}{IMPROVED}", from.source)
+        };
+        FrozenPosture { source, q_rad, payload: from.payload.clone(), mass_matrix_kg_m2 }
+    }
+
+    /// So many postures inside the joint limits, even and the same every time, each with every payload.
+    pub fn spread(&self, count: u32) -> Vec<FrozenPosture> {
+        (1..=count).flat_map(|k| self.at(&self.spread_at(k), &format!("posture {k}"))).collect()
+    }
+
+    /// The additive recurrence on square roots of primes.
+    fn spread_at(&self, k: u32) -> Vec<f64> {
+        const PRIMES: [f64; 16] = [
+            2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0,
+            53.0,
+        ];
+        let joint = |(i, joint): (usize, &phihat_model::Joint)| {
+            let (low, high) = joint.position.unwrap_or((-PI, PI));
+            let share = (f64::from(k) * PRIMES[i % PRIMES.len()].sqrt()).fract();
+            low + share * (high - low)
+        };
+        self.study.robot.joints.iter().enumerate().map(joint).collect()
+    }
+}
+
+fn mass_matrix(model: &Model, q: &[f64]) -> Matrix {
+    let n = q.len();
+    let mut entries = vec![0.0; n * n];
+    model.mass_matrix(&mut Workspace::new(model), q, &mut entries);
+    entries.chunks(n.max(1)).map(<[f64]>::to_vec).collect()
+}

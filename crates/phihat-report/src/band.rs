@@ -1,0 +1,57 @@
+//! The tube as a picture: a band of steps around the error.
+
+use phihat_design::{Tube, TubeJoint};
+
+use crate::number::rounded;
+
+/// Steps kept of a tube: what is drawn is never narrower than the tube.
+const STEPS_MAX: usize = 400;
+
+/// A band, in the units of its chart: step `k` reaches from `t[k]` to `t[k + 1]` \[s\].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Band {
+    /// One entry more than there are steps.
+    pub t: Vec<f64>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+}
+
+/// Which quantity of a tube: least and largest, per bin.
+pub(crate) type Ends = fn(&TubeJoint) -> (&[f64], &[f64]);
+
+impl Band {
+    /// One joint's band; neighbouring bins are put together where there are many, by the widest of them.
+    pub(crate) fn of(tube: &Tube, joint: &TubeJoint, ends: Ends, scale: f64) -> Self {
+        let (low, high) = ends(joint);
+        let bins = tube.bins();
+        let each = bins.div_ceil(STEPS_MAX).max(1);
+        let mut band = Self::default();
+        for first in (0..bins).step_by(each) {
+            let last = (first + each).min(bins);
+            let least = low[first..last].iter().copied().fold(f64::INFINITY, f64::min);
+            let most = high[first..last].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            band.t.push(rounded(tube.start_of(first)));
+            band.low.push(rounded(scale * least));
+            band.high.push(rounded(scale * most));
+        }
+        band.t.push(rounded(tube.start_of(bins)));
+        band
+    }
+
+    /// The steps that reach into a span of time, each `(from, to, low, high)`, cut to it.
+    pub(crate) fn within(&self, (start, end): (f64, f64)) -> Vec<(f64, f64, f64, f64)> {
+        let steps = self.t.windows(2).zip(self.low.iter().zip(&self.high));
+        let cut = steps.map(|(t, (low, high))| (t[0].max(start), t[1].min(end), *low, *high));
+        cut.filter(|(from, to, ..)| from < to).collect()
+    }
+}
+
+/// `e`.
+pub(crate) fn error(joint: &TubeJoint) -> (&[f64], &[f64]) {
+    (&joint.error_low_rad, &joint.error_high_rad)
+}
+
+/// `ė`.
+pub(crate) fn velocity(joint: &TubeJoint) -> (&[f64], &[f64]) {
+    (&joint.velocity_low_rad_s, &joint.velocity_high_rad_s)
+}

@@ -1,0 +1,144 @@
+//! The run beside the tube that was promised for it.
+
+use maud::{Markup, html};
+use phihat_design::{JointRun, Left, Tube, TubeKept};
+use phihat_sim::JointTrace;
+use serde::Serialize;
+
+use crate::number::{number, stated};
+use crate::record::Record;
+use crate::text::line;
+
+/// From rad to mrad.
+const MILLI: f64 = 1e3;
+
+/// A run against its tube.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TubeRun {
+    /// Figures side by side, and where the run left.
+    #[serde(flatten)]
+    pub kept: TubeKept,
+    /// Why the tube is no promise for this run; `None`: it is one.
+    pub no_promise: Option<String>,
+}
+
+impl TubeRun {
+    /// A record against the tube that its gains carry; `None`: they carry none for these joints.
+    pub fn of(record: &Record<'_>) -> Option<Self> {
+        let certificate = record.gains.certificate.as_ref()?;
+        let tube = certificate.tube.as_ref()?;
+        let run = |joint: &JointTrace| -> u64 {
+            let limited = joint.saturated.iter().zip(&joint.rate_limited);
+            limited.filter(|(torque, rate)| **torque || **rate).count() as u64
+        };
+        let joints = record.trace.joints.iter();
+        let runs = joints.map(|joint| JointRun {
+            e: &joint.e,
+            de: &joint.de,
+            tau_command: &joint.tau_command,
+            limited_samples: run(joint),
+        });
+        let kept = tube.kept_by(&record.trace.t_ns, &runs.collect::<Vec<_>>())?;
+        let no_promise = if record.gains.study_sha256 != record.run.study_sha256 {
+            Some("it was made for another study".to_owned())
+        } else if let Some(why) = certificate.refused() {
+            Some(format!("the gains do not arm: {why}"))
+        } else {
+            let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
+            let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
+            (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
+        };
+        Some(Self { kept, no_promise })
+    }
+
+    /// What a promise for this run excluded, and happened.
+    pub fn broken(&self) -> Option<&Left> {
+        self.kept.left.as_ref().filter(|_| self.no_promise.is_none())
+    }
+
+    /// One sentence.
+    pub fn sentence(&self) -> String {
+        match (&self.kept.left, &self.no_promise) {
+            (None, None) => {
+                "every sample of every joint stayed inside its tube, from t = 0".to_owned()
+            }
+            (None, Some(why)) => {
+                format!("inside the tube, which is no promise for this run: {}", line(why))
+            }
+            (Some(left), None) => {
+                format!("the certificate is broken: please report. {}", left_words(left))
+            }
+            (Some(left), Some(why)) => {
+                format!("{}; it is no promise for this run: {}", left_words(left), line(why))
+            }
+        }
+    }
+}
+
+/// "joint2 left the tube at t = 0.25 s: e = 4.1 mrad, beyond 3.9 mrad"
+fn left_words(left: &Left) -> String {
+    let (symbol, unit, si) = left.quantity.words();
+    let (value, bound) = (number(left.value / si), number(left.bound / si));
+    let t = stated(left.t_s);
+    format!(
+        "{} left the tube at t = {t} s: {symbol} = {value} {unit}, beyond {bound} {unit}",
+        line(&left.joint)
+    )
+}
+
+/// The tube's part of the certificate's section.
+pub(crate) fn tube(record: &Record<'_>) -> Markup {
+    let Some(certificate) = &record.gains.certificate else { return html! {} };
+    html! {
+        @if let Some(why) = &certificate.tube_refused {
+            p { strong { "No tube: " } (line(why)) }
+        }
+        @if let (Some(tube), Some(run)) = (&certificate.tube, TubeRun::of(record)) {
+            p {
+                "The tube: no run of this study, from its start, leaves it, for any payload of " (mass(tube)) " at "
+                (line(&tube.payload.frame)) " and any dry friction between the levels below. Here " (run.sentence()) "."
+            }
+            (beside(tube, &run))
+        }
+    }
+}
+
+fn mass(tube: &Tube) -> String {
+    let (low, high) = tube.payload.mass_kg;
+    format!("{} … {} kg", stated(low), stated(high))
+}
+
+/// Promised and measured, joint by joint.
+fn beside(tube: &Tube, run: &TubeRun) -> Markup {
+    let friction = |joint: usize| {
+        let (low, high) = (tube.coulomb_nm.0.get(joint), tube.coulomb_nm.1.get(joint));
+        low.zip(high).map_or("–".to_owned(), |(l, h)| format!("{} … {}", stated(*l), stated(*h)))
+    };
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: tube and measurements" {
+            table {
+                caption { span { "Tube and measurement, largest from " (stated(run.kept.settle_s)) " s on" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "|e| tube " span.unit { "[mrad]" } }
+                    th scope="col" { "|e| measured " span.unit { "[mrad]" } }
+                    th scope="col" { "tube / measured" }
+                    th scope="col" { "|ė| tube " span.unit { "[mrad/s]" } }
+                    th scope="col" { "|ė| measured " span.unit { "[mrad/s]" } }
+                    th scope="col" { "least distance from its edge, from t = 0 " span.unit { "[mrad]" } }
+                    th scope="col" { "dry friction " span.unit { "[N·m]" } }
+                } }
+                tbody { @for (i, joint) in run.kept.joints.iter().enumerate() { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    td { (number(joint.error_tube_rad * MILLI)) }
+                    td { (number(joint.error_max_rad * MILLI)) }
+                    td { (number(joint.error_tube_rad / joint.error_max_rad)) }
+                    td { (number(joint.velocity_error_tube_rad_s * MILLI)) }
+                    td { (number(joint.velocity_error_max_rad_s * MILLI)) }
+                    td.outside[joint.room_rad < 0.0] { (number(joint.room_rad * MILLI)) }
+                    td { (friction(i)) }
+                } } }
+            }
+        }
+    }
+}
