@@ -1,5 +1,6 @@
 //! What a certificate claims of a run, as bounds for every joint and time, and whether a run keeps them.
 
+use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::Gains;
 use phihat_design::tube::{self, Desired};
 use phihat_sim::{JointTrace, Motion, Outcome};
@@ -49,6 +50,15 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, String> {
     if let Some(refused) = certificate.refused() {
         return Err(format!("refused: {refused}"));
     }
+    if let Some(left_out) = certificate.not_counted.first() {
+        return Err(format!("not counted: {}", left_out.key));
+    }
+    if let Some(why) = &certificate.tube_refused {
+        return Err(format!("tube: {why}"));
+    }
+    if let Some(tube) = &certificate.tube {
+        return Ok(documented(tube));
+    }
     let mut study = study.clone();
     gains.give_filter(&mut study).map_err(|e| e.to_string())?;
     let motion = Motion::new(&study.reference, &study.robot, study.duration);
@@ -66,6 +76,25 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, String> {
         step: tube.step,
     });
     Ok(Claim { joints: joints.collect(), settle_s: study.spec.settle, limits_silent: true })
+}
+
+/// What a tube in a certificate says.
+fn documented(tube: &Tube) -> Claim {
+    let zip = |low: &[f64], high: &[f64]| low.iter().copied().zip(high.iter().copied()).collect();
+    let joint = |joint: &TubeJoint| JointClaim {
+        name: joint.name.clone(),
+        from_s: 0.0,
+        bin_s: Some(tube.bin_s),
+        error: zip(&joint.error_low_rad, &joint.error_high_rad),
+        velocity: zip(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s),
+        torque: vec![joint.torque_max_nm; joint.error_low_rad.len()],
+        step: vec![joint.torque_step_max_nm; joint.error_low_rad.len()],
+    };
+    Claim {
+        joints: tube.joints.iter().map(joint).collect(),
+        settle_s: tube.settle_s,
+        limits_silent: tube.limits_silent,
+    }
 }
 
 /// One joint of one run against a claim.
@@ -228,5 +257,73 @@ fn steady(claim: &Claim, claimed: &JointClaim, joint: &JointTrace, t: &[f64]) ->
         error_rad: most(&joint.e),
         velocity_bound_rad_s: bound(&claimed.velocity),
         velocity_rad_s: most(&joint.de),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Claim, JointClaim, held};
+    use phihat_sim::{JointTrace, Outcome, Trace};
+
+    /// Ten samples at 1 kHz in bins of 5 ms; the error is 0.5, then 1.5.
+    fn run(saturated: bool) -> Outcome {
+        let mut joint = JointTrace { name: "j".to_owned(), ..JointTrace::default() };
+        for k in 0..10 {
+            joint.e.push(if k < 5 { 0.5 } else { 1.5 });
+            joint.de.push(0.0);
+            joint.tau_command.push(1.0);
+            joint.saturated.push(saturated && k == 3);
+            joint.rate_limited.push(false);
+        }
+        let t_ns = (0..10).map(|k| k * 1_000_000).collect();
+        let trace = Trace { period_ns: 1_000_000, t_ns, joints: vec![joint], supervision: None };
+        let (divergence, abort) = (None, None);
+        Outcome { trace, divergence, abort, told_max: vec![], told_step_max: vec![] }
+    }
+
+    fn claim(first: (f64, f64), second: (f64, f64)) -> Claim {
+        let joint = JointClaim {
+            name: "j".to_owned(),
+            from_s: 0.0,
+            bin_s: Some(0.005),
+            error: vec![first, second],
+            velocity: vec![(-1.0, 1.0); 2],
+            torque: vec![1.0; 2],
+            step: vec![1.0; 2],
+        };
+        Claim { joints: vec![joint], settle_s: 0.0, limits_silent: true }
+    }
+
+    #[test]
+    fn every_sample_is_held_against_its_own_bin() {
+        let found = held(&claim((0.4, 0.6), (1.4, 1.6)), &run(false), "r");
+        assert!(found.violations.is_empty(), "{:?}", found.violations);
+        assert!((found.joints[0].bound_rad - 1.6).abs() < 1e-12);
+        assert!((found.joints[0].error_rad - 1.5).abs() < 1e-12);
+        let found = held(&claim((0.4, 0.6), (1.6, 1.8)), &run(false), "r");
+        assert_eq!(found.violations.len(), 1);
+        let left = &found.violations[0];
+        assert_eq!((left.signal.as_str(), left.joint.as_str()), ("e", "j"));
+        assert!((left.t_s - 0.005).abs() < 1e-12 && left.ratio > 1.0);
+        assert_eq!(held(&claim((0.0, 0.1), (0.0, 0.1)), &run(false), "r").violations.len(), 1);
+    }
+
+    #[test]
+    fn torque_and_its_step_are_claims_too() {
+        let mut tight = claim((0.0, 2.0), (0.0, 2.0));
+        tight.joints[0].torque = vec![0.9; 2];
+        tight.joints[0].step = vec![0.9; 2];
+        let found = held(&tight, &run(false), "r");
+        let signals: Vec<_> = found.violations.iter().map(|v| v.signal.as_str()).collect();
+        assert_eq!(signals, ["torque", "torque step"]);
+    }
+
+    #[test]
+    fn a_limit_that_acts_breaks_a_silent_claim_and_is_outside_of_any_other() {
+        let mut wide = claim((0.0, 2.0), (0.0, 2.0));
+        assert_eq!(held(&wide, &run(true), "r").violations[0].signal, "a limit acted");
+        wide.limits_silent = false;
+        let found = held(&wide, &run(true), "r");
+        assert!(found.outside && found.violations.is_empty());
     }
 }

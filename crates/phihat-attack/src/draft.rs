@@ -7,7 +7,7 @@ use phihat_study::{Study, StudyError};
 
 use crate::arm::Arm;
 
-/// A body at the tip.
+/// A body that the arm carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Mass \[kg\].
@@ -21,7 +21,7 @@ pub struct Load {
 /// What one run meets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
-    /// Body at the tip, if any.
+    /// Body that the arm carries, if any.
     pub load: Option<Load>,
     /// Dry friction on top of the robot's \[N·m\] per joint.
     pub coulomb: Vec<f64>,
@@ -32,7 +32,9 @@ pub struct World {
 /// What a run may meet: the study's scope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scope {
-    /// Mass at the tip \[kg\].
+    /// Frame that carries the payload; `None`: the tip.
+    pub frame: Option<String>,
+    /// Mass \[kg\].
     pub mass: (f64, f64),
     /// Box of its centre \[m\].
     pub com: [(f64, f64); 3],
@@ -75,9 +77,6 @@ pub struct Draft {
     pub tags: Vec<String>,
 }
 
-/// Whether studies may state a set of payloads and an interval of dry friction.
-pub const RANGES: bool = true;
-
 impl Draft {
     /// Text of the study, in some world.
     pub fn text(&self, world: &World) -> String {
@@ -98,6 +97,9 @@ impl Draft {
         if let Some(Load { mass, com, inertia }) = world.load {
             let _ = writeln!(text, "\n[world.payload]\nmass_kg = {mass:?}\ncom_m = {com:?}");
             let _ = writeln!(text, "inertia_kg_m2 = {inertia:?}");
+            if let Some(frame) = &self.scope.frame {
+                let _ = writeln!(text, "frame = {frame:?}");
+            }
         }
         text + &self.rest
     }
@@ -105,15 +107,14 @@ impl Draft {
     /// The scope, as keys of `[design]`.
     fn ranges(&self, text: &mut String) {
         let scope = &self.scope;
-        if !RANGES {
-            let _ = writeln!(text, "payload_max_kg = {:?}", scope.mass.1);
-            return;
-        }
         let (low, high) = scope.mass;
         if high > 0.0 {
             let com = scope.com.map(|(low, high)| [low, high]);
             let _ = writeln!(text, "payload_kg = {:?}\npayload_com_m = {com:?}", [low, high]);
             let _ = writeln!(text, "payload_gyration_m = {:?}", scope.gyration);
+            if let Some(frame) = &scope.frame {
+                let _ = writeln!(text, "payload_frame = {frame:?}");
+            }
         }
         let all = |extra: &[f64]| -> Vec<f64> {
             extra.iter().zip(&self.own_coulomb).map(|(a, b)| a + b).collect()

@@ -7,7 +7,7 @@ use phihat_model::{JointKind, Robot, RobotError, Workspace};
 
 use crate::arm::Arm;
 use crate::dice::Dice;
-use crate::draft::{Draft, Load, RANGES, Scope, World};
+use crate::draft::{Draft, Load, Scope, World};
 
 /// A random study, not yet known to be one.
 ///
@@ -166,6 +166,7 @@ impl Hand<'_> {
     fn scope(&mut self) -> (Scope, World) {
         let n = self.count();
         let mut scope = Scope {
+            frame: None,
             mass: (0.0, 0.0),
             com: [(0.0, 0.0); 3],
             gyration: 0.0,
@@ -176,10 +177,15 @@ impl Hand<'_> {
             let whole: f64 = self.robot.model.dynamic_parameters().iter().map(|p| p[0]).sum();
             let most = whole * self.dice.log_between(0.005, 0.1);
             scope.mass.1 = most;
-            if RANGES && self.dice.chance(0.4) {
+            if self.dice.chance(0.15) {
+                // Not at the tip: on a link of a chain, the last ones among them.
+                let link = format!("link{}", n - self.dice.below(n.div_ceil(2)));
+                scope.frame = self.robot.model.frame(&link).map(|_| link);
+            }
+            if self.dice.chance(0.4) {
                 scope.mass.0 = most * self.dice.share();
             }
-            if RANGES && self.dice.chance(0.6) {
+            if self.dice.chance(0.6) {
                 let wide = self.dice.log_between(0.002, 0.05);
                 let at = self.dice.direction().map(|x| x * wide * self.dice.pick(&[0.0, 1.0, 2.0]));
                 scope.com = at.map(|x| (x - wide, x + wide));
@@ -189,12 +195,12 @@ impl Hand<'_> {
         if self.dice.chance(0.5) {
             self.tag("dry friction");
             let high = self.torques(3e-4, 2e-2);
-            let least = if RANGES { self.dice.pick(&[0.0, 0.0, 0.5, 1.0]) } else { 1.0 };
+            let least = self.dice.pick(&[0.0, 0.0, 0.5, 1.0]);
             scope.coulomb = (high.iter().map(|c| c * least).collect(), high);
         }
         let (low, high) = scope.mass;
         let load = (high > 0.0 && self.dice.chance(0.7)).then(|| Load {
-            mass: if RANGES { self.dice.between(low, high) } else { high },
+            mass: self.dice.between(low, high),
             com: scope.com.map(|(low, high)| 0.5 * (low + high)),
             inertia: [0.0; 6],
         });

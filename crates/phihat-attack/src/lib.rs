@@ -23,7 +23,7 @@ mod vary;
 pub use arm::Arm;
 pub use claim::{Claim, Found, JointClaim, JointFound, Violation, claimed, held};
 pub use dice::Dice;
-pub use draft::{Draft, Load, RANGES, Scope, World};
+pub use draft::{Draft, Load, Scope, World};
 pub use draw::draw;
 pub use second::Second;
 pub use summary::Summary;

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::claim::{Claim, JointFound, Violation, claimed, held};
 use crate::dice::Dice;
-use crate::draft::{Draft, RANGES};
+use crate::draft::Draft;
 use crate::draw::draw;
 use crate::second::{Second, opinion};
 use crate::vary::worlds;
@@ -302,9 +302,7 @@ fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, String> {
         std::fs::write(folder.join(name), text).map_err(|e| e.to_string())?;
     }
     let mut stiffest = draft.nominal.clone();
-    if RANGES {
-        stiffest.coulomb.clone_from(&draft.scope.coulomb.1);
-    }
+    stiffest.coulomb.clone_from(&draft.scope.coulomb.1);
     let mut study = draft.study(&stiffest, folder).map_err(|e| e.to_string())?;
     study.sensor.velocity_filter_designed = false;
     let period = study.control.period_ns as f64 * 1e-9;
