@@ -1,5 +1,6 @@
 //! What a design may know of an arm from its reference alone.
 
+use phihat_design::claims::Refutation;
 use phihat_design::coupled::coupled;
 use phihat_design::{Arm, ArmError, CoupledGains, Gains, Motion, Phi, PhiBasis};
 use phihat_sim::Demand;
@@ -7,6 +8,9 @@ use phihat_study::Study;
 
 /// Postures of a reference that its arm's inertia is looked at.
 const POSTURES: u32 = 200;
+
+/// Postures of a reference at which coupled gains are summed up.
+const FROZEN: u32 = 8;
 
 /// A study's arm with the postures of its reference; without them where the arm cannot follow it, which
 /// whoever walks along it is told.
@@ -18,39 +22,29 @@ pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
     let arm = Arm::of(study)?;
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
     Ok(match motion {
-        Ok(motion) => arm.along(&postures(&motion, study)),
+        Ok(motion) => arm.along(&postures(&motion, study, POSTURES)),
         Err(_) => arm,
     })
 }
 
-/// Evenly over the run, both ends included.
-fn postures(motion: &phihat_sim::Motion, study: &Study) -> Vec<Vec<f64>> {
-    let at = |k: u32| {
-        let t = study.duration * f64::from(k) / f64::from(POSTURES - 1);
-        (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
-    };
-    (0..POSTURES).map(at).collect()
-}
-
-/// Postures of a reference at which coupled gains are looked at.
-const FROZEN: u32 = 8;
-
-/// Coupled gains of designed gains, over postures of the study's reference and others; see [`coupled`].
+/// Coupled gains of designed gains, at postures of the study's reference and others; see [`coupled`].
 ///
 /// # Errors
 ///
-/// The [`Refutation`](phihat_design::claims::Refutation) of a posture at which the loop is not stable.
-pub fn coupled_along(
-    study: &Study,
-    gains: &Gains,
-) -> Result<Option<CoupledGains>, phihat_design::claims::Refutation> {
+/// The [`Refutation`] of a posture at which the loop is not stable.
+pub fn coupled_along(study: &Study, gains: &Gains) -> Result<Option<CoupledGains>, Refutation> {
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
-    let posture = |motion: &phihat_sim::Motion, k: u32| -> Vec<f64> {
-        let t = study.duration * f64::from(k) / f64::from(FROZEN);
+    let along = motion.map(|motion| postures(&motion, study, FROZEN));
+    coupled(study, gains, &along.unwrap_or_default())
+}
+
+/// Evenly over the run, both ends included.
+fn postures(motion: &phihat_sim::Motion, study: &Study, count: u32) -> Vec<Vec<f64>> {
+    let at = |k: u32| {
+        let t = study.duration * f64::from(k) / f64::from(count - 1);
         (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
     };
-    let along = motion.map(|motion| (0..FROZEN).map(|k| posture(&motion, k)).collect::<Vec<_>>());
-    coupled(study, gains, &along.unwrap_or_default())
+    (0..count).map(at).collect()
 }
 
 /// How a joint's reference moves.

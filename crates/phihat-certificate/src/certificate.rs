@@ -31,6 +31,9 @@ pub struct Certificate {
     /// An envelope of the study's run from its start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tube: Option<Tube>,
+    /// Clauses of the specification that are not proved, each with what is known of it; empty: all are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unproved: Vec<String>,
     /// Why there is no tube.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tube_refused: Option<String>,
@@ -89,7 +92,29 @@ pub struct JointCertificate {
     pub refused: Vec<Refutation>,
 }
 
+/// What is known of one joint's steady error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorBound {
+    /// `|e|` \[rad\].
+    pub error_rad: f64,
+    /// `|ė|` \[rad/s\].
+    pub velocity_error_rad_s: f64,
+}
+
 impl Certificate {
+    /// The bound on a joint's steady error: that of the tube, or, for joints that are known one by one, their own.
+    pub fn error_bound(&self, joint: usize) -> Option<ErrorBound> {
+        if let Some(tube) = &self.tube {
+            let own = tube.joints.get(joint)?;
+            let (error_rad, velocity_error_rad_s) =
+                (own.error_max_rad, own.velocity_error_max_rad_s);
+            return Some(ErrorBound { error_rad, velocity_error_rad_s });
+        }
+        let own = self.joints.get(joint)?.bounds?;
+        let Bounds { error_rad, velocity_error_rad_s, .. } = own;
+        Some(ErrorBound { error_rad, velocity_error_rad_s })
+    }
+
     /// The first claim that the certificate itself says does not hold.
     pub fn refused(&self) -> Option<Refutation> {
         let own =

@@ -37,7 +37,7 @@ mod window;
 pub use arm::{ArmBasis, ArmInertia, Proved, Searched, Witness};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
-pub use certificate::{Certificate, JointCertificate};
+pub use certificate::{Certificate, ErrorBound, JointCertificate};
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
 pub use gains::{FORMAT, Gains, GainsError, JointRecord, VERSION};
 pub use iss::Iss;

@@ -43,7 +43,18 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
-    let outcome = match &study.design.phi {
+    let outcome = crate::tubed::tubed(study, path, &|asked| estimated(asked, path, &demand, &made));
+    with_coupled(study, outcome?, path)
+}
+
+/// One search, by bounds of joint after joint.
+fn estimated(
+    study: &Study,
+    path: &Path,
+    demand: &Demand,
+    made: Make<'_>,
+) -> Result<Outcome, Failure> {
+    match &study.design.phi {
         PhiSource::Typed { rate, jump } => {
             let typed = made(study, &|joint, _| Phi {
                 basis: PhiBasis::Typed,
@@ -54,7 +65,7 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
                 motion: None,
             })?;
             if let Outcome::Designed(gains) = &typed {
-                typed_phi_holds(study, &demand, gains).map_err(|e| Failure::at(path, e))?;
+                typed_phi_holds(study, demand, gains).map_err(|e| Failure::at(path, e))?;
             }
             Ok(typed)
         }
@@ -67,10 +78,9 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
                 bounds(PhiBasis::Trace, &source, seen)
             })
         }
-        PhiSource::Simulation => simulated(study, &demand, &made),
-        PhiSource::Reference => made(study, &|joint, inertia| phi_along(&demand, joint, inertia)),
-    };
-    with_coupled(study, outcome?, path)
+        PhiSource::Simulation => simulated(study, demand, made),
+        PhiSource::Reference => made(study, &|joint, inertia| phi_along(demand, joint, inertia)),
+    }
 }
 
 /// Adds to designed gains how far a push on one joint moves every joint.

@@ -24,6 +24,7 @@ mod robots;
 mod run;
 mod simulate;
 mod table;
+mod tubed;
 mod verify;
 
 use std::ffi::OsString;

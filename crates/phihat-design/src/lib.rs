@@ -28,10 +28,10 @@ pub use certificate::arm_inside_window;
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, FORMAT, FrozenPayload, FrozenPosture,
-    Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left, LeftOut, Motion,
-    NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle, SettleFrom,
-    TradeOff, Tube, TubeJoint, TubeKept, VERSION, Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
+    FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,
+    LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle,
+    SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, VERSION, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

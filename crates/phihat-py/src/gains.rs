@@ -5,8 +5,20 @@ use std::path::PathBuf;
 use phihat_design::export::{Target, export};
 use phihat_design::{JointCertificate, JointRecord};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use crate::{failure, json};
+use crate::{arrays, failure, json};
+
+/// Names of the coupled gains' matrices, as in gains.json, in the order of the document.
+const KEYS: [&str; 7] = [
+    "error_rad_per_nm",
+    "velocity_rad_s_per_nm",
+    "acceleration_rad_s2_per_nm",
+    "torque_step_nm_per_nm",
+    "encoder_error_rad_per_rad",
+    "encoder_velocity_per_s",
+    "encoder_torque_step_nm_per_rad",
+];
 
 /// Gains of an arm's joints, as in gains.json, with what is certified about them.
 #[pyclass(frozen, module = "phihat")]
@@ -146,10 +158,25 @@ impl Gains {
     fn window(&self) -> Option<Vec<(f64, f64)>> {
         self.certified(|joint| joint.window.as_ref().map(|window| (window.low, window.high)))
     }
+    /// Coupled gains at frozen postures, each a matrix with a row per joint that moves and a column per joint that is hit; None
+    /// where nothing is claimed.
+    #[getter]
+    fn coupled<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let certificate = self.inner.certificate.as_ref();
+        let Some(coupled) = certificate.and_then(|c| c.coupled.as_ref()) else { return Ok(None) };
+        let matrices = PyDict::new(py);
+        for (key, rows) in KEYS.iter().zip(coupled.matrices().map(|(_, rows)| rows)) {
+            let values = rows.iter().flatten().copied().collect();
+            matrices.set_item(key, arrays::shaped(py, values, &[rows.len(), rows.len()])?)?;
+        }
+        Ok(Some(matrices))
+    }
     /// Certified bound on |e| of each joint [rad]; None if nothing is certified about it.
     #[getter]
     fn error_bound(&self) -> Option<Vec<f64>> {
-        self.certified(|joint| joint.bounds.as_ref().map(|bounds| bounds.error_rad))
+        let certificate = self.inner.certificate.as_ref()?;
+        let bound = |joint| certificate.error_bound(joint).map(|bound| bound.error_rad);
+        (0..certificate.joints.len()).map(bound).collect()
     }
 
     fn __repr__(&self) -> String {

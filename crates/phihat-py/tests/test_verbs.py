@@ -51,6 +51,19 @@ def test_design_keeps_what_it_promises(gains: phihat.Gains, trace: phihat.Trace)
     assert trace.within_spec and trace.divergence is None
 
 
+def test_coupled_gains_are_arrays_by_joint_that_moves_and_joint_that_is_hit(gains: phihat.Gains) -> None:
+    coupled = gains.coupled
+    assert coupled is not None
+    error = coupled["error_rad_per_nm"]
+    assert error.shape == (3, 3) and error.dtype == np.float64 and (error > 0.0).all()
+    # At one posture the matrix of a push to an error is symmetric; so is the largest of every entry.
+    assert np.allclose(error, error.T, rtol=1e-3)
+    document = gains.certificate
+    assert document is not None
+    assert (error == np.array(document["coupled"]["error_rad_per_nm"])).all()
+    assert (error @ np.array([1.0, 0.0, 0.0]) == error[:, 0]).all()
+
+
 def test_faults_answer_run_by_run(tmp_path: Path) -> None:
     study = STUDIES / "faults" / "planar3r.toml"
     answer = phihat.faults(study, orders=[1], seeds=1, only="/payload_drop/", out=tmp_path)

@@ -1,5 +1,6 @@
 //! What was proved about the gains, beside what the run measured.
 
+use crate::coupled::coupled;
 use crate::figure::claim_figures;
 use crate::number::{number, stated};
 use crate::record::Record;
@@ -42,6 +43,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
+        (coupled(certificate))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }
@@ -83,9 +85,9 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                     th scope="col" { "|ė| measured " span.unit { "[mrad/s]" } }
                     th scope="col" { "holds" }
                 } }
-                tbody { @for (claim, joint) in rows() { tr {
+                tbody { @for (i, (claim, joint)) in rows().enumerate() { tr {
                     th scope="row" { (line(&claim.name)) }
-                    @if let Some(bound) = &claim.bounds {
+                    @if let Some(bound) = certificate.error_bound(i) {
                         @let holds = joint.error_steady_max_rad <= bound.error_rad
                             && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
                         td { (number(bound.error_rad * MILLI)) }

@@ -18,6 +18,7 @@ mod band;
 mod certificate;
 mod chart;
 mod comparison;
+mod coupled;
 mod decimate;
 mod faults;
 mod figure;

@@ -107,7 +107,7 @@ fn limits_that_acted_are_told_on_top_though_the_spec_holds() {
     assert_eq!(
         verdict_of(&fixture),
         "Within spec on all 7 joints, but the torque-rate limit acted in 30 % of the samples of joint2 (4.3 % of \
-         all) after t = 1 s: no certificate speaks of that . Nearest to a bound: |e| of joint1 uses 50 % of its bound ."
+         all) after t = 1 s: no certificate speaks of that. Nearest to a bound: |e| of joint1 uses 50 % of its bound."
     );
     fixture.metrics.joints[0].saturated_steady_samples = 1;
     let both = verdict_of(&fixture);

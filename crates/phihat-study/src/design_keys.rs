@@ -93,7 +93,8 @@ pub(crate) static DESIGN: Section = Section {
             unit: "kg·m²",
             shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
             need: Need::Optional("found from the robot's description"),
-            doc: "Smallest inertia of each joint, rotor included, typed in place of a description.",
+            doc: "Smallest inertia of each joint, rotor included, typed in place of a description; both ends must hold what the \
+                  robot's model says, coupling and payloads counted.",
         },
         Key {
             name: "inertia_high_kg_m2",
@@ -139,7 +140,8 @@ pub(crate) static DESIGN: Section = Section {
             unit: "N·m/s",
             shape: Shape::PerJoint(Bounds::closed(0.0, 1e7), &[]),
             need: Need::Optional("found along the reference"),
-            doc: "Largest rate of the smooth part of the unknown dynamics φ.",
+            doc: "Largest rate of the smooth part of the unknown dynamics φ; not below what the robot's model shows along the \
+                  reference, nor is the next one.",
         },
         Key {
             name: "phi_jump_max_nm",

@@ -148,7 +148,8 @@ static SPEC: Section = Section {
             unit: "s",
             shape: Shape::Number(TIME),
             need: Need::Number(1.0),
-            doc: "When the steady part begins; before the end of the run.",
+            doc: "When the steady part begins; before the end of the run. Where it is not stated and the gains carry a tube, \
+                  the tube says it: when the rest of it stays inside `error_max_rad`, else when it is at its own level.",
         },
         Key {
             name: "error_max_rad",

@@ -79,6 +79,14 @@ pub struct FrozenPayload {
 }
 
 impl CoupledGains {
+    /// The two different joints of which one moves the other most: the one moved, the one pushed, \[rad/(N·m)\]. `None` for one joint.
+    pub fn strongest(&self) -> Option<(usize, usize, f64)> {
+        let rows = self.error_rad_per_nm.iter().enumerate();
+        let entries =
+            rows.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, x)| (i, j, *x)));
+        entries.filter(|(i, j, _)| i != j).max_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
     /// Its matrices with what each is, in the order of the claim.
     pub fn matrices(&self) -> [(&'static str, &Matrix); 7] {
         [

@@ -136,7 +136,10 @@ impl List {
             wrap,
         } = sensor;
         self.values("sensor.position_noise_rad", position_noise, 0.0);
-        self.values("sensor.position_bias_rad", position_bias, 0.0);
+        if position_bias.iter().any(|bias| bias.is_nan() || bias.abs() > 0.0) {
+            // A tube counts it as a misreading, like the encoder's.
+            self.add("sensor.position_bias_rad", text(position_bias), LeftOut::AllButTube);
+        }
         self.values("sensor.velocity_noise_rad_s", velocity_noise, 0.0);
         self.values("sensor.torque_noise_nm", torque_noise, 0.0);
         if *wrap {

@@ -2,9 +2,11 @@
 
 use comfy_table::Table;
 use phihat_design::{
-    Certificate, Gains, Infeasible, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
+    Certificate, ErrorBound, Gains, Infeasible, JointCertificate, LeftOut, NotCounted, Settle,
+    SettleFrom,
 };
 
+use super::coupled::coupled;
 use super::{MILLI, align, plain_table};
 
 /// One row of gains per joint.
@@ -41,8 +43,8 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         "|Δτ| from encoder\nN·m, rms / bound",
         "largest step\nmrad",
     ]);
-    for joint in &certificate.joints {
-        table.add_row(row(joint));
+    for (i, joint) in certificate.joints.iter().enumerate() {
+        table.add_row(row(joint, certificate.error_bound(i)));
     }
     align(&mut table);
     let arm = &certificate.arm;
@@ -60,13 +62,14 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         lines.push(format!("φ: {}", phi.source));
     }
     lines.extend(certificate.joints.first().map(law));
+    lines.extend(coupled(certificate));
     lines.extend(not_counted(&certificate.not_counted));
-    lines.extend(certificate.tube_refused.iter().map(|why| format!("no tube: {why}")));
+    lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
     lines.join("\n")
 }
 
-fn row(joint: &JointCertificate) -> Vec<String> {
+fn row(joint: &JointCertificate, bound: Option<ErrorBound>) -> Vec<String> {
     let none = || "–".to_owned();
     let milli = |value: Option<f64>, decimals: usize| {
         value.map_or_else(none, |v| format!("{:.*}", decimals, v * MILLI))
@@ -75,8 +78,8 @@ fn row(joint: &JointCertificate) -> Vec<String> {
     let noise = joint.noise.as_ref();
     vec![
         joint.name.clone(),
-        milli(joint.bounds.map(|b| b.error_rad), 3),
-        milli(joint.bounds.map(|b| b.velocity_error_rad_s), 1),
+        milli(bound.map(|b| b.error_rad), 3),
+        milli(bound.map(|b| b.velocity_error_rad_s), 1),
         milli(joint.bounds.and_then(|b| b.integral_rad_s), 2),
         joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
         margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),
@@ -86,6 +89,24 @@ fn row(joint: &JointCertificate) -> Vec<String> {
         noise.map_or_else(none, |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm)),
         milli(joint.step.as_ref().and_then(|s| s.step_rad), 2),
     ]
+}
+
+/// What is proved of the specification.
+fn proved(certificate: &Certificate) -> String {
+    if !certificate.unproved.is_empty() {
+        let each = certificate.unproved.iter().map(|why| format!("  {why}"));
+        return format!("NOT PROVED of this study:\n{}", each.collect::<Vec<_>>().join("\n"));
+    }
+    match &certificate.tube {
+        Some(tube) => format!(
+            "the specification is kept by every run in the tube: payload {} … {} kg, dry friction as stated, from t = 0, no limit acts",
+            tube.payload.mass_kg.0, tube.payload.mass_kg.1
+        ),
+        None => {
+            "bounds are those of each joint alone: nothing is known of how they push each other"
+                .to_owned()
+        }
+    }
 }
 
 /// From when on the specification is held against a run, and why then.

@@ -18,7 +18,7 @@ struct Column {
     bound: fn(&JointMetrics) -> Option<f64>,
 }
 
-const COLUMNS: [Column; 10] = [
+const COLUMNS: [Column; 9] = [
     Column::free("rms e", "mrad", 4, |j| j.error_rms_rad * MILLI),
     Column {
         heading: "max |e|",
@@ -55,7 +55,6 @@ const COLUMNS: [Column; 10] = [
         value: |j| j.tau_step_max_nm,
         bound: |j| j.tau_step_limit_nm,
     },
-    Column::free("saturated", "samples", 0, |j| j.saturated_samples as f64),
     Column::free("limited", "% steady", 2, |j| 1e2 * j.limited_steady_share),
     Column::free("max |φ|", "N·m", 2, |j| j.phi_max_nm),
     Column::free("max |φ−φ̂|", "N·m", 2, |j| j.phi_error_steady_max_nm),

@@ -1,5 +1,6 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
+mod coupled;
 mod design;
 mod metrics;
 mod robots;

@@ -9,11 +9,12 @@ use crate::claims::{Law, Refutation};
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
 use crate::{Arm, ArmInertia};
-use crate::{Gains, JointRecord};
+use crate::{Certificate, Gains, JointRecord};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
 /// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the
-/// estimator slow enough for the sample rate, and nothing in the loop that its model does not have.
+/// estimator slow enough for the sample rate, and nothing in the loop that its model does not have. Gains with a
+/// certificate arm as it says: over its range of inertia too, by its margin, and not where it refuses a claim.
 ///
 /// # Errors
 ///
@@ -27,17 +28,40 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         left: 0.0,
         right: 0.0,
     };
-    let arm = arm.against(nominal).map_err(unknown)?;
+    let mut arm = arm.against(nominal).map_err(unknown)?;
+    let mut margin = 1.0;
+    if let Some(certificate) = &gains.certificate {
+        certificate.refused().map_or(Ok(()), Err)?;
+        margin = certificate.window_margin.max(1.0);
+        let told = certified_range(certificate, gains)?;
+        (arm.low, arm.high) = (arm.low.min(told.0), arm.high.max(told.1));
+    }
     for (i, record) in gains.joints.iter().enumerate() {
         let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
         below_nyquist(record, model.period_s).map_err(|why| why.on(&record.name))?;
         InertiaWindow::find(record, &model)
-            .and_then(|window| inside(&window, &arm, 1.0))
+            .and_then(|window| inside(&window, &arm, margin))
             .and_then(|()| unmodelled(study, i, (record, &model), &arm))
             .and_then(|()| start_inside_window(study, record, &model, &arm))
             .map_err(|why| why.on(&record.name))?;
     }
     Ok(())
+}
+
+/// The range of inertia that a certificate is about, in the gains' `M̄`.
+fn certified_range(certificate: &Certificate, gains: &Gains) -> Result<(f64, f64), Refutation> {
+    let told = &certificate.arm;
+    let claim = "certificate";
+    let counts = (told.nominal_kg_m2.len(), gains.joints.len());
+    let all = counts.0 == counts.1;
+    holds(claim, "one entry per joint", counts.0 as f64, counts.1 as f64, all)?;
+    for (claimed, joint) in told.nominal_kg_m2.iter().zip(&gains.joints) {
+        let used = joint.inertia_kg_m2;
+        let equal = (claimed - used).abs() <= 1e-9 * used;
+        holds(claim, "the arm is measured in the gains' M̄", *claimed, used, equal)
+            .map_err(|why| why.on(&joint.name))?;
+    }
+    Ok((told.low, told.high))
 }
 
 /// Poles beyond half the sample rate look like slow ones at the samples: stable in exact arithmetic, and so

@@ -87,6 +87,7 @@ impl FindCertificate for Certificate {
             not_counted: NotCounted::of(study),
             tube: None,
             tube_refused: None,
+            unproved: Vec::new(),
             settle: Some(Settle::of(study, None)),
         })
     }

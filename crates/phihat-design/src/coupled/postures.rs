@@ -19,30 +19,31 @@ pub struct Postures<'a> {
 }
 
 impl<'a> Postures<'a> {
-    /// Empty-handed, with the heaviest payload of the design as a point in the middle of its box, and with the study's own.
+    /// With the lightest payload of the design's set, the study's own, and the heaviest at the corners of the box of their
+    /// centres of mass.
     ///
     /// # Errors
     ///
     /// [`ArmError`] when a payload cannot be attached.
     pub fn of(study: &'a Study) -> Result<Self, ArmError> {
         let bare = study.robot.plant_model();
-        let mut payloads = vec![None];
         let set = &study.design.payload;
-        if set.mass.1 > 0.0 {
-            payloads.push(Some(FrozenPayload {
-                frame: set.frame.clone(),
-                mass_kg: set.mass.1,
-                com_m: set.com.map(|(low, high)| 0.5 * (low + high)),
-                inertia_kg_m2: [0.0; 6],
-            }));
-        }
-        if let Some(own) = &study.world.payload {
-            payloads.push(Some(FrozenPayload {
-                frame: own.frame.clone(),
-                mass_kg: own.mass,
-                com_m: own.com,
-                inertia_kg_m2: own.inertia,
-            }));
+        let mut bodies = vec![(set.frame.clone(), set.lightest())];
+        bodies.extend(study.world.payload.as_ref().map(|own| (own.frame.clone(), own.body())));
+        bodies.extend(set.heaviest().into_iter().map(|body| (set.frame.clone(), body)));
+        let held = |(frame, body): (String, Body)| {
+            (body.mass > 0.0).then_some(FrozenPayload {
+                frame,
+                mass_kg: body.mass,
+                com_m: body.com,
+                inertia_kg_m2: body.inertia,
+            })
+        };
+        let mut payloads: Vec<Option<FrozenPayload>> = Vec::new();
+        for payload in bodies.into_iter().map(held) {
+            if !payloads.contains(&payload) {
+                payloads.push(payload);
+            }
         }
         let with = |payload: &Option<FrozenPayload>| match payload {
             None => Ok(bare.clone()),

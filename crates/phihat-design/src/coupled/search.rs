@@ -14,6 +14,9 @@ const RATIOS: usize = 14;
 /// Postures looked at by the measure, each with every payload.
 const SPREAD: u32 = 250;
 
+/// Payloads with which the postures handed over are summed up.
+const PAYLOADS: usize = 3;
+
 /// Steps by which a posture is improved \[rad\].
 const STEPS: [f64; 4] = [0.3, 0.15, 0.06, 0.02];
 
@@ -58,7 +61,8 @@ impl Postures<'_> {
         let n = loops.len();
         let mut found: Vec<FrozenPosture> = Vec::new();
         for (k, q) in also.iter().enumerate() {
-            found.extend(self.at(q, &format!("posture {} of the reference", k + 1)));
+            let source = format!("posture {} of the reference", k + 1);
+            found.extend(self.at(q, &source).into_iter().take(PAYLOADS));
         }
         let Some(measure) = Measure::of(loops, range) else { return found };
         let mut many = self.spread(SPREAD);

@@ -45,14 +45,15 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());
         lines.extend(arm(certificate));
-        let bound = |joint: &JointCertificate| {
-            let error = joint.bounds.map_or("not known (no phi)".to_owned(), |b| up(b.error_rad));
+        let bound = |(i, joint): (usize, &JointCertificate)| {
+            let error = certificate.error_bound(i);
+            let error = error.map_or("not known".to_owned(), |b| up(b.error_rad));
             let window = joint.window.map_or("none".to_owned(), |window| {
                 format!("{} .. {}", up(window.low), down(window.high))
             });
             format!("  {}: window of mu {window}, |e| <= {error} rad", line(&joint.name))
         };
-        lines.extend(certificate.joints.iter().map(bound));
+        lines.extend(certificate.joints.iter().enumerate().map(bound));
         lines.extend(certificate.joints.first().map(|joint| assumed(&joint.model)));
     }
     lines

@@ -11,6 +11,7 @@
 mod basis;
 mod controller;
 mod deviation;
+mod document;
 mod kernel;
 mod lanes;
 mod linear;
@@ -24,6 +25,7 @@ use thiserror::Error;
 
 use basis::Slice;
 use deviation::Deviation;
+pub use document::{settled_at, tube};
 use kernel::{Course, Scale};
 use lanes::WIDE;
 use linear::{Differences, Interval, middle};

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Sequence
-from typing import Any, Literal, final
+from typing import Any, Literal, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,17 @@ from numpy.typing import NDArray
 _Array = NDArray[np.float64]
 _Numbers = _Array | Sequence[float]
 _Path = str | os.PathLike[str]
+
+class _CoupledGains(TypedDict):
+    """Coupled gains at frozen postures; each an array of one row and one column per joint."""
+
+    error_rad_per_nm: _Array
+    velocity_rad_s_per_nm: _Array
+    acceleration_rad_s2_per_nm: _Array
+    torque_step_nm_per_nm: _Array
+    encoder_error_rad_per_rad: _Array
+    encoder_velocity_per_s: _Array
+    encoder_torque_step_nm_per_rad: _Array
 
 __all__ = [
     "Controller",
@@ -268,6 +279,14 @@ class Gains:
     @property
     def error_bound(self) -> list[float] | None:
         """Certified bound on ``|e|`` of each joint [rad]; ``None`` if not certified."""
+
+    @property
+    def coupled(self) -> _CoupledGains | None:
+        """How far a push on one joint moves every joint, at frozen postures; ``None`` if nothing is claimed.
+
+        Row: the joint that moves; column: the joint that is hit. With external torques of at most ``d`` [N m] per joint, of any
+        course in time, ``gains.coupled["error_rad_per_nm"] @ d`` bounds ``|e|`` [rad] of every joint. No claim about motion.
+        """
 
 @final
 class Controller:

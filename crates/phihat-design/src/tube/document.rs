@@ -1,0 +1,127 @@
+//! The envelope as the certificate holds it: coarser bins, numbers rounded outward.
+
+use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
+use phihat_study::Study;
+
+use super::{Desired, JointEnvelope, TubeRefusal, find};
+
+/// Bins of the sweep in one bin of the document.
+const COARSER: usize = 4;
+
+/// Significant digits that numbers of the document are rounded outward to.
+const DIGITS: i32 = 4;
+
+/// What is left between one implementation's rounding and another's.
+const ROUNDING: f64 = 1.0 + 1e-6;
+
+/// Finds the [`Tube`] of a study under gains, as data.
+///
+/// # Errors
+///
+/// [`TubeRefusal`].
+pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, TubeRefusal> {
+    let envelope = find(study, gains, desired)?;
+    let set = &study.design.payload;
+    let bits = study.sensor.encoder_bits.as_ref();
+    let quantum = |i: usize| {
+        bits.map_or(0.0, |bits| core::f64::consts::TAU / 2.0_f64.powi(bits[i].cast_signed()))
+    };
+    let bin_s = envelope.bin_s * COARSER as f64;
+    let first =
+        |settle_s: f64| (0..).take_while(|b| f64::from(*b + 1) * bin_s <= settle_s + 1e-12).count();
+    let settle_s = study.spec.settle;
+    let joints = gains.joints.iter().zip(&envelope.joints);
+    let joints = joints.map(|(record, own)| joint(&record.name, own, first(settle_s))).collect();
+    Ok(Tube {
+        bin_s,
+        duration_s: study.duration,
+        settle_s,
+        slices: envelope.slices,
+        payload: PayloadSet {
+            frame: set.frame.clone(),
+            mass_kg: set.mass,
+            com_m: set.com,
+            gyration_m: set.gyration,
+        },
+        coulomb_nm: study.design.coulomb.clone(),
+        quantum_rad: (0..gains.joints.len()).map(quantum).collect(),
+        joints,
+        limits_silent: true,
+    })
+}
+
+/// The same tube, steady from another time on.
+#[must_use]
+pub fn settled_at(mut tube: Tube, settle_s: f64) -> Tube {
+    let first = (0..tube.bins()).take_while(|b| (*b + 1) as f64 * tube.bin_s <= settle_s + 1e-12);
+    let first = first.count();
+    tube.settle_s = settle_s;
+    for joint in &mut tube.joints {
+        joint.error_max_rad = most(&joint.error_low_rad, &joint.error_high_rad, first);
+        joint.velocity_error_max_rad_s =
+            most(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s, first);
+    }
+    tube
+}
+
+fn joint(name: &str, own: &JointEnvelope, first: usize) -> TubeJoint {
+    let low = |values: &[(f64, f64)]| -> Vec<f64> {
+        let bins = values.chunks(COARSER);
+        bins.map(|bin| -outward(-bin.iter().fold(f64::INFINITY, |m, v| m.min(v.0)))).collect()
+    };
+    let high = |values: &[(f64, f64)]| -> Vec<f64> {
+        let bins = values.chunks(COARSER);
+        bins.map(|bin| outward(bin.iter().fold(f64::NEG_INFINITY, |m, v| m.max(v.1)))).collect()
+    };
+    let (error_low_rad, error_high_rad) = (low(&own.error), high(&own.error));
+    let (velocity_low_rad_s, velocity_high_rad_s) = (low(&own.velocity), high(&own.velocity));
+    let largest = |values: &[f64]| outward(values.iter().fold(0.0_f64, |m, v| m.max(*v)));
+    TubeJoint {
+        name: name.to_owned(),
+        error_max_rad: most(&error_low_rad, &error_high_rad, first),
+        velocity_error_max_rad_s: most(&velocity_low_rad_s, &velocity_high_rad_s, first),
+        error_low_rad,
+        error_high_rad,
+        velocity_low_rad_s,
+        velocity_high_rad_s,
+        torque_max_nm: largest(&own.torque),
+        torque_step_max_nm: largest(&own.step),
+    }
+}
+
+/// Largest size from a bin on.
+fn most(low: &[f64], high: &[f64], first: usize) -> f64 {
+    let last = low.len().saturating_sub(1);
+    let ends = low.iter().zip(high).skip(first.min(last));
+    ends.fold(0.0_f64, |m, (low, high)| m.max(low.abs()).max(high.abs()))
+}
+
+/// The next number of [`DIGITS`] digits that is not smaller.
+fn outward(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let wider = if x > 0.0 { x * ROUNDING } else { x / ROUNDING };
+    #[allow(clippy::cast_possible_truncation, reason = "an exponent of ten")]
+    let exponent = wider.abs().log10().floor() as i32 - (DIGITS - 1);
+    // A power of ten that is a whole number is exact, and its quotient is the nearest number to the decimal.
+    let (unit, inverse) = (10.0_f64.powi(exponent.abs()), exponent < 0);
+    let scaled = if inverse { wider * unit } else { wider / unit };
+    let up = scaled.ceil();
+    if inverse { up / unit } else { up * unit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::outward;
+
+    #[test]
+    fn rounded_outward_to_four_digits() {
+        for (x, wanted) in
+            [(1.23401e-4, 1.235e-4), (-1.23499e-4, -1.234e-4), (0.0, 0.0), (12_345.6, 12_350.0)]
+        {
+            assert!((outward(x) - wanted).abs() <= 1e-12 * wanted.abs(), "{x}: {}", outward(x));
+            assert!(outward(x) >= x);
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! How far a push on one joint moves every joint, as tables.
+
+use maud::{Markup, html};
+use phihat_design::{Certificate, CoupledGains};
+
+use crate::number::number;
+use crate::text::line;
+
+/// Thousandths, for reading.
+const MILLI: f64 = 1e3;
+
+/// The coupled gains, or nothing where there are none.
+pub(crate) fn coupled(certificate: &Certificate) -> Markup {
+    let Some(coupled) = &certificate.coupled else { return html! {} };
+    let names: Vec<&str> = certificate.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let name = |i: usize| names.get(i).copied().unwrap_or("?");
+    html! {
+        h3 id="coupled" { "How far a push on one joint moves every joint" }
+        p {
+            @if let Some((moved, pushed, gain)) = coupled.strongest() {
+                "1 N·m on " (line(name(pushed))) " moves " (line(name(moved))) " by at most " (number(gain * MILLI))
+                " mrad (frozen postures). "
+            }
+            "A table's entry is the most that an external torque of 1 N·m, of any course in time, on the column's joint does to the \
+             row's joint; pushes on several joints add up. At frozen postures: the arm's inertia is that of one posture, the \
+             worst of " (coupled.postures) " for each entry. This is no claim about motion. (" (line(&coupled.source)) ")"
+        }
+        (matrix("Error |e|", "mrad per N·m", &names, &coupled.error_rad_per_nm, MILLI))
+        details {
+            summary { "The same for velocity, acceleration and torque steps, and for errors of the encoder" }
+            @for (caption, unit, rows, factor) in others(coupled) {
+                (matrix(caption, unit, &names, rows, factor))
+            }
+        }
+    }
+}
+
+type Other<'a> = (&'static str, &'static str, &'a [Vec<f64>], f64);
+
+fn others(coupled: &CoupledGains) -> [Other<'_>; 6] {
+    [
+        ("Velocity error |ė|", "mrad/s per N·m", &coupled.velocity_rad_s_per_nm, MILLI),
+        ("Acceleration |ë|", "rad/s² per N·m", &coupled.acceleration_rad_s2_per_nm, 1.0),
+        (
+            "Change of commanded torque per sample",
+            "N·m per N·m",
+            &coupled.torque_step_nm_per_nm,
+            1.0,
+        ),
+        ("Error |e| from the encoder", "rad per rad", &coupled.encoder_error_rad_per_rad, 1.0),
+        ("Velocity error |ė| from the encoder", "1/s", &coupled.encoder_velocity_per_s, 1.0),
+        (
+            "Change of commanded torque per sample from the encoder",
+            "N·m per mrad",
+            &coupled.encoder_torque_step_nm_per_rad,
+            1.0 / MILLI,
+        ),
+    ]
+}
+
+fn matrix(caption: &str, unit: &str, names: &[&str], rows: &[Vec<f64>], factor: f64) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label={ "Table: " (caption) " by the joint that is pushed" } {
+            table {
+                caption { span { (caption) " of the row's joint, frozen postures " } span.unit { "[" (unit) "]" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    @for name in names { th scope="col" { "on " (line(name)) } }
+                } }
+                tbody { @for (name, row) in names.iter().zip(rows) { tr {
+                    th scope="row" { (line(name)) }
+                    @for entry in row { td { (number(entry * factor)) } }
+                } } }
+            }
+        }
+    }
+}
