@@ -266,6 +266,7 @@ def run(folder: Path, study: dict[str, Any], phase: list[float], gains: dict[str
     bits = sensor.get("encoder_bits", "none")
     bits = arm.bits if bits == "robot" else bits
     quantum = None if bits in ("none", None) else 2.0 * np.pi / 2.0 ** spread(bits)
+    bias = spread(sensor.get("position_bias_rad", 0.0))
     displaced = spread(phase or 0.0)
     cut = sensor.get("velocity_filter_hz")
     cut = gains.get("velocity_filter_hz") if cut == "design" else cut
@@ -301,9 +302,9 @@ def run(folder: Path, study: dict[str, Any], phase: list[float], gains: dict[str
         times.append(t)
         errors.append(q - wanted[0])
         speeds.append(dq - wanted[1])
-        read = q.copy()
+        read = q + bias
         if quantum is not None:
-            steps = q / quantum + displaced
+            steps = read / quantum + displaced
             read = quantum * (np.copysign(np.floor(np.abs(steps) + 0.5), steps) - displaced)
         if before is None:
             speed = dq.copy()

@@ -115,6 +115,12 @@ impl Hand<'_> {
             let _ = writeln!(text, "velocity_filter_hz = {cut:?}");
         }
         if self.dice.chance(0.1) {
+            self.tag("bias");
+            let far = self.dice.log_between(1e-5, 1e-2);
+            let bias: Vec<f64> = (0..self.count()).map(|_| self.dice.between(-far, far)).collect();
+            let _ = writeln!(text, "position_bias_rad = {bias:?}");
+        }
+        if self.dice.chance(0.1) {
             text += "torque = \"demanded\"\n";
             self.tag("demanded");
         }

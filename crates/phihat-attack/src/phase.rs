@@ -52,7 +52,9 @@ pub(crate) fn run(
     let quantum = |bits: u32| TAU / 2.0_f64.powi(bits.cast_signed());
     let by: Vec<f64> = phase.iter().zip(bits).map(|(share, bits)| share * quantum(*bits)).collect();
     let mut study = study.clone();
-    study.sensor.position_bias.clone_from(&by);
+    for (bias, by) in study.sensor.position_bias.iter_mut().zip(&by) {
+        *bias += by;
+    }
     let n = law.len();
     let inertia: Vec<f64> = law.iter().map(JointGains::inertia).collect();
     let driver = Displaced {
