@@ -95,7 +95,7 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
 }
 
 /// Python with all that the tests need, in `target/python`; made again when the list changes.
-fn environment(root: &Path) -> Result<String, String> {
+pub(crate) fn environment(root: &Path) -> Result<String, String> {
     let folder = root.join("target/python");
     let python = folder.join("bin/python").display().to_string();
     let list = root.join("crates/phihat-py/tests/requirements.txt");

@@ -1,8 +1,9 @@
-//! The project's chores: `cargo xtask test | bench | bless`.
+//! The project's chores: `cargo xtask test | attack | bench | bless`.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
 
+mod attack;
 mod bench;
 mod bindings;
 mod bless;
@@ -15,6 +16,9 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage:
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
+  cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
+                               N random studies that try to break what is certified about them (resumes);
+                               one in twenty also in Pinocchio and MuJoCo, unless --alone
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
@@ -33,6 +37,7 @@ fn main() -> ExitCode {
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
             test::cargo(&test::root(), &bench)
         }
+        Some((verb, rest)) if verb == "attack" => attack::run(&test::root(), rest),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         _ => Err(USAGE.to_owned()),
     };

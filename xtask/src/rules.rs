@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("phihat", &[]),
     ("phihat-model", &[]),
     ("phihat-study", &["phihat-model"]),
@@ -48,6 +48,19 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "phihat-design",
             "phihat-model",
             "phihat-report",
+            "phihat-sim",
+            "phihat-study",
+        ],
+    ),
+    (
+        "phihat-attack",
+        &[
+            "phihat",
+            "phihat-campaign",
+            "phihat-certificate",
+            "phihat-cli",
+            "phihat-design",
+            "phihat-model",
             "phihat-sim",
             "phihat-study",
         ],

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::{bindings, bless, instructions, rules};
+use crate::{attack, bindings, bless, instructions, rules};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 18] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -30,6 +30,10 @@ const STEPS: [Step; 17] = [
     ("instructions of a sample", instructions::check),
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
+    ("an attack on certificates", |root| {
+        let size = ["40", "--runs", "4", "--alone", "--fresh"].map(String::from);
+        attack::run(root, &size)
+    }),
     ("the README prints what is printed", bless::check),
     ("the paper's reproduction is what the repository keeps", bless::reproduced),
     ("the report in a browser", browser),

@@ -1,0 +1,412 @@
+//! Random studies.
+
+use core::f64::consts::TAU;
+use core::fmt::Write as _;
+
+use phihat_model::{JointKind, Robot, RobotError, Workspace};
+
+use crate::arm::Arm;
+use crate::dice::Dice;
+use crate::draft::{Draft, Load, Scope, World};
+
+/// A random study, not yet known to be one.
+///
+/// # Errors
+///
+/// [`RobotError`]: a fault of the generator of arms.
+pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
+    let arm = Arm::draw(dice);
+    let robot = arm.robot()?;
+    let mut hand = Hand { robot, dice, tags: vec![arm.name()], rate: 0.0, duration: 0.0 };
+    let control = hand.control();
+    let sensor = hand.sensor();
+    let mut world = hand.gravity();
+    let friction = hand.dice.chance(0.7);
+    let _ = writeln!(world, "friction = \"{}\"", if friction { "robot" } else { "none" });
+    world += &hand.viscous();
+    world += &hand.drive();
+    let (scope, nominal) = hand.scope();
+    let reference = hand.reference();
+    let rest = hand.pushes() + &hand.around() + &reference;
+    let own = hand.robot.joints.iter().map(|joint| joint.friction.coulomb);
+    let own_coulomb = own.map(|c| if friction { c } else { 0.0 }).collect();
+    let settle = hand.duration * hand.dice.between(0.3, 0.7);
+    let error_max = hand.error_max();
+    let design = hand.design();
+    let (duration, tags) = (hand.duration, hand.tags);
+    Ok(Draft {
+        arm,
+        duration,
+        settle,
+        error_max,
+        own_coulomb,
+        design,
+        control,
+        sensor,
+        world,
+        substeps: 1,
+        rest,
+        scope,
+        nominal,
+        tags,
+    })
+}
+
+/// What draws a study.
+struct Hand<'a> {
+    robot: Robot,
+    dice: &'a mut Dice,
+    tags: Vec<String>,
+    rate: f64,
+    duration: f64,
+}
+
+impl Hand<'_> {
+    fn count(&self) -> usize {
+        self.robot.joints.len()
+    }
+
+    fn tag(&mut self, tag: &str) {
+        self.tags.push(tag.to_owned());
+    }
+
+    fn control(&mut self) -> String {
+        let rates = [200.0, 250.0, 333.0, 500.0, 1000.0, 1000.0, 1000.0, 2000.0, 4000.0];
+        self.rate = self.dice.pick(&rates);
+        self.duration = self.dice.between(1.5, if self.rate > 1000.0 { 2.5 } else { 4.0 });
+        let delay = self.dice.pick(&[0, 0, 1, 1, 1, 2, 3]);
+        let mut text = format!("rate_hz = {:?}\ndelay_samples = {delay}\n", self.rate);
+        self.tag(&format!("{} Hz", self.rate));
+        self.tag(&format!("delay {delay}"));
+        if self.dice.chance(0.1) {
+            text += "form = \"literal\"\n";
+            self.tag("literal");
+        }
+        if self.dice.chance(0.3) {
+            text += "torque_max_nm = \"none\"\n";
+        }
+        text
+    }
+
+    fn sensor(&mut self) -> String {
+        let mut text = String::new();
+        if self.dice.chance(0.2) {
+            self.tag("exact");
+        } else {
+            let bits: Vec<u32> = if self.dice.chance(0.3) {
+                (0..self.count()).map(|_| self.dice.pick(&[16, 17, 18, 19, 20, 22])).collect()
+            } else {
+                vec![self.dice.pick(&[14, 15, 16, 17, 18, 18, 19, 20, 22, 24]); self.count()]
+            };
+            let _ = writeln!(text, "encoder_bits = {bits:?}");
+        }
+        if self.dice.chance(0.4) {
+            text += "velocity = \"measured\"\n";
+            self.tag("measured");
+        } else {
+            text += "velocity = \"differenced\"\n";
+            self.tag("differenced");
+        }
+        let share = self.dice.share();
+        if share < 0.4 {
+            text += "velocity_filter_hz = \"design\"\n";
+        } else if share < 0.7 {
+            let cut = self.rate * self.dice.log_between(0.02, 0.3);
+            let _ = writeln!(text, "velocity_filter_hz = {cut:?}");
+        }
+        if self.dice.chance(0.1) {
+            self.tag("bias");
+            let far = self.dice.log_between(1e-5, 1e-2);
+            let bias: Vec<f64> = (0..self.count()).map(|_| self.dice.between(-far, far)).collect();
+            let _ = writeln!(text, "position_bias_rad = {bias:?}");
+        }
+        if self.dice.chance(0.1) {
+            text += "torque = \"demanded\"\n";
+            self.tag("demanded");
+        }
+        text
+    }
+
+    fn gravity(&mut self) -> String {
+        let share = self.dice.share();
+        let g = if share < 0.15 {
+            [0.0; 3]
+        } else if share < 0.3 {
+            self.dice.direction().map(|x| 9.81 * x)
+        } else {
+            [0.0, 0.0, -9.81]
+        };
+        format!("gravity_m_s2 = {g:?}\n")
+    }
+
+    /// A torque per joint that is small, but not nothing, to this arm.
+    fn torques(&mut self, low: f64, high: f64) -> Vec<f64> {
+        let factor = self.dice.log_between(low, high);
+        let even = self.dice.chance(0.5);
+        let joints = &self.robot.joints;
+        let most: Vec<f64> = joints.iter().map(|j| j.torque_max.unwrap_or(20.0)).collect();
+        let each = |most: &f64| {
+            let own = if even { 1.0 } else { self.dice.pick(&[0.0, 0.3, 1.0, 3.0]) };
+            most * factor * own
+        };
+        most.iter().map(each).collect()
+    }
+
+    fn viscous(&mut self) -> String {
+        if !self.dice.chance(0.3) {
+            return String::new();
+        }
+        self.tag("viscous");
+        format!("viscous_extra_nm_s_rad = {:?}\n", self.torques(1e-3, 0.1))
+    }
+
+    fn drive(&mut self) -> String {
+        if !self.dice.chance(0.1) {
+            return String::new();
+        }
+        self.tag("drive");
+        format!("drive_bandwidth_hz = {:?}\n", self.rate * self.dice.log_between(0.1, 1.0))
+    }
+
+    /// What runs may meet, and what the study's own does.
+    fn scope(&mut self) -> (Scope, World) {
+        let n = self.count();
+        let mut scope = Scope {
+            frame: None,
+            mass: (0.0, 0.0),
+            com: [(0.0, 0.0); 3],
+            gyration: 0.0,
+            coulomb: (vec![0.0; n], vec![0.0; n]),
+        };
+        if self.dice.chance(0.5) {
+            self.tag("payload");
+            let whole: f64 = self.robot.model.dynamic_parameters().iter().map(|p| p[0]).sum();
+            let most = whole * self.dice.log_between(0.005, 0.1);
+            scope.mass.1 = most;
+            if self.dice.chance(0.15) {
+                // Not at the tip: on a link of a chain, the last ones among them.
+                let link = format!("link{}", n - self.dice.below(n.div_ceil(2)));
+                scope.frame = self.robot.model.frame(&link).map(|_| link);
+            }
+            if self.dice.chance(0.4) {
+                scope.mass.0 = most * self.dice.share();
+            }
+            if self.dice.chance(0.6) {
+                let wide = self.dice.log_between(0.002, 0.05);
+                let at = self.dice.direction().map(|x| x * wide * self.dice.pick(&[0.0, 1.0, 2.0]));
+                scope.com = at.map(|x| (x - wide, x + wide));
+                scope.gyration = wide * self.dice.pick(&[0.0, 0.5, 1.0]);
+            }
+        }
+        if self.dice.chance(0.5) {
+            self.tag("dry friction");
+            let high = self.torques(3e-4, 2e-2);
+            let least = self.dice.pick(&[0.0, 0.0, 0.5, 1.0]);
+            scope.coulomb = (high.iter().map(|c| c * least).collect(), high);
+        }
+        let (low, high) = scope.mass;
+        let load = (high > 0.0 && self.dice.chance(0.7)).then(|| Load {
+            mass: self.dice.between(low, high),
+            com: scope.com.map(|(low, high)| 0.5 * (low + high)),
+            inertia: [0.0; 6],
+        });
+        // A payload that must be there has to be in the study.
+        let load = load.filter(|load| load.mass > 0.0).or_else(|| {
+            let com = scope.com.map(|(low, high)| 0.5 * (low + high));
+            (low > 0.0).then_some(Load { mass: low, com, inertia: [0.0; 6] })
+        });
+        let nominal = World { load, coulomb: scope.coulomb.1.clone(), phase: Vec::new() };
+        (scope, nominal)
+    }
+
+    fn pushes(&mut self) -> String {
+        let mut text = String::new();
+        if !self.dice.chance(0.25) {
+            return text;
+        }
+        self.tag("push");
+        for _ in 0..self.dice.pick(&[1, 1, 2]) {
+            let joint = self.dice.below(self.count());
+            let torque = self.torques(5e-3, 0.1)[joint] * self.dice.pick(&[-1.0, 1.0]);
+            let name = &self.robot.joints[joint].name;
+            let start = self.duration * self.dice.between(0.0, 0.9);
+            let lasts = self.duration * self.dice.log_between(0.01, 1.0);
+            let _ = write!(
+                text,
+                "\n[[world.push]]\njoint = \"{name}\"\ntorque_nm = {torque:?}\nstart_s = {start:?}\n\
+                 duration_s = {lasts:?}\n"
+            );
+        }
+        text
+    }
+
+    /// Torque interface and supervisor: rarely, since the bare law is what most claims are about.
+    fn around(&mut self) -> String {
+        let mut text = String::new();
+        if self.dice.chance(0.06) {
+            text += "\n[profile]\nname = \"robot\"\n";
+            self.tag("profile");
+        }
+        if self.dice.chance(0.06) {
+            self.tag("supervisor");
+            text += "\n[supervisor]\n";
+            text += self.dice.pick(&[
+                "dead_zone_rad = 1e-3\n",
+                "start_first_order = true\n",
+                "funnel_initial_rad = 0.02\nfunnel_final_rad = 0.002\n",
+                "reference_velocity_max_rad_s = 0.5\nreference_acceleration_max_rad_s2 = 2.0\n\
+                 reference_jerk_max_rad_s3 = 20.0\n",
+            ]);
+        }
+        text
+    }
+
+    /// A posture inside the limits.
+    fn posture(&mut self) -> Vec<f64> {
+        let ready = self.robot.poses.get("ready").cloned();
+        if let Some(ready) = ready.filter(|_| self.dice.chance(0.5)) {
+            return ready;
+        }
+        (0..self.count())
+            .map(|i| {
+                let (low, high) = self.range(i);
+                low + (high - low) * self.dice.between(0.25, 0.75)
+            })
+            .collect()
+    }
+
+    fn range(&self, i: usize) -> (f64, f64) {
+        self.robot.joints[i].position.unwrap_or((-2.5, 2.5))
+    }
+
+    fn reference(&mut self) -> String {
+        let share = self.dice.share();
+        let at = self.posture();
+        let (start, motion) = if share < 0.2 {
+            self.tag("hold");
+            (Some(at.clone()), format!("kind = \"hold\"\nq_rad = {at:?}\n"))
+        } else if share < 0.65 {
+            self.tag("sines");
+            (Some(at.clone()), self.sines(&at))
+        } else if share < 0.85 {
+            self.tag("waypoints");
+            (Some(at.clone()), self.waypoints(&at))
+        } else {
+            self.tag("circle");
+            (None, self.circle(&at))
+        };
+        let mut text = String::new();
+        if let Some(start) = start.filter(|_| self.dice.chance(0.15)) {
+            self.tag("start");
+            let far = self.dice.log_between(1e-4, 0.03);
+            let q: Vec<f64> = start.iter().map(|q| q + self.dice.between(-far, far)).collect();
+            let _ = write!(text, "\n[start]\nq_rad = {q:?}\n");
+            if self.dice.chance(0.3) {
+                let fast = self.dice.log_between(1e-3, 0.1);
+                let dq: Vec<f64> = q.iter().map(|_| self.dice.between(-fast, fast)).collect();
+                let _ = writeln!(text, "dq_rad_s = {dq:?}");
+            }
+        }
+        text + "\n[reference]\n" + &motion
+    }
+
+    /// A sum of sines around a posture, inside limits of position and speed.
+    fn sines(&mut self, at: &[f64]) -> String {
+        let vivid = self.dice.log_between(0.05, 0.8);
+        let mut text = format!("kind = \"sines\"\ncenter_rad = {at:?}\n");
+        let fade = self.dice.pick(&[0.0, 0.3, 1.0, 1.0]);
+        let _ = writeln!(text, "fade_in_s = {fade:?}");
+        let terms = self.dice.pick(&[1, 1, 2]);
+        for _ in 0..terms {
+            let (mut amplitude, mut frequency, mut phase) = (vec![], vec![], vec![]);
+            for (i, at) in at.iter().enumerate() {
+                let (low, high) = self.range(i);
+                let room = (high - at).min(at - low) / f64::from(terms);
+                let fastest = self.robot.joints[i].velocity_max.unwrap_or(2.0) / f64::from(terms);
+                let f = self.dice.log_between(0.1, 2.0);
+                let still = self.dice.chance(0.1);
+                let most = room.min(0.4 * fastest / (TAU * f)).min(1.0);
+                amplitude.push(if still {
+                    0.0
+                } else {
+                    vivid * most * self.dice.between(0.3, 1.0)
+                });
+                frequency.push(f);
+                // Without a fade-in a run that starts on the reference starts in motion.
+                phase.push(if fade > 0.0 { self.dice.between(0.0, TAU) } else { 0.0 });
+            }
+            let _ = write!(
+                text,
+                "\n[[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n\
+                 phase_rad = {phase:?}\n"
+            );
+        }
+        text
+    }
+
+    fn waypoints(&mut self, at: &[f64]) -> String {
+        let mut text = "kind = \"waypoints\"\n".to_owned();
+        let (mut t, mut q) = (0.0, at.to_vec());
+        // A leg lasts 0.3 s or more.
+        for _ in 0..16 {
+            let _ = write!(text, "\n[[reference.waypoint]]\nt_s = {t:?}\nq_rad = {q:?}\n");
+            let leg = self.dice.between(0.3, 2.0);
+            let vivid = self.dice.log_between(0.05, 0.8);
+            for (i, q) in q.iter_mut().enumerate() {
+                let (low, high) = self.range(i);
+                let fastest = self.robot.joints[i].velocity_max.unwrap_or(2.0);
+                // A quintic's largest speed is 15/8 of its mean.
+                let far = (0.5 * fastest * leg * vivid).min(0.3 * (high - low));
+                *q = (*q + self.dice.between(-far, far)).clamp(low + 0.02, high - 0.02);
+            }
+            t += leg;
+            if t >= self.duration {
+                break;
+            }
+        }
+        text
+    }
+
+    /// A circle through the tip's place at a posture.
+    fn circle(&mut self, at: &[f64]) -> String {
+        let mut workspace = Workspace::new(&self.robot.model);
+        self.robot.model.forward_kinematics(&mut workspace, at);
+        let tip = self.robot.model.frame(&self.robot.tip);
+        let p = tip.map_or([0.0; 3], |tip| self.robot.model.pose(&workspace, tip).p);
+        let radius = self.dice.log_between(0.005, 0.08);
+        let planar = self.robot.name == "planar3r";
+        let normal = if planar {
+            [0.0, 1.0, 0.0]
+        } else {
+            self.dice.pick(&[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+        };
+        let center = [p[0] - radius, p[1], p[2]];
+        let period = self.dice.between(1.0, 5.0);
+        format!(
+            "kind = \"circle\"\ncenter_m = {center:?}\nradius_m = {radius:?}\nnormal = {normal:?}\n\
+             period_s = {period:?}\nfade_in_s = {:?}\nseed_rad = {at:?}\n",
+            self.dice.pick(&[0.3, 1.0])
+        )
+    }
+
+    /// A first guess; what is infeasible is asked for again with what would be possible.
+    fn error_max(&mut self) -> Vec<f64> {
+        // Now and then what nothing keeps: asked for again, it is close to the least that is possible.
+        let tight = self.dice.chance(0.4);
+        let error = if tight { 1e-6 } else { self.dice.log_between(3e-4, 2e-2) };
+        let slides = |i: usize| self.robot.joints[i].kind == JointKind::Prismatic;
+        (0..self.count()).map(|i| if slides(i) { 0.3 * error } else { error }).collect()
+    }
+
+    fn design(&mut self) -> String {
+        let orders = self.dice.pick(&["[1, 2]", "[1, 2]", "[1]", "[2]", "[1, 2, 3]", "[3]"]);
+        let mut text = format!("orders = {orders}\n");
+        if self.dice.chance(0.2) {
+            let _ = writeln!(text, "window_margin = {:?}", self.dice.between(1.0, 1.5));
+        }
+        if self.dice.chance(0.2) {
+            let _ = writeln!(text, "modulus_margin_min = {:?}", self.dice.between(0.1, 0.4));
+        }
+        text
+    }
+}

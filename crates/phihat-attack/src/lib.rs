@@ -1,0 +1,31 @@
+//! Random arms and studies that try to break a certificate.
+//!
+//! A [`Trial`] draws an arm and a study as texts, designs and verifies as a user does, runs the study in the worlds of
+//! its scope, and holds every sample against what is [`claimed`].
+//!
+//! # Not claimed
+//!
+//! That nothing was found is no proof: what is drawn is what [`draw()`] can draw.
+#![forbid(unsafe_code)]
+#![allow(clippy::disallowed_methods, reason = "an attack tells how long it took")]
+
+mod arm;
+mod claim;
+mod dice;
+mod draft;
+mod draw;
+mod phase;
+mod second;
+mod summary;
+mod trial;
+mod vary;
+
+pub use arm::Arm;
+pub use claim::{Claim, Found, JointClaim, JointFound, Violation, claimed, held};
+pub use dice::Dice;
+pub use draft::{Draft, Load, Scope, World};
+pub use draw::draw;
+pub use second::Second;
+pub use summary::Summary;
+pub use trial::{Ended, Record, Trial, Verdict, judged, run};
+pub use vary::worlds;

@@ -1,0 +1,161 @@
+//! The attack on certificates: `cargo xtask attack [N]`.
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stderr, clippy::print_stdout, reason = "a command speaks to a terminal")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat_attack::{Record, Summary, Trial};
+use phihat_campaign::{Ended, Journal, run_all};
+
+/// Draws studies and tries to break what is certified about them.
+#[derive(Debug, Parser)]
+#[command(
+    name = "attack",
+    after_help = "Exit code 1: a run left what was claimed of it. Its study, gains and claim are kept in \
+                  OUT/seed-S/NUMBER."
+)]
+struct Arguments {
+    /// How many studies.
+    #[arg(default_value_t = 300)]
+    count: u64,
+    /// What is drawn.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of the first study.
+    #[arg(long, default_value_t = 0)]
+    from: u64,
+    /// Threads [default: one per processor].
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Runs per study: extreme and drawn payloads and friction.
+    #[arg(long, default_value_t = 6)]
+    runs: usize,
+    /// Keep the certified ones among every so many studies; 0: none.
+    #[arg(long, default_value_t = 20)]
+    keep_every: u64,
+    /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.
+    #[arg(long, value_name = "PYTHON")]
+    python: Option<PathBuf>,
+    /// Write figures and records to a file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Folder of journal and broken studies.
+    #[arg(long, default_value = "out/attack")]
+    out: PathBuf,
+    /// Begin again, whatever the journal holds.
+    #[arg(long)]
+    fresh: bool,
+}
+
+fn main() -> ExitCode {
+    match attack(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Whether nothing was broken.
+fn attack(arguments: &Arguments) -> Result<bool, String> {
+    let folder = arguments.out.join(format!("seed-{}", arguments.seed));
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let path = folder.join("journal.jsonl");
+    if arguments.fresh && path.exists() {
+        fs::remove_file(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    let mut journal = Journal::open(&path).map_err(|e| e.to_string())?;
+    let program = program()?;
+    let Arguments { seed, runs, keep_every, .. } = *arguments;
+    let python = arguments.python.as_deref();
+    let trial = Trial { seed, runs, folder: &folder, keep_every, python };
+    let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
+    let id = |index: &u64| {
+        format!(
+            "{index} of {seed}, {runs} runs, every {keep_every} asked {}, program {program:016x}",
+            python.is_some()
+        )
+    };
+    let ids: Vec<String> = places.iter().map(id).collect();
+    let bar = ProgressBar::new(arguments.count);
+    if let Ok(style) = ProgressStyle::with_template(
+        "attacking {wide_bar} {pos} of {len} · {elapsed} of about {duration}",
+    ) {
+        bar.set_style(style);
+    }
+    says_what_is_saved(&bar, &path);
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = arguments.jobs.unwrap_or_else(processors);
+    let work = |place: usize| trial.attack(places[place]);
+    let done = run_all(&ids, &mut journal, jobs, &work, |progress| {
+        bar.set_position(progress.done as u64);
+    });
+    bar.finish_and_clear();
+    let (mut records, mut panics): (Vec<Record>, Vec<String>) = (Vec::new(), Vec::new());
+    for (index, ended) in places.iter().zip(done.map_err(|e| e.to_string())?) {
+        match ended {
+            Ended::With(record) => records.push(record),
+            Ended::Panicked(why) => panics.push(format!("study {index}: {why}")),
+        }
+    }
+    report(arguments, &records, panics, &folder)
+}
+
+fn report(
+    arguments: &Arguments,
+    records: &[Record],
+    panics: Vec<String>,
+    folder: &Path,
+) -> Result<bool, String> {
+    let summary = Summary::of(records, panics);
+    println!("{summary}");
+    for record in records.iter().filter(|record| !record.violations.is_empty()) {
+        let worst = record.violations.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        if let Some(v) = worst {
+            println!(
+                "{}: {} of {} at {:.3} s, {:.3e}, claimed {:.3e} to {:.3e} (run {}; {})",
+                folder.join(record.index.to_string()).display(),
+                v.signal,
+                v.joint,
+                v.t_s,
+                v.measured,
+                v.claimed.0,
+                v.claimed.1,
+                v.run,
+                record.tags.join(", ")
+            );
+        }
+    }
+    if let Some(path) = &arguments.json {
+        let all =
+            serde_json::json!({ "seed": arguments.seed, "summary": summary, "records": records });
+        fs::write(path, format!("{all:#}\n")).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(summary.broken.is_empty() && summary.panics.is_empty())
+}
+
+/// A number that stands for this program: another build attacks other code, so what it did counts for itself (FNV-1a).
+fn program() -> Result<u64, String> {
+    let path = std::env::current_exe().map_err(|e| e.to_string())?;
+    let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    Ok(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+}
+
+fn says_what_is_saved(bar: &ProgressBar, journal: &Path) {
+    let (bar, journal) = (bar.clone(), journal.display().to_string());
+    // Where the system takes no handler, Ctrl-C ends the program as it always does: the journal is whole all the same.
+    let _ = ctrlc::set_handler(move || {
+        bar.finish_and_clear();
+        eprintln!(
+            "interrupted: what is done is saved in {journal}; the same command goes on from there"
+        );
+        std::process::exit(130);
+    });
+}

@@ -1,0 +1,74 @@
+//! A second opinion: the same study, run by a program that shares no line with ours.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use crate::claim::Violation;
+
+/// The script that asks Pinocchio and MuJoCo.
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python/second_opinion.py");
+
+/// What other simulators said.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Second {
+    /// Runs made.
+    pub runs: usize,
+    /// What of the study they do not know.
+    pub skipped: Option<String>,
+    /// Largest distance from the middle of the claim, in half-widths.
+    pub worst: f64,
+}
+
+#[derive(Deserialize)]
+struct Answer {
+    runs: Vec<Run>,
+    skipped: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Run {
+    world: String,
+    engine: String,
+    worst: Worst,
+    left: bool,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Worst {
+    ratio: f64,
+    joint: String,
+    signal: String,
+    t_s: f64,
+    measured: f64,
+    claimed: (f64, f64),
+}
+
+/// Asks about a kept study.
+///
+/// # Errors
+///
+/// Why there is no answer.
+pub(crate) fn opinion(python: &Path, folder: &Path) -> Result<(Second, Vec<Violation>), String> {
+    let mut command = Command::new(python);
+    command.arg(SCRIPT).arg(folder).env("OMP_NUM_THREADS", "1");
+    let output = command.output().map_err(|e| format!("{}: {e}", python.display()))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let answer: Answer = serde_json::from_str(text.trim()).map_err(|e| {
+        format!("second opinion: {e}: {}", String::from_utf8_lossy(&output.stderr).trim())
+    })?;
+    let worst = answer.runs.iter().map(|run| run.worst.ratio).fold(0.0, f64::max);
+    let left = answer.runs.iter().filter(|run| run.left).map(|run| Violation {
+        run: format!("{} in {}", run.world, run.engine),
+        joint: run.worst.joint.clone(),
+        signal: run.worst.signal.clone(),
+        t_s: run.worst.t_s,
+        measured: run.worst.measured,
+        claimed: run.worst.claimed,
+        ratio: run.worst.ratio,
+    });
+    let violations = left.collect();
+    Ok((Second { runs: answer.runs.len(), skipped: answer.skipped, worst }, violations))
+}

@@ -1,0 +1,172 @@
+//! What an attack came to, as a table and as data.
+
+use core::fmt;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::trial::{Ended, Record};
+
+/// Share of the largest error of an arm below which a joint's is small.
+const SMALL: f64 = 0.15;
+
+/// How far bounds are from what was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Joints.
+    pub count: usize,
+    /// In the middle.
+    pub median: f64,
+    /// Nine of ten are below.
+    pub ninth_decile: f64,
+    /// The worst.
+    pub worst: f64,
+}
+
+/// An attack in figures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Trials by how they ended.
+    pub ended: BTreeMap<String, usize>,
+    /// Trials that were not certified, by reason.
+    pub reasons: BTreeMap<String, usize>,
+    /// Drafts that were no studies, by reason.
+    pub redrawn: BTreeMap<String, usize>,
+    /// Runs, and those outside of the claim since a limit acted.
+    pub runs: (usize, usize),
+    /// Certified trials that left a bound.
+    pub broken: Vec<u64>,
+    /// Of what was drawn: certified trials, and those broken.
+    pub by_tag: BTreeMap<String, (usize, usize)>,
+    /// Bound over measured error, on joints with the larger errors.
+    pub ratio_large: Option<Spread>,
+    /// Likewise on joints below 15 % of the arm's largest.
+    pub ratio_small: Option<Spread>,
+    /// Runs by other simulators, and what of studies they do not know.
+    pub second: (usize, BTreeMap<String, usize>),
+    /// Time of designs and of runs \[s\], summed over threads.
+    pub seconds: (f64, f64),
+    /// Trials that stopped with a panic.
+    pub panics: Vec<String>,
+}
+
+impl Summary {
+    /// The figures of some records.
+    pub fn of(records: &[Record], panics: Vec<String>) -> Self {
+        let mut summary = Self {
+            ended: BTreeMap::new(),
+            reasons: BTreeMap::new(),
+            redrawn: BTreeMap::new(),
+            runs: (0, 0),
+            broken: Vec::new(),
+            by_tag: BTreeMap::new(),
+            ratio_large: None,
+            ratio_small: None,
+            second: (0, BTreeMap::new()),
+            seconds: (0.0, 0.0),
+            panics,
+        };
+        let (mut large, mut small) = (Vec::new(), Vec::new());
+        for record in records {
+            let ended = format!("{:?}", record.ended);
+            *summary.ended.entry(ended).or_default() += 1;
+            if record.ended != Ended::Certified {
+                *summary.reasons.entry(short(&record.reason)).or_default() += 1;
+            }
+            for why in &record.redrawn {
+                *summary.redrawn.entry(short(why)).or_default() += 1;
+            }
+            if let Some(second) = &record.second {
+                summary.second.0 += second.runs;
+                if let Some(why) = &second.skipped {
+                    *summary.second.1.entry(why.clone()).or_default() += 1;
+                }
+            }
+            summary.runs.0 += record.runs.0;
+            summary.runs.1 += record.runs.1;
+            summary.seconds.0 += record.seconds.0;
+            summary.seconds.1 += record.seconds.1;
+            if record.ended == Ended::Certified {
+                let broken = !record.violations.is_empty();
+                if broken {
+                    summary.broken.push(record.index);
+                }
+                for tag in &record.tags {
+                    let entry = summary.by_tag.entry(tag.clone()).or_default();
+                    entry.0 += 1;
+                    entry.1 += usize::from(broken);
+                }
+            }
+            let most = record.found.iter().map(|j| j.error_rad).fold(0.0, f64::max);
+            for joint in record.found.iter().filter(|j| j.error_rad > 0.0) {
+                let list = if joint.error_rad < SMALL * most { &mut small } else { &mut large };
+                list.push(joint.bound_rad / joint.error_rad);
+            }
+        }
+        summary.ratio_large = spread(large);
+        summary.ratio_small = spread(small);
+        summary
+    }
+}
+
+fn spread(mut ratios: Vec<f64>) -> Option<Spread> {
+    ratios.sort_by(f64::total_cmp);
+    let last = ratios.len().checked_sub(1)?;
+    let [median, ninth_decile, worst] = [ratios[last / 2], ratios[last * 9 / 10], ratios[last]];
+    Some(Spread { count: ratios.len(), median, ninth_decile, worst })
+}
+
+/// A reason without its figures, so that equal reasons count together.
+fn short(reason: &str) -> String {
+    let line = reason.lines().next().unwrap_or_default();
+    let mut text = String::new();
+    for c in line.chars().filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-' | '+')) {
+        if c != ' ' || !text.ends_with(' ') {
+            text.push(c);
+        }
+        if text.len() > 100 {
+            break;
+        }
+    }
+    text
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list = |f: &mut fmt::Formatter<'_>, title: &str, map: &BTreeMap<String, usize>| {
+            if map.is_empty() {
+                return Ok(());
+            }
+            writeln!(f, "{title}")?;
+            let mut all: Vec<_> = map.iter().collect();
+            all.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+            all.iter().try_for_each(|(name, count)| writeln!(f, "  {count:>6}  {name}"))
+        };
+        list(f, "studies", &self.ended)?;
+        list(f, "not certified, because of", &self.reasons)?;
+        list(f, "drafts that were no studies", &self.redrawn)?;
+        let (runs, outside) = self.runs;
+        writeln!(f, "runs: {runs}, of these {outside} outside of the claim since a limit acted")?;
+        writeln!(f, "runs by Pinocchio and MuJoCo: {}", self.second.0)?;
+        list(f, "of these not asked, because of", &self.second.1)?;
+        for (name, spread) in
+            [("larger errors", self.ratio_large), ("errors below 15 %", self.ratio_small)]
+        {
+            if let Some(Spread { count, median, ninth_decile, worst }) = spread {
+                writeln!(
+                    f,
+                    "bound over measured, {name}: median {median:.2}, 90 % below {ninth_decile:.2}, worst {worst:.2} \
+                     ({count} joints)"
+                )?;
+            }
+        }
+        writeln!(f, "of what was drawn: certified, broken")?;
+        for (tag, (certified, broken)) in &self.by_tag {
+            writeln!(f, "  {certified:>6} {broken:>6}  {tag}")?;
+        }
+        let (design, run) = self.seconds;
+        writeln!(f, "time: {design:.0} s in designs, {run:.0} s in runs")?;
+        self.panics.iter().try_for_each(|why| writeln!(f, "PANIC: {why}"))?;
+        write!(f, "left their bound: {} {:?}", self.broken.len(), self.broken)
+    }
+}

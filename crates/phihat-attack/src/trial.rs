@@ -1,0 +1,321 @@
+//! One study attacked: designed, verified, run in the worlds of its scope, held against what is claimed.
+
+use std::path::Path;
+use std::time::Instant;
+
+use phihat::{Form, JointDesign, JointGains};
+use phihat_cli::designed;
+use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_sim::{Outcome, SimError, Simulation};
+use phihat_study::{LawForm, Study};
+use serde::{Deserialize, Serialize};
+
+use crate::claim::{Claim, JointFound, Violation, claimed, held};
+use crate::dice::Dice;
+use crate::draft::Draft;
+use crate::draw::draw;
+use crate::second::{Second, opinion};
+use crate::vary::worlds;
+
+/// Draws until one is a study.
+const DRAWS: usize = 8;
+/// Designs of one study, each asking for what the one before said is possible.
+const ROUNDS: usize = 3;
+/// The world in which other simulators run a study besides its own.
+const SECOND: usize = 2;
+/// Finer integration than this makes a study too slow to be worth it.
+const SUBSTEPS_MAX: u32 = 40;
+
+/// What a design came to, and what its certificate says of it.
+#[derive(Debug)]
+pub enum Verdict {
+    /// No gains, with the clauses in the way.
+    Infeasible(Vec<Clause>),
+    /// No claim, and why.
+    NotProved(String),
+    /// Gains with a certificate that was verified, and what it claims.
+    Certified(Box<Gains>, Claim),
+}
+
+/// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
+pub fn judged(study: &Study, path: &Path) -> Verdict {
+    let gains = match designed(study, path) {
+        Ok(Designed::Designed(gains)) => gains,
+        Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
+        Ok(_) => return Verdict::NotProved("an outcome that is not known".to_owned()),
+        Err(why) => return Verdict::NotProved(format!("design: {why}")),
+    };
+    let read = gains.to_json().and_then(|text| Gains::from_json(&text));
+    let gains = match read {
+        Ok(gains) => gains,
+        Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
+    };
+    if let Some(why) = gains.certificate.as_ref().and_then(|c| c.verify(&gains).err()) {
+        return Verdict::NotProved(format!("verify: {why}"));
+    }
+    match claimed(&gains, study) {
+        Ok(claim) => Verdict::Certified(Box::new(gains), claim),
+        Err(why) => Verdict::NotProved(why),
+    }
+}
+
+/// Runs a study with gains, whatever is claimed of them; its encoders displaced by shares of a quantum, if any.
+///
+/// # Errors
+///
+/// Why it cannot run, in words.
+pub fn run(study: &Study, gains: &Gains, phase: &[f64]) -> Result<Outcome, String> {
+    let mut study = study.clone();
+    gains.give_filter(&mut study).map_err(|e| e.to_string())?;
+    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let period = study.control.period_ns;
+    let law = gains.joint_gains(&names, period, form(&study)).map_err(|e| e.to_string())?;
+    crate::phase::run(&study, &law, phase).map_err(|e| e.to_string())
+}
+
+fn form(study: &Study) -> Form {
+    match study.control.form {
+        LawForm::Observer => Form::Observer,
+        LawForm::Literal => Form::Literal,
+    }
+}
+
+/// How a trial ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ended {
+    /// No study could be drawn.
+    NoStudy,
+    /// No gains.
+    Infeasible,
+    /// No claim.
+    NotProved,
+    /// Certified and run.
+    Certified,
+}
+
+/// What is recorded of a trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Its number in the attack.
+    pub index: u64,
+    /// What is in it.
+    pub tags: Vec<String>,
+    /// Number of joints.
+    pub joints: usize,
+    /// How it ended.
+    pub ended: Ended,
+    /// Why, where it was not certified.
+    pub reason: String,
+    /// Why drafts before it were no studies.
+    pub redrawn: Vec<String>,
+    /// Runs made, and how many of them the claim leaves out since a limit acted.
+    pub runs: (usize, usize),
+    /// Worst over the runs, per joint.
+    pub found: Vec<JointFound>,
+    /// Bounds that were left.
+    pub violations: Vec<Violation>,
+    /// What other simulators said, where they were asked.
+    pub second: Option<Second>,
+    /// Time of design and verification, and of the runs \[s\].
+    pub seconds: (f64, f64),
+}
+
+/// A trial, and its files where they are to be kept.
+#[derive(Debug)]
+pub struct Trial<'a> {
+    /// Seed of the attack.
+    pub seed: u64,
+    /// Runs per study.
+    pub runs: usize,
+    /// Where studies that were broken are kept, each in a folder of its number.
+    pub folder: &'a Path,
+    /// Of every so many, the certified ones are kept, and other simulators asked; 0: none.
+    pub keep_every: u64,
+    /// The Python that asks them.
+    pub python: Option<&'a Path>,
+}
+
+impl Trial<'_> {
+    /// Attacks one study.
+    pub fn attack(&self, index: u64) -> Record {
+        let mut dice = Dice::new(self.seed, index);
+        let folder = self.folder.join(format!("{index}"));
+        let mut record = Record {
+            index,
+            tags: Vec::new(),
+            joints: 0,
+            ended: Ended::NoStudy,
+            reason: String::new(),
+            redrawn: Vec::new(),
+            runs: (0, 0),
+            found: Vec::new(),
+            violations: Vec::new(),
+            second: None,
+            seconds: (0.0, 0.0),
+        };
+        for _ in 0..DRAWS {
+            match drawn(&mut dice, &folder) {
+                Ok(draft) => {
+                    record.tags.clone_from(&draft.tags);
+                    self.examine(draft, &mut dice, &folder, &mut record);
+                    break;
+                }
+                Err(why) => record.redrawn.push(why),
+            }
+        }
+        let kept =
+            record.ended == Ended::Certified && self.asked(index) || !record.violations.is_empty();
+        if !kept {
+            // What cannot be removed is left behind, and overwritten next time.
+            let _ = std::fs::remove_dir_all(&folder);
+        }
+        record
+    }
+
+    /// Whether other simulators are asked.
+    fn asked(&self, index: u64) -> bool {
+        self.keep_every > 0 && index.is_multiple_of(self.keep_every)
+    }
+
+    fn examine(&self, mut draft: Draft, dice: &mut Dice, folder: &Path, record: &mut Record) {
+        let began = Instant::now();
+        let path = folder.join("study.toml");
+        let mut verdict = None;
+        for _ in 0..ROUNDS {
+            let study = match draft.study(&draft.nominal, folder) {
+                Ok(study) => study,
+                Err(why) => {
+                    record.reason = format!("{why}");
+                    return;
+                }
+            };
+            record.joints = study.robot.joints.len();
+            let judged = judged(&study, &path);
+            let worse = match &judged {
+                Verdict::Infeasible(clauses) => relief(clauses),
+                _ => None,
+            };
+            verdict = Some(judged);
+            let Some(factor) = worse else { break };
+            let factor = factor * dice.between(1.0, 1.6);
+            draft.error_max.iter_mut().for_each(|error| *error *= factor);
+        }
+        record.seconds.0 = began.elapsed().as_secs_f64();
+        match verdict {
+            Some(Verdict::Certified(gains, claim)) => {
+                record.ended = Ended::Certified;
+                self.run_all(&draft, (&gains, &claim), dice, folder, record);
+                record.seconds.1 = began.elapsed().as_secs_f64() - record.seconds.0;
+            }
+            Some(Verdict::NotProved(why)) => {
+                record.ended = Ended::NotProved;
+                record.reason = why;
+            }
+            Some(Verdict::Infeasible(clauses)) => {
+                record.ended = Ended::Infeasible;
+                let key = |clause: &Clause| clause.key.clone();
+                record.reason = clauses.iter().map(key).collect::<Vec<_>>().join(", ");
+            }
+            None => {}
+        }
+    }
+
+    fn run_all(
+        &self,
+        draft: &Draft,
+        (gains, claim): (&Gains, &Claim),
+        dice: &mut Dice,
+        folder: &Path,
+        record: &mut Record,
+    ) {
+        let mut keep = vec![("study.toml".to_owned(), draft.text(&draft.nominal))];
+        for (name, world) in worlds(&draft.nominal, &draft.scope, dice, self.runs) {
+            let study = match draft.study(&world, folder) {
+                Ok(study) => study,
+                Err(why) => {
+                    record.redrawn.push(format!("world {name}: {why}"));
+                    continue;
+                }
+            };
+            let outcome = match run(&study, gains, &world.phase) {
+                Ok(outcome) => outcome,
+                Err(why) => {
+                    record.redrawn.push(format!("run {name}: {why}"));
+                    continue;
+                }
+            };
+            let found = held(claim, &outcome, &name);
+            record.runs.0 += 1;
+            record.runs.1 += usize::from(found.outside);
+            if !found.outside {
+                worst(&mut record.found, &found.joints);
+            }
+            let place = record.runs.0 - 1;
+            let second = place == SECOND && self.asked(record.index);
+            if place > 0 && (second || !found.violations.is_empty()) {
+                keep.push((format!("world{place}.toml"), draft.text(&world)));
+            }
+            record.violations.extend(found.violations);
+        }
+        keep.push(("gains.json".to_owned(), gains.to_json().unwrap_or_default()));
+        keep.push(("claim.json".to_owned(), serde_json::to_string(claim).unwrap_or_default()));
+        for (name, text) in keep {
+            if let Err(why) = std::fs::write(folder.join(&name), text) {
+                record.redrawn.push(format!("{name}: {why}"));
+            }
+        }
+        if let Some(python) = self.python.filter(|_| self.asked(record.index)) {
+            match opinion(python, folder) {
+                Ok((second, violations)) => {
+                    record.second = Some(second);
+                    record.violations.extend(violations);
+                }
+                Err(why) => record.redrawn.push(why),
+            }
+        }
+    }
+}
+
+/// By how much the error must be allowed to grow; `None` where that does not help.
+fn relief(clauses: &[Clause]) -> Option<f64> {
+    let clause = clauses.iter().find(|clause| clause.key == "spec.error_max_rad")?;
+    Some((clause.possible? / clause.wanted).max(1.02))
+}
+
+fn worst(all: &mut Vec<JointFound>, one: &[JointFound]) {
+    if all.is_empty() {
+        all.extend_from_slice(one);
+        return;
+    }
+    for (all, one) in all.iter_mut().zip(one) {
+        all.error_rad = all.error_rad.max(one.error_rad);
+        all.velocity_rad_s = all.velocity_rad_s.max(one.velocity_rad_s);
+    }
+}
+
+/// A draft that is a study and that can be simulated, its arm's files in the folder.
+fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, String> {
+    let mut draft = draw(dice).map_err(|e| format!("arm: {e}"))?;
+    std::fs::create_dir_all(folder).map_err(|e| e.to_string())?;
+    for (name, text) in draft.arm.section().1 {
+        std::fs::write(folder.join(name), text).map_err(|e| e.to_string())?;
+    }
+    let mut stiffest = draft.nominal.clone();
+    stiffest.coulomb.clone_from(&draft.scope.coulomb.1);
+    let mut study = draft.study(&stiffest, folder).map_err(|e| e.to_string())?;
+    study.sensor.velocity_filter_designed = false;
+    let period = study.control.period_ns as f64 * 1e-9;
+    let design =
+        JointDesign { inertia: 1.0, kp: 100.0, kd: 20.0, a: &[20.0], period, form: form(&study) };
+    let law = JointGains::new(&design).map_err(|e| e.to_string())?;
+    match Simulation::new(&study, &vec![law; study.robot.joints.len()]) {
+        Ok(_) => Ok(draft),
+        Err(SimError::TooStiff { needed, .. }) if needed <= SUBSTEPS_MAX => {
+            draft.substeps = needed + needed / 4 + 1;
+            Ok(draft)
+        }
+        Err(SimError::TooStiff { .. }) => Err("too stiff to be integrated quickly".to_owned()),
+        Err(why) => Err(why.to_string()),
+    }
+}
