@@ -222,6 +222,10 @@ fn an_arm_outside_its_window_is_not_armed() {
     for joint in &mut gains.joints {
         joint.inertia_kg_m2 *= 12.0;
     }
+    // Their certificate is about other gains; without it, it is the window that refuses them.
+    let why = arm_inside_window(&study, &Arm::of(&study).unwrap(), &gains).unwrap_err().to_string();
+    assert!(why.contains("the gains' M̄") && why.contains("panda_joint1"), "{why}");
+    gains.certificate = None;
     let why = arm_inside_window(&study, &Arm::of(&study).unwrap(), &gains).unwrap_err().to_string();
     assert!(why.contains("window.low") && why.contains("panda_joint1"), "{why}");
 }
