@@ -115,8 +115,8 @@ fn covers_postures(name: &str) -> bool {
     };
     let arm = &gains.certificate.as_ref().unwrap().arm;
     let mut model = study.robot.plant_model();
-    if study.design.payload_max > 0.0 {
-        let mass = study.design.payload_max;
+    if study.design.payload.mass.1 > 0.0 {
+        let mass = study.design.payload.mass.1;
         let body = phihat_model::Body { mass, com: [0.0; 3], inertia: [0.0; 6] };
         model = model.with_payload_on(&study.robot.tip, &body).unwrap();
     }
