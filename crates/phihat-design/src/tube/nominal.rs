@@ -25,6 +25,8 @@ pub(super) struct Nominal {
     pub(super) spread: Vec<f64>,
     /// Regularised sign of `q̇` at the sample.
     pub(super) sign_at: Vec<f64>,
+    /// How far one interval ends elsewhere, in `q` and in `q̇`, with the steps of the study's simulator.
+    pub(super) defect: [Vec<f64>; 2],
 }
 
 impl Nominal {
@@ -39,6 +41,7 @@ impl Nominal {
             sign: Vec::with_capacity(rows * n),
             spread: Vec::with_capacity(rows * n),
             sign_at: Vec::with_capacity(rows * n),
+            defect: [Vec::with_capacity(rows * n), Vec::with_capacity(rows * n)],
         };
         let mut plant = Plant::new(scene, model);
         let mut control = Control::<1>::new(&scene.law);
@@ -66,7 +69,14 @@ impl Nominal {
                 run.command.push(command);
             }
             control.act(&scene.law);
-            plant.advance(k, &control, (&mut q, &mut dq));
+            let (mut coarse_q, mut coarse_dq) = (q.clone(), dq.clone());
+            plant.advance(k, &control, (&mut coarse_q, &mut coarse_dq), 1);
+            plant.advance(k, &control, (&mut q, &mut dq), FINER);
+            let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect()
+            };
+            run.defect[0].extend(apart(&coarse_q, &q));
+            run.defect[1].extend(apart(&coarse_dq, &dq));
             run.sign.extend_from_slice(&plant.sign);
             run.spread.extend((0..n).map(|i| plant.ends[i].1 - plant.ends[i].0));
             run.sign_at.extend(run.dq[k * n..].iter().map(|v| dry(*v)));
@@ -111,7 +121,14 @@ impl<'a> Plant<'a> {
         }
     }
 
-    fn advance(&mut self, k: usize, control: &Control<1>, (q, dq): (&mut [f64], &mut [f64])) {
+    /// From sample `k` to the next, in `finer` times the steps of the study's simulator.
+    fn advance(
+        &mut self,
+        k: usize,
+        control: &Control<1>,
+        (q, dq): (&mut [f64], &mut [f64]),
+        finer: u32,
+    ) {
         let scene = self.scene;
         let n = scene.n;
         self.added.fill(0.0);
@@ -126,13 +143,13 @@ impl<'a> Plant<'a> {
         }
         self.sign.fill(0.0);
         self.ends.fill((f64::INFINITY, f64::NEG_INFINITY));
-        let steps = scene.substeps * FINER;
+        let steps = scene.substeps * finer;
         let h = scene.period / f64::from(steps);
         let start = k as f64 * scene.period;
         let coarse = scene.period / f64::from(scene.substeps);
         let mut slopes = vec![vec![0.0; n]; 4];
         for step in 0..steps {
-            scene.push(start + f64::from(step / FINER) * coarse, &mut self.push);
+            scene.push(start + f64::from(step / finer) * coarse, &mut self.push);
             let (q0, v0) = (q.to_vec(), dq.to_vec());
             let (mut qs, mut vs) = (q0.clone(), v0.clone());
             let (mut way, mut speed) = (vec![0.0; n], vec![0.0; n]);

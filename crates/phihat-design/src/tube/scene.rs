@@ -197,7 +197,7 @@ impl<'a> Scene<'a> {
             n,
             period,
             samples,
-            substeps: study.world.substeps.max(2),
+            substeps: study.world.substeps,
             names: study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
             law,
             friction: (0..n).map(friction).collect(),

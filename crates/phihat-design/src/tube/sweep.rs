@@ -273,6 +273,15 @@ impl<'a> Sweep<'a> {
             add(&transposed_abs(jacobian, n, &spun), 1.0);
             add(&turned(&transposed_abs(jacobian, n, &payload)), 1.0);
         }
+        // Where two integrators end apart, twice: neither is exact.
+        for (defect, out) in along.nominal.defect.iter().zip([&mut momentum, &mut torque]) {
+            let most: Vec<f64> = (0..n)
+                .map(|i| (from..to).fold(0.0_f64, |m, k| m.max(defect[k * n + i])))
+                .collect();
+            for (out, more) in out.iter_mut().zip(times_abs(&at.m, &most)) {
+                *out += 2.0 * more / t;
+            }
+        }
         // Friction, and its smooth part's bend.
         for i in 0..n {
             let friction = &scene.friction[i];
