@@ -66,7 +66,9 @@ pub(crate) fn tubed(
         let shares = match judged {
             Judged::Beyond(shares) => shares,
             // The search was stricter than it had to be: less torque noise may do.
-            Judged::Kept(used) if ours && used < ENOUGH && kept.is_none() && infeasible.is_none() => {
+            Judged::Kept(used)
+                if ours && used < ENOUGH && kept.is_none() && infeasible.is_none() =>
+            {
                 kept = Some(gains);
                 scale(&mut asked, |_| (1.0 / used).sqrt().min(EASIEST));
                 outcome = make(&asked)?;

@@ -275,9 +275,8 @@ impl<'a> Sweep<'a> {
         }
         // Where two integrators end apart, twice: neither is exact.
         for (defect, out) in along.nominal.defect.iter().zip([&mut momentum, &mut torque]) {
-            let most: Vec<f64> = (0..n)
-                .map(|i| (from..to).fold(0.0_f64, |m, k| m.max(defect[k * n + i])))
-                .collect();
+            let most: Vec<f64> =
+                (0..n).map(|i| (from..to).fold(0.0_f64, |m, k| m.max(defect[k * n + i]))).collect();
             for (out, more) in out.iter_mut().zip(times_abs(&at.m, &most)) {
                 *out += 2.0 * more / t;
             }
