@@ -60,6 +60,9 @@ impl Boxes {
     }
 }
 
+/// `J` at start and end of a sample, with a payload.
+type Hands<'a> = Option<(&'a [f64], &'a [f64])>;
+
 /// The loop, as the rows see it.
 pub(super) struct Rows<'a> {
     pub(super) n: usize,
@@ -248,7 +251,7 @@ impl Rows<'_> {
         &self,
         end: &[f64],
         start: &[f64],
-        (frame, hands): (&Frame, Option<(&[f64], &[f64])>),
+        (frame, hands): (&Frame, Hands<'_>),
         out: &mut Weights,
     ) {
         let (n, period) = (self.n, self.period);

@@ -31,6 +31,10 @@ pub(super) struct Carried {
 }
 
 impl Carried {
+    #[allow(
+        clippy::too_many_lines,
+        reason = "(L1) to (L4), one after the other, on what they share"
+    )]
     pub(super) fn new<S: Number>(
         slice: &PayloadSlice,
         placed: &Placed<S>,

@@ -226,6 +226,7 @@ impl<S: Number> Placed<S> {
         (vs, accs)
     }
 
+    #[cfg(test)]
     pub(super) fn inverse_dynamics(&self, v: &[S], a: &[S]) -> Vec<S> {
         let n = self.axes.len();
         let (vs, accs) = self.motions(v, a);

@@ -75,7 +75,9 @@ pub(super) fn exponential(a: &[f64], t: f64, n: usize) -> Vec<f64> {
     let mut x: Vec<f64> = a.iter().map(|a| a * t).collect();
     let mut halvings = 0;
     while size(&x) > 0.25 && halvings < 60 {
-        x.iter_mut().for_each(|x| *x *= 0.5);
+        for x in &mut x {
+            *x *= 0.5;
+        }
         halvings += 1;
     }
     // e^X − 1, doubled by (e^X − 1)(e^X + 1).
@@ -83,7 +85,9 @@ pub(super) fn exponential(a: &[f64], t: f64, n: usize) -> Vec<f64> {
     let mut sum = x.clone();
     for k in 2..16_u32 {
         term = product(&term, &x, (n, n, n));
-        term.iter_mut().for_each(|x| *x /= f64::from(k));
+        for x in &mut term {
+            *x /= f64::from(k);
+        }
         sum.iter_mut().zip(&term).for_each(|(s, t)| *s += t);
     }
     for _ in 0..halvings {
@@ -94,4 +98,19 @@ pub(super) fn exponential(a: &[f64], t: f64, n: usize) -> Vec<f64> {
         sum[i * n + i] += 1.0;
     }
     sum
+}
+
+/// A count, from a moderate number of at least 0.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "samples of a run: far below what a count can be"
+)]
+pub(super) fn count(x: f64) -> usize {
+    x as usize
+}
+
+/// Whether `a` is not below `b`; not a number is below nothing.
+pub(super) fn reaches(a: f64, b: f64) -> bool {
+    a.is_nan() || b.is_nan() || a >= b
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::chain::{Chain, NotAChain};
+use super::dense::{count, inverse};
 use super::law::Loop;
 use super::nominal::Nominal;
 use super::scope::{Dry, PayloadSlice, Refusal, counted, smooth};
@@ -171,32 +172,34 @@ fn dry(inputs: &Inputs<'_>, chain: &Chain, period: f64) -> Dry {
     let middle: Vec<f64> = low.iter().zip(high).map(|(a, b)| 0.5 * (a + b)).collect();
     let m = chain.place::<f64>(&inputs.reference.q[0], None).mass_matrix();
     let n = middle.len();
-    let inverse = super::dense::inverse(&m, n).unwrap_or_else(|| vec![1.0; n * n]);
+    let inverse = inverse(&m, n).unwrap_or_else(|| vec![1.0; n * n]);
     let fastest = (0..n).map(|i| middle[i] * inverse[i * n + i]).fold(0.0, f64::max);
     Dry { low: low.to_vec(), high: high.to_vec(), middle, turn: (3.0 * period * fastest).max(4e-3) }
 }
 
+/// Low and high of every joint.
+type Span = (Vec<f64>, Vec<f64>);
+
 /// One slice's envelope relative to the reference, by sample.
 struct Half {
-    e: Vec<(Vec<f64>, Vec<f64>)>,
-    de: Vec<(Vec<f64>, Vec<f64>)>,
+    e: Vec<Span>,
+    de: Vec<Span>,
     torque: Vec<f64>,
     step: Vec<f64>,
 }
 
 impl Half {
     fn new(inputs: &Inputs<'_>, run: &Nominal, swept: &Swept) -> Self {
-        let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[(Vec<f64>, Vec<f64>)]| {
-            let of =
-                |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &(Vec<f64>, Vec<f64>))| {
-                    let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
-                    let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
-                    let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
-                    let side = |off: &[f64], sign: f64| -> Vec<f64> {
-                        (0..e.len()).map(|i| e[i] + off[i] + sign * pads[i]).collect()
-                    };
-                    (side(low, -1.0), side(high, 1.0))
+        let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[Span]| {
+            let of = |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &Span)| {
+                let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
+                let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
+                let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
+                let side = |off: &[f64], sign: f64| -> Vec<f64> {
+                    (0..e.len()).map(|i| e[i] + off[i] + sign * pads[i]).collect()
                 };
+                (side(low, -1.0), side(high, 1.0))
+            };
             at.iter().zip(wanted).zip(off).map(of).collect()
         };
         let n = inputs.joints.len();
@@ -214,11 +217,11 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
     let study = inputs.study;
     let period_ns = study.control.period_ns;
     let period = period_ns as f64 * 1e-9;
-    let per_bin = (BIN / period).round().max(1.0) as usize;
+    let per_bin = count((BIN / period).round().max(1.0));
     let bin_s = per_bin as f64 * period;
     let samples = inputs.reference.q.len() - 1;
     let joint = |i: usize| {
-        let bins = |of: &dyn Fn(&Half) -> &[(Vec<f64>, Vec<f64>)]| -> (Vec<f64>, Vec<f64>) {
+        let bins = |of: &dyn Fn(&Half) -> &[Span]| -> (Vec<f64>, Vec<f64>) {
             let span = |first: usize| {
                 let last = (first + per_bin).min(samples);
                 let all = halves.iter().flat_map(|h| &of(h)[first..last]);
@@ -353,7 +356,7 @@ fn joint_within(claim: &TubeJoint, own: &TubeJoint, bin: f64) -> Result<(), Refu
         }
         for (b, (c, m)) in claimed.iter().zip(mine).enumerate() {
             // Not a number is no claim.
-            if !(sign * m <= sign * c) {
+            if m.is_nan() || c.is_nan() || sign * m > sign * c {
                 return wider(what, b as f64 * bin, *c, *m);
             }
         }
@@ -365,7 +368,7 @@ fn joint_within(claim: &TubeJoint, own: &TubeJoint, bin: f64) -> Result<(), Refu
         ("largest change of torque", claim.torque_step_max_nm, own.torque_step_max_nm),
     ];
     for (what, claimed, mine) in figures {
-        if !(mine <= claimed) {
+        if mine.is_nan() || claimed.is_nan() || mine > claimed {
             return wider(what, 0.0, claimed, mine);
         }
     }

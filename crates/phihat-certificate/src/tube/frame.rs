@@ -73,6 +73,7 @@ impl Arm<'_> {
     }
 
     /// The frame of a window, and its distance for a reach `E`.
+    #[allow(clippy::too_many_lines, reason = "one list of what a window is made of")]
     pub(super) fn window(
         &self,
         run: &Nominal,

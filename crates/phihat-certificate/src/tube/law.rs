@@ -182,7 +182,9 @@ fn sampled(a: &[f64], period: f64) -> Vec<f64> {
     for i in 0..m {
         d[i * m + i] -= 1.0;
     }
-    d.iter_mut().for_each(|x| *x /= rate * period);
+    for x in &mut d {
+        *x /= rate * period;
+    }
     let mut traces = Vec::new();
     let mut x = d.clone();
     for _ in 0..m {

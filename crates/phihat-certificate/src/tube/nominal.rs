@@ -4,6 +4,7 @@ use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
 use super::Inputs;
+use super::dense::{count, reaches};
 use super::law::Loop;
 use super::scope::{Dry, PayloadSlice, Refusal};
 
@@ -78,6 +79,7 @@ impl Plant<'_> {
 }
 
 impl Nominal {
+    #[allow(clippy::too_many_lines, reason = "one sample after the other")]
     pub(super) fn run(
         inputs: &Inputs<'_>,
         loops: &[Loop],
@@ -103,7 +105,7 @@ impl Nominal {
         };
         let mut states: Vec<Vec<f64>> = loops.iter().map(|l| vec![0.0; l.size]).collect();
         let mut run = Self { q: vec![q.clone()], v: vec![v.clone()], ..Self::default() };
-        let fine = (period / (2.0 * STEP)).ceil().max(1.0) as usize * 2;
+        let fine = 2 * count((period / (2.0 * STEP)).ceil().max(1.0));
         let theirs = study.world.substeps as usize;
         for k in 0..samples {
             let t = k as f64 * period;
@@ -141,7 +143,7 @@ impl Nominal {
                     defect.1[i] += 2.0 * (other_v[i] - v[i]).abs();
                 }
             }
-            let beyond = |x: &f64| !(x.abs() < 1e3);
+            let beyond = |x: &f64| reaches(x.abs(), 1e3);
             if q.iter().chain(&v).any(beyond) {
                 return Err(Refusal::NominalDiverges { t });
             }

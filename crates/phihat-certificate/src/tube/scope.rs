@@ -130,6 +130,7 @@ pub(super) struct Dry {
     pub(super) turn: f64,
 }
 
+#[allow(clippy::imprecise_flops, reason = "as the simulator has it")]
 impl Dry {
     pub(super) fn sign(v: f64) -> f64 {
         v / (v * v + TURN * TURN).sqrt()

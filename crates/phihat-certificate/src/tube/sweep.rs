@@ -3,7 +3,7 @@
 use super::Inputs;
 use super::adjoint::{Back, Boxes, Rows, Weights};
 use super::chain::Chain;
-use super::dense::{apply_sizes, product, transpose};
+use super::dense::{apply_sizes, count, product, reaches, transpose};
 use super::frame::{Arm, Distance, Frame, arc};
 use super::law::{Linear, Loop};
 use super::nominal::Nominal;
@@ -14,6 +14,8 @@ use super::shapes::{Shapes, Spread};
 const WINDOW: f64 = 5e-3;
 /// Distance of the instants whose whole state is bounded \[s\].
 const ANCHORS: f64 = 0.1;
+/// How far rows go back at least \[s\]; beyond, the whole state's bound takes their place.
+const MEMORY: f64 = 0.3;
 /// Beyond this half width \[rad\] nothing is proved any more.
 const WIDEST: f64 = 0.5;
 /// Rounds of one window before it is given up.
@@ -104,14 +106,14 @@ impl<'a> Sweep<'a> {
         let n = loops.len();
         let joints =
             loops.iter().map(|l| (l.linear(false), l.linear(true), l.size, l.acting())).collect();
-        let whole = |x: f64| (x / period).round().max(1.0) as usize;
+        let whole = |x: f64| count((x / period).round().max(1.0));
         let samples = run.command.len();
         let mut pushes = Vec::new();
         for push in &inputs.study.world.pushes {
             for edge in [push.start, push.start + push.duration] {
                 let at = edge / period;
                 if (at - at.round()).abs() > 1e-6 && at < samples as f64 {
-                    pushes.push((at.floor() as usize, push.joint, push.torque.abs()));
+                    pushes.push((count(at.floor()), push.joint, push.torque.abs()));
                 }
             }
         }
@@ -132,7 +134,7 @@ impl<'a> Sweep<'a> {
             half_step: inputs.half_steps(),
             shared: whole(WINDOW),
             spacing: whole(ANCHORS),
-            memory: whole(0.5),
+            memory: whole(MEMORY),
             window_of: Vec::new(),
             past: Vec::new(),
             raw: Vec::new(),
@@ -228,7 +230,7 @@ impl<'a> Sweep<'a> {
                     .1;
             }
             let round = self.round(&frame, &distance, &guess, (shapes, &history, &near));
-            if let Some(widest) = (0..n).find(|i| !(round.reach[*i] < WIDEST)) {
+            if let Some(widest) = (0..n).find(|i| reaches(round.reach[*i], WIDEST)) {
                 return Err(Refusal::Open {
                     t: first as f64 * self.period,
                     joint: self.inputs.joints[widest].name.clone(),
@@ -553,6 +555,7 @@ impl<'a> Sweep<'a> {
         sums
     }
 
+    #[allow(clippy::too_many_lines, reason = "one list of what follows from the radii")]
     fn conclude(
         &self,
         frame: &Frame,
@@ -702,8 +705,8 @@ impl<'a> Sweep<'a> {
 
     fn check_limits(&self, k: usize, i: usize, (torque, step): (f64, f64)) -> Result<(), Refusal> {
         let (most, rate) = self.inputs.study.limits(i);
-        let beyond = most.is_some_and(|most| !(torque < most))
-            || rate.is_some_and(|rate| !(step < rate * self.period));
+        let beyond = most.is_some_and(|most| reaches(torque, most))
+            || rate.is_some_and(|rate| reaches(step, rate * self.period));
         if beyond {
             let joint = self.inputs.joints[i].name.clone();
             return Err(Refusal::LimitCanAct { t: k as f64 * self.period, joint });
