@@ -22,9 +22,19 @@ pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
     let arm = Arm::of(study)?;
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
     Ok(match motion {
-        Ok(motion) => arm.along(&postures(&motion, study, POSTURES)),
+        Ok(motion) => arm.along(&passing(&motion, study)),
         Err(_) => arm,
     })
+}
+
+/// Positions and velocities, evenly over the run, both ends included.
+fn passing(motion: &phihat_sim::Motion, study: &Study) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let at = |k: u32| {
+        let t = study.duration * f64::from(k) / f64::from(POSTURES - 1);
+        let jets = (0..study.robot.joints.len()).map(|joint| motion.at(joint, t));
+        jets.map(|[q, dq, _]| (q, dq)).unzip()
+    };
+    (0..POSTURES).map(at).collect()
 }
 
 /// Coupled gains of designed gains, at postures of the study's reference and others; see [`coupled`].

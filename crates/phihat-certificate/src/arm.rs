@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Searched;
+
 /// The arm's inertia against a nominal one.
 ///
 /// # Claim
@@ -54,77 +56,5 @@ impl ArmInertia {
             searched: self.searched.as_ref().map(|searched| searched.scaled(scale)),
             ..self.clone()
         }
-    }
-}
-
-/// A posture at which the arm has an eigenvalue at an end of its range.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Witness {
-    /// Posture \[rad, m\].
-    pub q: Vec<f64>,
-    /// Payload's mass \[kg\].
-    pub mass_kg: f64,
-    /// Its centre of mass \[m\].
-    pub com_m: [f64; 3],
-    /// Its inertia about the centre of mass, `xx, xy, xz, yy, yz, zz` \[kg·m²\].
-    pub inertia_kg_m2: [f64; 6],
-    /// Smallest or largest eigenvalue of `M̄^{-1/2} M(q) M̄^{-1/2}` there.
-    pub eigenvalue: f64,
-}
-
-/// How the ends of a range were found.
-///
-/// # Claim
-///
-/// The arm has the two eigenvalues at the two witnesses: the range is no narrower than said. All postures and
-/// payloads that were tried lie inside.
-///
-/// # Not claimed
-///
-/// That no posture lies outside, unless [`proved`](Self::proved) says how far one could.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Searched {
-    /// Postures looked at, those of the reference among them.
-    pub postures: u32,
-    /// Postures of the reference among them.
-    pub of_reference: u32,
-    /// Postures from which each end was sought by coordinate ascent.
-    pub starts: u32,
-    /// Frame that the payload is welded to.
-    pub frame: String,
-    /// Where the smallest eigenvalue is.
-    pub low: Witness,
-    /// Where the largest is.
-    pub high: Witness,
-    /// What is proved of all postures and payloads; `None`: nothing.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub proved: Option<Proved>,
-}
-
-/// Bounds that hold at every posture inside the joints' travel, with every payload of the set.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Proved {
-    /// No eigenvalue is below.
-    pub low: f64,
-    /// No eigenvalue is above.
-    pub high: f64,
-    /// Cells of postures that the proof of `high` needed.
-    pub cells: u64,
-}
-
-impl Searched {
-    /// The same, measured in `scale` times the nominal inertias.
-    fn scaled(&self, scale: f64) -> Self {
-        let mut scaled = self.clone();
-        scaled.low.eigenvalue /= scale;
-        scaled.high.eigenvalue /= scale;
-        if let Some(proved) = &mut scaled.proved {
-            proved.low /= scale;
-            proved.high /= scale;
-        }
-        scaled
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ArmInertia, Attenuation, Bounds, CoupledGains, InertiaWindow, Iss, LargestStep, LoopModel,
-    Margins, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
+    Margins, Moving, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
     ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
     VaryingWindow,
 };
@@ -21,6 +21,12 @@ pub struct Certificate {
     pub duration_s: f64,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointCertificate>,
+    /// Stability while the arm moves; `None`: not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<Moving>,
+    /// Why stability while the arm moves is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving_refused: Option<Refutation>,
     /// How far a push on one joint moves every joint, at frozen postures; `None` where no model of the arm is known, or the loop
     /// does not hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]

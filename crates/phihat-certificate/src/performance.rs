@@ -107,16 +107,20 @@ impl PeakGains {
         let n = free.len();
         let (own, right) = (self.states.len() as f64, n as f64);
         Refutation::unless(CLAIM, "gains of m+2 states", own, right, self.states.len() == n)?;
-        for (i, claimed) in self.states.iter().enumerate() {
-            let mut row = vec![0.0; n];
+        let mut rows: Vec<Vec<f64>> = vec![vec![0.0; n]; n];
+        for (i, row) in rows.iter_mut().enumerate() {
             row[i] = free.unit(i);
-            encloses(&format!("‖G_x{}‖₁", i + 1), *claimed, free.area(&row))?;
         }
         // φ̂ − φ = ë + K_d ė + K_p e, of which ë begins with an impulse of 1/μ.
-        let mut row = free.acceleration();
-        row[n - 1] += law.kd * free.unit(n - 1);
-        row[n - 2] += law.kp * free.unit(n - 2);
-        let rest = free.area(&row);
+        let mut last = free.acceleration();
+        last[n - 1] += law.kd * free.unit(n - 1);
+        last[n - 2] += law.kp * free.unit(n - 2);
+        rows.push(last);
+        let found = free.areas(&rows);
+        for (i, (claimed, found)) in self.states.iter().zip(&found).enumerate() {
+            encloses(&format!("‖G_x{}‖₁", i + 1), *claimed, *found)?;
+        }
+        let Some(rest) = found.last() else { return Ok(()) };
         let jump = 1.0 / self.mu;
         let again = PeakGain { lower: jump + rest.lower, upper: jump + rest.upper };
         encloses("‖G_(φ̂−φ)‖₁", self.estimate, again)

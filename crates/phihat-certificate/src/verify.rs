@@ -5,7 +5,7 @@ use crate::check::plausible::{self, at_most};
 use crate::refutation::refuse;
 use crate::{
     ArmBasis, ArmInertia, Certificate, FORMAT, Gains, JointCertificate, JointRecord, Law,
-    LoopModel, Phi, Refutation, VERSION,
+    LoopModel, Moving, Phi, Refutation, VERSION,
 };
 
 const CLAIM: &str = "certificate";
@@ -38,7 +38,24 @@ impl Certificate {
             let models = self.joints.iter().map(|joint| &joint.model);
             coupled.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }
+        if let Some(moving) = &self.moving {
+            let whole = self.refused().is_none();
+            Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;
+            self.moves(moving, gains)?;
+        }
         self.refused().map_or(Ok(()), Err)
+    }
+
+    /// Stability while moving: for one law, in one loop, over the arm's whole range.
+    fn moves(&self, moving: &Moving, gains: &Gains) -> Result<(), Refutation> {
+        let claim = "stability while moving";
+        let same = self.joints.windows(2).all(|pair| pair[0].model == pair[1].model);
+        Refutation::unless(claim, "all joints are in the same loop", 0.0, 0.0, same)?;
+        let inside = moving.low <= self.arm.low && self.arm.high <= moving.high;
+        let what = "its range holds the arm's";
+        Refutation::unless(claim, what, self.arm.high, moving.high, inside)?;
+        let first = gains.joints.first().zip(self.joints.first());
+        first.map_or(Ok(()), |(record, joint)| moving.verify(record, &joint.model))
     }
 
     /// What the document says of itself must fit together.
@@ -136,8 +153,14 @@ impl ArmInertia {
     fn plausible(&self) -> Result<(), Refutation> {
         let sensible = 0.0 < self.low && self.low <= self.high && self.high.is_finite();
         Refutation::unless("arm", "0 < low ≤ high < ∞", self.low, self.high, sensible)?;
+        if let Some(searched) = &self.searched {
+            searched.agrees(self.low, self.high)?;
+        }
         let told = !self.source.trim().is_empty();
-        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)
+        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)?;
+        let apart = self.searched.is_none() || self.basis == ArmBasis::Postures;
+        Refutation::unless("arm", "only postures have witnesses", 0.0, 0.0, apart)?;
+        self.searched.as_ref().map_or(Ok(()), |searched| searched.plausible(self))
     }
 }
 

@@ -23,7 +23,7 @@ mod trace;
 mod trade_off;
 pub mod tube;
 
-pub use arm::{Arm, ArmError, ProofProgress, Unproved, replay};
+pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
 pub use certificate::arm_inside_window;
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
@@ -31,7 +31,7 @@ pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
     FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,
     LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle,
-    SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, VERSION, Witness,
+    SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, VERSION, Verified, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

@@ -8,6 +8,6 @@ pub use crate::claims::optimality::FindOptimality;
 pub use crate::claims::performance::{FindPaperRadius, FindPeakGains};
 pub use crate::coupled::FindCoupledGains;
 pub use crate::sampled::{
-    FindMargins, FindNoise, FindReadingError, FindReferenceError, FindSampledPeaks,
+    FindMargins, FindMoving, FindNoise, FindReadingError, FindReferenceError, FindSampledPeaks,
     FindSampledVarying, FindStep, FindVarying, FindWindow,
 };

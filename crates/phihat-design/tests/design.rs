@@ -186,7 +186,7 @@ fn forged_certificates_are_refused_by_the_inequality() {
         ("window", &|g| {
             g.certificate.as_mut().unwrap().joints[1].window.as_mut().unwrap().high *= 1.1;
         }),
-        ("window", &|g| g.certificate.as_mut().unwrap().arm.high *= 3.0),
+        ("witness", &|g| g.certificate.as_mut().unwrap().arm.high *= 3.0),
         ("e|", &|g| {
             let bounds = g.certificate.as_mut().unwrap().joints[0].bounds.as_mut().unwrap();
             bounds.error_rad *= 0.9;

@@ -118,6 +118,26 @@ impl Returns {
         2 + self.order + self.late + usize::from(filters) + usize::from(self.drive.is_some())
     }
 
+    /// The numerator over the same `Δ` from kicks of `T²/2` in position, one at the end of each sample, which a measured
+    /// velocity does not see, over a disc of `w`; without a drive.
+    pub(crate) fn kicked(&self, w: Disc) -> Disc {
+        let t = self.period;
+        let n_q = w.times(0.5 * t * t);
+        let (y, f) = match (self.velocity, self.filter) {
+            (LoopVelocity::Measured, None) => (Disc::real(0.0), Disc::real(1.0)),
+            (LoopVelocity::Measured, Some(f)) => (Disc::real(0.0), w + Disc::real(f)),
+            (LoopVelocity::Differenced, f) => {
+                let f = f.unwrap_or(1.0);
+                ((w * n_q).times(f / t), w + Disc::real(f))
+            }
+        };
+        let one = Disc::real(1.0);
+        match self.form {
+            LoopForm::Observer => self.observer(w, (one, f), (n_q, y)).back,
+            LoopForm::Literal => self.literal(w, (one, f), (n_q, y)).back,
+        }
+    }
+
     /// `Δ` and `N` over a disc of `w`.
     pub(crate) fn at(&self, w: Disc) -> Return {
         let t = self.period;

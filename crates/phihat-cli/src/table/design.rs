@@ -58,6 +58,13 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         Some(why) => lines.push(format!("{range}; these gains do NOT arm: {why}")),
     }
     lines.push(format!("({})", arm.source));
+    if let Some(proved) = arm.searched.as_ref().and_then(|searched| searched.proved.as_ref()) {
+        lines.push(format!(
+            "proved in {} cells: no eigenvalue below {:.3}, none above {:.3}, at no posture",
+            proved.cells, proved.low, proved.high
+        ));
+    }
+    lines.push(moving(certificate));
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
     }
@@ -67,6 +74,22 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
     lines.join("\n")
+}
+
+/// How fast the arm's inertia may change, beside what is needed.
+fn moving(certificate: &Certificate) -> String {
+    let Some(moving) = &certificate.moving else {
+        let why = certificate.moving_refused.as_ref().map(ToString::to_string);
+        return format!("NOT proved, stability while moving: {}", why.unwrap_or_default());
+    };
+    let rate = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{rate:.2}"));
+    format!(
+        "stable while the inertia changes by at most {:.1} 1/s (Coriolis torque and gradients left out); the reference \
+         needs {}, all joints at their speed limits {} (searched)",
+        moving.rate_per_s,
+        rate(moving.needed_motion_per_s),
+        rate(moving.needed_limits_per_s)
+    )
 }
 
 fn row(joint: &JointCertificate, bound: Option<ErrorBound>) -> Vec<String> {

@@ -9,7 +9,7 @@ mod world;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
-pub(crate) use design::{certificate, gains, infeasible};
+pub(crate) use design::{certificate, gains, infeasible, not_counted};
 pub(crate) use metrics::{abort, metrics, tube, verdict};
 pub(crate) use robots::{joints, robots};
 pub(crate) use world::world;

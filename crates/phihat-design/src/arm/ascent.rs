@@ -3,11 +3,10 @@
 use core::f64::consts::TAU;
 
 use nalgebra::DVector;
+use phihat_certificate::Witness;
 use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
-use super::witness::seen;
-use phihat_certificate::Witness;
 
 /// Postures from which an end is sought, and those of them that are followed to the end.
 pub(super) const STARTS: u32 = 20;
@@ -88,7 +87,7 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     }
     starts.sort_by(better);
     let best = starts.into_iter().next()?;
-    Some(seen(best.q, &postures.payloads[best.payload].body, best.value))
+    Some(Witness::new(best.q, &postures.payloads[best.payload].body, best.value))
 }
 
 struct Search<'a> {

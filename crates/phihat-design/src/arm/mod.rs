@@ -3,7 +3,7 @@
 mod ascent;
 mod postures;
 mod prove;
-mod witness;
+mod rates;
 
 use nalgebra::DMatrix;
 use phihat_certificate::{ArmBasis, ArmInertia, Searched};
@@ -11,7 +11,7 @@ use phihat_study::{InertiaSource, Study};
 use thiserror::Error;
 
 pub use prove::{ProofProgress, Unproved};
-pub use witness::replay;
+pub use rates::InertiaRates;
 
 use crate::trace::InertiaEstimate;
 use ascent::{End, STARTS, extreme};
@@ -103,10 +103,10 @@ impl Arm {
         })
     }
 
-    /// The same arm known at the postures of a reference too \[rad, m\]; no change where it is known by
-    /// intervals.
+    /// The same arm known along a reference too, by positions and velocities at some of its points; no change where it
+    /// is known by intervals.
     #[must_use]
-    pub fn along(mut self, reference: &[Vec<f64>]) -> Self {
+    pub fn along(mut self, reference: &[(Vec<f64>, Vec<f64>)]) -> Self {
         if let Knowledge::Postures(postures) = &mut self.knowledge {
             postures.along(reference);
         }
@@ -174,6 +174,14 @@ impl Arm {
 }
 
 impl Arm {
+    /// How fast the inertia changes, measured in given nominal inertias \[kg·m²\].
+    pub fn rates(&self, nominal: &[f64]) -> InertiaRates {
+        match &self.knowledge {
+            Knowledge::Postures(postures) => rates::rates(postures, nominal),
+            _ => InertiaRates::default(),
+        }
+    }
+
     /// Proves that no eigenvalue is above `factor` times the largest that was found; `go_on` says after each cell
     /// whether to continue.
     ///
@@ -200,7 +208,7 @@ impl Arm {
 fn witnesses(postures: &Postures, nominal: &[f64]) -> Option<Searched> {
     Some(Searched {
         postures: postures.count(),
-        of_reference: postures.of_reference,
+        of_reference: postures.of_reference(),
         starts: STARTS,
         frame: postures.frame.clone(),
         low: extreme(postures, nominal, End::Low)?,

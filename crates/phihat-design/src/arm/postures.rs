@@ -40,7 +40,10 @@ pub(super) struct Postures {
     /// With the lightest payload, and with heavy ones.
     pub(super) light: Vec<Tried>,
     pub(super) heavy: Vec<Tried>,
-    pub(super) of_reference: u32,
+    /// Position and velocity at points of a reference.
+    pub(super) passing: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Largest speeds \[rad/s, m/s\].
+    pub(super) speeds: Vec<Option<f64>>,
 }
 
 impl Postures {
@@ -67,7 +70,8 @@ impl Postures {
             slides: study.robot.joints.iter().map(|j| j.kind == JointKind::Prismatic).collect(),
             light: Vec::new(),
             heavy: Vec::new(),
-            of_reference: 0,
+            passing: Vec::new(),
+            speeds: study.robot.joints.iter().map(|joint| joint.velocity_max).collect(),
         };
         let last = postures.payloads.len() - 1;
         for q in evenly(&postures.travel) {
@@ -78,14 +82,20 @@ impl Postures {
     }
 
     /// Looks at the postures of a reference too, with every heaviest payload.
-    pub(super) fn along(&mut self, reference: &[Vec<f64>]) {
-        for q in reference.iter().filter(|q| q.len() == self.travel.len()) {
+    pub(super) fn along(&mut self, reference: &[(Vec<f64>, Vec<f64>)]) {
+        let n = self.travel.len();
+        for (q, dq) in reference.iter().filter(|(q, dq)| q.len() == n && dq.len() == n) {
             self.light.push(self.tried(q, 0));
             for payload in 1..=self.heaviest {
                 self.heavy.push(self.tried(q, payload));
             }
-            self.of_reference += 1;
+            self.passing.push((q.clone(), dq.clone()));
         }
+    }
+
+    /// How many postures of a reference there are.
+    pub(super) fn of_reference(&self) -> u32 {
+        u32::try_from(self.passing.len()).unwrap_or(u32::MAX)
     }
 
     /// How many postures were looked at.
@@ -136,7 +146,7 @@ fn evenly(travel: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
 }
 
 fn primes() -> impl Iterator<Item = f64> {
-    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     (2..u32::MAX).filter(prime).map(f64::from)
 }
 

@@ -3,6 +3,7 @@
 mod arming;
 mod bounds;
 mod find;
+mod moving;
 mod scope;
 mod start;
 
@@ -12,6 +13,7 @@ pub use arming::arm_inside_window;
 pub(crate) use arming::inside;
 use arming::shared_law;
 pub(crate) use bounds::Evidence;
+pub(crate) use moving::find_moving;
 pub(crate) use scope::as_modelled;
 
 use crate::claims::Refutation;
@@ -83,6 +85,8 @@ impl FindCertificate for Certificate {
             window_margin,
             duration_s,
             joints,
+            moving: None,
+            moving_refused: None,
             coupled: None,
             not_counted: NotCounted::of(study),
             tube: None,

@@ -50,6 +50,23 @@ impl OpenLoop {
         Self { numerator, denominator, period: model.period_s }
     }
 
+    /// The open loop, and the numerator over the same `Δ` from kicks in position of `T²/2`, one at the end of each
+    /// sample, to minus the torque. A measured velocity does not see them.
+    pub(crate) fn with_kick(gains: &JointRecord, model: &LoopModel) -> (Self, Polynomial) {
+        let t = model.period_s;
+        let q = Polynomial::new(vec![0.0, 0.5 * t * t]);
+        let y = match model.velocity {
+            LoopVelocity::Measured => Polynomial::new(vec![0.0]),
+            LoopVelocity::Differenced => q.scaled(model.filter_gain() / t).raised(1),
+        };
+        let plant = Plant { q, y, ..Plant::new(model) };
+        let (kick, _) = match model.form {
+            LoopForm::Observer => observer(gains, model, &plant),
+            LoopForm::Literal => literal(gains, model, &plant),
+        };
+        (Self::new(gains, model), kick)
+    }
+
     /// `L(e^{jθ})` at the frequency `θ` \[rad/sample\]; the loop at inertia ratio `μ` is `L/μ`.
     pub fn at_angle(&self, theta: f64) -> Complex<f64> {
         let w = on_circle(theta, 1.0);

@@ -2,16 +2,14 @@
 
 mod relaxed;
 
-use core::f64::consts::PI;
-
 use nalgebra::DMatrix;
+use phihat_certificate::Proved;
 
 use super::postures::{Postures, eigen};
-use phihat_certificate::Proved;
 use relaxed::{Corners, Relaxed, Scratch};
 
-/// Half the widest arc \[rad\] that a triangle is put around.
-const WIDEST: f64 = 1.0;
+/// The widest arc \[rad\] that a triangle is put around.
+const WIDEST: f64 = 2.0;
 
 /// How a proof comes along.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,17 +79,16 @@ pub(super) fn prove(
             return Err(Unproved::Stopped(progress));
         }
         progress.cells += 1;
-        let joint = match too_wide(&cell, postures) {
-            Some(joint) => joint,
-            None => {
-                let corners = corners(&cell, postures);
-                if relaxed.below(&corners, limit, &mut scratch) {
-                    progress.done += cell.share;
-                    continue;
-                }
-                refuted(&relaxed, (&cell, postures), limit, &mut scratch)?;
-                worst(&relaxed, (&cell, postures), &corners, &mut scratch)
+        let joint = if let Some(joint) = too_wide(&cell, postures) {
+            joint
+        } else {
+            let corners = corners(&cell, postures);
+            if relaxed.below(&corners, limit, &mut scratch) {
+                progress.done += cell.share;
+                continue;
             }
+            refuted(&relaxed, (&cell, postures), limit, &mut scratch)?;
+            worst(&relaxed, (&cell, postures), &corners, &mut scratch)
         };
         cells.extend(halves(cell, joint));
     }
@@ -103,7 +100,7 @@ fn too_wide(cell: &Cell, postures: &Postures) -> Option<usize> {
     let width = |k: usize| cell.ends[k].1 - cell.ends[k].0;
     let turning = (0..cell.ends.len()).filter(|k| !postures.slides[*k]);
     let widest = turning.max_by(|a, b| width(*a).total_cmp(&width(*b)))?;
-    (width(widest) > 2.0 * WIDEST.min(PI / 3.0)).then_some(widest)
+    (width(widest) > WIDEST).then_some(widest)
 }
 
 fn corners(cell: &Cell, postures: &Postures) -> Vec<Corners> {
@@ -224,6 +221,27 @@ mod tests {
                     assert!(error < 1e-6, "{robot}: {error}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn corners_are_above_every_posture_of_a_cell() {
+        let set = "payload_kg = [0, 1.5]\npayload_com_m = [[0, 0.1], [0, 0], [-0.1, 0]]";
+        let postures = Postures::of(&study("panda", set)).unwrap();
+        let nominal = vec![1.0, 1.5, 0.7, 0.9, 0.2, 0.2, 0.2];
+        let relaxed = Relaxed::new(&postures, &nominal).unwrap();
+        let mut scratch = relaxed.scratch();
+        for (round, tried) in postures.heavy[..200].iter().enumerate() {
+            let half = [0.05, 0.2, 0.5][round % 3];
+            let ends = tried.q.iter().map(|q| (q - half, q + half)).collect();
+            let cell = Cell { ends, share: 1.0 };
+            let at = |k: usize| tried.q[k] + half * (7.3 * (round * 7 + k) as f64).sin();
+            let q: Vec<f64> = (0..7).map(at).collect();
+            let model = &postures.payloads[1 + round % postures.heaviest].model;
+            let mut workspace = phihat_model::Workspace::new(model);
+            let w = super::super::postures::scaled_mass_matrix(model, &mut workspace, &q, &nominal);
+            let limit = w.symmetric_eigenvalues().max() * (1.0 - 1e-6);
+            assert!(!relaxed.below(&corners(&cell, &postures), limit, &mut scratch));
         }
     }
 

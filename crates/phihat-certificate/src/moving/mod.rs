@@ -1,0 +1,162 @@
+//! Inertia that changes at a bounded rate: stability of the coupled arm while it moves.
+
+mod check;
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::plausible;
+use crate::check::returns::Returns;
+use crate::{JointRecord, LoopModel, Refutation};
+use check::Proof;
+
+const CLAIM: &str = "stability while moving";
+
+/// Most taps of a multiplier.
+const TAPS: usize = 4096;
+
+/// How fast the arm's inertia may change, anywhere in its range, with the loop still stable.
+///
+/// # Claim
+///
+/// For any number of joints with one law in one loop, and `W(t) = M̄^{-1/2} M M̄^{-1/2}` with eigenvalues in
+/// `[low, high]` and `‖dW/dt‖ ≤ rate_per_s` at almost every time, whatever its path: the loop `W(t) q̈ = u_k`, `u_k` held
+/// over a sample, with the law's own delay, velocity source and filter, is exponentially stable.
+///
+/// # Proof
+///
+/// `A_k` is the mean of `W^{-1}` over a sample, `W_k = A_k^{-1}`, `v_k = A_k u_k` the mean acceleration. `W^{-1}` changes by at most
+/// `g = rate/low²` per second, so `‖W_{k+1} − W_k‖ ≤ δ = rate·T (1 + χ²/12)`, `χ = high·g·T` (the mean of the squares of
+/// `W^{-1}` is at most `g²T²/12` above the square of the mean). The position also sees the mean with weights
+/// `2(T − s)/T²`: a kick of `(T²/2) E_k v_k`, `‖E_k‖ ≤ η = χ/6`. With `L = N/Δ` from `v` to minus the torque, and
+/// `K/Δ` from such a kick,
+///
+/// ```text
+/// W_k v_k = −(L v)_k − ((K/Δ) E v)_k                                                               (M1)
+/// ```
+///
+/// `‖(W_k − c)v‖ ≤ r‖v‖` with `c`, `r` middle and half of the range; for the antisymmetric convolution `H` with taps `∓h_j`,
+/// `2⟨Wv, Hv⟩ = ⟨v, [W, H]v⟩ ≤ 2 Σ|h_j| min(δj, high − low) ‖v‖²`; `‖Ev‖ ≤ η‖v‖`. By the theorem on integral quadratic
+/// constraints (Megretski and Rantzer, IEEE TAC 42(6), 1997) along `cI + s(W − cI)`, `sE`, from the stable loop at `μ = c`, it
+/// suffices that at every `θ`, with `y = 2 Σ h_j sin jθ`, `κ = Σ|h_j| min(δj, high − low)` and any `λ > 0`,
+///
+/// ```text
+/// |N + cΔ|² + y Im(NΔ*) > (r² + κ + λη²)(|Δ|² + |K|²/λ) + |K|²y²/4λ                                 (M2)
+/// ```
+///
+/// # Evidence
+///
+/// `h`, `λ`. (M2) is proved by cells of frequency, as is the stability at `c`.
+///
+/// # Not claimed
+///
+/// Coriolis and viscous torque and the gradient of gravity, which are part of the moving arm's loop too; a drive with a
+/// bandwidth; limits in action; joints with different laws. Double precision with an allowance for rounding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Moving {
+    /// Smallest eigenvalue.
+    pub low: f64,
+    /// Largest eigenvalue.
+    pub high: f64,
+    /// Largest `‖dW/dt‖` \[1/s\].
+    pub rate_per_s: f64,
+    /// `δ`: the change per sample that this is.
+    pub delta: f64,
+    /// Taps `h_1, h_2, …` of the multiplier.
+    pub h: Vec<f64>,
+    /// `λ`, which weighs the drift inside a sample.
+    pub drift: f64,
+    /// Largest `‖dW/dt‖` along the study's reference \[1/s\]: at the postures looked at, with the lightest and the
+    /// heaviest payloads; `None`: not looked at.
+    pub needed_motion_per_s: Option<f64>,
+    /// Largest `‖dW/dt‖` found with every joint at its speed limit \[1/s\]: a search, no bound; `None`: some joint states no
+    /// limit.
+    pub needed_limits_per_s: Option<f64>,
+}
+
+impl Moving {
+    /// Proves the claim for one joint's gains and loop, from nothing else; they have to be the same for all joints.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let (delta, _) = self.step(model.period_s);
+        let same = (self.delta - delta).abs() <= 1e-9 * delta;
+        Refutation::unless(CLAIM, "δ = rate·T (1 + χ²/12)", self.delta, delta, same)?;
+        for needed in self.needed_motion_per_s.into_iter().chain(self.needed_limits_per_s) {
+            let sensible = needed >= 0.0 && needed.is_finite();
+            Refutation::unless(CLAIM, "0 ≤ needed rate < ∞", needed, 0.0, sensible)?;
+        }
+        self.stable(gains, model).map_err(|why| Refutation {
+            claim: CLAIM.to_owned(),
+            inequality: why.inequality,
+            left: why.left,
+            right: why.right,
+        })
+    }
+
+    /// The proof alone: whoever looks for a multiplier learns at which frequency it fails.
+    ///
+    /// # Errors
+    ///
+    /// The first inequality that does not hold.
+    pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
+        let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
+        plausible::gains(CLAIM, gains).map_err(refused)?;
+        plausible::model(CLAIM, model).map_err(refused)?;
+        self.plausible()?;
+        if let Some(hz) = model.drive_bandwidth_hz {
+            let what = "the torque acts at once: a drive's lag is not in the proof";
+            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::INFINITY)));
+        }
+        Proof::new(self, &Returns::new(gains, model), model.period_s).run()
+    }
+
+    /// `δ` and `η` for its rate.
+    pub fn step(&self, period: f64) -> (f64, f64) {
+        let change = self.rate_per_s * period;
+        let chi = self.high * change / (self.low * self.low);
+        (change * (1.0 + chi * chi / 12.0), chi / 6.0)
+    }
+
+    /// `y(θ) = 2 Σ h_j sin jθ`.
+    pub fn multiplier(&self, theta: f64) -> f64 {
+        let taps = self.h.iter().enumerate();
+        2.0 * taps.map(|(j, h)| h * ((j + 1) as f64 * theta).sin()).sum::<f64>()
+    }
+
+    fn plausible(&self) -> Result<(), Unstable> {
+        let Self { low, high, rate_per_s: rate, drift, .. } = *self;
+        let taps = self.h.len() <= TAPS && self.h.iter().all(|h| h.is_finite());
+        let all = [
+            ("0 < low ≤ high < ∞", low, high, 0.0 < low && low <= high && high.is_finite()),
+            ("0 ≤ rate < ∞", rate, 0.0, 0.0 <= rate && rate.is_finite()),
+            ("0 < λ < ∞", drift, 0.0, 0.0 < drift && drift.is_finite()),
+            ("taps are finite, and not too many", self.h.len() as f64, TAPS as f64, taps),
+        ];
+        let bad = all.into_iter().find(|(.., holds)| !holds);
+        bad.map_or(Ok(()), |(what, left, right, _)| {
+            Err(Unstable::new(what.to_owned(), 0.0, (left, right)))
+        })
+    }
+}
+
+/// Where stability is not proved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unstable {
+    /// The inequality that should hold, as a formula.
+    pub inequality: String,
+    /// Frequency \[rad/sample\]; 0 where there is none.
+    pub theta: f64,
+    /// Its left side.
+    pub left: f64,
+    /// Its right side.
+    pub right: f64,
+}
+
+impl Unstable {
+    fn new(inequality: String, theta: f64, (left, right): (f64, f64)) -> Self {
+        Self { inequality, theta, left, right }
+    }
+}

@@ -1,0 +1,373 @@
+//! A tube as data: deriving one, and holding a claimed one against it.
+
+use serde::{Deserialize, Serialize};
+
+use super::chain::{Chain, NotAChain};
+use super::law::Loop;
+use super::nominal::Nominal;
+use super::scope::{Dry, PayloadSlice, Refusal, counted, smooth};
+use super::sweep::{Sweep, Swept};
+use super::{Inputs, ROUNDING};
+
+/// Everything that the arm may carry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadSet {
+    /// The frame it is welded to.
+    pub frame: String,
+    /// Least and greatest mass \[kg\].
+    pub mass: (f64, f64),
+    /// Box of its centre of mass, in the frame's axes \[m\].
+    pub com: [(f64, f64); 3],
+    /// Each entry of its second moment about its centre is at most `mass · gyration²` \[m\].
+    pub gyration: f64,
+}
+
+/// The envelope of one joint, by bins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TubeJoint {
+    /// Its name.
+    pub name: String,
+    /// Least error \[rad\].
+    pub error_low_rad: Vec<f64>,
+    /// Greatest error \[rad\].
+    pub error_high_rad: Vec<f64>,
+    /// Least velocity error \[rad/s\].
+    pub velocity_low_rad_s: Vec<f64>,
+    /// Greatest velocity error \[rad/s\].
+    pub velocity_high_rad_s: Vec<f64>,
+    /// Largest |e| at or after `settle_s` \[rad\].
+    pub error_max_rad: f64,
+    /// Largest |ė| at or after `settle_s` \[rad/s\].
+    pub velocity_error_max_rad_s: f64,
+    /// Largest commanded torque \[N·m\].
+    pub torque_max_nm: f64,
+    /// Its largest change from one sample to the next \[N·m\], the first from 0.
+    pub torque_step_max_nm: f64,
+}
+
+/// For every payload and level of dry friction in scope, any encoder phase: error and velocity error at every
+/// sample are inside.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tube {
+    /// Length of a bin \[s\]: bin `b` holds the samples with `b·bin_s ≤ t < (b+1)·bin_s`.
+    pub bin_s: f64,
+    /// Length of the run \[s\].
+    pub duration_s: f64,
+    /// When it is settled \[s\].
+    pub settle_s: f64,
+    /// Parts of the mass range that were taken one by one.
+    pub slices: u32,
+    /// What the arm may carry.
+    pub payload: Option<PayloadSet>,
+    /// Least and greatest level of dry friction \[N·m\] per joint.
+    pub coulomb_nm: (Vec<f64>, Vec<f64>),
+    /// Encoder step \[rad\] per joint; 0: exact.
+    pub quantum_rad: Vec<f64>,
+    /// The envelope.
+    pub joints: Vec<TubeJoint>,
+    /// Whether no torque limit and no rate limit can act.
+    pub limits_silent: bool,
+}
+
+/// Length of a bin \[s\], at least one sample.
+const BIN: f64 = 0.01;
+/// Most slices of the mass that are tried.
+const SLICES_MAX: u32 = 8;
+
+/// Derives the tube of a study.
+///
+/// # Errors
+///
+/// [`TubeRefusal`](super::TubeRefusal): what stands in the way; never a number that is not proved.
+pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tube, Refusal> {
+    counted(inputs.study)?;
+    fits(inputs)?;
+    let study = inputs.study;
+    let period = study.control.period_ns as f64 * 1e-9;
+    let set = inputs.payload.filter(|set| set.mass.1 > 0.0);
+    let hand = set.map(|set| (set.frame.as_str(), set.com.map(|(a, b)| 0.5 * (a + b))));
+    let chain = Chain::new(&study.robot, study.world.gravity, hand).map_err(|e| match e {
+        NotAChain::Tree => Refusal::Branches,
+        NotAChain::Frame => Refusal::PayloadFrame,
+    })?;
+    let loops: Vec<Loop> =
+        inputs.joints.iter().map(|l| Loop::new(study, l, inputs.velocity_filter_hz)).collect();
+    if loops.first().is_some_and(|l| l.measured) {
+        return Err(Refusal::NotCounted { what: "measured velocity" });
+    }
+    let dry = dry(inputs, &chain, period);
+    let one = |slice: Option<&PayloadSlice>, share: (u32, u32)| -> Result<Half, Refusal> {
+        let run = Nominal::run(inputs, &loops, slice, &dry)?;
+        let smooth = smooth(study);
+        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &loops));
+        let swept = sweep.run(&|x| progress((f64::from(share.0) + x) / f64::from(share.1)))?;
+        Ok(Half::new(inputs, &run, &swept))
+    };
+    let Some(set) = set else {
+        return Ok(tube(inputs, &[one(None, (0, 1))?]));
+    };
+    let mut parts = if set.mass.1 > set.mass.0 { 2 } else { 1 };
+    loop {
+        let slices = PayloadSlice::all(set, parts);
+        let halves: Result<Vec<Half>, Refusal> =
+            slices.iter().zip(0..).map(|(slice, i)| one(Some(slice), (i, parts))).collect();
+        match halves {
+            Ok(halves) => return Ok(tube(inputs, &halves)),
+            Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. })
+                if parts < SLICES_MAX && set.mass.1 > set.mass.0 =>
+            {
+                parts *= 2;
+            }
+            Err(refusal) => return Err(refusal),
+        }
+    }
+}
+
+fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
+    let n = inputs.study.robot.joints.len();
+    let reference = inputs.reference;
+    let rows = [&reference.q, &reference.dq, &reference.ddq];
+    let long = rows.iter().all(|r| r.len() == reference.q.len() && r.len() > 1);
+    let wide = rows.iter().all(|r| r.iter().all(|x| x.len() == n));
+    let levels = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite() && *x >= 0.0);
+    let sound = |l: &super::Law| {
+        let positive = |x: &f64| x.is_finite() && *x > 0.0;
+        let four = [l.inertia, l.kp, l.kd];
+        four.iter().chain(&l.a).all(positive) && !l.a.is_empty() && l.a.len() <= 4
+    };
+    let mismatch = |what| Err(Refusal::Mismatch { what });
+    if inputs.joints.len() != n || !inputs.joints.iter().all(sound) || n == 0 {
+        return mismatch("one law per joint");
+    }
+    if n > 16 {
+        return mismatch("an arm of more than 16 joints");
+    }
+    if !(long && wide) {
+        return mismatch("the reference");
+    }
+    let (low, high) = inputs.coulomb;
+    if !(levels(low) && levels(high) && low.iter().zip(high).all(|(a, b)| a <= b)) {
+        return mismatch("the levels of dry friction");
+    }
+    if let Some(set) = inputs.payload {
+        let ends = set
+            .com
+            .iter()
+            .chain([&set.mass])
+            .all(|(a, b)| a.is_finite() && a <= b && b.is_finite());
+        if !(ends && set.mass.0 >= 0.0 && set.gyration >= 0.0 && set.gyration.is_finite()) {
+            return mismatch("the payload");
+        }
+    }
+    Ok(())
+}
+
+/// The nominal friction turns slowly enough to be held over a sample.
+fn dry(inputs: &Inputs<'_>, chain: &Chain, period: f64) -> Dry {
+    let (low, high) = inputs.coulomb;
+    let middle: Vec<f64> = low.iter().zip(high).map(|(a, b)| 0.5 * (a + b)).collect();
+    let m = chain.place::<f64>(&inputs.reference.q[0], None).mass_matrix();
+    let n = middle.len();
+    let inverse = super::dense::inverse(&m, n).unwrap_or_else(|| vec![1.0; n * n]);
+    let fastest = (0..n).map(|i| middle[i] * inverse[i * n + i]).fold(0.0, f64::max);
+    Dry { low: low.to_vec(), high: high.to_vec(), middle, turn: (3.0 * period * fastest).max(4e-3) }
+}
+
+/// One slice's envelope relative to the reference, by sample.
+struct Half {
+    e: Vec<(Vec<f64>, Vec<f64>)>,
+    de: Vec<(Vec<f64>, Vec<f64>)>,
+    torque: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl Half {
+    fn new(inputs: &Inputs<'_>, run: &Nominal, swept: &Swept) -> Self {
+        let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[(Vec<f64>, Vec<f64>)]| {
+            let of =
+                |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &(Vec<f64>, Vec<f64>))| {
+                    let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
+                    let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
+                    let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
+                    let side = |off: &[f64], sign: f64| -> Vec<f64> {
+                        (0..e.len()).map(|i| e[i] + off[i] + sign * pads[i]).collect()
+                    };
+                    (side(low, -1.0), side(high, 1.0))
+                };
+            at.iter().zip(wanted).zip(off).map(of).collect()
+        };
+        let n = inputs.joints.len();
+        let most = |of: &[Vec<f64>], i: usize| of.iter().map(|row| row[i]).fold(0.0, f64::max);
+        Self {
+            e: shift(&run.q, &inputs.reference.q, &swept.position),
+            de: shift(&run.v, &inputs.reference.dq, &swept.velocity),
+            torque: (0..n).map(|i| most(&swept.torque, i) * (1.0 + ROUNDING)).collect(),
+            step: (0..n).map(|i| most(&swept.torque_step, i) * (1.0 + ROUNDING)).collect(),
+        }
+    }
+}
+
+fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
+    let study = inputs.study;
+    let period_ns = study.control.period_ns;
+    let period = period_ns as f64 * 1e-9;
+    let per_bin = (BIN / period).round().max(1.0) as usize;
+    let bin_s = per_bin as f64 * period;
+    let samples = inputs.reference.q.len() - 1;
+    let joint = |i: usize| {
+        let bins = |of: &dyn Fn(&Half) -> &[(Vec<f64>, Vec<f64>)]| -> (Vec<f64>, Vec<f64>) {
+            let span = |first: usize| {
+                let last = (first + per_bin).min(samples);
+                let all = halves.iter().flat_map(|h| &of(h)[first..last]);
+                let ends = (f64::INFINITY, f64::NEG_INFINITY);
+                all.fold(ends, |(l, h), (low, high)| (l.min(low[i]), h.max(high[i])))
+            };
+            (0..samples).step_by(per_bin).map(span).unzip()
+        };
+        let (error_low_rad, error_high_rad) = bins(&|h| &h.e);
+        let (velocity_low_rad_s, velocity_high_rad_s) = bins(&|h| &h.de);
+        let settled = |low: &[f64], high: &[f64]| {
+            let pairs = low.iter().zip(high).enumerate();
+            let late = pairs.filter(|(b, _)| (*b + 1) as f64 * bin_s > study.spec.settle);
+            late.map(|(_, (l, h))| l.abs().max(h.abs())).fold(0.0, f64::max)
+        };
+        let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).fold(0.0, f64::max);
+        TubeJoint {
+            name: inputs.joints[i].name.clone(),
+            error_max_rad: settled(&error_low_rad, &error_high_rad),
+            velocity_error_max_rad_s: settled(&velocity_low_rad_s, &velocity_high_rad_s),
+            error_low_rad,
+            error_high_rad,
+            velocity_low_rad_s,
+            velocity_high_rad_s,
+            torque_max_nm: most(&|h| h.torque[i]),
+            torque_step_max_nm: most(&|h| h.step[i]),
+        }
+    };
+    Tube {
+        bin_s,
+        duration_s: study.duration,
+        settle_s: study.spec.settle,
+        slices: u32::try_from(halves.len()).unwrap_or(u32::MAX),
+        payload: inputs.payload.cloned(),
+        coulomb_nm: (inputs.coulomb.0.to_vec(), inputs.coulomb.1.to_vec()),
+        quantum_rad: inputs.half_steps().iter().map(|h| 2.0 * h).collect(),
+        joints: (0..inputs.joints.len()).map(joint).collect(),
+        limits_silent: true,
+    }
+}
+
+/// Why a claimed tube does not stand.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Refutation {
+    /// It is about something else.
+    #[error("the tube's {what} is not that of the study")]
+    AboutOther {
+        /// What differs.
+        what: &'static str,
+    },
+    /// No tube can be derived here.
+    #[error("no tube can be derived: {0}")]
+    Refused(#[from] Refusal),
+    /// The own envelope is wider.
+    #[error("{joint}, {what} at {t:.3} s: {claimed:.6e} is claimed, {own:.6e} follows")]
+    Wider {
+        /// Which joint.
+        joint: String,
+        /// Which bound.
+        what: &'static str,
+        /// Start of the bin \[s\].
+        t: f64,
+        /// What is claimed.
+        claimed: f64,
+        /// What can be shown.
+        own: f64,
+    },
+}
+
+/// Derives the envelope again, and holds a claimed one against it.
+///
+/// # Errors
+///
+/// [`Refutation`]: the first claim that does not follow.
+pub fn check(claimed: &Tube, inputs: &Inputs<'_>) -> Result<(), Refutation> {
+    let own = derive(inputs, &|_| ())?;
+    compare(claimed, &own, inputs.study.control.period_ns as f64 * 1e-9)
+}
+
+fn compare(claimed: &Tube, own: &Tube, period: f64) -> Result<(), Refutation> {
+    let other = |what| Err(Refutation::AboutOther { what });
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1e-9);
+    let all_near =
+        |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| near(*a, *b));
+    if !near(claimed.duration_s, own.duration_s) {
+        return other("duration");
+    }
+    if !near(claimed.settle_s, own.settle_s) {
+        return other("settling time");
+    }
+    if !near(claimed.bin_s, own.bin_s) {
+        return other("bin");
+    }
+    if claimed.payload != own.payload {
+        return other("payload");
+    }
+    if !(all_near(&claimed.coulomb_nm.0, &own.coulomb_nm.0)
+        && all_near(&claimed.coulomb_nm.1, &own.coulomb_nm.1))
+    {
+        return other("dry friction");
+    }
+    if !all_near(&claimed.quantum_rad, &own.quantum_rad) {
+        return other("encoder");
+    }
+    if claimed.joints.len() != own.joints.len() {
+        return other("number of joints");
+    }
+    let _ = period;
+    for (claim, own_joint) in claimed.joints.iter().zip(&own.joints) {
+        if claim.name != own_joint.name {
+            return other("joint");
+        }
+        joint_within(claim, own_joint, own.bin_s)?;
+    }
+    Ok(())
+}
+
+fn joint_within(claim: &TubeJoint, own: &TubeJoint, bin: f64) -> Result<(), Refutation> {
+    let wider = |what, t, claimed, own_value| {
+        Err(Refutation::Wider { joint: claim.name.clone(), what, t, claimed, own: own_value })
+    };
+    let lists: [(&'static str, f64, &[f64], &[f64]); 4] = [
+        ("least error", -1.0, &claim.error_low_rad, &own.error_low_rad),
+        ("greatest error", 1.0, &claim.error_high_rad, &own.error_high_rad),
+        ("least velocity error", -1.0, &claim.velocity_low_rad_s, &own.velocity_low_rad_s),
+        ("greatest velocity error", 1.0, &claim.velocity_high_rad_s, &own.velocity_high_rad_s),
+    ];
+    for (what, sign, claimed, mine) in lists {
+        if claimed.len() != mine.len() {
+            return Err(Refutation::AboutOther { what: "number of bins" });
+        }
+        for (b, (c, m)) in claimed.iter().zip(mine).enumerate() {
+            // Not a number is no claim.
+            if !(sign * m <= sign * c) {
+                return wider(what, b as f64 * bin, *c, *m);
+            }
+        }
+    }
+    let figures = [
+        ("largest error", claim.error_max_rad, own.error_max_rad),
+        ("largest velocity error", claim.velocity_error_max_rad_s, own.velocity_error_max_rad_s),
+        ("largest torque", claim.torque_max_nm, own.torque_max_nm),
+        ("largest change of torque", claim.torque_step_max_nm, own.torque_step_max_nm),
+    ];
+    for (what, claimed, mine) in figures {
+        if !(mine <= claimed) {
+            return wider(what, 0.0, claimed, mine);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,203 @@
+//! The sampled law of one joint with its sensor and delays, and the same as a linear map.
+
+use core::f64::consts::TAU;
+
+use phihat_study::{LawForm, Study, VelocitySource};
+
+use super::Law;
+use super::dense::{exponential, product};
+
+/// One joint's loop from reading to the torque that is told to the drive.
+///
+/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator,
+/// commands from the newest to the one that acts.
+#[derive(Debug, Clone)]
+pub(super) struct Loop {
+    period: f64,
+    law: Law,
+    alpha: Vec<f64>,
+    on_integrals: Vec<f64>,
+    on_error: [f64; 2],
+    literal: bool,
+    pub(super) measured: bool,
+    filter: f64,
+    late: usize,
+    delay: usize,
+    pub(super) size: usize,
+}
+
+/// What the joint shall do at a sample: position, velocity, acceleration.
+pub(super) type Wanted = [f64; 3];
+
+impl Loop {
+    pub(super) fn new(study: &Study, law: &Law, filter_hz: Option<f64>) -> Self {
+        let period = study.control.period_ns as f64 * 1e-9;
+        let a = &law.a;
+        let m = a.len();
+        let at = |i: usize| a.get(i).copied().unwrap_or(0.0);
+        let factor = |i: usize| {
+            let two = if i >= 2 { at(i - 2) * law.kd } else { 0.0 };
+            let three = if i >= 3 { at(i - 3) } else { 0.0 };
+            (if i >= 1 { at(i - 1) * law.kp } else { 0.0 }) + two + three
+        };
+        let late = study.sensor.delay_samples as usize;
+        let delay = study.control.delay_samples as usize;
+        let ways = if late > 0 { 1 + 3 * late } else { 0 };
+        Self {
+            period,
+            alpha: sampled(a, period),
+            on_integrals: (0..m).map(|j| factor(m - j)).collect(),
+            on_error: [factor(m + 1), factor(m + 2)],
+            literal: study.control.form == LawForm::Literal,
+            measured: study.sensor.velocity == VelocitySource::Measured,
+            filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
+            late,
+            delay,
+            size: 2 + ways + m + delay.max(1) + 1,
+            law: law.clone(),
+        }
+    }
+
+    fn memory(&self) -> usize {
+        2 + if self.late > 0 { 1 + 3 * self.late } else { 0 }
+    }
+
+    /// Place of the newest command.
+    pub(super) fn newest(&self) -> usize {
+        self.memory() + self.law.a.len()
+    }
+
+    /// Place of the torque that acts until the next sample.
+    pub(super) fn acting(&self) -> usize {
+        self.newest() + self.delay
+    }
+
+    /// One sample: reading `y`, true velocity `dq`.
+    pub(super) fn sample(&self, first: bool, s: &mut [f64], (y, dq): (f64, f64), wanted: Wanted) {
+        let (memory, newest, acting) = (self.memory(), self.newest(), self.acting());
+        let raw = if self.measured { dq } else { (y - s[0]) / self.period };
+        let mut before = s[1];
+        let filtered = if first { dq } else { before + self.filter * (raw - before) };
+        (s[0], s[1]) = (y, filtered);
+        let (mut y, mut v, mut acted) = (y, filtered, s[acting]);
+        if self.late > 0 {
+            let fresh = [y, v, acted];
+            let way = 3 + 3 * self.late;
+            if first {
+                s[3..way].chunks_exact_mut(3).for_each(|old| old.copy_from_slice(&fresh));
+            }
+            (y, v, acted) = (s[3], s[4], s[5]);
+            s.copy_within(6..way, 3);
+            s[way - 3..way].copy_from_slice(&fresh);
+            before = s[2];
+            s[2] = v;
+        }
+        let (e, de) = (y - wanted[0], v - wanted[1]);
+        let m = self.law.a.len();
+        let held = &mut s[memory..newest];
+        let estimate = if self.literal {
+            let mut below = e;
+            for entry in held.iter_mut().filter(|_| !first) {
+                *entry += self.period * below;
+                below = *entry;
+            }
+            let sum: f64 = held.iter().zip(&self.on_integrals).map(|(x, f)| x * f).sum();
+            -self.law.inertia * (sum + self.on_error[0] * e + self.on_error[1] * de)
+        } else {
+            if !first {
+                let innovation = self.period * (acted - held[0]) - self.law.inertia * (v - before);
+                for j in 0..m {
+                    let next = if j + 1 < m { held[j + 1] } else { 0.0 };
+                    held[j] += self.period * next + self.alpha[j] * innovation;
+                }
+            }
+            held[0]
+        };
+        let outer = self.law.inertia * (wanted[2] - self.law.kd * de - self.law.kp * e);
+        s.copy_within(newest..self.size - 1, newest + 1);
+        s[newest] = outer + estimate;
+    }
+
+    /// The sample without a reference, as `state ← A state + b y + c q̇`.
+    pub(super) fn linear(&self, first: bool) -> Linear {
+        let column = |at: usize| {
+            let mut s = vec![0.0; self.size];
+            let mut input = (0.0, 0.0);
+            match at.checked_sub(self.size) {
+                None => s[at] = 1.0,
+                Some(0) => input.0 = 1.0,
+                Some(_) => input.1 = 1.0,
+            }
+            self.sample(first, &mut s, input, [0.0; 3]);
+            s
+        };
+        let mut entries = Vec::new();
+        for j in 0..self.size {
+            for (i, value) in column(j).into_iter().enumerate() {
+                if value.abs() > 0.0 {
+                    entries.push((i, j, value));
+                }
+            }
+        }
+        Linear { entries, reading: column(self.size), rate: column(self.size + 1) }
+    }
+}
+
+/// A linear sample of one joint.
+#[derive(Debug, Clone)]
+pub(super) struct Linear {
+    /// Row, column, value.
+    pub(super) entries: Vec<(usize, usize, f64)>,
+    pub(super) reading: Vec<f64>,
+    pub(super) rate: Vec<f64>,
+}
+
+impl Linear {
+    pub(super) fn sample(&self, s: &mut [f64], (y, dq): (f64, f64)) {
+        let mut next: Vec<f64> =
+            self.reading.iter().zip(&self.rate).map(|(b, c)| b * y + c * dq).collect();
+        for (i, j, value) in &self.entries {
+            next[*i] += value * s[*j];
+        }
+        s.copy_from_slice(&next);
+    }
+}
+
+/// `α_{m−1} … α_0`: the estimator's poles `s_i` go to `(e^{s_i T} − 1)/T`, as a polynomial, here from the
+/// exponential of the companion matrix and the traces of its powers (Newton's identities).
+fn sampled(a: &[f64], period: f64) -> Vec<f64> {
+    let m = a.len();
+    let rate = a[m - 1];
+    // Companion of s^m + a_{m−1} s^{m−1} + …, in time units of 1/rate.
+    let mut f = vec![0.0; m * m];
+    let mut power = 1.0;
+    for i in 0..m {
+        power *= rate;
+        f[i * m] = -a[m - 1 - i] / power;
+        if i + 1 < m {
+            f[i * m + i + 1] = 1.0;
+        }
+    }
+    let mut d = exponential(&f, rate * period, m);
+    for i in 0..m {
+        d[i * m + i] -= 1.0;
+    }
+    d.iter_mut().for_each(|x| *x /= rate * period);
+    let mut traces = Vec::new();
+    let mut x = d.clone();
+    for _ in 0..m {
+        traces.push((0..m).map(|i| x[i * m + i]).sum::<f64>());
+        x = product(&x, &d, (m, m, m));
+    }
+    let mut c = vec![1.0];
+    for k in 1..=m {
+        let sum: f64 = (1..=k).map(|j| c[k - j] * traces[j - 1]).sum();
+        c.push(-sum / k as f64);
+    }
+    let mut power = 1.0;
+    let scaled = |c: &f64| {
+        power *= rate;
+        c * power
+    };
+    c[1..].iter().map(scaled).collect()
+}

@@ -1,0 +1,96 @@
+//! The tube: an envelope of error and velocity error that no run in scope leaves, derived by a method of its own.
+//!
+//! The finder propagates impulse responses forward; this derivation goes the other way and shares no code with
+//! it: own dynamics (screws in world axes, derivatives in closed form over balls), own sampled law, own
+//! nominal run (dry friction held over each sample), momentum as the state, and rows of outputs propagated
+//! backwards.
+//!
+//! # Law
+//!
+//! With `ε = q − q_n` and the momentum `P = M(q, p) ε'`, for any piecewise constant `M, S, K`:
+//!
+//! ```text
+//! ε' = M⁻¹ (P − x),   x = (M(q, p) − M) ε'                                                       (B1)
+//! P' = τ̃ − S ε' − K ε − Y_n δπ − (f s(q̇) − f_n) − σ                                             (B2)
+//! σ  = (S(q, v_n; p) − S) ε' + (K(·) − K) ε − ½ ∂_q(ε'ᵀ M(q, p) ε') + bend of the smooth friction
+//! S(q, v)_ij = Σ_k (∂_j M_ik − ∂_i M_kj) v_k,     K = ∂_q ID(q, v_n, a_n; p)
+//! ```
+//!
+//! (B2) is exact: inverse dynamics are quadratic in the velocity, so no second-order term is left out.
+
+mod adjoint;
+mod carried;
+mod chain;
+mod dense;
+mod document;
+mod frame;
+mod law;
+mod matter;
+mod nominal;
+mod number;
+mod scope;
+mod shapes;
+mod sweep;
+
+pub use document::{PayloadSet, Refutation, Tube, TubeJoint, check, derive};
+pub use scope::Refusal as TubeRefusal;
+
+use phihat_study::Study;
+
+/// What covers rounding: the relative width that is added to every bound.
+pub(crate) const ROUNDING: f64 = 1e-8;
+
+/// The gains of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    /// The joint's name.
+    pub name: String,
+    /// `M̄` \[kg·m²\].
+    pub inertia: f64,
+    /// `K_p` \[1/s²\].
+    pub kp: f64,
+    /// `K_d` \[1/s\].
+    pub kd: f64,
+    /// `a_0 … a_{m−1}`.
+    pub a: Vec<f64>,
+}
+
+/// The motion that is wanted, at every sample and one more: `q`, `q̇`, `q̈` of all joints.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Reference {
+    /// Position \[rad\].
+    pub q: Vec<Vec<f64>>,
+    /// Velocity \[rad/s\].
+    pub dq: Vec<Vec<f64>>,
+    /// Acceleration \[rad/s²\].
+    pub ddq: Vec<Vec<f64>>,
+}
+
+/// All that a tube is derived from.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// One law per joint, in the robot's order.
+    pub joints: &'a [Law],
+    /// The velocity filter in force \[Hz\].
+    pub velocity_filter_hz: Option<f64>,
+    /// The motion.
+    pub reference: &'a Reference,
+    /// What the arm may carry.
+    pub payload: Option<&'a PayloadSet>,
+    /// Least and greatest level of dry friction \[N·m\] per joint.
+    pub coulomb: (&'a [f64], &'a [f64]),
+}
+
+impl Inputs<'_> {
+    /// Half an encoder step \[rad\] per joint.
+    fn half_steps(&self) -> Vec<f64> {
+        let n = self.joints.len();
+        let bits = self.study.sensor.encoder_bits.as_ref();
+        let of = |i: usize| {
+            bits.map_or(0.0, |bits| core::f64::consts::PI / 2.0_f64.powi(bits[i].cast_signed()))
+        };
+        (0..n).map(of).collect()
+    }
+}

@@ -1,0 +1,158 @@
+//! What is known of the deviation up to constants of the run: forward runs of the reference system.
+
+use super::dense::apply;
+use super::frame::Frame;
+use super::law::Loop;
+use super::sweep::Sweep;
+
+/// One forward run.
+#[derive(Debug, Clone)]
+struct Shape {
+    /// `ε, P`.
+    plant: Vec<f64>,
+    loops: Vec<Vec<f64>>,
+}
+
+/// The runs: ten moments of the payload, each joint's level of dry friction, and the rest of the friction.
+#[derive(Debug, Clone)]
+pub(super) struct Shapes {
+    load: usize,
+    runs: Vec<Shape>,
+}
+
+/// Lowest and highest sum of the runs, at the instants of a window, the first being the one before it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Spread {
+    pub(super) position: Vec<(Vec<f64>, Vec<f64>)>,
+    pub(super) velocity: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Command and change of command, by sample.
+    pub(super) torque: Vec<(Vec<f64>, Vec<f64>)>,
+    pub(super) step: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Largest twist of the hand over the window, `J ε'` over `J̇ ε'`.
+    pub(super) twist: Vec<f64>,
+}
+
+impl Shapes {
+    pub(super) fn new(n: usize, loops: &[Loop], payload: bool) -> Self {
+        let rest = Shape {
+            plant: vec![0.0; 2 * n],
+            loops: loops.iter().map(|l| vec![0.0; l.size]).collect(),
+        };
+        let load = if payload { 10 } else { 0 };
+        Self { load, runs: vec![rest; load + n + 1] }
+    }
+
+    /// Runs on through a window where the signs of the velocities are about `signs`.
+    pub(super) fn advance(
+        &self,
+        sweep: &Sweep<'_>,
+        frame: &Frame,
+        signs: &[Vec<f64>],
+    ) -> (Self, Spread) {
+        let n = frame.bend.len();
+        let mut after = self.clone();
+        let mut spread =
+            Spread { twist: vec![0.0; if self.load > 0 { 12 } else { 0 }], ..Spread::default() };
+        after.look(sweep, frame, &mut spread, true);
+        for (at, signs) in signs.iter().enumerate() {
+            let k = frame.first + at;
+            for (c, run) in after.runs.iter_mut().enumerate() {
+                let mut torque = vec![0.0; n];
+                if c < self.load {
+                    let middle = sweep.load_torque(k);
+                    torque.iter_mut().zip(&middle[c * n..]).for_each(|(t, y)| *t = -y);
+                } else if c < self.load + n {
+                    torque[c - self.load] = -signs[c - self.load];
+                } else {
+                    let levels = &sweep.dry.middle;
+                    for i in 0..n {
+                        torque[i] = sweep.run.dry[k][i] - levels[i] * signs[i];
+                    }
+                }
+                sweep.step_shape(frame, k, &torque, (&mut run.plant, &mut run.loops));
+            }
+            after.look(sweep, frame, &mut spread, false);
+        }
+        (after, spread)
+    }
+
+    fn look(&self, sweep: &Sweep<'_>, frame: &Frame, spread: &mut Spread, entering: bool) {
+        let n = frame.bend.len();
+        let span = |values: &dyn Fn(&Shape) -> f64| self.span(sweep, values);
+        let all = |of: &dyn Fn(&Shape, usize) -> f64| -> (Vec<f64>, Vec<f64>) {
+            (0..n).map(|i| span(&|shape| of(shape, i))).unzip()
+        };
+        spread.position.push(all(&|shape, i| shape.plant[i]));
+        let rates: Vec<Vec<f64>> =
+            self.runs.iter().map(|run| apply(&frame.m_inverse, &run.plant[n..])).collect();
+        spread.velocity.push((0..n).map(|i| self.span_of(sweep, &|c| rates[c][i])).unzip());
+        for c in 0..spread.twist.len() {
+            let row = &frame.outlook[c * n..(c + 1) * n];
+            let (low, high) =
+                self.span_of(sweep, &|run| row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum());
+            spread.twist[c] = spread.twist[c].max(low.abs()).max(high.abs());
+        }
+        if entering {
+            return;
+        }
+        let newest = |i: usize| sweep.loops[i].newest();
+        spread.torque.push(all(&|shape, i| shape.loops[i][newest(i)]));
+        spread
+            .step
+            .push(all(&|shape, i| shape.loops[i][newest(i)] - shape.loops[i][newest(i) + 1]));
+    }
+
+    fn span(&self, sweep: &Sweep<'_>, value: &dyn Fn(&Shape) -> f64) -> (f64, f64) {
+        self.span_of(sweep, &|c| value(&self.runs[c]))
+    }
+
+    /// Over all payloads of the slice and all levels of friction.
+    fn span_of(&self, sweep: &Sweep<'_>, value: &dyn Fn(usize) -> f64) -> (f64, f64) {
+        let n = self.runs.len() - self.load - 1;
+        let rest = value(self.load + n);
+        let (mut low, mut high) = (rest, rest);
+        for i in 0..n {
+            let dry = &sweep.dry;
+            let half = 0.5 * (dry.high[i] - dry.low[i]) * value(self.load + i).abs();
+            low -= half;
+            high += half;
+        }
+        if let Some(slice) = sweep.arm.slice {
+            let slopes = core::array::from_fn(value);
+            let (a, b) = slice.range(&slopes);
+            low += a;
+            high += b;
+        }
+        (low, high)
+    }
+}
+
+impl Sweep<'_> {
+    /// Torques of the payload's moments in the middle of a sample.
+    pub(super) fn load_torque(&self, k: usize) -> &[f64] {
+        &self.load_at(k)[1]
+    }
+
+    /// One sample of the reference system under a held torque.
+    pub(super) fn step_shape(
+        &self,
+        frame: &Frame,
+        k: usize,
+        torque: &[f64],
+        (plant, loops): (&mut Vec<f64>, &mut [Vec<f64>]),
+    ) {
+        let n = torque.len();
+        let mut acting = torque.to_vec();
+        for (i, own) in loops.iter_mut().enumerate() {
+            let (linear, first, _, at) = self.joint(i);
+            let linear = if k == 0 { first } else { linear };
+            linear.sample(own, (plant[i], 0.0));
+            acting[i] += own[*at];
+        }
+        let mut next = apply(&frame.phi, plant);
+        let driven = apply(&frame.gamma, &acting);
+        next.iter_mut().zip(driven).for_each(|(x, d)| *x += d);
+        debug_assert_eq!(next.len(), 2 * n, "position and momentum");
+        *plant = next;
+    }
+}

@@ -1,0 +1,217 @@
+//! What a check has shown, what it has taken on trust, and what it leaves out.
+
+use serde::Serialize;
+
+use crate::{
+    ArmBasis, Certificate, Gains, JointCertificate, LoopForm, LoopTorque, LoopVelocity, NotCounted,
+    PhiBasis, Refutation,
+};
+
+/// One line of a checked certificate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Statement {
+    /// The joint it is about; `None`: every joint, or the whole arm.
+    pub joint: Option<String>,
+    /// What is stated.
+    pub what: String,
+    /// Its value, with units.
+    pub value: String,
+}
+
+/// A certificate after its check, in three blocks.
+///
+/// # Not claimed
+///
+/// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method` and
+/// `trade_off` inform; nothing checks them, and they do not appear here.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Verified {
+    /// Claims that were shown from the file.
+    pub proved: Vec<Statement>,
+    /// What they rest on and the file alone cannot show.
+    pub trusted: Vec<Statement>,
+    /// Of that, what was derived again from a study.
+    pub derived: Vec<Statement>,
+    /// What the study has and the claims leave out, as the file says.
+    pub not_counted: Vec<NotCounted>,
+}
+
+impl Certificate {
+    /// [`Self::verify`], and what it has shown.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::verify`].
+    pub fn verified(&self, gains: &Gains) -> Result<Verified, Refutation> {
+        self.verify(gains)?;
+        Ok(Verified {
+            proved: merged(self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint)))),
+            trusted: self.trusted(gains),
+            derived: Vec::new(),
+            not_counted: self.not_counted.clone(),
+        })
+    }
+
+    /// What a file cannot show of itself, whether its claims hold or not.
+    pub fn trusted(&self, gains: &Gains) -> Vec<Statement> {
+        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let arm = &self.arm;
+        let mut list = vec![
+            whole("study", format!("{} (SHA-256 {})", gains.study, gains.study_sha256)),
+            whole(
+                "range of the arm's inertia",
+                format!("μ in {:.5} … {:.5}: {}", arm.low, arm.high, arm.source),
+            ),
+        ];
+        if let Some(searched) = &arm.searched {
+            let found = format!(
+                "the largest of {} postures ({} of the reference), sought on from {}; witnesses in the file",
+                searched.postures, searched.of_reference, searched.starts
+            );
+            list.push(whole("how that range was found", found));
+            if let Some(proved) = &searched.proved {
+                let range = format!("μ in {:.5} … {:.5}", proved.low, proved.high);
+                list.push(whole("range that a proof by cells is said to have shown", range));
+            }
+        }
+        if arm.basis != ArmBasis::Postures {
+            list.push(whole(
+                "uncoupled joints",
+                "no joint moves another: the range is known joint by joint only".into(),
+            ));
+        }
+        list.push(whole("length of the run", format!("{} s", self.duration_s)));
+        let uncoupled = arm.basis != ArmBasis::Postures;
+        let of = |joint: &JointCertificate| trusted(joint, uncoupled);
+        list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
+        list
+    }
+}
+
+/// What is shown of one joint.
+fn proved(joint: &JointCertificate) -> Vec<(String, String)> {
+    let mut list = Vec::new();
+    let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
+    if let Some(window) = &joint.window {
+        add("stable at frozen inertia", format!("μ in {:.5} … {:.5}", window.low, window.high));
+    }
+    if let Some(varying) = &joint.sampled_varying {
+        let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);
+        add("stable while inertia jumps from sample to sample", range);
+    }
+    if let Some(varying) = &joint.varying {
+        let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);
+        add("stable while inertia varies, law in continuous time", range);
+    }
+    if let Some(margins) = &joint.margins {
+        add("gain margin", format!("÷ {:.4} … × {:.4}", margins.gain_down, margins.gain_up));
+        add("phase margin", format!("{:.3}°", margins.phase_deg));
+        add("delay margin", format!("{:.4} ms", margins.delay_s * 1e3));
+        add("modulus margin", format!("{:.4}", margins.modulus));
+    }
+    if let Some(noise) = &joint.noise {
+        let share = format!("{:.4e} N·m", noise.change_max_nm);
+        add("change of torque per sample from the encoder, at most", share);
+        let rms = format!("{:.4e} N·m", noise.change_rms_nm);
+        add("the same, rms, errors uncorrelated", rms);
+    }
+    if let Some(step) = joint.step.as_ref().and_then(|step| step.step_rad) {
+        add("largest step of the reference within the limits", format!("{:.4e} rad", step));
+    }
+    if let Some(sampled) = &joint.sampled {
+        let gain = format!("{:.4e} rad/(rad/s²)", sampled.jump[1]);
+        add("error per φ/M̄ of one joint, at the ratios tried", gain);
+    }
+    if let Some(gamma) = joint.attenuation.gamma_return_difference {
+        add("inverse optimal for every level", format!("γ > {gamma:.5}"));
+    }
+    add("H-infinity norm φ → e at μ = 1, M̄ = 1", format!("≤ {:.5e}", joint.norm.upper));
+    let ball = format!("|x| ≤ {:.5e} per unit of φ/M̄", joint.paper.corrected);
+    add("ultimate bound of the whole ladder at μ = 1", ball);
+    list
+}
+
+/// What is taken on trust about one joint.
+fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
+    let mut list = Vec::new();
+    let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
+    let model = &joint.model;
+    let form = match model.form {
+        LoopForm::Observer => "observer form",
+        LoopForm::Literal => "literal form",
+    };
+    let velocity = match model.velocity {
+        LoopVelocity::Measured => "velocity measured",
+        LoopVelocity::Differenced => "velocity differenced",
+    };
+    let torque = match model.torque {
+        LoopTorque::Applied => "told the torque that acted",
+        LoopTorque::Demanded => "told the torque demanded",
+    };
+    let hertz = |what: &str, hz: Option<f64>| {
+        hz.map_or_else(|| format!("no {what}"), |hz| format!("{what} {hz} Hz"))
+    };
+    add(
+        "loop",
+        format!(
+            "{} Hz, {} + {} samples late, {form}, {velocity}, {}, {torque}, {}",
+            1.0 / model.period_s,
+            model.delay_samples,
+            model.sample_delay_samples,
+            hertz("velocity filter", model.velocity_filter_hz),
+            hertz("drive", model.drive_bandwidth_hz),
+        ),
+    );
+    let quantum = joint.noise.as_ref().map(|noise| format!("{:.5e} rad", noise.quantum_rad));
+    add("quantum of the encoder", quantum.unwrap_or_else(|| "none: position is exact".into()));
+    let (torque, rate) = joint.limits;
+    let limit = |value: Option<f64>, unit: &str| {
+        value.map_or_else(|| "none".to_owned(), |value| format!("{value} {unit}"))
+    };
+    add("torque limit", limit(torque, "N·m"));
+    add("torque-rate limit", limit(rate, "N·m/s"));
+    if uncoupled && let Some(phi) = &joint.phi {
+        let basis = match phi.basis {
+            PhiBasis::Typed => "typed",
+            PhiBasis::Reference => "inverse dynamics along the reference",
+            PhiBasis::Simulation => "a simulation of the closed loop",
+            PhiBasis::Trace => "a recorded trace",
+        };
+        add(
+            "φ of this joint alone",
+            format!(
+                "|φ̇| ≤ {} N·m/s, jumps ≤ {} N·m ({basis}: {})",
+                phi.rate_nm_s, phi.jump_nm, phi.source
+            ),
+        );
+        if let Some(bounds) = &joint.bounds {
+            add(
+                "what follows if no joint moves another",
+                format!("|e| ≤ {:.5e} rad once settled", bounds.error_rad),
+            );
+        }
+    }
+    list
+}
+
+/// Lines that all joints have in common once, the rest joint by joint.
+fn merged<'a>(joints: impl Iterator<Item = (&'a str, Vec<(String, String)>)>) -> Vec<Statement> {
+    let joints: Vec<(&str, Vec<(String, String)>)> = joints.collect();
+    let shared = |line: &(String, String)| {
+        joints.len() > 1 && joints.iter().all(|(_, lines)| lines.contains(line))
+    };
+    let first = joints.first().map(|(_, lines)| lines.as_slice()).unwrap_or_default();
+    let common = first.iter().filter(|line| shared(line)).map(|(what, value)| Statement {
+        joint: None,
+        what: what.clone(),
+        value: value.clone(),
+    });
+    let own = joints.iter().flat_map(|(name, lines)| {
+        lines.iter().filter(|line| !shared(line)).map(|(what, value)| Statement {
+            joint: Some((*name).to_owned()),
+            what: what.clone(),
+            value: value.clone(),
+        })
+    });
+    common.chain(own).collect()
+}
