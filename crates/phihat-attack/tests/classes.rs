@@ -2,6 +2,13 @@
 //!
 //! The first line of each study says what was claimed and measured before.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "in a test a panic is the report"
+)]
+
 use std::path::{Path, PathBuf};
 
 use phihat_attack::{Dice, Verdict, held, judged, run};
@@ -174,6 +181,9 @@ fn eigenvalue(matrix: &[f64], nominal: &[f64]) -> f64 {
     value
 }
 
+/// What is edited, and how.
+type Edit = (&'static str, fn(&mut Value));
+
 /// What a file says that was edited is not believed: it is refuted, or claims nothing.
 #[test]
 fn e_an_edited_file_is_refused() {
@@ -182,7 +192,6 @@ fn e_an_edited_file_is_refused() {
         panic!("no gains");
     };
     let original: Value = serde_json::from_str(&gains.to_json().unwrap()).unwrap();
-    type Edit = (&'static str, fn(&mut Value));
     let edits: [Edit; 4] = [
         ("rate_hz", |file| file["rate_hz"] = json!(100.0)),
         ("no joints", |file| {
