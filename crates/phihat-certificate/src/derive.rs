@@ -47,7 +47,7 @@ impl Certificate {
         let rate = 1e9 / study.control.period_ns as f64;
         agrees(CLAIM, "rate_hz is the study's loop rate", (gains.rate_hz, rate), SAME)?;
         for (i, joint) in self.joints.iter().enumerate() {
-            self.joint(joint, (gains, study, i)).map_err(|why| why.on(&joint.name))?;
+            Self::joint(joint, (gains, study, i)).map_err(|why| why.on(&joint.name))?;
         }
         say("loop, encoder, limits of every joint", "the study's".into());
         let sides = (self.duration_s, study.duration);
@@ -80,7 +80,6 @@ impl Certificate {
 
     /// What one joint's claims are about.
     fn joint(
-        &self,
         joint: &JointCertificate,
         (gains, study, i): (&Gains, &Study, usize),
     ) -> Result<(), Refutation> {

@@ -72,8 +72,8 @@ impl Margins {
         let samples = self.delay_s / model.period_s;
         at_most("delay margin", "delay margin ≤ 1000 samples", samples, 1000.0)?;
         family.lags("delay margin", samples)?;
-        for extra in (1..=1000).take_while(|extra| f64::from(*extra) <= samples) {
-            family.stable("delay margin", (1.0, 0.0, extra as usize))?;
+        for extra in (1..=1000_u16).take_while(|extra| f64::from(*extra) <= samples) {
+            family.stable("delay margin", (1.0, 0.0, usize::from(extra)))?;
         }
         Ok(())
     }

@@ -101,15 +101,13 @@ impl TorqueNoise {
 fn spectrum(returns: &Returns, mu: f64, least: f64) -> (f64, f64) {
     let half = (0.5 * least).ceil().max(2.0);
     let (mut size, mut change) = (0.0, 0.0);
-    let mut k = 0.0;
-    while k <= half {
+    for k in (0..u32::MAX).map(f64::from).take_while(|k| *k <= half) {
         let w = on_circle(PI * k / half);
         let h = returns.reading_to_torque(w, mu).size();
         // Both ends of the half circle stand once on the circle, all between twice.
         let weight = if k > 0.0 && k < half { 1.0 } else { 0.5 };
         size += weight * h * h;
         change += weight * h * h * w.size() * w.size();
-        k += 1.0;
     }
     (size / half, change / half)
 }

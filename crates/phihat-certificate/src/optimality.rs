@@ -171,15 +171,15 @@ impl Refused {
         let q = weights(law, self.k_tilde);
         let deciding = q.iter().rposition(|q| *q <= 0.0);
         let least = law.a.iter().copied().fold(f64::INFINITY, f64::min);
-        let (quantity, value) = if !(self.k_tilde > 0.0) {
+        let (quantity, value) = if self.k_tilde.is_nan() || self.k_tilde <= 0.0 {
             ("K̃".to_owned(), self.k_tilde)
-        } else if !(room > 0.0) {
+        } else if room.is_nan() || room <= 0.0 {
             ("a_{m−1} − K̃".to_owned(), room)
         } else if let Some(i) = deciding {
             (format!("Q{0}{0}", i + 1), q[i])
-        } else if !(law.kp > 0.0) {
+        } else if law.kp.is_nan() || law.kp <= 0.0 {
             ("K_p".to_owned(), law.kp)
-        } else if !(law.kd > 0.0) {
+        } else if law.kd.is_nan() || law.kd <= 0.0 {
             ("K_d".to_owned(), law.kd)
         } else {
             ("a_i".to_owned(), least)

@@ -104,7 +104,7 @@ fn jerk(
 ) -> Result<f64, Refutation> {
     let follows = Layout::of(of).fixed_point(of, lasting);
     let off = if output == Output::Error { follows.q } else { follows.v };
-    if !(off.abs() <= NONE) {
+    if off.is_nan() || off.abs() > NONE {
         return Err(refuse(CLAIM, "a lasting acceleration leaves no error", off.abs(), NONE));
     }
     let t = of.period;

@@ -116,7 +116,7 @@ fn proved(joint: &JointCertificate) -> Vec<(String, String)> {
         add("the same, rms, errors uncorrelated", rms);
     }
     if let Some(step) = joint.step.as_ref().and_then(|step| step.step_rad) {
-        add("largest step of the reference within the limits", format!("{:.4e} rad", step));
+        add("largest step of the reference within the limits", format!("{step:.4e} rad"));
     }
     if let Some(sampled) = &joint.sampled {
         let gain = format!("{:.4e} rad/(rad/s²)", sampled.jump[1]);

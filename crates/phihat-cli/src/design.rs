@@ -111,7 +111,7 @@ fn prove_range(gains: &mut Gains, arm: &Arm, time: Duration) {
     }
     for factor in FACTORS {
         let proof = arm.prove(&certificate.arm, factor, &mut |progress: ProofProgress| {
-            if progress.cells % 256 == 0 {
+            if progress.cells.is_multiple_of(256) {
                 let (to, done) = (100.0 * (factor - 1.0), 100.0 * progress.done);
                 bar.set_message(format!(
                     "range of inertia to {to:.0} %: {done:.1} % of all postures"
@@ -124,7 +124,7 @@ fn prove_range(gains: &mut Gains, arm: &Arm, time: Duration) {
             Ok(proved) => certificate.arm = proved,
             Err(why) => {
                 bar.suspend(|| {
-                    eprintln!("range of inertia not proved to a factor of {factor}: {why}")
+                    eprintln!("range of inertia not proved to a factor of {factor}: {why}");
                 });
                 break;
             }

@@ -30,6 +30,7 @@ const EASIEST: f64 = 3.0;
 /// # Errors
 ///
 /// [`Failure`] of the search.
+#[allow(clippy::too_many_lines, reason = "one round after the other")]
 pub(crate) fn tubed(
     study: &Study,
     path: &Path,

@@ -93,12 +93,12 @@ pub fn typed_inertia_holds(study: &Study) -> Result<(), ContradictionError> {
         let key = KEYS[key].to_owned();
         Contradiction { key, joint: None, typed: 1.0, model, unit: "", what }
     };
-    let least = arm.against(low.to_vec())?.low;
+    let least = arm.against(low.clone())?.low;
     if least < 1.0 - SLACK {
         let what = "the coupled arm's smallest eigenvalue, with its payloads, measured in the typed low ends";
         return Err(of(0, least, what).into());
     }
-    let most = arm.against(high.to_vec())?.high;
+    let most = arm.against(high.clone())?.high;
     if most > 1.0 + SLACK {
         let what = "the coupled arm's largest eigenvalue, with its payloads, measured in the typed high ends";
         return Err(of(1, most, what).into());

@@ -75,7 +75,7 @@ fn replayed(study: &Study, range: &ArmInertia) {
     for witness in [&searched.low, &searched.high] {
         for (q, joint) in witness.q.iter().zip(&study.robot.joints) {
             let (low, high) = joint.position.unwrap_or((-PI, PI));
-            assert!(*q >= low && *q <= high, "{} is outside {low} to {high}", q);
+            assert!(*q >= low && *q <= high, "{q} is outside {low} to {high}");
         }
     }
 }

@@ -16,7 +16,7 @@ use phihat_design::prelude::*;
 fn refused(law: &Law, k_tilde: f64) -> Refused {
     match Optimality::at(law, k_tilde).unwrap() {
         Optimality::Refuted(refused) => refused,
-        other => unreachable!("{other:?}"),
+        other @ Optimality::Certified(_) => unreachable!("{other:?}"),
     }
 }
 

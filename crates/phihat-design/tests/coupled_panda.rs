@@ -68,7 +68,9 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
 
     let certificate = gains.certificate.as_mut().unwrap();
     let row = &mut certificate.coupled.as_mut().unwrap().error_rad_per_nm[2];
-    row.iter_mut().for_each(|entry| *entry *= 0.99);
+    for entry in row.iter_mut() {
+        *entry *= 0.99;
+    }
     let forged = gains.clone();
     let why = forged.certificate.as_ref().unwrap().verify(&forged).unwrap_err().to_string();
     assert!(why.contains("coupled gains: Γ[3]"), "{why}");

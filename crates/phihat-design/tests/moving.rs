@@ -286,6 +286,6 @@ fn a_design_says_how_fast_its_arm_may_move() {
     refused(&|c| c.moving.as_mut().unwrap().needed_motion_per_s = Some(-1.0));
     refused(&|c| c.arm.searched.as_mut().unwrap().high.eigenvalue *= 0.9);
     refused(&|c| {
-        c.arm.searched.as_mut().unwrap().proved = Some(Proved { low: 0.0, high: 0.5, cells: 1 })
+        c.arm.searched.as_mut().unwrap().proved = Some(Proved { low: 0.0, high: 0.5, cells: 1 });
     });
 }

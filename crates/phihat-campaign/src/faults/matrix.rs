@@ -248,6 +248,7 @@ impl Matrix {
 }
 
 impl Arm {
+    #[allow(clippy::large_stack_frames, reason = "one arm after the other")]
     fn read(
         path: &Path,
         orders: &[usize],

@@ -38,7 +38,7 @@ pub(crate) fn definite_within(
             let taken: f64 = (0..i).map(|k| r[k][i] * r[k][j]).sum();
             let left = own - taken;
             if i == j {
-                if !(left > 0.0) {
+                if left.is_nan() || left <= 0.0 {
                     return Err(refuse(claim, what, left, room));
                 }
                 r[i][i] = left.sqrt();

@@ -39,7 +39,7 @@ pub(crate) fn sampled(a: &[f64], period: f64) -> Vec<f64> {
     (0..m)
         .map(|i| {
             let k = m - i;
-            if k % 2 == 0 { minors(&x, k) } else { -minors(&x, k) }
+            if k.is_multiple_of(2) { minors(&x, k) } else { -minors(&x, k) }
         })
         .collect()
 }

@@ -70,7 +70,9 @@ impl NotCounted {
         if let Some(request) = supervisor {
             list.supervisor(request);
         }
-        faults.iter().for_each(|fault| list.fault(fault));
+        for fault in faults {
+            list.fault(fault);
+        }
         list.0
     }
 
@@ -97,6 +99,7 @@ fn control_counts(control: &Control) {
 struct List(Vec<NotCounted>);
 
 impl List {
+    #[allow(clippy::needless_pass_by_value, reason = "numbers and words alike")]
     fn add(&mut self, key: &str, value: impl ToString, claims: LeftOut) {
         self.0.push(NotCounted { key: key.to_owned(), value: value.to_string(), claims });
     }

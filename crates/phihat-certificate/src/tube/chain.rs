@@ -348,6 +348,10 @@ mod tests {
         }
     }
 
+    fn load<S: Number>(m: f64) -> Matter<S> {
+        Matter::exact(m, [0.0; 3], [[0.0; 3]; 3])
+    }
+
     #[test]
     fn screws_agree_with_the_recursions_and_slopes_with_differences() {
         let robot = Robot::named("panda").unwrap();
@@ -393,9 +397,6 @@ mod tests {
             gyration: 0.0,
         };
         let exact = |x: &[f64]| -> Vec<Ball> { x.iter().map(|x| Ball::exact(*x)).collect() };
-        fn load<S: Number>(m: f64) -> Matter<S> {
-            Matter::exact(m, [0.0; 3], [[0.0; 3]; 3])
-        }
         let placed = chain.place(&exact(&Q), Some(&load(0.8)));
         let carried = crate::tube::carried::Carried::new(&slice, &placed, &exact(&V), &exact(&A));
         let (low, high) =

@@ -29,6 +29,11 @@ pub(crate) fn reference(study: &Study) -> Reference {
     let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
     let n = study.robot.joints.len();
     let period_ns = study.control.period_ns;
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a moderate positive number"
+    )]
     let samples = (study.duration * 1e9 / period_ns as f64).round() as u64;
     let mut out = Reference::default();
     for k in 0..=samples {
@@ -127,11 +132,9 @@ impl Case {
                 JointGains::new(&JointDesign { inertia, kp, kd, a, period, form }).unwrap()
             })
             .collect();
-        if draw.start.iter().any(|x| x.abs() > 0.0) {
-            // Other encoder phases: the same motion from a start that is off by less than nothing is not
-            // the same study; instead the encoder's grid is moved through its bits.
-            panic!("phases are drawn through `bits`");
-        }
+        // Other encoder phases: the same motion from a start that is off by less than nothing is not
+        // the same study; instead the encoder's grid is moved through its bits.
+        assert!(!draw.start.iter().any(|x| x.abs() > 0.0), "phases are drawn through `bits`");
         let outcome = Simulation::new(&study, &gains).unwrap().run(|_| ());
         assert!(outcome.divergence.is_none(), "the run diverged");
         outcome.trace
@@ -159,6 +162,11 @@ pub(crate) struct Held {
 /// Holds a run against a tube; `outside` is how far it left \[rad or rad/s\], negative: inside.
 pub(crate) fn hold(tube: &Tube, trace: &Trace) -> Held {
     let period = trace.period_ns as f64 * 1e-9;
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a moderate positive number"
+    )]
     let per_bin = (tube.bin_s / period).round() as usize;
     let mut outside = f64::NEG_INFINITY;
     let (mut error_max, mut velocity_max) = (Vec::new(), Vec::new());

@@ -84,6 +84,11 @@ impl Postures<'_> {
         for output in 0..=OUTPUTS.len() {
             found.extend(pairs.iter().map(|pair| best(&|seen| seen.pairs[output][*pair]).clone()));
         }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a moderate positive number"
+        )]
         let most = always.max((WORK / measure.work) as usize);
         let mut distinct: Vec<FrozenPosture> = Vec::with_capacity(most);
         for posture in found {

@@ -27,8 +27,10 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
         bits.map_or(0.0, |bits| core::f64::consts::TAU / 2.0_f64.powi(bits[i].cast_signed()))
     };
     let bin_s = envelope.bin_s * COARSER as f64;
-    let first =
-        |settle_s: f64| (0..).take_while(|b| f64::from(*b + 1) * bin_s <= settle_s + 1e-12).count();
+    let bins = envelope.joints.first().map_or(0, |joint| joint.error.len().div_ceil(COARSER));
+    let first = |settle_s: f64| {
+        (0..bins).take_while(|b| (*b + 1) as f64 * bin_s <= settle_s + 1e-12).count()
+    };
     let settle_s = study.spec.settle;
     let joints = gains.joints.iter().zip(&envelope.joints);
     let joints = joints.map(|(record, own)| joint(&record.name, own, first(settle_s))).collect();

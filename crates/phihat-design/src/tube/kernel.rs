@@ -24,6 +24,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
+    #[allow(clippy::unused_self, reason = "a place like the others")]
     pub(super) fn torque(self) -> usize {
         0
     }

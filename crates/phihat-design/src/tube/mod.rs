@@ -211,6 +211,7 @@ impl Envelope {
 }
 
 /// The tube of one slice of the payload.
+#[allow(clippy::too_many_lines, reason = "one step after the other")]
 fn sliced(scene: &Scene<'_>, slice: Option<&Slice>) -> Result<Envelope, TubeRefusal> {
     let model = match slice {
         Some(slice) => slice.model(scene)?,
@@ -369,7 +370,7 @@ fn jacobians(scene: &Scene<'_>, nominal: &Nominal, model: &phihat_model::Model) 
 /// What a state left at the start of each segment does.
 fn segments(course: &Course<'_>, length: usize, scale: &Scale) -> Vec<Segment> {
     let samples = course.intervals.len();
-    let starts: Vec<usize> = (1..).map(|k| k * length).take_while(|from| *from < samples).collect();
+    let starts: Vec<usize> = (length..samples).step_by(length).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     parallel(&starts, threads, |from| {
         let to = (from + length).min(samples);

@@ -31,8 +31,9 @@ pub(super) struct AddedFriction {
 }
 
 /// `v/√(v² + v_c²)`.
+#[allow(clippy::imprecise_flops, reason = "velocities do not overflow")]
 pub(super) fn dry(v: f64) -> f64 {
-    v / (v * v + COULOMB_VELOCITY * COULOMB_VELOCITY).sqrt()
+    v / v.hypot(COULOMB_VELOCITY)
 }
 
 impl Friction {
@@ -117,6 +118,7 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    #[allow(clippy::too_many_lines, reason = "one line per part of a study")]
     pub(super) fn new(
         study: &'a Study,
         gains: &Gains,
@@ -142,7 +144,7 @@ impl<'a> Scene<'a> {
             (study.sensor.wrap, "sensor.wrap"),
             (study.world.network.command.share > 0.0, "world.network.command_loss"),
             (study.world.network.sample.share > 0.0, "world.network.sample_loss"),
-            (study.world.warm_up.0 != 1.0, "world.friction_cold_factor"),
+            ((study.world.warm_up.0 - 1.0).abs() > 0.0, "world.friction_cold_factor"),
             (
                 study.world.payload.as_ref().is_some_and(|p| p.start > 0.0 || p.end.is_finite()),
                 "world.payload.start_s",
@@ -168,7 +170,8 @@ impl<'a> Scene<'a> {
         };
         let friction = |i: usize| {
             let own = study.robot.joints[i].friction;
-            let acts = if study.world.robot_friction { own } else { Default::default() };
+            let acts =
+                if study.world.robot_friction { own } else { phihat_model::Friction::default() };
             Friction {
                 viscous: acts.viscous + study.world.extra_viscous[i],
                 sigmoid: acts.sigmoid,

@@ -198,12 +198,13 @@ impl<'a> Sweep<'a> {
     }
 
     /// Boxes on all inputs of a bin, if the guess holds in it.
+    #[allow(clippy::too_many_lines, reason = "one term of the equation after the other")]
     fn inputs_of(&self, b: usize, guess: &Guess, group: &Group) -> Vec<f64> {
         let along = self.along;
         let scene = along.course.scene;
         let (n, t) = (self.n, scene.period);
         let (from, to) = self.range(b);
-        let middle = (from + to) / 2;
+        let middle = usize::midpoint(from, to);
         let interval: &Interval =
             &along.course.intervals[middle.min(along.course.intervals.len() - 1)];
         let at = &interval.derivatives;
@@ -347,6 +348,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// The runs of dry friction over a bin, if the guess holds.
+    #[allow(clippy::too_many_lines, reason = "one interval after the other")]
     fn frictions_over(&self, b: usize, guess: &Guess) -> Frictions {
         let along = self.along;
         let scene = along.course.scene;
@@ -414,6 +416,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Bounds that follow in a bin, and the guess that they would be.
+    #[allow(clippy::too_many_lines, reason = "one output after the other")]
     fn outputs(
         &self,
         b: usize,
@@ -441,7 +444,7 @@ impl<'a> Sweep<'a> {
                 *sum += first;
             }
         }
-        let middle = (from + to) / 2;
+        let middle = usize::midpoint(from, to);
         let at = self.inputs.payload();
         let momentum = &larger[self.inputs.momentum()..self.inputs.momentum() + n];
         let payload = &larger[at..at + self.inputs.twist];

@@ -25,6 +25,9 @@ pub(super) struct Tensors {
     pub(super) payload_stiffness: Vec<f64>,
 }
 
+/// What a direction changes of `D` and `K`.
+type Change = (Vec<f64>, Vec<f64>);
+
 /// Models to look at: the ends of a slice, and the directions in it.
 pub(super) struct Looked<'a> {
     pub(super) ends: Vec<Differences<'a>>,
@@ -82,7 +85,7 @@ impl<'a> Looked<'a> {
             }
         }
         if let Some(slice) = slice {
-            let mut by: Vec<Option<(Vec<f64>, Vec<f64>)>> = Vec::with_capacity(10);
+            let mut by: Vec<Option<Change>> = Vec::with_capacity(10);
             for direction in &mut self.directions {
                 by.push(direction.as_mut().map(|(plus, minus, scale)| {
                     let (p, m) = (plus.at((q, v, a)), minus.at((q, v, a)));
@@ -93,7 +96,7 @@ impl<'a> Looked<'a> {
                 }));
             }
             for ij in 0..n * n {
-                let unit = |pick: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>| {
+                let unit = |pick: fn(&Change) -> &Vec<f64>| {
                     core::array::from_fn(|d| by[d].as_ref().map_or(0.0, |pair| pick(pair)[ij]))
                 };
                 out.payload_damping[ij] = slice.size(&unit(|pair| &pair.0));

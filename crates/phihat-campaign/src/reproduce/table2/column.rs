@@ -57,6 +57,6 @@ impl Column {
 pub(super) fn refusal(law: &Law, k_tilde: f64) -> Result<Option<Refused>, String> {
     match Optimality::at(law, k_tilde).map_err(|e| e.to_string())? {
         Optimality::Refuted(refused) => Ok(Some(refused)),
-        _ => Ok(None),
+        Optimality::Certified(_) => Ok(None),
     }
 }
