@@ -32,6 +32,7 @@ mod trade_off;
 pub mod tube;
 mod tube_document;
 mod tube_kept;
+mod tube_whole;
 mod varying;
 mod verified;
 mod verify;

@@ -44,8 +44,23 @@ impl Certificate {
     /// As for [`Self::verify`].
     pub fn verified(&self, gains: &Gains) -> Result<Verified, Refutation> {
         self.verify(gains)?;
+        let each = self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint)));
+        let mut shown = merged(each);
+        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        if let Some(moving) = &self.moving {
+            let value = format!(
+                "‖dW/dt‖ ≤ {:.4} 1/s, Coriolis torque and gradients left out",
+                moving.rate_per_s
+            );
+            shown.push(whole("stable while the arm moves", value));
+        }
+        if let Some(coupled) = &self.coupled {
+            let n = coupled.error_rad_per_nm.len();
+            let value = format!("{n} × {n}, at the frozen postures of the file");
+            shown.push(whole("coupled gains from torque and encoder", value));
+        }
         Ok(Verified {
-            proved: merged(self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint)))),
+            proved: shown,
             trusted: self.trusted(gains),
             derived: Vec::new(),
             not_counted: self.not_counted.clone(),
@@ -81,6 +96,28 @@ impl Certificate {
             ));
         }
         list.push(whole("length of the run", format!("{} s", self.duration_s)));
+        if let Some(tube) = &self.tube {
+            let (set, coulomb) = (&tube.payload, &tube.coulomb_nm);
+            let mass = format!("{} … {} kg on {}", set.mass_kg.0, set.mass_kg.1, set.frame);
+            list.push(whole(
+                "payload of the tube",
+                format!("{mass}, centre of mass in {:?} m", set.com_m),
+            ));
+            let levels = format!("{:?} … {:?} N·m", coulomb.0, coulomb.1);
+            list.push(whole("dry friction of the tube", levels));
+            let found = "found along the study's own motion; this file cannot show it, only that it agrees with itself";
+            list.push(whole("the tube", found.to_owned()));
+            for joint in &tube.joints {
+                list.push(Statement {
+                    joint: Some(joint.name.clone()),
+                    what: format!("tube from t = {} s on", tube.settle_s),
+                    value: format!(
+                        "|e| ≤ {:.4e} rad, |ė| ≤ {:.4e} rad/s",
+                        joint.error_max_rad, joint.velocity_error_max_rad_s
+                    ),
+                });
+            }
+        }
         let uncoupled = arm.basis != ArmBasis::Postures;
         let of = |joint: &JointCertificate| trusted(joint, uncoupled);
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));

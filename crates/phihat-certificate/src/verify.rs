@@ -32,6 +32,7 @@ impl Certificate {
             joint.verify(record, self, told).map_err(|why| why.on(&joint.name))?;
             checked.push(joint);
         }
+        self.tube_fits()?;
         if let Some(coupled) = &self.coupled {
             let whole = self.refused().is_none();
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;

@@ -108,7 +108,7 @@ impl Moving {
         self.plausible()?;
         if let Some(hz) = model.drive_bandwidth_hz {
             let what = "the torque acts at once: a drive's lag is not in the proof";
-            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::INFINITY)));
+            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::MAX)));
         }
         Proof::new(self, &Returns::new(gains, model), model.period_s).run()
     }

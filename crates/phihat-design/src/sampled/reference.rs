@@ -32,6 +32,9 @@ pub trait FindReferenceError: Sized {
     ) -> Result<Self, Refutation>;
 }
 
+/// What is claimed over what was found.
+const ROUNDED_UP: f64 = 1.0 + 1e-6;
+
 impl FindReferenceError for ReferenceError {
     fn find(
         gains: &JointRecord,
@@ -64,8 +67,9 @@ fn over(
             jerk[of] = jerk[of].zip(following.jerk(of, horizon)).map(|(a, b)| a.max(b));
         }
     }
-    let [acceleration, velocity_acceleration] = acceleration;
-    let [jerk, velocity_jerk] = jerk;
+    // Sums are cut where their bound on the rest is small; another way to sum them has another rest.
+    let [acceleration, velocity_acceleration] = acceleration.map(|gain| gain * ROUNDED_UP);
+    let [jerk, velocity_jerk] = jerk.map(|gain| gain.map(|gain| gain * ROUNDED_UP));
     Ok(ReferenceError {
         feed_forward,
         mu,

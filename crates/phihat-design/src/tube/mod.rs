@@ -225,7 +225,9 @@ fn sliced(scene: &Scene<'_>, slice: Option<&Slice>) -> Result<Envelope, TubeRefu
     };
     let bin = even(BIN / scene.period, 1);
     let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
-    let group = 2 * even(0.5 * GROUP / (bin as f64 * scene.period), 1);
+    // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
+    let shared = if scene.measured_velocity { 0.25 * GROUP } else { GROUP };
+    let group = 2 * even(0.5 * shared / (bin as f64 * scene.period), 1);
     let (scale, memory) = course.pilot(FORGOTTEN);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);

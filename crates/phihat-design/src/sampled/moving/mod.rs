@@ -51,7 +51,7 @@ fn cut<'a>(gains: &'a JointRecord, model: &'a LoopModel) -> Result<Cut<'a>, Refu
     plausible_loop(CLAIM, model)?;
     if let Some(hz) = model.drive_bandwidth_hz {
         let inequality = "the torque acts at once: a drive's lag is not in the proof";
-        return Err(refuse(CLAIM, inequality, hz, f64::INFINITY));
+        return Err(refuse(CLAIM, inequality, hz, f64::MAX));
     }
     let (open, kick) = OpenLoop::with_kick(gains, model);
     Ok(Cut { gains, model, open, kick })
