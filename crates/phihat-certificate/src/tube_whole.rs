@@ -9,6 +9,9 @@ const CLAIM: &str = "tube";
 /// Two ways to compute the same number of a document.
 const SAME: f64 = 1e-9;
 
+/// Four digits, rounded up.
+const ROUNDING: f64 = 1.0 + 2e-3;
+
 impl Certificate {
     /// The tube fits the rest of the document: joints, length, limits, quantum; its summaries are those of its bins.
     ///
@@ -118,8 +121,6 @@ fn within(own: &TubeJoint, joint: &JointCertificate) -> Result<(), Refutation> {
     at_most(CLAIM, "0 ≤ torque step", 0.0, own.torque_step_max_nm)?;
     at_most(CLAIM, "torque < ∞", own.torque_max_nm, f64::MAX)?;
     at_most(CLAIM, "torque step < ∞", own.torque_step_max_nm, f64::MAX)?;
-    // Four digits, rounded up.
-    const ROUNDING: f64 = 1.0 + 2e-3;
     if let Some(limit) = joint.limits.0 {
         at_most(CLAIM, "torque ≤ its limit", own.torque_max_nm, limit * ROUNDING)?;
     }

@@ -72,7 +72,11 @@ pub(crate) fn tubed(
             {
                 kept = Some(gains);
                 scale(&mut asked, |_| (1.0 / used).sqrt().min(EASIEST));
-                outcome = make(&asked)?;
+                // Gains are at hand: a search that cannot begin is no reason to have none.
+                match make(&asked) {
+                    Ok(quieter) => outcome = quieter,
+                    Err(_) => break,
+                }
                 continue;
             }
             Judged::Kept(_) => return Ok(Outcome::Designed(gains)),
