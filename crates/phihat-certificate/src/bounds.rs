@@ -16,13 +16,13 @@ use crate::{Certificate, JointCertificate, JointRecord, LoopForm, LoopVelocity, 
 /// |∫e|     ≤ from φ with its own gains + t · (|e| from encoder and motion) + T |e| + t · K_d T² |φ̇|/(12 K_p low M̄)
 /// ```
 ///
-/// The reference's own motion counts where it is known: see [`Phi::motion`].
+/// The reference's own motion counts where it is known: see [`crate::Phi::motion`].
 /// A constant misreading of the encoder is a constant error, so `∫e` grows with the time `t` of the run; the last
 /// term is what a `φ` that varies within the sample intervals adds where the observer reads a true velocity.
 ///
 /// # Not claimed
 ///
-/// Where [`Phi::motion`] is not known, what the motion of the reference costs by itself comes on top.
+/// Where [`crate::Phi::motion`] is not known, what the motion of the reference costs by itself comes on top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {

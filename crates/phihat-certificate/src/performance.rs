@@ -31,7 +31,7 @@ pub struct PeakGain {
 /// φ̂ − φ = D(s) e
 /// ```
 ///
-/// from rest, and attained by a φ that switches between its extremes ([`WorstCase`]). The errors that
+/// from rest, and attained by a φ that switches between its extremes (`WorstCase`). The errors that
 /// derivatives of φ cause are further down the ladder: `|e|_∞ ≤ ‖G_{∫e}‖₁ |φ̇|_∞`.
 ///
 /// # Not claimed

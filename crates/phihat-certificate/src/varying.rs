@@ -76,7 +76,7 @@ pub struct SampledVarying {
     pub low: f64,
     /// Largest `μ`.
     pub high: f64,
-    /// `P`, row by row, for the state of [`StateMatrix`].
+    /// `P`, row by row, for the state of `StateMatrix`.
     pub p: Vec<Vec<f64>>,
 }
 

@@ -27,7 +27,7 @@ pub(crate) use phihat_certificate::RATIOS;
 /// Finding a [`Certificate`].
 pub trait FindCertificate: Sized {
     /// Finds every claim about gains on a study's arm, and what follows for `φ` as far as it is known. Claims
-    /// that the sampled loop refuses are told in the certificate: see [`Self::refused`].
+    /// that the sampled loop refuses are told in the certificate: see `Certificate::refused`.
     ///
     /// # Errors
     ///

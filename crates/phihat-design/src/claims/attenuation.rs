@@ -17,7 +17,7 @@ pub trait FindAttenuation: Sized {
     ///
     /// # Errors
     ///
-    /// [`Refutation`], when the law makes no sense, or the result does not survive [`Self::verify`].
+    /// [`Refutation`], when the law makes no sense, or the result does not survive its check.
     fn of(law: &Law) -> Result<Self, Refutation>;
 }
 

@@ -17,7 +17,7 @@ pub trait FindNorm: Sized {
     ///
     /// # Errors
     ///
-    /// [`Refutation`], when the loop is not stable at `μ`, or the result does not survive [`Self::verify`].
+    /// [`Refutation`], when the loop is not stable at `μ`, or the result does not survive its check.
     fn of(law: &Law, mu: f64) -> Result<Self, Refutation>;
 }
 

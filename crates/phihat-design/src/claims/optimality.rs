@@ -18,7 +18,7 @@ pub trait FindOptimality: Sized {
     /// # Errors
     ///
     /// [`Refutation`], when the law itself makes no sense (order, finite gains, `a_{m−1} > 0`), or when
-    /// what was computed does not survive [`Self::verify`].
+    /// what was computed does not survive its check.
     fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation>;
 }
 
