@@ -123,7 +123,14 @@ enum Judged {
 
 /// Puts tube, settling time and what is not proved into the gains' certificate.
 fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
-    let found = {
+    // Whatever the study has that no tube counts: the list is made by an exhaustive match, so nothing new slips by.
+    let outside = |gains: &Gains| {
+        let list = gains.certificate.as_ref().map(|c| c.not_counted.as_slice()).unwrap_or_default();
+        list.iter().find(|one| !one.in_tube()).map(|one| one.key.clone())
+    };
+    let found = if let Some(key) = outside(gains) {
+        Err(format!("`{key}` is not in the loop that a tube is about"))
+    } else {
         let mut own = study.clone();
         match gains.give_filter(&mut own) {
             Ok(()) => tube(&own, gains, desired).map_err(|why| why.to_string()),
