@@ -22,19 +22,19 @@ pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
     let arm = Arm::of(study)?;
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
     Ok(match motion {
-        Ok(motion) => arm.along(&passing(&motion, study)),
+        Ok(motion) => arm.along(&passing(&motion, study, POSTURES)),
         Err(_) => arm,
     })
 }
 
 /// Positions and velocities, evenly over the run, both ends included.
-fn passing(motion: &phihat_sim::Motion, study: &Study) -> Vec<(Vec<f64>, Vec<f64>)> {
+fn passing(motion: &phihat_sim::Motion, study: &Study, count: u32) -> Vec<(Vec<f64>, Vec<f64>)> {
     let at = |k: u32| {
-        let t = study.duration * f64::from(k) / f64::from(POSTURES - 1);
+        let t = study.duration * f64::from(k) / f64::from(count - 1);
         let jets = (0..study.robot.joints.len()).map(|joint| motion.at(joint, t));
         jets.map(|[q, dq, _]| (q, dq)).unzip()
     };
-    (0..POSTURES).map(at).collect()
+    (0..count).map(at).collect()
 }
 
 /// Coupled gains of designed gains, at postures of the study's reference and others; see [`coupled`].
@@ -44,17 +44,9 @@ fn passing(motion: &phihat_sim::Motion, study: &Study) -> Vec<(Vec<f64>, Vec<f64
 /// The [`Refutation`] of a posture at which the loop is not stable.
 pub fn coupled_along(study: &Study, gains: &Gains) -> Result<Option<CoupledGains>, Refutation> {
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
-    let along = motion.map(|motion| postures(&motion, study, FROZEN));
-    coupled(study, gains, &along.unwrap_or_default())
-}
-
-/// Evenly over the run, both ends included.
-fn postures(motion: &phihat_sim::Motion, study: &Study, count: u32) -> Vec<Vec<f64>> {
-    let at = |k: u32| {
-        let t = study.duration * f64::from(k) / f64::from(count - 1);
-        (0..study.robot.joints.len()).map(|joint| motion.at(joint, t)[0]).collect()
-    };
-    (0..count).map(at).collect()
+    let along = motion.map(|motion| passing(&motion, study, FROZEN)).unwrap_or_default();
+    let postures: Vec<Vec<f64>> = along.into_iter().map(|(q, _)| q).collect();
+    coupled(study, gains, &postures)
 }
 
 /// How a joint's reference moves.

@@ -52,6 +52,17 @@ pub struct PayloadSet {
     pub gyration_m: f64,
 }
 
+impl From<&phihat_study::PayloadSet> for PayloadSet {
+    fn from(set: &phihat_study::PayloadSet) -> Self {
+        Self {
+            frame: set.frame.clone(),
+            mass_kg: set.mass,
+            com_m: set.com,
+            gyration_m: set.gyration,
+        }
+    }
+}
+
 /// One joint's part of the envelope; the lists have one entry per bin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -77,6 +88,26 @@ pub struct TubeJoint {
 }
 
 impl Tube {
+    /// The same tube, steady from a time \[s\] on: its largest errors are those of the bins that end later, of the last bin
+    /// where none does.
+    #[must_use]
+    pub fn steady_from(mut self, settle_s: f64) -> Self {
+        let bins = self.bins();
+        let before = |bin: &usize| (bin + 1) as f64 * self.bin_s <= settle_s + 1e-12;
+        let first = (0..bins).take_while(before).count().min(bins.saturating_sub(1));
+        let largest = |low: &[f64], high: &[f64]| {
+            let ends = low.iter().zip(high).skip(first);
+            ends.fold(0.0_f64, |most, (low, high)| most.max(low.abs()).max(high.abs()))
+        };
+        self.settle_s = settle_s;
+        for joint in &mut self.joints {
+            joint.error_max_rad = largest(&joint.error_low_rad, &joint.error_high_rad);
+            joint.velocity_error_max_rad_s =
+                largest(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s);
+        }
+        self
+    }
+
     /// Number of bins.
     pub fn bins(&self) -> usize {
         self.joints.iter().map(TubeJoint::bins).min().unwrap_or(0)

@@ -9,7 +9,9 @@
 
 mod support;
 
-use phihat_certificate::tube::{PayloadSet, Refutation, Tube, TubeRefusal, check};
+use phihat_certificate::Tube;
+use phihat_certificate::tube::{Refutation, TubeRefusal, check};
+use phihat_study::PayloadSet;
 use support::{Case, Draw, hold};
 
 const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[gains]\nkp_per_s2 = 2637.0\nkd_per_s = 102.7\na = [51.4]\n\

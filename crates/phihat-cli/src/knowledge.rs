@@ -6,7 +6,8 @@ use std::path::Path;
 use phihat::Form;
 use phihat_campaign::{arm_along, coupled_along, motion_along, phi_along, typed_phi_holds};
 use phihat_design::{
-    Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia, typed_inertia_holds,
+    Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia, find_moving,
+    typed_inertia_holds,
 };
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
@@ -44,7 +45,7 @@ pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome,
         design(study, arm, &phi).map_err(|e| Failure::at(path, e))
     };
     let outcome = crate::tubed::tubed(study, path, &|asked| estimated(asked, path, &demand, &made));
-    with_coupled(study, outcome?, path)
+    completed(study, arm, outcome?, path)
 }
 
 /// One search, by bounds of joint after joint.
@@ -83,13 +84,20 @@ fn estimated(
     }
 }
 
-/// Adds to designed gains how far a push on one joint moves every joint.
-fn with_coupled(study: &Study, mut outcome: Outcome, path: &Path) -> Result<Outcome, Failure> {
+/// Adds to the gains that were taken what no search needs: how far a push on one joint moves every joint, and how fast the
+/// arm may move.
+fn completed(
+    study: &Study,
+    arm: &Arm,
+    mut outcome: Outcome,
+    path: &Path,
+) -> Result<Outcome, Failure> {
     if let Outcome::Designed(gains) = &mut outcome {
         let coupled = coupled_along(study, gains).map_err(|e| Failure::at(path, e))?;
         if let Some(certificate) = &mut gains.certificate {
             certificate.coupled = coupled;
         }
+        find_moving(gains, arm);
     }
     Ok(outcome)
 }

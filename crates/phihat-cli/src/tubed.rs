@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use phihat_design::tube::{Desired, settled_at, tube};
+use phihat_design::tube::{Desired, tube};
 use phihat_design::{ArmBasis, Gains, Outcome, Settle, Tube};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
@@ -104,11 +104,8 @@ pub(crate) fn tubed(
     if let Some(gains) = kept {
         return Ok(Outcome::Designed(gains));
     }
-    match (infeasible, best) {
-        (Some(no), _) => Ok(no),
-        (None, Some((_, gains))) => Ok(Outcome::Designed(gains)),
-        (None, None) => make(study),
-    }
+    let closest = best.map(|(_, gains)| Outcome::Designed(gains));
+    infeasible.or(closest).ok_or_else(|| Failure::plain("no gains were judged by their tube"))
 }
 
 /// What the tube of some gains says.
@@ -123,14 +120,7 @@ enum Judged {
 
 /// Puts tube, settling time and what is not proved into the gains' certificate.
 fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
-    // Whatever the study has that no tube counts: the list is made by an exhaustive match, so nothing new slips by.
-    let outside = |gains: &Gains| {
-        let list = gains.certificate.as_ref().map(|c| c.not_counted.as_slice()).unwrap_or_default();
-        list.iter().find(|one| !one.in_tube()).map(|one| one.key.clone())
-    };
-    let found = if let Some(key) = outside(gains) {
-        Err(format!("`{key}` is not in the loop that a tube is about"))
-    } else {
+    let found = {
         let mut own = study.clone();
         match gains.give_filter(&mut own) {
             Ok(()) => tube(&own, gains, desired).map_err(|why| why.to_string()),
@@ -154,7 +144,7 @@ fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
         }
     };
     let settle = Settle::of(study, Some(&tube));
-    let tube = settled_at(tube, settle.settle_s);
+    let tube = tube.steady_from(settle.settle_s);
     let shares = shares(study, &tube, &mut certificate.unproved);
     certificate.settle = Some(settle);
     certificate.tube_refused = None;

@@ -24,7 +24,7 @@ mod trade_off;
 pub mod tube;
 
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
-pub use certificate::arm_inside_window;
+pub use certificate::{arm_inside_window, find_moving};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
 pub use phihat_certificate::{

@@ -9,7 +9,9 @@ use phihat_design::prelude::*;
 use phihat_design::sampled::{
     InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity, Moving, StateMatrix,
 };
-use phihat_design::{Arm, Certificate, Gains, JointRecord, Outcome, Phi, PhiBasis, Proved, design};
+use phihat_design::{
+    Arm, Certificate, Gains, JointRecord, Outcome, Phi, PhiBasis, Proved, design, find_moving,
+};
 use phihat_study::Study;
 
 const JOINTS: usize = 3;
@@ -262,7 +264,10 @@ fn designed() -> Gains {
     let motion = [(study.robot.poses["ready"].clone(), vec![0.5, -1.0, 1.0])];
     let arm = Arm::of(&study).unwrap().along(&motion);
     match design(&study, &arm, &phi).unwrap() {
-        Outcome::Designed(gains) => *gains,
+        Outcome::Designed(mut gains) => {
+            find_moving(&mut gains, &arm);
+            *gains
+        }
         other => panic!("{other:?}"),
     }
 }

@@ -1,7 +1,5 @@
 //! A tube as data: deriving one, and holding a claimed one against it.
 
-use serde::{Deserialize, Serialize};
-
 use super::chain::{Chain, NotAChain};
 use super::dense::{count, inverse};
 use super::law::Loop;
@@ -9,69 +7,7 @@ use super::nominal::Nominal;
 use super::scope::{Dry, PayloadSlice, Refusal, counted, smooth};
 use super::sweep::{Sweep, Swept};
 use super::{Inputs, ROUNDING};
-
-/// Everything that the arm may carry.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PayloadSet {
-    /// The frame it is welded to.
-    pub frame: String,
-    /// Least and greatest mass \[kg\].
-    pub mass: (f64, f64),
-    /// Box of its centre of mass, in the frame's axes \[m\].
-    pub com: [(f64, f64); 3],
-    /// Each entry of its second moment about its centre is at most `mass · gyration²` \[m\].
-    pub gyration: f64,
-}
-
-/// The envelope of one joint, by bins.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TubeJoint {
-    /// Its name.
-    pub name: String,
-    /// Least error \[rad\].
-    pub error_low_rad: Vec<f64>,
-    /// Greatest error \[rad\].
-    pub error_high_rad: Vec<f64>,
-    /// Least velocity error \[rad/s\].
-    pub velocity_low_rad_s: Vec<f64>,
-    /// Greatest velocity error \[rad/s\].
-    pub velocity_high_rad_s: Vec<f64>,
-    /// Largest |e| at or after `settle_s` \[rad\].
-    pub error_max_rad: f64,
-    /// Largest |ė| at or after `settle_s` \[rad/s\].
-    pub velocity_error_max_rad_s: f64,
-    /// Largest commanded torque \[N·m\].
-    pub torque_max_nm: f64,
-    /// Its largest change from one sample to the next \[N·m\], the first from 0.
-    pub torque_step_max_nm: f64,
-}
-
-/// For every payload and level of dry friction in scope, any encoder phase: error and velocity error at every
-/// sample are inside.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tube {
-    /// Length of a bin \[s\]: bin `b` holds the samples with `b·bin_s ≤ t < (b+1)·bin_s`.
-    pub bin_s: f64,
-    /// Length of the run \[s\].
-    pub duration_s: f64,
-    /// When it is settled \[s\].
-    pub settle_s: f64,
-    /// Parts of the mass range that were taken one by one.
-    pub slices: u32,
-    /// What the arm may carry.
-    pub payload: Option<PayloadSet>,
-    /// Least and greatest level of dry friction \[N·m\] per joint.
-    pub coulomb_nm: (Vec<f64>, Vec<f64>),
-    /// Encoder step \[rad\] per joint; 0: exact.
-    pub quantum_rad: Vec<f64>,
-    /// The envelope.
-    pub joints: Vec<TubeJoint>,
-    /// Whether no torque limit and no rate limit can act.
-    pub limits_silent: bool,
-}
+use crate::{PayloadSet, Tube, TubeJoint};
 
 /// Length of a bin \[s\], at least one sample.
 const BIN: f64 = 0.01;
@@ -232,16 +168,11 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         };
         let (error_low_rad, error_high_rad) = bins(&|h| &h.e);
         let (velocity_low_rad_s, velocity_high_rad_s) = bins(&|h| &h.de);
-        let settled = |low: &[f64], high: &[f64]| {
-            let pairs = low.iter().zip(high).enumerate();
-            let late = pairs.filter(|(b, _)| (*b + 1) as f64 * bin_s > study.spec.settle);
-            late.map(|(_, (l, h))| l.abs().max(h.abs())).fold(0.0, f64::max)
-        };
         let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).fold(0.0, f64::max);
         TubeJoint {
             name: inputs.joints[i].name.clone(),
-            error_max_rad: settled(&error_low_rad, &error_high_rad),
-            velocity_error_max_rad_s: settled(&velocity_low_rad_s, &velocity_high_rad_s),
+            error_max_rad: f64::INFINITY,
+            velocity_error_max_rad_s: f64::INFINITY,
             error_low_rad,
             error_high_rad,
             velocity_low_rad_s,
@@ -250,17 +181,24 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
             torque_step_max_nm: most(&|h| h.step[i]),
         }
     };
-    Tube {
+    let nothing = || PayloadSet {
+        frame: study.robot.tip.clone(),
+        mass_kg: (0.0, 0.0),
+        com_m: [(0.0, 0.0); 3],
+        gyration_m: 0.0,
+    };
+    let tube = Tube {
         bin_s,
         duration_s: study.duration,
         settle_s: study.spec.settle,
         slices: u32::try_from(halves.len()).unwrap_or(u32::MAX),
-        payload: inputs.payload.cloned(),
+        payload: inputs.payload.map_or_else(nothing, PayloadSet::from),
         coulomb_nm: (inputs.coulomb.0.to_vec(), inputs.coulomb.1.to_vec()),
         quantum_rad: inputs.half_steps().iter().map(|h| 2.0 * h).collect(),
         joints: (0..inputs.joints.len()).map(joint).collect(),
         limits_silent: true,
-    }
+    };
+    tube.steady_from(study.spec.settle)
 }
 
 /// Why a claimed tube does not stand.
@@ -299,10 +237,10 @@ pub enum Refutation {
 /// [`Refutation`]: the first claim that does not follow.
 pub fn check(claimed: &Tube, inputs: &Inputs<'_>) -> Result<(), Refutation> {
     let own = derive(inputs, &|_| ())?;
-    compare(claimed, &own, inputs.study.control.period_ns as f64 * 1e-9)
+    compare(claimed, &own)
 }
 
-fn compare(claimed: &Tube, own: &Tube, period: f64) -> Result<(), Refutation> {
+fn compare(claimed: &Tube, own: &Tube) -> Result<(), Refutation> {
     let other = |what| Err(Refutation::AboutOther { what });
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1e-9);
     let all_near =
@@ -330,7 +268,6 @@ fn compare(claimed: &Tube, own: &Tube, period: f64) -> Result<(), Refutation> {
     if claimed.joints.len() != own.joints.len() {
         return other("number of joints");
     }
-    let _ = period;
     for (claim, own_joint) in claimed.joints.iter().zip(&own.joints) {
         if claim.name != own_joint.name {
             return other("joint");

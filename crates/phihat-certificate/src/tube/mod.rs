@@ -32,10 +32,10 @@ mod scope;
 mod shapes;
 mod sweep;
 
-pub use document::{PayloadSet, Refutation, Tube, TubeJoint, check, derive};
+pub use document::{Refutation, check, derive};
 pub use scope::Refusal as TubeRefusal;
 
-use phihat_study::Study;
+use phihat_study::{PayloadSet, Study};
 
 /// What covers rounding: the relative width that is added to every bound.
 pub(crate) const ROUNDING: f64 = 1e-8;

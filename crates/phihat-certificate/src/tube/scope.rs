@@ -3,7 +3,7 @@
 use phihat_model::Sigmoid;
 use phihat_study::{Study, TorqueSource};
 
-use super::PayloadSet;
+use phihat_study::PayloadSet;
 
 /// Why there is no tube: one variant per reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -4,8 +4,10 @@
 use std::path::Path;
 
 use phihat::{Form, JointDesign, JointGains};
-use phihat_certificate::tube::{Inputs, Law, PayloadSet, Reference, Tube, TubeRefusal, derive};
+use phihat_certificate::Tube;
+use phihat_certificate::tube::{Inputs, Law, Reference, TubeRefusal, derive};
 use phihat_sim::{Motion, Simulation, Trace};
+use phihat_study::PayloadSet;
 use phihat_study::{LawForm, LawRequest, Study};
 
 /// A study with its laws and its reference.

@@ -13,8 +13,8 @@ pub use arming::arm_inside_window;
 pub(crate) use arming::inside;
 use arming::shared_law;
 pub(crate) use bounds::Evidence;
-pub(crate) use moving::find_moving;
-pub(crate) use scope::as_modelled;
+pub use moving::find_moving;
+pub(crate) use scope::{as_modelled, missing};
 
 use crate::claims::Refutation;
 use crate::sampled::{LoopModel, TorqueNoise};

@@ -8,12 +8,15 @@ use crate::{Certificate, Gains};
 
 const CLAIM: &str = "stability while moving";
 
-/// Finds how fast the arm may move through its range of inertia, or says why that is not proved.
-pub(crate) fn find_moving(certificate: &mut Certificate, gains: &Gains, arm: &Arm) {
-    match of(certificate, gains, arm) {
+/// Finds how fast the arm may move through its range of inertia, or says why that is not proved; for gains that were
+/// chosen, since it takes as long as a search.
+pub fn find_moving(gains: &mut Gains, arm: &Arm) {
+    let Some(mut certificate) = gains.certificate.take() else { return };
+    match of(&certificate, gains, arm) {
         Ok(moving) => certificate.moving = Some(moving),
         Err(why) => certificate.moving_refused = Some(why),
     }
+    gains.certificate = Some(certificate);
 }
 
 fn of(certificate: &Certificate, gains: &Gains, arm: &Arm) -> Result<Moving, Refutation> {

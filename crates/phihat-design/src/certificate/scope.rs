@@ -8,7 +8,7 @@ use crate::claims::Refutation;
 use crate::sampled::{LoopModel, stable_at_gain};
 
 /// What may not be armed, for the loop model has no such thing: key, value, and the value that it has.
-fn missing(study: &Study) -> Vec<(&'static str, f64)> {
+pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
     let spring = study.world.flexibility.as_ref().map(|f| f.stiffness.iter().copied());
     let softest = spring.map(|stiffness| stiffness.fold(f64::INFINITY, f64::min));
     let jitter = Some(study.sensor.jitter).filter(|jitter| *jitter > 0.0);

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use phihat_certificate::{JointRecord, LoopModel};
 
+use crate::sampled::mean_of_line;
 use crate::sampled::sample::{Input, Sample};
 
 /// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.
@@ -209,11 +210,6 @@ pub(super) fn count(sums: &mut Sums, lines: &Lines, period: f64) {
         sums[0][o] += period * mean_of_line(lines[o], lines[OUTPUTS + o]);
         sums[1][o] += lines[2 * OUTPUTS + o].abs();
     }
-}
-
-/// Mean of `|·|` along a line from `a` to `b`.
-fn mean_of_line(a: f64, b: f64) -> f64 {
-    if a * b >= 0.0 { 0.5 * (a + b).abs() } else { (a * a + b * b) / (2.0 * (a.abs() + b.abs())) }
 }
 
 fn first(direct: &[f64; OUTPUTS]) -> Lines {

@@ -19,7 +19,6 @@ pub use infeasible::{Clause, Infeasible};
 use crate::Gains;
 use crate::Phi;
 use crate::arm::{Arm, ArmError};
-use crate::certificate::find_moving;
 use crate::claims::{PaperError, Refutation};
 use candidate::Candidate;
 use search::{COARSE, FINE, Grid, Search};
@@ -77,26 +76,17 @@ pub enum DesignError {
 /// [`DesignError`]. That no gains exist is an [`Outcome`].
 pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     if study.design.method == DesignMethod::Paper {
-        return paper::design(study, arm, phi).map(|gains| designed(gains, arm));
+        return paper::design(study, arm, phi).map(|gains| Outcome::Designed(Box::new(gains)));
     }
     let search = Search::new(study, arm, phi)?;
     let attempt = Attempt::of(&search, &FINE)?;
     if let Some(gains) = attempt.gains {
-        return Ok(designed(gains, arm));
+        return Ok(Outcome::Designed(Box::new(gains)));
     }
     let clauses = search.clauses(&attempt.nearest);
     let alternatives = advice::alternatives(study, arm, phi)?;
     let (tried, stable) = (attempt.tried, attempt.stable);
     Ok(Outcome::Infeasible(Infeasible { clauses, alternatives, tried, stable }))
-}
-
-/// The gains with what is proved of the arm while it moves.
-fn designed(mut gains: Gains, arm: &Arm) -> Outcome {
-    if let Some(mut certificate) = gains.certificate.take() {
-        find_moving(&mut certificate, &gains, arm);
-        gains.certificate = Some(certificate);
-    }
-    Outcome::Designed(Box::new(gains))
 }
 
 /// One search for gains.

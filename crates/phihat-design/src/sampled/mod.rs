@@ -50,6 +50,7 @@ pub use moving::{FindMoving, Moving};
 pub use noise::{FindNoise, TorqueNoise};
 pub use open_loop::OpenLoop;
 pub(crate) use open_loop::literal_factors;
+pub(crate) use peak::mean_of_line;
 pub use peak::{FindSampledPeaks, SampledPeaks};
 pub use reading::{FindReadingError, ReadingError};
 pub(crate) use reference::left_by_acceleration;

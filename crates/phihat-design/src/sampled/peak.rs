@@ -180,7 +180,7 @@ impl Sums<'_> {
 }
 
 /// Mean of `|·|` along a line from `a` to `b`.
-fn mean_of_line(a: f64, b: f64) -> f64 {
+pub(crate) fn mean_of_line(a: f64, b: f64) -> f64 {
     if a * b >= 0.0 { 0.5 * (a + b).abs() } else { (a * a + b * b) / (2.0 * (a.abs() + b.abs())) }
 }
 

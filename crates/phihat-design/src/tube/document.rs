@@ -4,6 +4,7 @@ use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
 use super::{Desired, JointEnvelope, TubeRefusal, find};
+use crate::sampled::TorqueNoise;
 
 /// Bins of the sweep in one bin of the document.
 const COARSER: usize = 4;
@@ -21,52 +22,25 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 /// [`TubeRefusal`].
 pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, TubeRefusal> {
     let envelope = find(study, gains, desired)?;
-    let set = &study.design.payload;
     let bits = study.sensor.encoder_bits.as_ref();
-    let quantum = |i: usize| {
-        bits.map_or(0.0, |bits| core::f64::consts::TAU / 2.0_f64.powi(bits[i].cast_signed()))
-    };
-    let bin_s = envelope.bin_s * COARSER as f64;
-    let bins = envelope.joints.first().map_or(0, |joint| joint.error.len().div_ceil(COARSER));
-    let first = |settle_s: f64| {
-        (0..bins).take_while(|b| (*b + 1) as f64 * bin_s <= settle_s + 1e-12).count()
-    };
-    let settle_s = study.spec.settle;
+    let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
     let joints = gains.joints.iter().zip(&envelope.joints);
-    let joints = joints.map(|(record, own)| joint(&record.name, own, first(settle_s))).collect();
-    Ok(Tube {
-        bin_s,
+    let joints = joints.map(|(record, own)| joint(&record.name, own)).collect();
+    let tube = Tube {
+        bin_s: envelope.bin_s * COARSER as f64,
         duration_s: study.duration,
-        settle_s,
+        settle_s: study.spec.settle,
         slices: envelope.slices,
-        payload: PayloadSet {
-            frame: set.frame.clone(),
-            mass_kg: set.mass,
-            com_m: set.com,
-            gyration_m: set.gyration,
-        },
+        payload: PayloadSet::from(&study.design.payload),
         coulomb_nm: study.design.coulomb.clone(),
         quantum_rad: (0..gains.joints.len()).map(quantum).collect(),
         joints,
         limits_silent: true,
-    })
+    };
+    Ok(tube.steady_from(study.spec.settle))
 }
 
-/// The same tube, steady from another time on.
-#[must_use]
-pub fn settled_at(mut tube: Tube, settle_s: f64) -> Tube {
-    let first = (0..tube.bins()).take_while(|b| (*b + 1) as f64 * tube.bin_s <= settle_s + 1e-12);
-    let first = first.count();
-    tube.settle_s = settle_s;
-    for joint in &mut tube.joints {
-        joint.error_max_rad = most(&joint.error_low_rad, &joint.error_high_rad, first);
-        joint.velocity_error_max_rad_s =
-            most(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s, first);
-    }
-    tube
-}
-
-fn joint(name: &str, own: &JointEnvelope, first: usize) -> TubeJoint {
+fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
     let low = |values: &[(f64, f64)]| -> Vec<f64> {
         let bins = values.chunks(COARSER);
         bins.map(|bin| -outward(-bin.iter().fold(f64::INFINITY, |m, v| m.min(v.0)))).collect()
@@ -80,8 +54,8 @@ fn joint(name: &str, own: &JointEnvelope, first: usize) -> TubeJoint {
     let largest = |values: &[f64]| outward(values.iter().fold(0.0_f64, |m, v| m.max(*v)));
     TubeJoint {
         name: name.to_owned(),
-        error_max_rad: most(&error_low_rad, &error_high_rad, first),
-        velocity_error_max_rad_s: most(&velocity_low_rad_s, &velocity_high_rad_s, first),
+        error_max_rad: f64::INFINITY,
+        velocity_error_max_rad_s: f64::INFINITY,
         error_low_rad,
         error_high_rad,
         velocity_low_rad_s,
@@ -89,13 +63,6 @@ fn joint(name: &str, own: &JointEnvelope, first: usize) -> TubeJoint {
         torque_max_nm: largest(&own.torque),
         torque_step_max_nm: largest(&own.step),
     }
-}
-
-/// Largest size from a bin on.
-fn most(low: &[f64], high: &[f64], first: usize) -> f64 {
-    let last = low.len().saturating_sub(1);
-    let ends = low.iter().zip(high).skip(first.min(last));
-    ends.fold(0.0_f64, |m, (low, high)| m.max(low.abs()).max(high.abs()))
 }
 
 /// The next number of [`DIGITS`] digits that is not smaller.

@@ -4,6 +4,7 @@ use super::deviation::Deviation;
 use super::lanes::{Lane, WIDE};
 use super::linear::Interval;
 use super::scene::Scene;
+use crate::sampled::mean_of_line;
 
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
@@ -421,11 +422,6 @@ impl<'a> Rower<'a> {
 /// A size in a unit; nothing is 0 of any.
 fn share_of(size: f64, unit: f64) -> f64 {
     if size > 0.0 { size / unit } else { 0.0 }
-}
-
-/// Mean of `|·|` along a line from `a` to `b`.
-fn mean_of_line(a: f64, b: f64) -> f64 {
-    if a * b >= 0.0 { 0.5 * (a + b).abs() } else { (a * a + b * b) / (2.0 * (a.abs() + b.abs())) }
 }
 
 /// The next larger number in single precision.

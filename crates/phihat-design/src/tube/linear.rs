@@ -1,5 +1,6 @@
 //! Small deviations from the nominal run: derivatives of the dynamics and the step from sample to sample.
 
+use nalgebra::DMatrix;
 use phihat_model::{Model, Workspace};
 
 use super::nominal::Nominal;
@@ -131,51 +132,14 @@ impl Interval {
     }
 }
 
-/// Inverse of a positive definite matrix by Cholesky; `None` where it is not.
-pub(super) fn inverse(m: &[f64], n: usize) -> Option<Square> {
-    let mut l = vec![0.0; n * n];
-    for i in 0..n {
-        for j in 0..=i {
-            let mut sum = m[i * n + j];
-            for k in 0..j {
-                sum -= l[i * n + k] * l[j * n + k];
-            }
-            if i == j {
-                if sum.is_nan() || sum <= 0.0 {
-                    return None;
-                }
-                l[i * n + i] = sum.sqrt();
-            } else {
-                l[i * n + j] = sum / l[j * n + j];
-            }
-        }
-    }
-    let mut out = vec![0.0; n * n];
-    let mut column = vec![0.0; n];
-    for c in 0..n {
-        for i in 0..n {
-            let mut sum = f64::from(u8::from(i == c));
-            for k in 0..i {
-                sum -= l[i * n + k] * column[k];
-            }
-            column[i] = sum / l[i * n + i];
-        }
-        for i in (0..n).rev() {
-            let mut sum = column[i];
-            for k in i + 1..n {
-                sum -= l[k * n + i] * column[k];
-            }
-            column[i] = sum / l[i * n + i];
-        }
-        for i in 0..n {
-            out[i * n + c] = column[i];
-        }
-    }
-    Some(out)
+/// Inverse of a positive definite matrix; `None` where it is not.
+fn inverse(m: &[f64], n: usize) -> Option<Square> {
+    let inverse = DMatrix::from_row_slice(n, n, m).cholesky()?.inverse();
+    Some(inverse.as_slice().to_vec())
 }
 
 /// `a b`, all `n × n`.
-pub(super) fn product(a: &[f64], b: &[f64], n: usize) -> Square {
+fn product(a: &[f64], b: &[f64], n: usize) -> Square {
     let mut out = vec![0.0; n * n];
     for i in 0..n {
         for k in 0..n {

@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use basis::Slice;
 use deviation::Deviation;
-pub use document::{settled_at, tube};
+pub use document::tube;
 use kernel::{Course, Scale};
 use lanes::WIDE;
 use linear::{Differences, Interval, middle};
@@ -87,7 +87,7 @@ impl Desired {
 pub enum TubeRefusal {
     /// The linear loop does not have this part of the study.
     #[error("`{0}` is not in the loop that a tube is about")]
-    Unsupported(&'static str),
+    Unsupported(String),
     /// The payload cannot be attached.
     #[error("payload: {0}")]
     Payload(String),

@@ -1,14 +1,13 @@
 //! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
 
-use core::f64::consts::TAU;
-
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
 
 use super::controller::{JointLaw, Law};
 use super::{Desired, TubeRefusal};
-use crate::sampled::{LoopModel, LoopVelocity};
-use phihat_certificate::Gains;
+use crate::certificate::missing;
+use crate::sampled::{LoopModel, LoopVelocity, TorqueNoise};
+use phihat_certificate::{Gains, NotCounted};
 
 /// Velocity at which the simulator's Coulomb law reaches 1/√2 of its level \[rad/s\].
 pub(super) const COULOMB_VELOCITY: f64 = 1e-3;
@@ -128,37 +127,9 @@ impl<'a> Scene<'a> {
         let (low, high) = &study.design.coulomb;
         let period = study.control.period_ns as f64 * 1e-9;
         let profile = &study.interface.profile;
-        if profile.torque_filter.is_some() {
-            return Err(TubeRefusal::Unsupported("profile.torque_filter_hz"));
-        }
-        for (there, key) in [
-            (study.supervisor.is_some(), "supervisor"),
-            (study.world.flexibility.is_some(), "world.flexibility"),
-            (study.world.stiction.is_some(), "world.stiction"),
-            (study.world.end_stops.is_some(), "world.end_stops"),
-            (!study.world.walls.is_empty(), "world.wall"),
-            (!study.world.forces.is_empty(), "world.push.force_n"),
-            (study.world.drive.is_some(), "world.drive"),
-            (!study.faults.is_empty(), "fault"),
-            (study.sensor.jitter > 0.0, "sensor.sample_jitter_s"),
-            (study.sensor.wrap, "sensor.wrap"),
-            (study.world.network.command.share > 0.0, "world.network.command_loss"),
-            (study.world.network.sample.share > 0.0, "world.network.sample_loss"),
-            ((study.world.warm_up.0 - 1.0).abs() > 0.0, "world.friction_cold_factor"),
-            (
-                study.world.payload.as_ref().is_some_and(|p| p.start > 0.0 || p.end.is_finite()),
-                "world.payload.start_s",
-            ),
-            (any(&study.sensor.position_noise), "sensor.position_noise_rad"),
-            (any(&study.sensor.velocity_noise), "sensor.velocity_noise_rad_s"),
-            (any(&study.sensor.torque_noise), "sensor.torque_noise_nm"),
-        ] {
-            if there {
-                return Err(TubeRefusal::Unsupported(key));
-            }
-        }
+        modelled(study)?;
         let bits = study.sensor.encoder_bits.as_ref();
-        let quantum = |i: usize| bits.map_or(0.0, |b| TAU / 2.0_f64.powi(b[i].cast_signed()));
+        let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
         let misread = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
         let models: Vec<LoopModel> =
             (0..n).map(|i| LoopModel::from_study(study, i).with_filter_of(gains, study)).collect();
@@ -194,7 +165,7 @@ impl<'a> Scene<'a> {
         };
         let samples = desired.q.len() / n;
         if samples < 2 || desired.q.len() != samples * n {
-            return Err(TubeRefusal::Unsupported("a run of fewer than two samples"));
+            return Err(TubeRefusal::Unsupported("duration_s of a sample".to_owned()));
         }
         Ok(Self {
             n,
@@ -242,6 +213,18 @@ impl<'a> Scene<'a> {
     }
 }
 
+/// That a study has nothing which the linear loop lacks: what forbids the loop model, what is not counted in a tube, and
+/// what stands around the law or behind it.
+fn modelled(study: &Study) -> Result<(), TubeRefusal> {
+    let forbidden = missing(study).first().map(|(key, _)| (*key).to_owned());
+    let left_out = || NotCounted::of(study).into_iter().find(|one| !one.in_tube());
+    let key = forbidden
+        .or_else(|| left_out().map(|one| one.key))
+        .or_else(|| study.supervisor.is_some().then(|| "supervisor".to_owned()))
+        .or_else(|| study.world.drive.is_some().then(|| "world.drive".to_owned()));
+    key.map_or(Ok(()), |key| Err(TubeRefusal::Unsupported(key)))
+}
+
 /// Middle of the centre of mass's box.
 pub(super) fn centre(set: &PayloadSet) -> [f64; 3] {
     set.com.map(|(low, high)| 0.5 * (low + high))
@@ -250,8 +233,4 @@ pub(super) fn centre(set: &PayloadSet) -> [f64; 3] {
 /// Half widths of the box.
 pub(super) fn half(set: &PayloadSet) -> [f64; 3] {
     set.com.map(|(low, high)| 0.5 * (high - low))
-}
-
-fn any(values: &[f64]) -> bool {
-    values.iter().any(|value| value.abs() > 0.0)
 }
