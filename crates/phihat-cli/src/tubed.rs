@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use phihat_design::tube::{Desired, tube};
+use phihat_design::tube::{Desired, TubeRefusal, tube};
 use phihat_design::{ArmBasis, Gains, Outcome, Settle, Tube};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
@@ -19,6 +19,9 @@ const FURTHER: f64 = 0.95;
 /// helps, and without what is known of time.
 const EASIER: f64 = 1.8;
 
+/// What is asked where a tube does not close: stiffer gains close it sooner.
+const STIFFER: f64 = 1.0 / 3.0;
+
 /// A tube that uses less of the specification than this leaves room for less torque noise …
 const ENOUGH: f64 = 0.8;
 
@@ -30,7 +33,6 @@ const EASIEST: f64 = 3.0;
 /// # Errors
 ///
 /// [`Failure`] of the search.
-#[allow(clippy::too_many_lines, reason = "one round after the other")]
 pub(crate) fn tubed(
     study: &Study,
     path: &Path,
@@ -48,64 +50,94 @@ pub(crate) fn tubed(
     let motion = Motion::new(&study.reference, &study.robot, study.duration);
     let motion = motion.map_err(|e| Failure::at(path, e))?;
     let desired = Desired::of(study, |joint, t| motion.at(joint, t));
-    let ours = study.design.method == DesignMethod::Ours;
-    let infeasible = matches!(first, Outcome::Infeasible(_)).then(|| first.clone());
+    let mut found = Found::default();
     let mut asked = study.clone();
     let mut outcome = first;
-    let mut best: Option<(f64, Box<Gains>)> = None;
-    let mut kept: Option<Box<Gains>> = None;
-    for round in 0..ROUNDS {
-        let Outcome::Designed(mut gains) = outcome else {
-            if round > 0 || !ours {
-                break;
+    for _ in 0..ROUNDS {
+        let next = match outcome {
+            Outcome::Designed(mut gains) => {
+                let judged = judge(study, &mut gains, &desired);
+                found.judged(gains, judged)
             }
-            scale(&mut asked, |_| EASIER);
-            outcome = make(&asked)?;
-            continue;
+            refused => found.refused(refused),
         };
-        let judged = judge(study, &mut gains, &desired);
-        let shares = match judged {
-            Judged::Beyond(shares) => shares,
-            // The search was stricter than it had to be: less torque noise may do.
-            Judged::Kept(used)
-                if ours && used < ENOUGH && kept.is_none() && infeasible.is_none() =>
-            {
-                kept = Some(gains);
-                scale(&mut asked, |_| (1.0 / used).sqrt().min(EASIEST));
-                // Gains are at hand: a search that cannot begin is no reason to have none.
-                match make(&asked) {
-                    Ok(quieter) => outcome = quieter,
-                    Err(_) => break,
-                }
-                continue;
-            }
-            Judged::Kept(_) => return Ok(Outcome::Designed(gains)),
-            Judged::Unknown => {
-                return Ok(match (kept, infeasible) {
-                    (Some(gains), _) => Outcome::Designed(gains),
-                    (None, Some(no)) => no,
-                    (None, None) => Outcome::Designed(gains),
-                });
-            }
-        };
-        if let Some(gains) = kept {
-            return Ok(Outcome::Designed(gains));
-        }
-        let worst = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
-        if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-            best = Some((worst, gains));
-        }
-        if !ours {
+        let Some(factor) = next.filter(|_| study.design.method == DesignMethod::Ours) else {
             break;
+        };
+        scale(&mut asked, |i| factor[i.min(factor.len() - 1)]);
+        outcome = match make(&asked) {
+            Ok(outcome) => outcome,
+            // Gains are at hand: a search that cannot begin is no reason to have none.
+            Err(_) if found.kept.is_some() => break,
+            Err(why) => return Err(why),
+        };
+    }
+    found.best().ok_or_else(|| Failure::plain("no gains were judged by their tube"))
+}
+
+/// What the rounds have found so far.
+#[derive(Default)]
+struct Found {
+    /// Keeps the specification.
+    kept: Option<Box<Gains>>,
+    /// Its tube goes beyond the specification by the least factor.
+    closest: Option<(f64, Box<Gains>)>,
+    /// Has no tube.
+    bare: Option<Box<Gains>>,
+    /// What the search said where it found nothing.
+    infeasible: Option<Outcome>,
+}
+
+impl Found {
+    /// Takes what the search could not find; how much easier the next one has to be, per joint or for all.
+    fn refused(&mut self, outcome: Outcome) -> Option<Vec<f64>> {
+        let nothing = self.infeasible.is_none()
+            && self.kept.is_none()
+            && self.closest.is_none()
+            && self.bare.is_none();
+        nothing.then(|| {
+            self.infeasible = Some(outcome);
+            vec![EASIER]
+        })
+    }
+
+    /// Takes gains with what their tube says; by which factor the next ones are asked for, if it takes any.
+    fn judged(&mut self, gains: Box<Gains>, judged: Judged) -> Option<Vec<f64>> {
+        let relaxed = self.kept.is_some();
+        match judged {
+            Judged::Kept(used) => {
+                self.kept = Some(gains);
+                // The search was stricter than it had to be: less torque noise may do.
+                let worth = used < ENOUGH && !relaxed && self.infeasible.is_none();
+                worth.then(|| vec![(1.0 / used).sqrt().min(EASIEST)])
+            }
+            _ if relaxed => None,
+            Judged::Beyond(shares) => {
+                let worst = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
+                if self.closest.as_ref().is_none_or(|(least, _)| worst < *least) {
+                    self.closest = Some((worst, gains));
+                }
+                let further = |share: &f64| if *share > 1.0 { FURTHER / share } else { 1.0 };
+                Some(shares.iter().map(further).collect())
+            }
+            Judged::Open => {
+                self.bare = Some(gains);
+                Some(vec![STIFFER])
+            }
+            Judged::Unknown => {
+                self.bare = Some(gains);
+                None
+            }
         }
-        scale(&mut asked, |i| if shares[i] > 1.0 { FURTHER / shares[i] } else { 1.0 });
-        outcome = make(&asked)?;
     }
-    if let Some(gains) = kept {
-        return Ok(Outcome::Designed(gains));
+
+    /// What is closest to what was asked for.
+    fn best(self) -> Option<Outcome> {
+        let designed = |gains| Outcome::Designed(gains);
+        let closest = self.closest.map(|(_, gains)| gains);
+        let kept = self.kept.map(designed);
+        kept.or(self.infeasible).or_else(|| closest.or(self.bare).map(designed))
     }
-    let closest = best.map(|(_, gains)| Outcome::Designed(gains));
-    infeasible.or(closest).ok_or_else(|| Failure::plain("no gains were judged by their tube"))
 }
 
 /// What the tube of some gains says.
@@ -114,7 +146,9 @@ enum Judged {
     Kept(f64),
     /// Largest over allowed error of each joint.
     Beyond(Vec<f64>),
-    /// There is no tube.
+    /// Bounds grow without end.
+    Open,
+    /// There is no tube for another reason.
     Unknown,
 }
 
@@ -123,8 +157,9 @@ fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
     let found = {
         let mut own = study.clone();
         match gains.give_filter(&mut own) {
-            Ok(()) => tube(&own, gains, desired).map_err(|why| why.to_string()),
-            Err(why) => Err(why.to_string()),
+            Ok(()) => tube(&own, gains, desired)
+                .map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. }))),
+            Err(why) => Err((why.to_string(), false)),
         }
     };
     let Some(certificate) = &mut gains.certificate else { return Judged::Unknown };
@@ -136,11 +171,11 @@ fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
     certificate.unproved.clear();
     let tube = match found {
         Ok(tube) => tube,
-        Err(why) => {
+        Err((why, open)) => {
             certificate.unproved.push(format!("the specification: no tube, {why}"));
             certificate.tube_refused = Some(why);
             certificate.settle = Some(Settle::of(study, None));
-            return Judged::Unknown;
+            return if open { Judged::Open } else { Judged::Unknown };
         }
     };
     let settle = Settle::of(study, Some(&tube));

@@ -28,9 +28,8 @@ pub(super) struct Slice {
 }
 
 impl Slice {
-    /// Slices of a set, `count` of them.
-    pub(super) fn of(set: &PayloadSet, count: u32) -> Vec<Self> {
-        let (low, high) = set.mass;
+    /// Slices of a part of a set's masses, `count` of them.
+    pub(super) fn of(set: &PayloadSet, (low, high): (f64, f64), count: u32) -> Vec<Self> {
         let width = (high - low) / f64::from(count);
         let half = half(set);
         let slice = |i: u32| {

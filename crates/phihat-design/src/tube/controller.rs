@@ -16,6 +16,13 @@ pub(super) struct Law {
     pub(super) starts_at_zero: bool,
 }
 
+impl Law {
+    /// Whether torque changes within a sample.
+    pub(super) fn bulges(&self) -> bool {
+        self.joints.iter().any(|joint| joint.model.drive_bandwidth_hz.is_some())
+    }
+}
+
 /// One joint's part of it.
 #[derive(Debug, Clone)]
 pub(super) struct JointLaw {
@@ -205,14 +212,14 @@ impl<const W: usize> JointState<W> {
         let share = joint.model.filter_gain();
         let mut sensed = *velocity;
         if k > 0 {
-            for c in 0..W {
-                let raw = match joint.model.velocity {
-                    LoopVelocity::Measured => velocity[c],
-                    LoopVelocity::Differenced => (position[c] - self.last_position[c]) / period,
-                };
-                sensed[c] = self.last_velocity[c] + share * (raw - self.last_velocity[c]);
-                if !joint.model.filters() {
-                    sensed[c] = raw;
+            if joint.model.velocity == LoopVelocity::Differenced {
+                for c in 0..W {
+                    sensed[c] = (position[c] - self.last_position[c]) / period;
+                }
+            }
+            if joint.model.filters() {
+                for c in 0..W {
+                    sensed[c] = self.last_velocity[c] + share * (sensed[c] - self.last_velocity[c]);
                 }
             }
         }
@@ -238,39 +245,77 @@ impl<const W: usize> JointState<W> {
         [q, dq, ddq]: Jet,
         [position, velocity, acted]: &[Lane<W>; 3],
     ) -> Lane<W> {
-        let m = joint.order;
+        let mut error: [Lane<W>; 2] = [[0.0; W]; 2];
+        for c in 0..W {
+            error[0][c] = position[c] - q;
+            error[1][c] = velocity[c] - dq;
+        }
+        let phi_hat = match joint.model.form {
+            LoopForm::Observer => self.observed(joint, period, first, (velocity, acted)),
+            LoopForm::Literal => self.integrated(joint, period, first, &error),
+        };
         let mut command = [0.0; W];
         for c in 0..W {
-            let (e, de) = (position[c] - q, velocity[c] - dq);
-            let phi_hat = match joint.model.form {
-                LoopForm::Observer => {
-                    if !first {
-                        let innovation = period * (acted[c] - self.memory[0][c])
-                            - joint.inertia * (velocity[c] - self.law_velocity[c]);
-                        for j in 0..m {
-                            let next = if j + 1 < m { self.memory[j + 1][c] } else { 0.0 };
-                            self.memory[j][c] += period * next + joint.on_memory[j] * innovation;
-                        }
-                    }
-                    self.memory[0][c]
-                }
-                LoopForm::Literal => {
-                    let mut total = joint.on_error[0] * e + joint.on_error[1] * de;
-                    let mut below = e;
-                    for j in 0..m {
-                        if !first {
-                            self.memory[j][c] += period * below;
-                        }
-                        below = self.memory[j][c];
-                        total += joint.on_memory[j] * below;
-                    }
-                    -joint.inertia * total
-                }
-            };
-            command[c] = joint.inertia * (ddq - joint.kd * de - joint.kp * e) + phi_hat;
+            let wanted = ddq - joint.kd * error[1][c] - joint.kp * error[0][c];
+            command[c] = joint.inertia * wanted + phi_hat[c];
         }
         self.law_velocity = *velocity;
         command
+    }
+
+    /// `φ̂` of the observer form.
+    fn observed(
+        &mut self,
+        joint: &JointLaw,
+        period: f64,
+        first: bool,
+        (velocity, acted): (&Lane<W>, &Lane<W>),
+    ) -> Lane<W> {
+        if !first {
+            let mut innovation = [0.0; W];
+            for c in 0..W {
+                innovation[c] = period * (acted[c] - self.memory[0][c])
+                    - joint.inertia * (velocity[c] - self.law_velocity[c]);
+            }
+            for (j, gain) in joint.on_memory.iter().enumerate() {
+                let next = self.memory.get(j + 1).map_or([0.0; W], |next| *next);
+                let own = &mut self.memory[j];
+                for c in 0..W {
+                    own[c] += period * next[c] + gain * innovation[c];
+                }
+            }
+        }
+        self.memory[0]
+    }
+
+    /// `φ̂` of the literal form.
+    fn integrated(
+        &mut self,
+        joint: &JointLaw,
+        period: f64,
+        first: bool,
+        error: &[Lane<W>; 2],
+    ) -> Lane<W> {
+        let mut total = [0.0; W];
+        let mut add = |factor: f64, x: &Lane<W>| {
+            for c in 0..W {
+                total[c] -= joint.inertia * factor * x[c];
+            }
+        };
+        for (factor, x) in joint.on_error.iter().zip(error) {
+            add(*factor, x);
+        }
+        let mut below = error[0];
+        for (memory, factor) in self.memory.iter_mut().zip(&joint.on_memory) {
+            if !first {
+                for c in 0..W {
+                    memory[c] += period * below[c];
+                }
+            }
+            add(*factor, memory);
+            below = *memory;
+        }
+        total
     }
 
     fn delay(&mut self, command: &Lane<W>) -> Lane<W> {

@@ -1,7 +1,7 @@
 //! Linear runs around the nominal one, several at a time.
 
-use super::controller::Control;
-use super::lanes::{Lane, add_row};
+use super::controller::{Control, Jet};
+use super::lanes::{Lane, add_product};
 use super::linear::Interval;
 use super::scene::Scene;
 
@@ -11,10 +11,15 @@ pub(super) struct Deviation<const W: usize> {
     /// `[ε; w]`.
     pub(super) state: Vec<Lane<W>>,
     pub(super) control: Control<W>,
-    position: Vec<Lane<W>>,
-    velocity: Vec<Lane<W>>,
+    /// Readings of position and velocity.
+    sensed: [Vec<Lane<W>>; 2],
     torque: Vec<Lane<W>>,
     next: Vec<Lane<W>>,
+}
+
+/// Nothing is asked of a deviation.
+fn nothing(_: usize) -> Jet {
+    [0.0; 3]
 }
 
 impl<const W: usize> Deviation<W> {
@@ -24,8 +29,7 @@ impl<const W: usize> Deviation<W> {
         Self {
             state: vec![[0.0; W]; 2 * n],
             control: Control::new(&scene.law),
-            position: zero.clone(),
-            velocity: zero.clone(),
+            sensed: [zero.clone(), zero.clone()],
             torque: zero,
             next: vec![[0.0; W]; 2 * n],
         }
@@ -45,46 +49,68 @@ impl<const W: usize> Deviation<W> {
         self.control.each(|i, state| visit(first + i, state));
     }
 
-    /// Goes on by one sample. `misread(i)`: what position and velocity readings have in addition; `torque(i)`: a
-    /// torque held over the interval.
+    /// Goes on by one sample with a torque `torque(i)` held over the interval.
     pub(super) fn step(
         &mut self,
         scene: &Scene<'_>,
-        (k, interval): (usize, &Interval),
-        misread: impl Fn(usize) -> (Lane<W>, Lane<W>),
+        at: (usize, &Interval),
+        torque: impl Fn(usize) -> Lane<W>,
+    ) {
+        let (position, velocity) = self.state.split_at(scene.n);
+        self.control.ask(&scene.law, at.0, nothing, (position, velocity));
+        self.move_on(scene, at.1, torque);
+    }
+
+    /// Goes on by one sample with what position and velocity readings have in addition, `misread(i)`.
+    pub(super) fn step_misread(
+        &mut self,
+        scene: &Scene<'_>,
+        at: (usize, &Interval),
+        misread: impl Fn(usize) -> [Lane<W>; 2],
+    ) {
+        for i in 0..scene.n {
+            for (half, more) in misread(i).iter().enumerate() {
+                let (out, state) = (&mut self.sensed[half][i], &self.state[half * scene.n + i]);
+                for c in 0..W {
+                    out[c] = state[c] + more[c];
+                }
+            }
+        }
+        let [position, velocity] = &self.sensed;
+        self.control.ask(&scene.law, at.0, nothing, (position, velocity));
+        self.move_on(scene, at.1, |_| [0.0; W]);
+    }
+
+    /// Goes on by one sample that nothing pushes.
+    pub(super) fn step_free(&mut self, scene: &Scene<'_>, at: (usize, &Interval)) {
+        self.step(scene, at, |_| [0.0; W]);
+    }
+
+    /// Commands act, and the arm moves over the interval.
+    fn move_on(
+        &mut self,
+        scene: &Scene<'_>,
+        interval: &Interval,
         torque: impl Fn(usize) -> Lane<W>,
     ) {
         let n = scene.n;
-        for i in 0..n {
-            let (position, velocity) = misread(i);
-            for c in 0..W {
-                self.position[i][c] = self.state[i][c] + position[c];
-                self.velocity[i][c] = self.state[n + i][c] + velocity[c];
-            }
-        }
-        let nothing = |_: usize| [0.0; 3];
-        self.control.ask(&scene.law, k, nothing, (&self.position, &self.velocity));
         self.control.act(&scene.law);
         for i in 0..n {
             let held = torque(i);
             for c in 0..W {
                 self.torque[i][c] = self.control.mean[i][c] + held[c];
             }
-            if !interval.added.is_empty() {
-                let (by_e, by_v) = interval.added.split_at(n * n);
-                add_row(&mut self.torque[i], &by_e[i * n..(i + 1) * n], &self.state[..n]);
-                add_row(&mut self.torque[i], &by_v[i * n..(i + 1) * n], &self.state[n..]);
-            }
         }
-        let wide = 2 * n;
-        for i in 0..wide {
-            let mut sum = [0.0; W];
-            add_row(&mut sum, &interval.step[i * wide..(i + 1) * wide], &self.state);
-            add_row(&mut sum, &interval.held[i * n..(i + 1) * n], &self.torque);
-            if i < n {
-                add_row(&mut sum, &interval.inverse[i * n..(i + 1) * n], &self.control.bulge);
-            }
-            self.next[i] = sum;
+        if !interval.added.is_empty() {
+            let (by_e, by_v) = interval.added.split_at(n * n);
+            add_product(&mut self.torque, by_e, &self.state[..n]);
+            add_product(&mut self.torque, by_v, &self.state[n..]);
+        }
+        self.next.fill([0.0; W]);
+        add_product(&mut self.next, &interval.step, &self.state);
+        add_product(&mut self.next, &interval.held, &self.torque);
+        if scene.law.bulges() {
+            add_product(&mut self.next[..n], &interval.inverse, &self.control.bulge);
         }
         core::mem::swap(&mut self.state, &mut self.next);
     }

@@ -1,10 +1,9 @@
 //! Sums over impulse responses of the linear time-varying loop, by lag, and what is left beyond them.
 
 use super::deviation::Deviation;
-use super::lanes::{Lane, WIDE};
+use super::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 use super::linear::Interval;
 use super::scene::Scene;
-use crate::sampled::mean_of_line;
 
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
@@ -45,6 +44,36 @@ impl Inputs {
         3 * self.n + self.twist + self.speed
     }
 
+    /// Where inputs of a kind begin.
+    fn first(self, kind: Kind) -> usize {
+        match kind {
+            Kind::TorqueAtEnd | Kind::TorqueAtStart => self.torque(),
+            Kind::Momentum => self.momentum(),
+            Kind::Position => self.reading(),
+            Kind::Payload => self.payload(),
+            Kind::Velocity => self.velocity(),
+        }
+    }
+
+    /// Packs of runs, kind after kind.
+    fn places(self) -> Vec<Place> {
+        let n = self.n;
+        [
+            (Kind::TorqueAtEnd, n),
+            (Kind::TorqueAtStart, n),
+            (Kind::Momentum, n),
+            (Kind::Position, n),
+            (Kind::Payload, self.twist),
+            (Kind::Velocity, self.speed),
+        ]
+        .into_iter()
+        .flat_map(|(kind, count)| {
+            let firsts = (0..count).step_by(WIDE);
+            firsts.map(move |first| Place { kind, first, width: WIDE.min(count - first) })
+        })
+        .collect()
+    }
+
     /// Outputs: `ε`, `w`, twist of the payload, command, its change.
     pub(super) fn rows(self) -> usize {
         4 * self.n + self.twist
@@ -52,6 +81,41 @@ impl Inputs {
     pub(super) fn command_row(self) -> usize {
         2 * self.n + self.twist
     }
+}
+
+/// What an input is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// A pulse of torque as late as it can be in an interval.
+    TorqueAtEnd,
+    /// One as early as it can be.
+    TorqueAtStart,
+    /// A kick of position by `M⁻¹`.
+    Momentum,
+    /// An error of one reading of position.
+    Position,
+    /// A kick of position by `M⁻¹ Jᵀ`.
+    Payload,
+    /// An error of one reading of velocity.
+    Velocity,
+}
+
+impl Kind {
+    /// What a unit of the input is of the unit that is launched: boxes on torque and momentum hold over a sample.
+    fn per(self, period: f64) -> f64 {
+        match self {
+            Self::TorqueAtEnd | Self::TorqueAtStart | Self::Momentum | Self::Payload => period,
+            Self::Position | Self::Velocity => 1.0,
+        }
+    }
+}
+
+/// Inputs of one kind that are stepped together.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    kind: Kind,
+    first: usize,
+    width: usize,
 }
 
 /// Sums of one launch.
@@ -94,53 +158,48 @@ impl<'a> Course<'a> {
         Inputs { n, twist, speed: if self.scene.measured_velocity { n } else { 0 } }
     }
 
-    /// Columns that are stepped: torque at the interval's end and at its start, kick of position, readings.
-    fn columns(&self) -> usize {
-        let n = self.scene.n;
-        4 * n + self.inputs().speed
-    }
-
     /// The runs just after interval `s`, whose inputs were 1.
-    fn launched(&self, s: usize) -> (Vec<Deviation<WIDE>>, Vec<Vec<Lane<WIDE>>>) {
+    fn launched(&self, s: usize) -> Packs {
         let (scene, n) = (self.scene, self.scene.n);
         let interval = self.interval(s);
-        let packs = self.columns().div_ceil(WIDE);
-        let mut runs = Vec::with_capacity(packs);
-        let mut commands = Vec::with_capacity(packs);
-        for pack in 0..packs {
-            let column = |c: usize| pack * WIDE + c;
-            let mut run = Deviation::<WIDE>::new(scene);
-            let reading = |kind: usize| {
-                move |i: usize| -> Lane<WIDE> {
-                    core::array::from_fn(|c| f64::from(u8::from(column(c) == kind * n + i)))
-                }
+        let jacobian = self.jacobian(s);
+        let places = self.inputs().places();
+        let start = |row: usize, j: usize| -> f64 {
+            let step = &interval.step[row * 2 * n + n..(row + 1) * 2 * n];
+            (0..n).map(|k| step[k] * interval.inverse[k * n + j]).sum()
+        };
+        let mut runs = Vec::with_capacity(places.len());
+        for place in &places {
+            let column = |i: usize, unit: bool| -> Lane<WIDE> {
+                core::array::from_fn(|c| f64::from(u8::from(unit && place.first + c == i)))
             };
-            let (position, velocity) = (reading(3), reading(4));
-            let none = |_: usize| [0.0; WIDE];
-            run.step(scene, (s, interval), |i| (position(i), velocity(i)), none);
-            commands.push(run.control.command.clone());
-            for c in 0..WIDE {
-                let (kind, j) = (column(c) / n, column(c) % n);
+            let mut run = Deviation::<WIDE>::new(scene);
+            run.step_misread(scene, (s, interval), |i| {
+                [column(i, place.kind == Kind::Position), column(i, place.kind == Kind::Velocity)]
+            });
+            for c in 0..place.width {
+                let j = place.first + c;
                 for i in 0..n {
-                    let unit = interval.inverse[i * n + j];
-                    match kind {
-                        0 => run.state[n + i][c] += unit,
-                        1 => {
-                            for row in [i, n + i] {
-                                let start = &interval.step[row * 2 * n + n..(row + 1) * 2 * n];
-                                let sum: f64 =
-                                    (0..n).map(|k| start[k] * interval.inverse[k * n + j]).sum();
-                                run.state[row][c] += sum;
-                            }
+                    match place.kind {
+                        Kind::TorqueAtEnd => run.state[n + i][c] += interval.inverse[i * n + j],
+                        Kind::TorqueAtStart => {
+                            run.state[i][c] += start(i, j);
+                            run.state[n + i][c] += start(n + i, j);
                         }
-                        2 => run.state[i][c] += unit,
-                        _ => {}
+                        Kind::Momentum => run.state[i][c] += interval.inverse[i * n + j],
+                        Kind::Payload => {
+                            let twist = &jacobian[j * n..(j + 1) * n];
+                            let inverse = &interval.inverse[i * n..(i + 1) * n];
+                            run.state[i][c] +=
+                                inverse.iter().zip(twist).map(|(m, t)| m * t).sum::<f64>();
+                        }
+                        Kind::Position | Kind::Velocity => {}
                     }
                 }
             }
             runs.push(run);
         }
-        (runs, commands)
+        Packs { runs, places }
     }
 
     /// The sums of a launch at sample `s`, up to sample `end`.
@@ -150,78 +209,48 @@ impl<'a> Course<'a> {
         let lags = (end - s).div_ceil(self.bin);
         let mut kernel = Kernel {
             lags,
-            sums: vec![0.0; lags * rows * count],
+            sums: Vec::with_capacity(lags * rows * count),
             inputs: count,
             rows,
             left: vec![0.0; count],
             end,
         };
-        let (mut runs, commands) = self.launched(s);
-        let mut rower = Rower::new(self, s);
-        let mut sums = vec![0.0; rows * count];
-        rower.commands(&commands);
-        rower.add_commands(&mut sums);
-        let mut lag = 0;
+        let mut packs = self.launched(s);
+        let mut sums = Sums::new(self, &packs);
+        sums.add_commands(&packs);
         for t in s + 1..=end {
-            rower.states(&runs, self.jacobian(t));
-            rower.add_states(&mut sums);
+            sums.add_states(&packs, self.jacobian(t));
             if t < end {
-                for run in &mut runs {
-                    let none = |_: usize| [0.0; WIDE];
-                    run.step(
-                        self.scene,
-                        (t, self.interval(t)),
-                        |_| ([0.0; WIDE], [0.0; WIDE]),
-                        none,
-                    );
+                for run in &mut packs.runs {
+                    run.step_free(self.scene, (t, self.interval(t)));
                 }
-                let commands: Vec<_> = runs.iter().map(|r| r.control.command.clone()).collect();
-                rower.commands(&commands);
-                rower.add_commands(&mut sums);
+                sums.add_commands(&packs);
             }
-            let r = t - s;
-            if r.is_multiple_of(self.bin) || t == end {
-                let at = lag * rows * count;
-                for (to, from) in kernel.sums[at..at + rows * count].iter_mut().zip(&mut sums) {
-                    *to = up(*from);
-                    *from = 0.0;
-                }
-                lag += 1;
+            if (t - s).is_multiple_of(self.bin) || t == end {
+                sums.drain(&packs, &mut kernel.sums);
             }
         }
         if end < self.intervals.len() {
-            self.left(&mut runs, scale, s, &mut kernel.left);
+            self.left(&mut packs, scale, &mut kernel.left);
         }
         kernel
     }
 
     /// Largest scaled state of every input.
-    fn left(&self, runs: &mut [Deviation<WIDE>], scale: &Scale, s: usize, left: &mut [f64]) {
+    fn left(&self, packs: &mut Packs, scale: &Scale, left: &mut [f64]) {
         let inputs = self.inputs();
-        let n = inputs.n;
-        let mut sizes = vec![0.0_f64; runs.len() * WIDE];
-        for (pack, run) in runs.iter_mut().enumerate() {
+        for (run, place) in packs.runs.iter_mut().zip(&packs.places) {
+            let mut sizes: Lane<WIDE> = [0.0; WIDE];
             run.each(|i, state| {
                 for c in 0..WIDE {
-                    let size = share_of(state[c].abs(), scale[i]);
-                    let slot = &mut sizes[pack * WIDE + c];
-                    *slot = slot.max(size);
+                    sizes[c] = sizes[c].max(share_of(state[c].abs(), scale[i]));
                 }
             });
-        }
-        let t = self.scene.period;
-        for j in 0..n {
-            left[inputs.torque() + j] = t * sizes[j].max(sizes[n + j]);
-            left[inputs.momentum() + j] = t * sizes[2 * n + j];
-            left[inputs.reading() + j] = sizes[3 * n + j];
-            if inputs.speed > 0 {
-                left[inputs.velocity() + j] = sizes[4 * n + j];
+            let at = inputs.first(place.kind) + place.first;
+            let unit = place.kind.per(self.scene.period);
+            for (left, size) in left[at..at + place.width].iter_mut().zip(sizes) {
+                *left = left.max(unit * size);
             }
-        }
-        for c in 0..inputs.twist {
-            let row = &self.jacobian(s)[c * n..(c + 1) * n];
-            left[inputs.payload() + c] =
-                row.iter().enumerate().map(|(j, x)| x.abs() * t * sizes[2 * n + j]).sum();
         }
     }
 
@@ -229,27 +258,20 @@ impl<'a> Course<'a> {
     pub(super) fn pilot(&self, share: f64) -> (Scale, usize) {
         let total = self.intervals.len();
         let s = (total / 4).min(total.saturating_sub(2));
-        let (mut runs, _) = self.launched(s);
-        let length = runs[0].length();
+        let mut packs = self.launched(s);
+        let length = packs.runs[0].length();
         let mut history: Vec<f64> = Vec::new();
         let mut peak = vec![0.0_f64; length];
-        let columns = self.columns();
         let mut sizes: Vec<Vec<f64>> = Vec::new();
         for t in s + 1..total {
             let mut now = vec![0.0_f64; length];
-            for (pack, run) in runs.iter_mut().enumerate() {
-                let own = columns.saturating_sub(pack * WIDE).min(WIDE);
+            for run in &mut packs.runs {
                 run.each(|i, state| {
-                    for value in &state[..own] {
+                    for value in state {
                         now[i] = now[i].max(value.abs());
                     }
                 });
-                run.step(
-                    self.scene,
-                    (t, self.interval(t)),
-                    |_| ([0.0; WIDE], [0.0; WIDE]),
-                    |_| [0.0; WIDE],
-                );
+                run.step_free(self.scene, (t, self.interval(t)));
             }
             for (peak, now) in peak.iter_mut().zip(&now) {
                 *peak = peak.max(*now);
@@ -292,18 +314,12 @@ impl<'a> Course<'a> {
                 for i in 0..2 * n {
                     now[i] += run.state[i].iter().map(|x| x.abs()).sum::<f64>();
                 }
-                for c in 0..inputs.twist {
-                    let row = &self.jacobian(t)[c * n..(c + 1) * n];
-                    let mut value = [0.0; WIDE];
-                    super::lanes::add_row(&mut value, row, &run.state[n..]);
+                let mut twist = [[0.0; WIDE]; 6];
+                add_product(&mut twist[..inputs.twist], self.jacobian(t), &run.state[n..]);
+                for (c, value) in twist[..inputs.twist].iter().enumerate() {
                     now[2 * n + c] += value.iter().map(|x| x.abs()).sum::<f64>();
                 }
-                run.step(
-                    self.scene,
-                    (t, self.interval(t)),
-                    |_| ([0.0; WIDE], [0.0; WIDE]),
-                    |_| [0.0; WIDE],
-                );
+                run.step_free(self.scene, (t, self.interval(t)));
                 let at = inputs.command_row();
                 for i in 0..n {
                     for c in 0..WIDE {
@@ -329,93 +345,109 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Rows of the outputs at one sample, and their sums over inputs.
-struct Rower<'a> {
-    inputs: Inputs,
-    period: f64,
-    columns: usize,
-    /// `[row][column]`
-    values: Vec<f64>,
-    /// At the launch.
-    launch: &'a [f64],
-    n: usize,
+/// Runs of all inputs, those of one kind side by side.
+struct Packs {
+    runs: Vec<Deviation<WIDE>>,
+    /// What each of them holds.
+    places: Vec<Place>,
 }
 
-impl<'a> Rower<'a> {
-    fn new(course: &Course<'a>, launch: usize) -> Self {
+/// Sums over inputs' packs of every row of the outputs.
+struct Sums {
+    inputs: Inputs,
+    period: f64,
+    /// `[row][pack]`; torque is summed where its end is.
+    rows: Vec<Lane<WIDE>>,
+    /// Commands of the sample before, `[pack][joint]`.
+    before: Vec<Vec<Lane<WIDE>>>,
+    /// Packs of torque at an interval's end; those at its start come next.
+    torque: usize,
+    /// Twist of each pack.
+    twist: Vec<[Lane<WIDE>; 6]>,
+}
+
+impl Sums {
+    fn new(course: &Course<'_>, packs: &Packs) -> Self {
         let inputs = course.inputs();
-        let columns = course.columns().div_ceil(WIDE) * WIDE;
+        let count = packs.runs.len();
         Self {
             inputs,
             period: course.scene.period,
-            columns,
-            values: vec![0.0; inputs.rows() * columns],
-            launch: course.jacobian(launch),
-            n: inputs.n,
+            rows: vec![[0.0; WIDE]; inputs.rows() * count],
+            before: vec![vec![[0.0; WIDE]; inputs.n]; count],
+            torque: packs.places.iter().filter(|p| p.kind == Kind::TorqueAtEnd).count(),
+            twist: vec![[[0.0; WIDE]; 6]; count],
         }
     }
 
-    fn commands(&mut self, commands: &[Vec<Lane<WIDE>>]) {
-        let at = self.inputs.command_row();
-        for (pack, command) in commands.iter().enumerate() {
-            for i in 0..self.n {
+    /// Position, velocity and twist of a sample.
+    fn add_states(&mut self, packs: &Packs, jacobian: &[f64]) {
+        let (n, count, torque) = (self.inputs.n, packs.runs.len(), self.torque);
+        for (row, sums) in self.rows.chunks_exact_mut(count).take(2 * n).enumerate() {
+            add_to(sums, torque, |pack| &packs.runs[pack].state[row]);
+        }
+        if self.inputs.twist == 0 {
+            return;
+        }
+        for (twist, run) in self.twist.iter_mut().zip(&packs.runs) {
+            *twist = [[0.0; WIDE]; 6];
+            add_product(twist, jacobian, &run.state[n..]);
+        }
+        for (c, sums) in self.rows.chunks_exact_mut(count).skip(2 * n).take(6).enumerate() {
+            add_to(sums, torque, |pack| &self.twist[pack][c]);
+        }
+    }
+
+    /// Commands of a sample and their change.
+    fn add_commands(&mut self, packs: &Packs) {
+        let (n, count, torque) = (self.inputs.n, packs.runs.len(), self.torque);
+        let command = |pack: usize, i: usize| &packs.runs[pack].control.command[i];
+        for (pack, before) in self.before.iter_mut().enumerate() {
+            for (i, before) in before.iter_mut().enumerate() {
+                let now = command(pack, i);
                 for c in 0..WIDE {
-                    let column = pack * WIDE + c;
-                    let slot = (at + i) * self.columns + column;
-                    let before = self.values[slot];
-                    self.values[slot] = command[i][c];
-                    self.values[(at + self.n + i) * self.columns + column] = command[i][c] - before;
+                    before[c] = now[c] - before[c];
                 }
             }
         }
-    }
-
-    fn states(&mut self, runs: &[Deviation<WIDE>], jacobian: &[f64]) {
-        let n = self.n;
-        for (pack, run) in runs.iter().enumerate() {
-            let at = pack * WIDE;
-            for i in 0..2 * n {
-                let slot = i * self.columns + at;
-                self.values[slot..slot + WIDE].copy_from_slice(&run.state[i]);
-            }
-            for c in 0..self.inputs.twist {
-                let row = &jacobian[c * n..(c + 1) * n];
-                let mut value = [0.0; WIDE];
-                super::lanes::add_row(&mut value, row, &run.state[n..]);
-                let slot = (2 * n + c) * self.columns + at;
-                self.values[slot..slot + WIDE].copy_from_slice(&value);
-            }
+        let mut rows = self.rows.chunks_exact_mut(count).skip(self.inputs.command_row());
+        for (i, sums) in rows.by_ref().take(n).enumerate() {
+            add_to(sums, torque, |pack| command(pack, i));
+        }
+        for (i, sums) in rows.enumerate() {
+            add_to(sums, torque, |pack| &self.before[pack][i]);
+        }
+        for (pack, before) in self.before.iter_mut().enumerate() {
+            before.copy_from_slice(&packs.runs[pack].control.command);
         }
     }
 
-    fn add_states(&self, sums: &mut [f64]) {
-        self.add(0..self.inputs.command_row(), sums);
-    }
-
-    fn add_commands(&self, sums: &mut [f64]) {
-        self.add(self.inputs.command_row()..self.inputs.rows(), sums);
-    }
-
-    fn add(&self, rows: core::ops::Range<usize>, sums: &mut [f64]) {
-        let (n, count, t) = (self.n, self.inputs.count(), self.period);
-        let inputs = self.inputs;
-        for row in rows {
-            let values = &self.values[row * self.columns..(row + 1) * self.columns];
-            let sums = &mut sums[row * count..(row + 1) * count];
-            for j in 0..n {
-                sums[inputs.torque() + j] += t * mean_of_line(values[j], values[n + j]);
-                sums[inputs.momentum() + j] += t * values[2 * n + j].abs();
-                sums[inputs.reading() + j] += values[3 * n + j].abs();
-            }
-            for c in 0..inputs.twist {
-                let own = &self.launch[c * n..(c + 1) * n];
-                let kick: f64 = own.iter().zip(&values[2 * n..3 * n]).map(|(a, b)| a * b).sum();
-                sums[inputs.payload() + c] += t * kick.abs();
-            }
-            for j in 0..inputs.speed {
-                sums[inputs.velocity() + j] += values[4 * n + j].abs();
+    /// Moves the sums of a bin to `[row][input]`.
+    fn drain(&mut self, packs: &Packs, out: &mut Vec<f32>) {
+        for sums in self.rows.chunks_exact_mut(packs.runs.len()) {
+            let from = out.len();
+            out.resize(from + self.inputs.count(), 0.0);
+            for (place, sum) in packs.places.iter().zip(sums) {
+                let unit = place.kind.per(self.period);
+                let at = from + self.inputs.first(place.kind) + place.first;
+                if place.kind != Kind::TorqueAtStart {
+                    for (out, sum) in out[at..at + place.width].iter_mut().zip(&*sum) {
+                        *out = up(unit * sum);
+                    }
+                }
+                *sum = [0.0; WIDE];
             }
         }
+    }
+}
+
+/// Adds the sizes of one row, torque's as means over an interval.
+fn add_to<'a>(sums: &mut [Lane<WIDE>], torque: usize, of: impl Fn(usize) -> &'a Lane<WIDE>) {
+    for (pack, sum) in sums[..torque].iter_mut().enumerate() {
+        add_size_of_line(sum, of(pack), of(torque + pack));
+    }
+    for (pack, sum) in sums.iter_mut().enumerate().skip(2 * torque) {
+        add_size(sum, of(pack));
     }
 }
 

@@ -6,12 +6,98 @@ pub(super) const WIDE: usize = 8;
 /// One signal of `W` runs.
 pub(super) type Lane<const W: usize> = [f64; W];
 
-/// `out += Σ_j row_j x_j`.
+/// Rows of a matrix that are summed together, so that no sum waits for the one before.
+const ROWS: usize = 4;
+
+/// `out += m x` for an `out.len() × x.len()` matrix.
 #[inline]
-pub(super) fn add_row<const W: usize>(out: &mut Lane<W>, row: &[f64], x: &[Lane<W>]) {
-    for (factor, x) in row.iter().zip(x) {
-        for c in 0..W {
-            out[c] += factor * x[c];
+pub(super) fn add_product<const W: usize>(out: &mut [Lane<W>], m: &[f64], x: &[Lane<W>]) {
+    let columns = x.len();
+    let mut rows = out.chunks_exact_mut(ROWS);
+    let mut blocks = m.chunks_exact(ROWS * columns);
+    for (out, block) in (&mut rows).zip(&mut blocks) {
+        add_rows::<W, ROWS>(out, block, x);
+    }
+    let (out, m) = (rows.into_remainder(), blocks.remainder());
+    match out.len() {
+        1 => add_rows::<W, 1>(out, m, x),
+        2 => add_rows::<W, 2>(out, m, x),
+        3 => add_rows::<W, 3>(out, m, x),
+        _ => {}
+    }
+}
+
+#[inline]
+fn add_rows<const W: usize, const R: usize>(out: &mut [Lane<W>], m: &[f64], x: &[Lane<W>]) {
+    let columns = x.len();
+    let rows: [&[f64]; R] = core::array::from_fn(|r| &m[r * columns..][..columns]);
+    let mut sums: [Lane<W>; R] = core::array::from_fn(|r| out[r]);
+    for j in 0..columns {
+        let x = x[j];
+        for r in 0..R {
+            let factor = rows[r][j];
+            for c in 0..W {
+                sums[r][c] += factor * x[c];
+            }
         }
+    }
+    out.copy_from_slice(&sums);
+}
+
+/// `sum += |x|`.
+#[inline]
+pub(super) fn add_size<const W: usize>(sum: &mut Lane<W>, x: &Lane<W>) {
+    for c in 0..W {
+        sum[c] += x[c].abs();
+    }
+}
+
+/// `sum +=` at least the mean of `|·|` along a line from `a` to `b`; exactly that where it does not cross zero.
+#[inline]
+pub(super) fn add_size_of_line<const W: usize>(sum: &mut Lane<W>, a: &Lane<W>, b: &Lane<W>) {
+    for c in 0..W {
+        let (x, y, both) = (a[c].abs(), b[c].abs(), (a[c] + b[c]).abs());
+        let larger = if x < y { y } else { x };
+        sum[c] += 0.5 * if both < larger { larger } else { both };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{add_product, add_size_of_line};
+
+    #[test]
+    fn products_of_every_height() {
+        for rows in 1..=9_u8 {
+            let m: Vec<f64> = (0..rows * 3).map(f64::from).collect();
+            let x = [[1.0, -1.0], [2.0, 0.5], [-3.0, 4.0]];
+            let mut out = vec![[10.0, 20.0]; usize::from(rows)];
+            add_product(&mut out, &m, &x);
+            for (i, out) in out.iter().enumerate() {
+                for c in 0..2 {
+                    let sum: f64 = (0..3).map(|j| m[i * 3 + j] * x[j][c]).sum();
+                    assert!((out[c] - [10.0, 20.0][c] - sum).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_least_the_mean_along_a_line() {
+        for i in -20..=20 {
+            for j in -20..=20 {
+                let (a, b) = (f64::from(i), f64::from(j));
+                let mut sum = [0.0];
+                add_size_of_line(&mut sum, &[a], &[b]);
+                let parts = 10_000;
+                let at = |k: i32| (a + (b - a) * (f64::from(k) + 0.5) / f64::from(parts)).abs();
+                let mean = (0..parts).map(at).sum::<f64>() / f64::from(parts);
+                assert!(sum[0] >= mean * (1.0 - 1e-6), "{a} {b}: {} {mean}", sum[0]);
+                assert!(a * b < 0.0 || sum[0] <= mean * (1.0 + 1e-6), "{a} {b}: {} {mean}", sum[0]);
+            }
+        }
+        let mut sum = [0.0; 2];
+        add_size_of_line(&mut sum, &[f64::NAN, 1.0], &[1.0, f64::NAN]);
+        assert!(sum.iter().all(|sum| sum.is_nan()));
     }
 }

@@ -35,15 +35,18 @@ use scene::{Scene, centre};
 use sweep::{Along, Bin, Group, Segment, Shape, Sweep};
 use tensors::Looked;
 
-/// Length of a bin, and of a group that shares a launch \[s\].
+/// Length of a bin \[s\].
 const BIN: f64 = 0.005;
-const GROUP: f64 = 0.04;
+
+/// Length of a group of bins that share a launch \[s\]: a share of what the loop remembers, between two ends.
+const GROUP: (f64, f64) = (0.04, 0.16);
+const GROUPS_REMEMBERED: f64 = 16.0;
 
 /// A loop has forgotten when its state is below this share of its peak.
-const FORGOTTEN: f64 = 1e-4;
+const FORGOTTEN: f64 = 1e-3;
 
-/// Most slices of the payload's mass.
-const SLICES: u32 = 8;
+/// The narrowest slice of the payload's mass that is tried, as a share of the interval.
+const NARROWEST: f64 = 1.0 / 8.0;
 
 /// The motion at every sample, rows of `n`.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,36 +159,43 @@ pub struct Envelope {
 pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope, TubeRefusal> {
     let scene = Scene::new(study, gains, desired)?;
     let Some(set) = scene.payload.clone() else {
-        let envelope = sliced(&scene, None)?;
-        return Ok(envelope);
+        return sliced(&scene, None, threads());
     };
-    let mut count = if set.mass.1 > set.mass.0 { 2 } else { 1 };
-    loop {
-        let mut whole: Option<Envelope> = None;
-        let mut open = None;
-        for slice in Slice::of(&set, count) {
-            match sliced(&scene, Some(&slice)) {
-                Ok(found) => match &mut whole {
-                    None => whole = Some(found),
-                    Some(whole) => whole.join(&found),
-                },
-                Err(why @ TubeRefusal::Open { .. })
-                    if count < SLICES && set.mass.1 > set.mass.0 =>
-                {
-                    open = Some(why);
-                    break;
+    let wide = set.mass.1 > set.mass.0;
+    let threads = threads();
+    let mut whole: Option<Envelope> = None;
+    let mut slices = 0;
+    let mut open = Slice::of(&set, set.mass, if wide { 2 } else { 1 });
+    while !open.is_empty() {
+        // As many side by side as there are threads; what each does inside is theirs to share.
+        let (now, later) = open.split_at(open.len().min(threads));
+        let inner = threads.div_ceil(now.len());
+        let found = parallel(&(0..now.len()).collect::<Vec<_>>(), threads, |i| {
+            sliced(&scene, Some(&now[i]), inner)
+        });
+        let mut next = Vec::new();
+        for (slice, found) in now.iter().zip(found) {
+            let width = (slice.mass.1 - slice.mass.0) / (set.mass.1 - set.mass.0);
+            match found {
+                Ok(found) => {
+                    slices += 1;
+                    match &mut whole {
+                        None => whole = Some(found),
+                        Some(whole) => whole.join(&found),
+                    }
+                }
+                Err(TubeRefusal::Open { .. }) if wide && width > 1.5 * NARROWEST => {
+                    next.extend(Slice::of(&set, slice.mass, 2));
                 }
                 Err(why) => return Err(why),
             }
         }
-        if open.is_none()
-            && let Some(mut whole) = whole
-        {
-            whole.slices = count;
-            return Ok(whole);
-        }
-        count *= 2;
+        next.extend_from_slice(later);
+        open = next;
     }
+    let mut whole = whole.ok_or_else(|| TubeRefusal::Payload("no mass".to_owned()))?;
+    whole.slices = slices;
+    Ok(whole)
 }
 
 impl Envelope {
@@ -212,27 +222,32 @@ impl Envelope {
 
 /// The tube of one slice of the payload.
 #[allow(clippy::too_many_lines, reason = "one step after the other")]
-fn sliced(scene: &Scene<'_>, slice: Option<&Slice>) -> Result<Envelope, TubeRefusal> {
+fn sliced(
+    scene: &Scene<'_>,
+    slice: Option<&Slice>,
+    threads: usize,
+) -> Result<Envelope, TubeRefusal> {
     let model = match slice {
         Some(slice) => slice.model(scene)?,
         None => scene.bare.clone(),
     };
     let nominal = Nominal::run(scene, &model)?;
-    let intervals = intervals(scene, &nominal, &model)?;
+    let intervals = intervals(scene, &nominal, &model, threads)?;
     let jacobians = match slice {
         Some(_) => jacobians(scene, &nominal, &model),
         None => Vec::new(),
     };
     let bin = even(BIN / scene.period, 1);
     let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
-    // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
-    let shared = if scene.measured_velocity { 0.25 * GROUP } else { GROUP };
-    let group = 2 * even(0.5 * shared / (bin as f64 * scene.period), 1);
     let (scale, memory) = course.pilot(FORGOTTEN);
+    let shared = (memory as f64 * scene.period / GROUPS_REMEMBERED).clamp(GROUP.0, GROUP.1);
+    // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
+    let shared = if scene.measured_velocity { 0.25 * shared } else { shared };
+    let group = 2 * even(0.5 * shared / (bin as f64 * scene.period), 1);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
     let length = (memory.div_ceil(bin * group) + 1) * bin * group;
-    let segments = segments(&course, length, &scale);
+    let segments = segments(&course, length, &scale, threads);
     let directions = match slice {
         Some(slice) => slice.directions(scene)?,
         None => Vec::new(),
@@ -253,7 +268,6 @@ fn sliced(scene: &Scene<'_>, slice: Option<&Slice>) -> Result<Envelope, TubeRefu
     let first = course.kernel(0, length.min(samples + bin), &scale);
     let mut sweep = Sweep::new(&along, first);
     let groups = bins.div_ceil(group);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let moved = Moved::new(&course, &nominal, group);
     let chunk = 4 * threads;
     for start in (0..groups).step_by(chunk) {
@@ -282,6 +296,10 @@ fn sliced(scene: &Scene<'_>, slice: Option<&Slice>) -> Result<Envelope, TubeRefu
         }
     }
     envelope(scene, &nominal, bin, &sweep.bin_results)
+}
+
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn even(x: f64, least: usize) -> usize {
@@ -313,8 +331,8 @@ fn intervals(
     scene: &Scene<'_>,
     nominal: &Nominal,
     model: &phihat_model::Model,
+    threads: usize,
 ) -> Result<Vec<Interval>, TubeRefusal> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let starts: Vec<usize> = (0..scene.samples).step_by(256).collect();
     let parts = parallel(&starts, threads, |start| {
         let mut differences = Differences::new(model);
@@ -370,10 +388,9 @@ fn jacobians(scene: &Scene<'_>, nominal: &Nominal, model: &phihat_model::Model) 
 }
 
 /// What a state left at the start of each segment does.
-fn segments(course: &Course<'_>, length: usize, scale: &Scale) -> Vec<Segment> {
+fn segments(course: &Course<'_>, length: usize, scale: &Scale, threads: usize) -> Vec<Segment> {
     let samples = course.intervals.len();
     let starts: Vec<usize> = (length..samples).step_by(length).collect();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     parallel(&starts, threads, |from| {
         let to = (from + length).min(samples);
         let (rows, left) = course.segment(from, to, scale);
@@ -416,7 +433,7 @@ fn shapes(
         }
         for (pack, run) in runs.iter_mut().enumerate() {
             let held = |i: usize| core::array::from_fn(|c| torque[i][pack * WIDE + c]);
-            run.step(scene, (k, interval), |_| ([0.0; WIDE], [0.0; WIDE]), held);
+            run.step(scene, (k, interval), held);
         }
         for (d, shape) in shapes.iter_mut().enumerate() {
             let Some(shape) = shape else { continue };

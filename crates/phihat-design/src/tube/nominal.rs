@@ -6,9 +6,6 @@ use super::TubeRefusal;
 use super::controller::Control;
 use super::scene::{Scene, dry};
 
-/// Integration steps per step of the study's simulator.
-const FINER: u32 = 2;
-
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].
 const DIVERGED: f64 = 1e3;
 
@@ -44,6 +41,8 @@ impl Nominal {
             defect: [Vec::with_capacity(rows * n), Vec::with_capacity(rows * n)],
         };
         let mut plant = Plant::new(scene, model);
+        // The study's simulator is one of the two: the finer one, unless it has one step.
+        let (fine, coarse) = (scene.substeps.max(2), scene.substeps.div_ceil(2));
         let mut control = Control::<1>::new(&scene.law);
         let (mut q, mut dq) = scene.start.clone();
         let mut last = vec![0.0; n];
@@ -70,8 +69,8 @@ impl Nominal {
             }
             control.act(&scene.law);
             let (mut coarse_q, mut coarse_dq) = (q.clone(), dq.clone());
-            plant.advance(k, &control, (&mut coarse_q, &mut coarse_dq), 1);
-            plant.advance(k, &control, (&mut q, &mut dq), FINER);
+            plant.advance(k, &control, (&mut coarse_q, &mut coarse_dq), coarse);
+            plant.advance(k, &control, (&mut q, &mut dq), fine);
             let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
                 a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect()
             };
@@ -103,6 +102,9 @@ struct Plant<'a> {
     tau: Vec<f64>,
     sign: Vec<f64>,
     ends: Vec<(f64, f64)>,
+    /// Accelerations of the stages, and what a step works with.
+    slopes: [Vec<f64>; 4],
+    work: [Vec<f64>; 6],
 }
 
 impl<'a> Plant<'a> {
@@ -118,49 +120,60 @@ impl<'a> Plant<'a> {
             tau: zero.clone(),
             sign: zero.clone(),
             ends: vec![(0.0, 0.0); scene.n],
+            slopes: core::array::from_fn(|_| zero.clone()),
+            work: core::array::from_fn(|_| zero.clone()),
         }
     }
 
-    /// From sample `k` to the next, in `finer` times the steps of the study's simulator.
+    /// What the robot adds to the torque by itself, from what it senses at a sample.
+    fn compensate(&mut self, q: &[f64], dq: &[f64]) {
+        let scene = self.scene;
+        self.added.fill(0.0);
+        if scene.adds_gravity {
+            let rest = vec![0.0; scene.n];
+            scene.bare.bias(&mut self.bare, q, &rest, &mut self.added);
+        }
+        for (i, out) in self.added.iter_mut().enumerate() {
+            if let Some(added) = &scene.friction[i].added {
+                *out += added.smooth(dq[i]) + added.level() * dry(dq[i]);
+            }
+        }
+    }
+
+    /// From sample `k` to the next; pushes begin and end where the study's simulator has a step.
     fn advance(
         &mut self,
         k: usize,
         control: &Control<1>,
         (q, dq): (&mut [f64], &mut [f64]),
-        finer: u32,
+        steps: u32,
     ) {
         let scene = self.scene;
         let n = scene.n;
-        self.added.fill(0.0);
-        if scene.adds_gravity {
-            let rest = vec![0.0; n];
-            scene.bare.bias(&mut self.bare, q, &rest, &mut self.added);
-        }
-        for i in 0..n {
-            if let Some(added) = &scene.friction[i].added {
-                self.added[i] += added.smooth(dq[i]) + added.level() * dry(dq[i]);
-            }
-        }
+        self.compensate(q, dq);
         self.sign.fill(0.0);
         self.ends.fill((f64::INFINITY, f64::NEG_INFINITY));
-        let steps = scene.substeps * finer;
         let h = scene.period / f64::from(steps);
         let start = k as f64 * scene.period;
         let coarse = scene.period / f64::from(scene.substeps);
-        let mut slopes = vec![vec![0.0; n]; 4];
+        let mut slopes = core::mem::take(&mut self.slopes);
+        let [mut q0, mut v0, mut qs, mut vs, mut way, mut speed] = core::mem::take(&mut self.work);
         for step in 0..steps {
-            scene.push(start + f64::from(step / finer) * coarse, &mut self.push);
-            let (q0, v0) = (q.to_vec(), dq.to_vec());
-            let (mut qs, mut vs) = (q0.clone(), v0.clone());
-            let (mut way, mut speed) = (vec![0.0; n], vec![0.0; n]);
+            let begun = u64::from(step) * u64::from(scene.substeps) / u64::from(steps);
+            #[allow(clippy::cast_precision_loss, reason = "a count of substeps")]
+            scene.push(start + begun as f64 * coarse, &mut self.push);
+            for (kept, now) in [(&mut q0, &*q), (&mut qs, &*q), (&mut v0, &*dq), (&mut vs, &*dq)] {
+                kept.copy_from_slice(now);
+            }
+            way.fill(0.0);
+            speed.fill(0.0);
             for (stage, (node, weight)) in
                 [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)].into_iter().enumerate()
             {
                 if stage > 0 {
-                    let before = slopes[stage - 1].clone();
+                    let before = &slopes[stage - 1];
                     for i in 0..n {
-                        let velocity = vs[i];
-                        qs[i] = q0[i] + node * h * velocity;
+                        qs[i] = q0[i] + node * h * vs[i];
                         vs[i] = v0[i] + node * h * before[i];
                     }
                 }
@@ -187,5 +200,7 @@ impl<'a> Plant<'a> {
                 dq[i] = v0[i] + h / 6.0 * speed[i];
             }
         }
+        self.slopes = slopes;
+        self.work = [q0, v0, qs, vs, way, speed];
     }
 }

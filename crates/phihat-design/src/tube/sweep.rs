@@ -399,7 +399,7 @@ impl<'a> Sweep<'a> {
                     }
                     lane
                 };
-                run.step(scene, (k, interval), |_| ([0.0; WIDE], [0.0; WIDE]), torque);
+                run.step(scene, (k, interval), torque);
             }
             for column in 0..columns {
                 let run = &out.runs[column / WIDE];
