@@ -49,13 +49,13 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, String> {
     if let Some(refused) = certificate.refused() {
         return Err(format!("refused: {refused}"));
     }
+    if let Some(why) = &certificate.tube_refused {
+        return Err(format!("tube: {why}"));
+    }
     let tube = certificate.tube.as_ref();
     let counted = |left_out: &&NotCounted| tube.is_some() && left_out.in_tube();
     if let Some(left_out) = certificate.not_counted.iter().find(|left_out| !counted(left_out)) {
         return Err(format!("not counted: {}", left_out.key));
-    }
-    if let Some(why) = &certificate.tube_refused {
-        return Err(format!("tube: {why}"));
     }
     if let Some(tube) = tube {
         return Ok(documented(tube));

@@ -34,7 +34,7 @@ struct Arguments {
     /// Runs per study: extreme and drawn payloads and friction.
     #[arg(long, default_value_t = 6)]
     runs: usize,
-    /// Keep the certified ones among every so many studies; 0: none.
+    /// Keep one among every so many studies; 0: none.
     #[arg(long, default_value_t = 20)]
     keep_every: u64,
     /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.

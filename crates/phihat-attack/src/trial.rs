@@ -165,7 +165,7 @@ impl Trial<'_> {
             }
         }
         let kept =
-            record.ended == Ended::Certified && self.asked(index) || !record.violations.is_empty();
+            record.ended != Ended::NoStudy && self.asked(index) || !record.violations.is_empty();
         if !kept {
             // What cannot be removed is left behind, and overwritten next time.
             let _ = std::fs::remove_dir_all(&folder);
@@ -202,6 +202,9 @@ impl Trial<'_> {
             draft.error_max.iter_mut().for_each(|error| *error *= factor);
         }
         record.seconds.0 = began.elapsed().as_secs_f64();
+        if let Err(why) = std::fs::write(&path, draft.text(&draft.nominal)) {
+            record.redrawn.push(format!("study.toml: {why}"));
+        }
         match verdict {
             Some(Verdict::Certified(gains, claim)) => {
                 record.ended = Ended::Certified;
@@ -229,7 +232,7 @@ impl Trial<'_> {
         folder: &Path,
         record: &mut Record,
     ) {
-        let mut keep = vec![("study.toml".to_owned(), draft.text(&draft.nominal))];
+        let mut keep = Vec::new();
         for (name, world) in worlds(&draft.nominal, &draft.scope, dice, self.runs) {
             let study = match draft.study(&world, folder) {
                 Ok(study) => study,

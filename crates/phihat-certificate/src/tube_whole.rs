@@ -41,12 +41,11 @@ impl Certificate {
         }
         yes(CLAIM, "no limit can act", 0.0, 1.0, tube.limits_silent)?;
         self.payload(tube)?;
-        let wanted = (tube.duration_s / tube.bin_s - SAME).ceil();
         for (i, (own, joint)) in tube.joints.iter().zip(&self.joints).enumerate() {
             let named = |why: Refutation| why.on(&joint.name);
             let same = own.name == joint.name;
             yes(CLAIM, "joint names agree", 0.0, 0.0, same).map_err(named)?;
-            own.whole(tube, wanted).map_err(named)?;
+            own.whole(tube, joint.model.period_s).map_err(named)?;
             let level = (tube.coulomb_nm.0[i], tube.coulomb_nm.1[i]);
             at_most(CLAIM, "0 ≤ dry friction", 0.0, level.0).map_err(named)?;
             at_most(CLAIM, "low ≤ high level of dry friction", level.0, level.1).map_err(named)?;
@@ -75,7 +74,9 @@ impl Certificate {
 }
 
 impl TubeJoint {
-    fn whole(&self, tube: &Tube, bins: f64) -> Result<(), Refutation> {
+    fn whole(&self, tube: &Tube, period: f64) -> Result<(), Refutation> {
+        let samples = (tube.duration_s / period).round().max(1.0);
+        let bins = (samples / (tube.bin_s / period).round().max(1.0)).ceil();
         let (e, v) = (
             (&self.error_low_rad, &self.error_high_rad),
             (&self.velocity_low_rad_s, &self.velocity_high_rad_s),

@@ -11,6 +11,7 @@ use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::knowledge::Advice;
 use crate::{files, knowledge, table};
 
 /// Find gains that keep a study's specification, and prove what can be proved about them.
@@ -57,7 +58,7 @@ impl Design {
             };
         }
         let arm = knowledge::arm(&study, &self.study)?;
-        match knowledge::designed(&study, &arm, &self.study)? {
+        match knowledge::designed(&study, &arm, &self.study, Advice::Changes)? {
             Outcome::Designed(mut gains) => {
                 if let Some(seconds) = self.prove_range {
                     prove_range(&mut gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
@@ -137,7 +138,7 @@ fn prove_range(gains: &mut Gains, arm: &Arm, time: Duration) {
 ///
 /// # Errors
 ///
-/// [`Failure`]: the design cannot begin. That no gains exist is an [`Outcome`].
+/// [`Failure`]: the design cannot begin. That no gains exist is an [`Outcome`], without changes that would help.
 pub fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
-    knowledge::designed(study, &knowledge::arm(study, path)?, path)
+    knowledge::designed(study, &knowledge::arm(study, path)?, path, Advice::Clauses)
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 use phihat::Form;
 use phihat_campaign::{arm_along, coupled_along, motion_along, phi_along, typed_phi_holds};
 use phihat_design::{
-    Arm, Gains, JointSignals, Outcome, Phi, PhiBasis, design, estimate_inertia, find_moving,
-    typed_inertia_holds,
+    Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
+    find_moving, search, typed_inertia_holds,
 };
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
@@ -36,16 +36,46 @@ pub(crate) fn arm(study: &Study, path: &Path) -> Result<Arm, Failure> {
     estimates.map(|found| Arm::estimated(&found)).map_err(|e| Failure::at(file, e))
 }
 
+/// What is told of a specification that cannot be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Advice {
+    /// Which clauses are in the way.
+    Clauses,
+    /// And which changes of the loop would make it feasible: a search for each.
+    Changes,
+}
+
 /// Designs gains for a study, with `φ` from the source it names.
-pub(crate) fn designed(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, Failure> {
+pub(crate) fn designed(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    advice: Advice,
+) -> Result<Outcome, Failure> {
     let demand = Demand::along(study).map_err(|e| Failure::at(path, e))?;
-    let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
-        let motion = |joint| Some(motion_along(&demand, joint));
-        let phi = |joint, inertia| Phi { motion: motion(joint), ..phi(joint, inertia) };
-        design(study, arm, &phi).map_err(|e| Failure::at(path, e))
+    let moving = |phi: &dyn Fn(usize, f64) -> Phi, joint: usize, inertia: f64| {
+        let motion = Some(motion_along(&demand, joint));
+        Phi { motion, ..phi(joint, inertia) }
     };
-    let outcome = crate::tubed::tubed(study, path, &|asked| estimated(asked, path, &demand, &made));
-    completed(study, arm, outcome?, path)
+    let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+        let phi = |joint, inertia| moving(phi, joint, inertia);
+        search(study, arm, &phi).map_err(|e| Failure::at(path, e))
+    };
+    let make = |asked: &Study| estimated(asked, path, &demand, &made);
+    let mut outcome = crate::tubed::tubed(study, path, &make)?;
+    if let Outcome::Infeasible(no) = &mut outcome
+        && advice == Advice::Changes
+    {
+        let advised = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+            let phi = |joint, inertia| moving(phi, joint, inertia);
+            let alternatives = alternatives(study, arm, &phi).map_err(|e| Failure::at(path, e))?;
+            Ok(Outcome::Infeasible(Infeasible { alternatives, ..no.clone() }))
+        };
+        if let Outcome::Infeasible(told) = estimated(study, path, &demand, &advised)? {
+            *no = told;
+        }
+    }
+    completed(study, arm, outcome, path)
 }
 
 /// One search, by bounds of joint after joint.

@@ -12,6 +12,7 @@ use phihat_study::{LawForm, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::knowledge::Advice;
 use crate::{files, knowledge, table};
 
 /// What `run` and `simulate` are told.
@@ -291,7 +292,7 @@ pub(crate) fn settle(study: &mut Study, gains: &Gains) {
 
 /// Gains for a study that leaves them to the design.
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Failure> {
-    match knowledge::designed(study, arm, path)? {
+    match knowledge::designed(study, arm, path, Advice::Changes)? {
         Outcome::Designed(gains) => Ok(*gains),
         Outcome::Infeasible(no) => Err(Failure::at(path, table::infeasible(&no))),
         _ => Err(Failure::plain("an outcome that this version does not know")),

@@ -26,7 +26,9 @@ pub mod tube;
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
 pub use certificate::{arm_inside_window, find_moving};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
-pub use designer::{Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, design};
+pub use designer::{
+    Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, search,
+};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
     FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,

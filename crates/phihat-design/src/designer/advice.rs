@@ -23,7 +23,11 @@ pub struct Alternative {
 }
 
 /// The smallest multiple of the rate, no delay, and a velocity filter: each alone, each tried out and certified.
-pub(super) fn alternatives(
+///
+/// # Errors
+///
+/// [`DesignError`].
+pub fn alternatives(
     study: &Study,
     arm: &Arm,
     phi: PhiOf<'_>,

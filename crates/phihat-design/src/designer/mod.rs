@@ -13,7 +13,7 @@ mod verdict;
 use phihat_study::{DesignMethod, Study};
 use thiserror::Error;
 
-pub use advice::Alternative;
+pub use advice::{Alternative, alternatives};
 pub use infeasible::{Clause, Infeasible};
 
 use crate::Gains;
@@ -75,6 +75,19 @@ pub enum DesignError {
 ///
 /// [`DesignError`]. That no gains exist is an [`Outcome`].
 pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
+    let mut outcome = search(study, arm, phi)?;
+    if let Outcome::Infeasible(no) = &mut outcome {
+        no.alternatives = alternatives(study, arm, phi)?;
+    }
+    Ok(outcome)
+}
+
+/// [`design`] without looking for [`alternatives`], which is a search for each of them.
+///
+/// # Errors
+///
+/// [`DesignError`].
+pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     if study.design.method == DesignMethod::Paper {
         return paper::design(study, arm, phi).map(|gains| Outcome::Designed(Box::new(gains)));
     }
@@ -84,9 +97,8 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
         return Ok(Outcome::Designed(Box::new(gains)));
     }
     let clauses = search.clauses(&attempt.nearest);
-    let alternatives = advice::alternatives(study, arm, phi)?;
     let (tried, stable) = (attempt.tried, attempt.stable);
-    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives, tried, stable }))
+    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives: Vec::new(), tried, stable }))
 }
 
 /// One search for gains.

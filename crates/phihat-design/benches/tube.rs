@@ -1,0 +1,94 @@
+//! What a tube costs: `cargo bench -p phihat-design --bench tube` prints one JSON line per study and duration, with
+//! the search for the gains beside it.
+#![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
+#![allow(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops on a bad set-up")]
+
+use std::time::Instant;
+
+use phihat_design::tube::{Desired, tube};
+use phihat_design::{Arm, Gains, Motion as PhiMotion, Outcome, Phi, PhiBasis, design};
+use phihat_sim::{Demand, Motion};
+use phihat_study::Study;
+
+/// An error of 2 mrad with an unknown payload and friction, on a motion of two sines.
+fn study(robot: &str, duration: f64) -> Study {
+    let text = format!(
+        r#"
+duration_s = {duration:?}
+[robot]
+name = "{robot}"
+[spec]
+error_max_rad = 2e-3
+settle_s = 1.0
+[design]
+payload_max_kg = 0.5
+coulomb_max_nm = 0.2
+settling_time_s = 1.0
+[sensor]
+encoder_bits = 20
+[loop]
+torque_rate_max_nm_s = "none"
+[reference]
+kind = "sines"
+center = "ready"
+fade_in_s = 1.0
+[[reference.sine]]
+amplitude_rad = 0.15
+frequency_hz = 0.25
+"#
+    );
+    Study::from_text(&text, "bench", ".".as_ref()).unwrap()
+}
+
+fn gains(study: &Study) -> Gains {
+    let demand = Demand::along(study).unwrap();
+    let arm = Arm::of(study).unwrap();
+    let phi = |joint: usize, inertia: f64| {
+        let along = demand.phi(joint, inertia);
+        Phi {
+            basis: PhiBasis::Reference,
+            source: "along the reference".to_owned(),
+            size_nm: Some(along.size),
+            rate_nm_s: along.rate,
+            jump_nm: along.jump,
+            motion: Some(PhiMotion {
+                velocity_rad_s: demand.velocity(joint),
+                acceleration_rad_s2: demand.motion(joint).0,
+                jerk_rad_s3: demand.motion(joint).1,
+            }),
+        }
+    };
+    match design(study, &arm, &phi).unwrap() {
+        Outcome::Designed(gains) => *gains,
+        no => panic!("{no:?}"),
+    }
+}
+
+fn main() {
+    for robot in ["planar3r", "ur5", "panda"] {
+        for duration in [2.5, 5.0, 10.0] {
+            let study = study(robot, duration);
+            let start = Instant::now();
+            let gains = gains(&study);
+            let searched = start.elapsed().as_secs_f64();
+            let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
+            let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
+            let mut times: Vec<f64> = (0..3)
+                .map(|_| {
+                    let start = Instant::now();
+                    let found = tube(&study, &gains, &desired).unwrap();
+                    assert!(found.joints.iter().all(|joint| joint.error_max_rad.is_finite()));
+                    start.elapsed().as_secs_f64()
+                })
+                .collect();
+            times.sort_by(f64::total_cmp);
+            let joints = gains.joints.len();
+            let each = 1e3 * times[1] / (duration * f64::from(u32::try_from(joints).unwrap()));
+            println!(
+                r#"{{"robot":"{robot}","joints":{joints},"duration_s":{duration},"search_s":{searched:.3},"tube_s":{:.3},"tube_ms_per_s_and_joint":{each:.2}}}"#,
+                times[1]
+            );
+        }
+    }
+}
