@@ -42,6 +42,9 @@ const BIN: f64 = 0.005;
 const GROUP: (f64, f64) = (0.04, 0.16);
 const GROUPS_REMEMBERED: f64 = 16.0;
 
+/// Second derivatives are looked at so often \[s\].
+const LOOK: f64 = 0.04;
+
 /// A loop has forgotten when its state is below this share of its peak.
 const FORGOTTEN: f64 = 1e-3;
 
@@ -244,6 +247,7 @@ fn sliced(
     // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
     let shared = if scene.measured_velocity { 0.25 * shared } else { shared };
     let group = 2 * even(0.5 * shared / (bin as f64 * scene.period), 1);
+    let looks = even(LOOK / scene.period, 1);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
     let length = (memory.div_ceil(bin * group) + 1) * bin * group;
@@ -277,8 +281,12 @@ fn sliced(
             let boundary = (launch + length).div_ceil(length) * length;
             let end = boundary.min((bins + group + 2) * bin);
             let kernel = course.kernel(launch, end, &scale);
-            let state = middle(scene, &nominal, launch.min(samples - 1));
-            let tensors = Looked::new(&ends, &directions).at(&state, slice);
+            let mut looked = Looked::new(&ends, &directions);
+            let first = g * group * bin + looks / 2;
+            let mut tensors = looked.at(&middle(scene, &nominal, first.min(samples - 1)), slice);
+            for k in (first + looks..((g + 1) * group * bin).min(samples)).step_by(looks) {
+                tensors.widen(&looked.at(&middle(scene, &nominal, k), slice));
+            }
             let [m, d, k] = [0, 1, 2].map(|i| moved.by(i, g));
             Group {
                 kernel,

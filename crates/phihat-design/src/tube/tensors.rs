@@ -25,6 +25,25 @@ pub(super) struct Tensors {
     pub(super) payload_stiffness: Vec<f64>,
 }
 
+impl Tensors {
+    /// Holds both.
+    pub(super) fn widen(&mut self, other: &Self) {
+        let Self { mass, stiffness, damping, coriolis, payload_damping, payload_stiffness } = self;
+        for (own, other) in [
+            (mass, &other.mass),
+            (stiffness, &other.stiffness),
+            (damping, &other.damping),
+            (coriolis, &other.coriolis),
+            (payload_damping, &other.payload_damping),
+            (payload_stiffness, &other.payload_stiffness),
+        ] {
+            for (own, other) in own.iter_mut().zip(other) {
+                *own = own.max(*other);
+            }
+        }
+    }
+}
+
 /// What a direction changes of `D` and `K`.
 type Change = (Vec<f64>, Vec<f64>);
 
