@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     ArmBasis, Certificate, Gains, JointCertificate, LoopForm, LoopTorque, LoopVelocity, NotCounted,
-    PhiBasis, Refutation,
+    PhiBasis, Refutation, TubeAgain,
 };
 
 /// One line of a checked certificate.
@@ -24,7 +24,7 @@ pub struct Statement {
 ///
 /// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method` and
 /// `trade_off` inform; nothing checks them, and they do not appear here.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
     /// Claims that were shown from the file.
     pub proved: Vec<Statement>,
@@ -32,6 +32,8 @@ pub struct Verified {
     pub trusted: Vec<Statement>,
     /// Of that, what was derived again from a study.
     pub derived: Vec<Statement>,
+    /// What a second derivation from a study says of the tube.
+    pub tube: Option<TubeAgain>,
     /// What the study has and the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
 }
@@ -63,6 +65,7 @@ impl Certificate {
             proved: shown,
             trusted: self.trusted(gains),
             derived: Vec::new(),
+            tube: None,
             not_counted: self.not_counted.clone(),
         })
     }
