@@ -6,7 +6,7 @@ use super::chain::{Chain, NotAChain};
 use super::dense::{count, inverse};
 use super::law::Loop;
 use super::nominal::Nominal;
-use super::scope::{Dry, PayloadSlice, Refusal, counted, smooth};
+use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
 use super::sweep::{Sweep, Swept};
 use super::{Inputs, ROUNDING};
 use crate::{PayloadSet, Tube, TubeJoint};
@@ -30,16 +30,17 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
         NotAChain::Tree => Refusal::Branches,
         NotAChain::Frame => Refusal::PayloadFrame,
     })?;
-    let loops: Vec<Loop> =
-        inputs.joints.iter().map(|l| Loop::new(study, l, inputs.velocity_filter_hz)).collect();
-    if loops.first().is_some_and(|l| l.measured) {
-        return Err(Refusal::NotCounted { what: "measured velocity" });
-    }
+    let filter = inputs.velocity_filter_hz;
+    let laws = inputs.joints.iter().enumerate();
+    let loops: Vec<Loop> = laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect();
+    let drives: Vec<f64> = loops.iter().filter_map(Loop::drive_rate).collect();
+    let adds = Adds::of(study);
     let dry = dry(inputs, &chain, period);
     let one = |slice: Option<&PayloadSlice>, progress: &dyn Fn(f64)| -> Result<Half, Refusal> {
-        let run = Nominal::run(inputs, &loops, slice, &dry)?;
+        let run = Nominal::run(inputs, &loops, slice, (&dry, &adds))?;
         let smooth = smooth(study);
-        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &loops));
+        let of_loops = (&loops[..], &drives[..]);
+        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &adds), of_loops);
         Ok(Half::new(inputs, &run, &sweep.run(progress)?))
     };
     let Some(set) = set else {

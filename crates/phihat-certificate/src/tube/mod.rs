@@ -25,6 +25,7 @@ mod chain;
 mod dense;
 mod document;
 mod frame;
+mod lanes;
 mod law;
 mod matter;
 mod nominal;
@@ -125,5 +126,11 @@ impl Inputs<'_> {
             bits.map_or(0.0, |bits| core::f64::consts::PI / 2.0_f64.powi(bits[i].cast_signed()))
         };
         (0..n).map(of).collect()
+    }
+
+    /// Most that a reading may be off \[rad\] per joint: half a step, and the bias.
+    fn misread(&self) -> Vec<f64> {
+        let bias = &self.study.sensor.position_bias;
+        self.half_steps().iter().zip(bias).map(|(half, bias)| half + bias.abs()).collect()
     }
 }
