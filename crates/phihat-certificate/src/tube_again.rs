@@ -15,17 +15,21 @@ const SAME: f64 = 1e-9;
 /// What a second derivation says of a file's tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TubeAgain {
-    /// Why it could not be derived: the tube is on trust.
+    /// Why it could not be derived: the tube is on trust. `None`: it was.
     pub on_trust: Option<String>,
     /// Claimed beside derived, joint by joint; empty where it is on trust.
     pub joints: Vec<JointBeside>,
-    /// Clauses of the specification that the file's tube keeps and the derivation's does not: they rest on the first
-    /// derivation alone.
+    /// Clauses of the specification that the file's tube keeps and the second derivation does not: they rest on the
+    /// first alone.
     pub first_only: Vec<String>,
 }
 
 impl Certificate {
-    /// Derives the tube again, and holds the file's against it.
+    /// Derives the tube again, and holds the file's against it. `None`: the file has none.
+    ///
+    /// # Not claimed
+    ///
+    /// That the file's tube is true where it is tighter than what is derived here: [`JointBeside::tighter`] says by how much.
     ///
     /// # Errors
     ///
@@ -37,7 +41,7 @@ impl Certificate {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Option<TubeAgain>, Refutation> {
         let Some(claimed) = &self.tube else { return Ok(None) };
-        self.tube_is_of(claimed, study)?;
+        self.is_of(claimed, study)?;
         let joints: Vec<tube::Law> = gains.joints.iter().map(tube::Law::from).collect();
         let (low, high) = &study.design.coulomb;
         let inputs = Inputs {
@@ -49,31 +53,67 @@ impl Certificate {
             coulomb: (low, high),
             bin_s: claimed.bin_s,
         };
-        match tube::derive(&inputs, progress) {
-            Ok(own) => {
-                let own = own.steady_from(claimed.settle_s);
-                let joints = tube::beside(claimed, &own)?;
-                let first_only = only_by_first(study, claimed, &own);
-                Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
+        let own = match tube::derive(&inputs, progress) {
+            Ok(own) => own.steady_from(claimed.settle_s),
+            Err(why) => {
+                let on_trust = Some(why.to_string());
+                return Ok(Some(TubeAgain { on_trust, joints: vec![], first_only: vec![] }));
             }
-            Err(why) => Ok(Some(TubeAgain {
-                on_trust: Some(why.to_string()),
-                joints: Vec::new(),
-                first_only: Vec::new(),
-            })),
-        }
+        };
+        agrees(CLAIM, "bins are whole samples", (claimed.bin_s, own.bin_s), SAME)?;
+        let joints = tube::beside(claimed, &own, study.control.period_ns as f64 * 1e-9)?;
+        let first_only = first_only(study, claimed, &own);
+        Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
     }
 
-    fn tube_is_of(&self, claimed: &Tube, study: &Study) -> Result<(), Refutation> {
+    /// What the tube says that it is about is what the study says.
+    fn is_of(&self, claimed: &Tube, study: &Study) -> Result<(), Refutation> {
         let same = |what: &str, truth| Refutation::unless(CLAIM, what, 0.0, 1.0, truth);
         let payload = PayloadSet::from(&study.design.payload);
         same("payloads are the study's", claimed.payload == payload)?;
-        same("levels of dry friction are the study's", claimed.coulomb_nm == study.design.coulomb)?;
+        let levels = claimed.coulomb_nm == study.design.coulomb;
+        same("levels of dry friction are the study's", levels)?;
+        let bits = study.sensor.encoder_bits.as_ref();
+        for (i, own) in claimed.quantum_rad.iter().enumerate() {
+            let bits = bits.and_then(|bits| bits.get(i));
+            let quantum = bits.map_or(0.0, |bits| crate::TorqueNoise::quantum(*bits));
+            agrees(CLAIM, "quantum is the encoder's", (own + 1.0, quantum + 1.0), 1e-12)?;
+        }
+        if study.spec.settle_stated {
+            let sides = (claimed.settle_s + 1.0, study.spec.settle + 1.0);
+            agrees(CLAIM, "settling time is the study's", sides, SAME)?;
+        }
         Ok(())
     }
 }
 
-fn only_by_first(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
-    let _ = (study, claimed, own, SAME, agrees);
-    Vec::new()
+/// Clauses that one tube keeps and the other does not.
+fn first_only(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
+    let spec = &study.spec;
+    let integral = |tube: &Tube, i: usize| -> f64 {
+        let joint = &tube.joints[i];
+        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
+        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
+    };
+    let clauses: [Clause<'_>; 3] = [
+        ("spec.error_max_rad", &spec.error_max, &|tube, i| tube.joints[i].error_max_rad),
+        ("spec.velocity_error_max_rad_s", &spec.velocity_error_max, &|tube, i| {
+            tube.joints[i].velocity_error_max_rad_s
+        }),
+        ("spec.error_integral_max_rad_s", &spec.error_integral_max, &integral),
+    ];
+    let mut list = Vec::new();
+    for (key, limits, of) in clauses {
+        for (i, limit) in limits.iter().flatten().enumerate() {
+            let (first, second) = (of(claimed, i), of(own, i));
+            if first <= *limit && !(second <= *limit) {
+                let name = &claimed.joints[i].name;
+                list.push(format!("{key} = {limit} on {name}: {second:.4e} is derived here"));
+            }
+        }
+    }
+    list
 }
+
+/// Key of a clause, its limits, and what a tube says of a joint.
+type Clause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_certificate::tube::Reference;
+use phihat_certificate::tube::{JointBeside, Reference};
 use phihat_certificate::{Certificate, Refutation, TubeAgain};
 use phihat_design::{Gains, Statement, Verified};
 use phihat_sim::Motion;
@@ -130,7 +130,6 @@ fn spinner() -> ProgressBar {
 
 /// The three blocks, and what a study says of the second.
 fn blocks(verified: &Verified, runs: Option<&Kept>) -> String {
-    let _ = runs;
     let line = |one: &Statement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
@@ -147,9 +146,36 @@ fn blocks(verified: &Verified, runs: Option<&Kept>) -> String {
         blocks
             .push(block("OF THAT, AGAINST THE STUDY", verified.derived.iter().map(line).collect()));
     }
+    if let Some(tube) = &verified.tube {
+        blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, runs)));
+    }
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
     blocks.push("every claim holds".to_owned());
     blocks.join("\n")
+}
+
+/// What the second derivation and the drawn worlds say of the tube.
+fn again_lines(tube: &TubeAgain, runs: Option<&Kept>) -> Vec<String> {
+    let joint = |own: &JointBeside| {
+        let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
+        let rest = if own.confirmed() {
+            String::new()
+        } else {
+            format!("; up to {:.1} times tighter: there it rests on the first derivation only", own.tighter)
+        };
+        format!("  {}: |e| ≤ {:.4} mrad claimed, {:.4} derived{rest}", own.name, ends[0], ends[1])
+    };
+    let mut lines: Vec<String> = tube.joints.iter().map(joint).collect();
+    lines.extend(tube.on_trust.iter().map(|why| {
+        format!("  the tube is on trust: it could not be derived a second time, {why}")
+    }));
+    lines.extend(tube.first_only.iter().map(|clause| {
+        format!("  {clause}; that it is kept rests on the first derivation only")
+    }));
+    lines.extend(runs.map(|kept| {
+        format!("  {} worlds drawn from the study's scope were run: none left the tube", kept.runs)
+    }));
+    lines
 }

@@ -12,6 +12,9 @@ use crate::knowledge;
 /// How many worlds are drawn.
 pub(crate) const WORLDS: usize = 8;
 
+/// How round a needle is.
+const NEEDLE: f64 = 0.02;
+
 /// Runs that stayed inside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Kept {
@@ -175,9 +178,12 @@ impl Draw {
     fn payload(&mut self, set: &PayloadSet) -> Option<Payload> {
         let mass = self.end_or_between(set.mass);
         let com = set.com.map(|ends| self.end_or_between(ends));
-        // A needle along a corner of the cube: each second moment as large as it may be.
-        let v = [(); 3].map(|()| set.gyration * self.end_or_between((-1.0, 1.0)));
-        let second = |i: usize, j: usize| mass * v[i] * v[j];
+        // A needle along a corner of the cube, whose second moments are as large as any; no body is that thin.
+        let v = [(); 3].map(|()| self.end_or_between((-1.0, 1.0)));
+        let round = |i: usize, j: usize| if i == j { NEEDLE } else { 0.0 };
+        let second = |i: usize, j: usize| {
+            mass * set.gyration.powi(2) * ((1.0 - NEEDLE) * v[i] * v[j] + round(i, j))
+        };
         let trace: f64 = (0..3).map(|i| second(i, i)).sum();
         let inertia = [
             trace - second(0, 0),
