@@ -26,6 +26,7 @@ mod phi;
 mod reading;
 mod reference;
 mod refutation;
+mod replay;
 mod settle;
 mod step;
 mod trade_off;

@@ -61,7 +61,7 @@ impl Certificate {
             }
         };
         agrees(CLAIM, "bins are whole samples", (claimed.bin_s, own.bin_s), SAME)?;
-        let joints = tube::beside(claimed, &own, study.control.period_ns as f64 * 1e-9)?;
+        let joints = tube::beside(claimed, &own)?;
         let first_only = first_only(study, claimed, &own);
         Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
     }

@@ -9,19 +9,14 @@ const CLAIM: &str = "tube";
 /// A tube that is at most so many times tighter than the derivation is confirmed by it.
 pub const CONFIRMED: f64 = 1.5;
 
-/// A tube that is tighter by more than this is refused: what no honest one needs.
+/// A tube that is tighter by more than this is refused.
 ///
-/// Both are bounds, made differently, and neither must lie inside the other. Of 38 studies drawn by the attack (2 to 11
-/// joints, 200 Hz to 4 kHz) the derivation bounded 30; honest tubes of its studies at 500 Hz and more were at most 2.9
-/// times tighter (13 of 17 at most 1.5 times), at slower loops 21 times: there a sample in which a velocity changes its
-/// sign costs the derivation the whole dry friction. Both constants leave as much again.
-pub const TIGHTER: f64 = 5.0;
-
-/// The same for loops of a longer period than [`FAST`].
-pub const TIGHTER_SLOW: f64 = 40.0;
-
-/// Longest sample period \[s\] of a loop that the derivation bounds well.
-const FAST: f64 = 2.0e-3 * (1.0 + 1e-9);
+/// Both are bounds, made differently, and neither must lie inside the other. Of 40 studies drawn by the attack (2 to 11
+/// joints, 200 Hz to 4 kHz) the derivation bounded 31: there honest tubes were at most 1.5 times tighter in 16, twice in
+/// 21, and 36 times in the worst (250 Hz: a sample in which a velocity changes its sign costs the derivation the whole dry
+/// friction). On the Panda's design study they were 8 % wider. So this is a gross check only; that every bin meets the
+/// derivation's, and that no drawn world leaves the tube, refuses much less.
+pub const TIGHTER: f64 = 100.0;
 
 /// What two derivations may be apart by rounding alone \[rad, rad/s\].
 const ROUNDING: f64 = 1e-9;
@@ -57,24 +52,18 @@ impl JointBeside {
 ///
 /// [`Refutation`]: a bin has nothing in common with the derivation's, though every run is in both; or the tube is tighter
 /// than an honest one is.
-pub fn beside(claimed: &Tube, own: &Tube, period_s: f64) -> Result<Vec<JointBeside>, Refutation> {
+pub fn beside(claimed: &Tube, own: &Tube) -> Result<Vec<JointBeside>, Refutation> {
     let same = claimed.joints.len() == own.joints.len() && claimed.bins() == own.bins();
     Refutation::unless(CLAIM, "bins are those of the study", 0.0, 1.0, same)?;
-    let most = if period_s <= FAST { TIGHTER } else { TIGHTER_SLOW };
     let pairs = claimed.joints.iter().zip(&own.joints);
     pairs
         .map(|(claim, own_joint)| {
-            joint(claim, own_joint, claimed, most).map_err(|why| why.on(&claim.name))
+            joint(claim, own_joint, claimed).map_err(|why| why.on(&claim.name))
         })
         .collect()
 }
 
-fn joint(
-    claim: &TubeJoint,
-    own: &TubeJoint,
-    tube: &Tube,
-    most: f64,
-) -> Result<JointBeside, Refutation> {
+fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside, Refutation> {
     let errors = Sides {
         what: "e",
         claimed: (&claim.error_low_rad, &claim.error_high_rad),
@@ -96,9 +85,8 @@ fn joint(
         ("largest |Δτ|", ratio(own.torque_step_max_nm, claim.torque_step_max_nm)),
     ];
     for (what, ratio) in ratios {
-        let honest = ratio <= most;
-        let what = format!("{what}: the tube claims no more than {most} times what is derived here");
-        Refutation::unless(CLAIM, &what, ratio, most, honest)?;
+        let what = format!("{what}: the tube is at most so many times tighter than is derived here");
+        Refutation::unless(CLAIM, &what, ratio, TIGHTER, ratio <= TIGHTER)?;
     }
     Ok(JointBeside {
         name: claim.name.clone(),

@@ -34,7 +34,7 @@ mod scope;
 mod shapes;
 mod sweep;
 
-pub use beside::{CONFIRMED, JointBeside, TIGHTER, TIGHTER_SLOW, beside};
+pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
 pub use document::derive;
 pub use scope::Refusal as TubeRefusal;
 
