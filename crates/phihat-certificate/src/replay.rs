@@ -55,7 +55,7 @@ impl Witness {
     }
 }
 
-/// A body of the set, or nothing at all.
+/// A body of the set, the one that covers them all (three times their second moments about every axis), or nothing at all.
 fn within(claim: &str, set: &PayloadSet, body: &Body) -> Result<(), Refutation> {
     let yes = |what: &str, own: f64, bound: f64, truth: bool| {
         Refutation::unless(claim, what, own, bound, truth)
@@ -71,7 +71,7 @@ fn within(claim: &str, set: &PayloadSet, body: &Body) -> Result<(), Refutation> 
     }
     let [xx, xy, xz, yy, yz, zz] = body.inertia;
     let half = 0.5 * (xx + yy + zz);
-    let most = mass * set.gyration * set.gyration * (1.0 + SAME) + 1e-15;
+    let most = 3.0 * mass * set.gyration * set.gyration * (1.0 + SAME) + 1e-15;
     for second in [half - xx, half - yy, half - zz, xy, xz, yz] {
         let small = second.abs() <= most;
         yes("payload's second moments are in the study's set", second.abs(), most, small)?;

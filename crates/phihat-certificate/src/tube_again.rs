@@ -4,7 +4,7 @@ use phihat_study::Study;
 use serde::Serialize;
 
 use crate::check::agree::agrees;
-use crate::tube::{self, Inputs, JointBeside, Reference};
+use crate::tube::{self, Inputs, JointBeside, Reference, TubeRefusal};
 use crate::{Certificate, Gains, PayloadSet, Refutation, Tube};
 
 const CLAIM: &str = "tube";
@@ -41,7 +41,28 @@ impl Certificate {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Option<TubeAgain>, Refutation> {
         let Some(claimed) = &self.tube else { return Ok(None) };
-        self.is_of(claimed, study)?;
+        self.tube_is_of(study)?;
+        let own = match self.tube_again(gains, (study, reference), progress) {
+            None => return Ok(None),
+            Some(Ok(own)) => own,
+            Some(Err(why)) => {
+                let on_trust = Some(why.to_string());
+                return Ok(Some(TubeAgain { on_trust, joints: vec![], first_only: vec![] }));
+            }
+        };
+        let joints = tube::beside(claimed, &own)?;
+        let first_only = first_only(study, claimed, &own);
+        Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
+    }
+
+    /// The tube that the second method derives for these gains, with the file's bins and settling time. `None`: the file has none.
+    pub fn tube_again(
+        &self,
+        gains: &Gains,
+        (study, reference): (&Study, &Reference),
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Option<Result<Tube, TubeRefusal>> {
+        let claimed = self.tube.as_ref()?;
         let joints: Vec<tube::Law> = gains.joints.iter().map(tube::Law::from).collect();
         let (low, high) = &study.design.coulomb;
         let inputs = Inputs {
@@ -53,21 +74,17 @@ impl Certificate {
             coulomb: (low, high),
             bin_s: claimed.bin_s,
         };
-        let own = match tube::derive(&inputs, progress) {
-            Ok(own) => own.steady_from(claimed.settle_s),
-            Err(why) => {
-                let on_trust = Some(why.to_string());
-                return Ok(Some(TubeAgain { on_trust, joints: vec![], first_only: vec![] }));
-            }
-        };
-        agrees(CLAIM, "bins are whole samples", (claimed.bin_s, own.bin_s), SAME)?;
-        let joints = tube::beside(claimed, &own)?;
-        let first_only = first_only(study, claimed, &own);
-        Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
+        let own = tube::derive(&inputs, progress);
+        Some(own.map(|own| own.steady_from(claimed.settle_s)))
     }
 
-    /// What the tube says that it is about is what the study says.
-    fn is_of(&self, claimed: &Tube, study: &Study) -> Result<(), Refutation> {
+    /// That the tube is about what the study says: payloads, friction, encoders, settling time.
+    ///
+    /// # Errors
+    ///
+    /// The first [`Refutation`].
+    pub fn tube_is_of(&self, study: &Study) -> Result<(), Refutation> {
+        let Some(claimed) = &self.tube else { return Ok(()) };
         let same = |what: &str, truth| Refutation::unless(CLAIM, what, 0.0, 1.0, truth);
         let payload = PayloadSet::from(&study.design.payload);
         same("payloads are the study's", claimed.payload == payload)?;

@@ -119,7 +119,7 @@ impl Certificate {
             let mass = format!("{} … {} kg on {}", set.mass_kg.0, set.mass_kg.1, set.frame);
             list.push(whole(
                 "payload of the tube",
-                format!("{mass}, centre of mass in {:?} m", set.com_m),
+                format!("{mass}, centre of mass in {:?} m; {} slices", set.com_m, tube.slices),
             ));
             let levels = format!("{:?} … {:?} N·m", coulomb.0, coulomb.1);
             list.push(whole("dry friction of the tube", levels));

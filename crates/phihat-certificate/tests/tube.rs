@@ -139,7 +139,10 @@ fn runs_with_measured_velocity_and_slow_drives_stay_inside() {
                 delay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"measured\"\nposition_bias_rad = 1e-5\n\
                 [world]\nfriction = \"none\"\nsubsteps = 6\ncoulomb_extra_nm = 0.2\ndrive_bandwidth_hz = [80.0, 120.0, 200.0]\n";
     for torque in ["applied", "demanded"] {
-        let text = text.replace("velocity = \"measured\"", &format!("velocity = \"measured\"\ntorque = \"{torque}\""));
+        let text = text.replace(
+            "velocity = \"measured\"",
+            &format!("velocity = \"measured\"\ntorque = \"{torque}\""),
+        );
         let mut case = Case::new(&format!("{text}{}", sines(3)));
         case.payload = Some(set("tool", (0.0, 0.3), 0.02));
         case.coulomb = (vec![0.05; 3], vec![0.2; 3]);

@@ -163,7 +163,10 @@ fn again_lines(tube: &TubeAgain, runs: Option<&Kept>) -> Vec<String> {
         let rest = if own.confirmed() {
             String::new()
         } else {
-            format!("; up to {:.1} times tighter: there it rests on the first derivation only", own.tighter)
+            format!(
+                "; up to {:.1} times tighter: there it rests on the first derivation only",
+                own.tighter
+            )
         };
         format!("  {}: |e| ≤ {:.4} mrad claimed, {:.4} derived{rest}", own.name, ends[0], ends[1])
     };
@@ -171,9 +174,11 @@ fn again_lines(tube: &TubeAgain, runs: Option<&Kept>) -> Vec<String> {
     lines.extend(tube.on_trust.iter().map(|why| {
         format!("  the tube is on trust: it could not be derived a second time, {why}")
     }));
-    lines.extend(tube.first_only.iter().map(|clause| {
-        format!("  {clause}; that it is kept rests on the first derivation only")
-    }));
+    lines.extend(
+        tube.first_only.iter().map(|clause| {
+            format!("  {clause}; that it is kept rests on the first derivation only")
+        }),
+    );
     lines.extend(runs.map(|kept| {
         format!("  {} worlds drawn from the study's scope were run: none left the tube", kept.runs)
     }));

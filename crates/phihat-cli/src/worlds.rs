@@ -62,9 +62,9 @@ pub(crate) fn runs(
             }
         };
         let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let joined = threads.into_iter().flat_map(|thread| {
-            thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why))
-        });
+        let joined = threads
+            .into_iter()
+            .flat_map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)));
         joined.collect()
     });
     all.sort_by_key(|(at, _)| *at);

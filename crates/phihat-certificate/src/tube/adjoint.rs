@@ -12,8 +12,8 @@
 //! at a sample, `ε' = M⁻¹ (P − x)`, makes `λ_P` jump: `x` weighs the jump too.
 
 use super::frame::Frame;
-use super::law::LinearLoop;
 use super::lanes::{WIDE, combine, gather};
+use super::law::LinearLoop;
 
 /// Sizes of the boxes of one sample.
 #[derive(Debug, Clone, Default)]
@@ -162,12 +162,7 @@ impl Rows<'_> {
     }
 
     /// Takes the rows through one sample; leaves its weights.
-    pub(super) fn step<'b>(
-        &self,
-        back: &'b mut Back,
-        frame: &Frame,
-        sample: usize,
-    ) -> &'b Weights {
+    pub(super) fn step<'b>(&self, back: &'b mut Back, frame: &Frame, sample: usize) -> &'b Weights {
         let (n, rows) = (self.n, back.rows);
         let Back { lambda, next, made, read, jump, weights, noise, .. } = back;
         weights.sample = sample;

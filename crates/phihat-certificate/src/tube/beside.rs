@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::check::agree::agrees;
 use crate::{Refutation, Tube, TubeJoint};
 
 const CLAIM: &str = "tube";
@@ -55,6 +56,7 @@ impl JointBeside {
 pub fn beside(claimed: &Tube, own: &Tube) -> Result<Vec<JointBeside>, Refutation> {
     let same = claimed.joints.len() == own.joints.len() && claimed.bins() == own.bins();
     Refutation::unless(CLAIM, "bins are those of the study", 0.0, 1.0, same)?;
+    agrees(CLAIM, "a bin is whole samples", (claimed.bin_s, own.bin_s), 1e-9)?;
     let pairs = claimed.joints.iter().zip(&own.joints);
     pairs
         .map(|(claim, own_joint)| {
@@ -85,7 +87,8 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
         ("largest |Δτ|", ratio(own.torque_step_max_nm, claim.torque_step_max_nm)),
     ];
     for (what, ratio) in ratios {
-        let what = format!("{what}: the tube is at most so many times tighter than is derived here");
+        let what =
+            format!("{what}: the tube is at most so many times tighter than is derived here");
         Refutation::unless(CLAIM, &what, ratio, TIGHTER, ratio <= TIGHTER)?;
     }
     Ok(JointBeside {

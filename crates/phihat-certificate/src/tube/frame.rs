@@ -171,7 +171,8 @@ impl Arm<'_> {
         let mut frame = self.frame((first, len), m, (mids(&s), mids(&k)), hand)?;
         frame.added.gravity = mids(&gravity);
         if let Some(friction) = &self.adds.friction {
-            let balls: Vec<Ball> = friction.iter().zip(&v).map(|(own, v)| own.slope_over(*v)).collect();
+            let balls: Vec<Ball> =
+                friction.iter().zip(&v).map(|(own, v)| own.slope_over(*v)).collect();
             frame.added.damping = mids(&balls);
             distance.added.damping = radii(&balls);
             let rows = frame.m_inverse.chunks_exact(n).zip(&balls);

@@ -160,7 +160,8 @@ impl Sweep<'_> {
         for (matrix, x) in added {
             acting.iter_mut().zip(apply(matrix, x)).for_each(|(acting, added)| *acting += added);
         }
-        let rates = if self.reads_rate() { apply(&frame.m_inverse, momentum) } else { vec![0.0; n] };
+        let rates =
+            if self.reads_rate() { apply(&frame.m_inverse, momentum) } else { vec![0.0; n] };
         let mut off = Vec::new();
         for (i, own) in loops.iter_mut().enumerate() {
             let joint = self.joint(i);

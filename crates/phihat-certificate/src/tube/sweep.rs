@@ -821,7 +821,8 @@ fn widened(low: &[f64], high: &[f64], by: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// Whether all that came out is strictly inside what was taken for granted.
 fn within(round: &Round, guess: &Guess) -> bool {
     let less = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a < b);
-    let all = [&round.spread.position, &round.spread.velocity, &round.spread.torque, &round.spread.step];
+    let all =
+        [&round.spread.position, &round.spread.velocity, &round.spread.torque, &round.spread.step];
     let finite = |list: &[f64]| list.iter().all(|x| x.is_finite());
     let known = finite(&round.radii)
         && finite(&round.direct)
