@@ -123,7 +123,7 @@ fn first_only(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
     for (key, limits, of) in clauses {
         for (i, limit) in limits.iter().flatten().enumerate() {
             let (first, second) = (of(claimed, i), of(own, i));
-            if first <= *limit && !(second <= *limit) {
+            if first <= *limit && (second.is_nan() || second > *limit) {
                 let name = &claimed.joints[i].name;
                 list.push(format!("{key} = {limit} on {name}: {second:.4e} is derived here"));
             }

@@ -98,21 +98,7 @@ impl Certificate {
                 "no joint moves another: the range is known joint by joint only".into(),
             ));
         }
-        if let Some(coupled) = &self.coupled {
-            let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
-            list.push(whole("postures of the coupled gains", found));
-        }
-        if let Some(moving) = &self.moving {
-            let needs = [
-                ("by the reference", moving.needed_motion_per_s),
-                ("with all joints at their speed limits", moving.needed_limits_per_s),
-            ];
-            for (what, rate) in needs {
-                let Some(rate) = rate else { continue };
-                let value = format!("{rate:.4} 1/s, as far as it was looked for");
-                list.push(whole(&format!("rate of the inertia that is needed {what}"), value));
-            }
-        }
+        list.extend(self.looked_for());
         list.push(whole("length of the run", format!("{} s", self.duration_s)));
         if let Some(tube) = &self.tube {
             let (set, coulomb) = (&tube.payload, &tube.coulomb_nm);
@@ -139,6 +125,28 @@ impl Certificate {
         let uncoupled = arm.basis != ArmBasis::Postures;
         let of = |joint: &JointCertificate| trusted(joint, uncoupled);
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
+        list
+    }
+
+    /// What was sought, and is no better than the search.
+    fn looked_for(&self) -> Vec<Statement> {
+        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let mut list = Vec::new();
+        if let Some(coupled) = &self.coupled {
+            let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
+            list.push(whole("postures of the coupled gains", found));
+        }
+        if let Some(moving) = &self.moving {
+            let needs = [
+                ("by the reference", moving.needed_motion_per_s),
+                ("with all joints at their speed limits", moving.needed_limits_per_s),
+            ];
+            for (what, rate) in needs {
+                let Some(rate) = rate else { continue };
+                let value = format!("{rate:.4} 1/s, as far as it was looked for");
+                list.push(whole(&format!("rate of the inertia that is needed {what}"), value));
+            }
+        }
         list
     }
 }

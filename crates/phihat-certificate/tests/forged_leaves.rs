@@ -181,10 +181,17 @@ fn leaves(value: &Value, at: &str, out: &mut Vec<String>) {
                 chosen.sort_unstable();
                 chosen.dedup();
             }
-            chosen.iter().for_each(|i| leaves(&list[*i], &format!("{at}/{i}"), out));
+            for i in chosen {
+                leaves(&list[i], &format!("{at}/{i}"), out);
+            }
         }
         _ => out.push(at.to_owned()),
     }
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a small count")]
+fn whole_number(x: f64) -> i64 {
+    x.round() as i64
 }
 
 /// Ways to edit a leaf, besides taking it out.
@@ -195,7 +202,7 @@ fn edits(own: &Value) -> Vec<Value> {
             let x = own.as_f64().unwrap();
             let whole = own.is_u64();
             for x in [1.01 * x, 0.5 * x, 2.0 * x, -x, 0.0, x + 1.0] {
-                list.push(if whole { json!(x.round() as i64) } else { json!(x) });
+                list.push(if whole { json!(whole_number(x)) } else { json!(x) });
             }
             list.extend([json!(format!("{x}")), json!([x])]);
         }
@@ -208,7 +215,7 @@ fn edits(own: &Value) -> Vec<Value> {
             json!(text.to_uppercase()),
         ]),
         Value::Bool(yes) => {
-            list.extend([json!(!yes), json!(0), json!(1), json!("true"), json!([])])
+            list.extend([json!(!yes), json!(0), json!(1), json!("true"), json!([])]);
         }
         _ => list.extend([json!(1.0), json!(0.0), json!(true), json!("x"), json!({}), json!([])]),
     }
@@ -274,7 +281,9 @@ fn chosen(document: &Value) -> Vec<String> {
     let mut paths = Vec::new();
     leaves(document, "", &mut paths);
     let like_first = |path: &str| {
-        path.starts_with(SECOND) && !OWN.iter().any(|own| path.contains(own)) && path.len() % 5 != 0
+        path.starts_with(SECOND)
+            && !OWN.iter().any(|own| path.contains(own))
+            && !path.len().is_multiple_of(5)
     };
     let informs =
         |path: &str| path.starts_with("/trade_off/") && !path.starts_with("/trade_off/0/");

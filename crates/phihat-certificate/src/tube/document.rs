@@ -61,10 +61,13 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     }
 }
 
+/// Derives one slice, telling how far it is.
+type One<'a> = dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, Refusal> + Sync + 'a;
+
 /// All slices at once, one thread each; the first refusal of them in their order.
 fn together(
     slices: &[PayloadSlice],
-    one: &(dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, Refusal> + Sync),
+    one: &One<'_>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<Half>, Refusal> {
     let done = Mutex::new(vec![0.0; slices.len()]);

@@ -311,9 +311,8 @@ pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
         (profile.torque_filter.is_some(), "the robot's torque filter"),
         (adds && world.drive_bandwidth_hz.is_some(), "the lag of drives in what the robot adds"),
     ];
-    match listed.into_iter().find(|(acts, _)| *acts) {
-        Some((_, what)) => return Err(Refusal::NotCounted { what: what.to_owned() }),
-        None => {}
+    if let Some((_, what)) = listed.into_iter().find(|(acts, _)| *acts) {
+        return Err(Refusal::NotCounted { what: what.to_owned() });
     }
     // What is decided on field by field, for the certificate.
     match NotCounted::of(study).into_iter().find(|one| !one.in_tube()) {
