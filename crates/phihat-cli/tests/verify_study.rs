@@ -49,7 +49,9 @@ fn shrunk(gains: &Value, by: f64) -> Value {
             match value {
                 Value::Number(x) => *value = json!(by * x.as_f64().unwrap()),
                 Value::Array(list) => {
-                    list.iter_mut().for_each(|x| *x = json!(by * x.as_f64().unwrap()));
+                    for x in list.iter_mut() {
+                        *x = json!(by * x.as_f64().unwrap());
+                    }
                 }
                 _ => {}
             }
