@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 const INFINITE: &str = "@infinite";
 
 /// Entries of a list that are edited, both ends among them; shorter lists are edited whole.
-const ENTRIES: usize = 4;
+const ENTRIES: usize = 3;
 
 /// The second joint's claims are the first's, but for figures of its own; of the rest some are edited.
 const SECOND: &str = "/certificate/joints/1/";
@@ -283,7 +283,7 @@ fn chosen(document: &Value) -> Vec<String> {
     let like_first = |path: &str| {
         path.starts_with(SECOND)
             && !OWN.iter().any(|own| path.contains(own))
-            && !path.len().is_multiple_of(5)
+            && !path.len().is_multiple_of(7)
     };
     let informs =
         |path: &str| path.starts_with("/trade_off/") && !path.starts_with("/trade_off/0/");
