@@ -65,6 +65,11 @@ impl Certificate {
             say("M̄", "the design's own choice".into());
         }
         say("range of the arm's inertia", self.range(study)?);
+        if let Some(coupled) = &self.coupled {
+            coupled.replay(study)?;
+            let count = coupled.witnesses.len();
+            say("postures of the coupled gains", format!("inertia of all {count} is the arm's"));
+        }
         let listed = NotCounted::of(study);
         let missing = listed.iter().find(|one| !self.not_counted.contains(one));
         if let Some(one) =
@@ -156,6 +161,7 @@ impl Certificate {
         if let Some(searched) = &arm.searched {
             text("payload's frame", &searched.frame, &set.frame)?;
             for (witness, low) in [(&searched.low, true), (&searched.high, false)] {
+                witness.carries(set)?;
                 let model = loaded(study, &body(witness), &searched.frame)?;
                 let w = eigen_matrix(&model, &witness.q, arm)?;
                 attained(&w, witness.eigenvalue, low)?;
@@ -210,7 +216,7 @@ fn body(witness: &Witness) -> Body {
     Body { mass: witness.mass_kg, com: witness.com_m, inertia: witness.inertia_kg_m2 }
 }
 
-fn loaded(study: &Study, body: &Body, frame: &str) -> Result<Model, Refutation> {
+pub(crate) fn loaded(study: &Study, body: &Body, frame: &str) -> Result<Model, Refutation> {
     let bare = study.robot.plant_model();
     if body.mass > 0.0 {
         let refused = |why: String| {

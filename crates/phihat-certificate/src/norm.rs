@@ -44,6 +44,8 @@ impl NormH {
         yes(CLAIM, "μ > 0", self.mu, 0.0, self.mu > 0.0)?;
         yes(CLAIM, "lower > 0", self.lower, 0.0, self.lower > 0.0)?;
         yes(CLAIM, "upper > 0", self.upper, 0.0, self.upper > 0.0)?;
+        let at = self.frequency_rad_s;
+        yes(CLAIM, "0 ≤ frequency < ∞", at, 0.0, at >= 0.0 && at.is_finite())?;
         Free::new(CLAIM, law, self.mu)?;
         let mut a_o = law.a.clone();
         a_o.push(1.0);

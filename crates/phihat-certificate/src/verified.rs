@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     ArmBasis, Certificate, Gains, JointCertificate, LoopForm, LoopTorque, LoopVelocity, NotCounted,
-    PhiBasis, Refutation,
+    PhiBasis, Refutation, TubeAgain,
 };
 
 /// One line of a checked certificate.
@@ -24,7 +24,7 @@ pub struct Statement {
 ///
 /// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method` and
 /// `trade_off` inform; nothing checks them, and they do not appear here.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
     /// Claims that were shown from the file.
     pub proved: Vec<Statement>,
@@ -32,6 +32,8 @@ pub struct Verified {
     pub trusted: Vec<Statement>,
     /// Of that, what was derived again from a study.
     pub derived: Vec<Statement>,
+    /// What a second derivation from a study says of the tube.
+    pub tube: Option<TubeAgain>,
     /// What the study has and the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
 }
@@ -63,6 +65,7 @@ impl Certificate {
             proved: shown,
             trusted: self.trusted(gains),
             derived: Vec::new(),
+            tube: None,
             not_counted: self.not_counted.clone(),
         })
     }
@@ -95,13 +98,14 @@ impl Certificate {
                 "no joint moves another: the range is known joint by joint only".into(),
             ));
         }
+        list.extend(self.looked_for());
         list.push(whole("length of the run", format!("{} s", self.duration_s)));
         if let Some(tube) = &self.tube {
             let (set, coulomb) = (&tube.payload, &tube.coulomb_nm);
             let mass = format!("{} … {} kg on {}", set.mass_kg.0, set.mass_kg.1, set.frame);
             list.push(whole(
                 "payload of the tube",
-                format!("{mass}, centre of mass in {:?} m", set.com_m),
+                format!("{mass}, centre of mass in {:?} m; {} slices", set.com_m, tube.slices),
             ));
             let levels = format!("{:?} … {:?} N·m", coulomb.0, coulomb.1);
             list.push(whole("dry friction of the tube", levels));
@@ -121,6 +125,28 @@ impl Certificate {
         let uncoupled = arm.basis != ArmBasis::Postures;
         let of = |joint: &JointCertificate| trusted(joint, uncoupled);
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
+        list
+    }
+
+    /// What was sought, and is no better than the search.
+    fn looked_for(&self) -> Vec<Statement> {
+        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let mut list = Vec::new();
+        if let Some(coupled) = &self.coupled {
+            let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
+            list.push(whole("postures of the coupled gains", found));
+        }
+        if let Some(moving) = &self.moving {
+            let needs = [
+                ("by the reference", moving.needed_motion_per_s),
+                ("with all joints at their speed limits", moving.needed_limits_per_s),
+            ];
+            for (what, rate) in needs {
+                let Some(rate) = rate else { continue };
+                let value = format!("{rate:.4} 1/s, as far as it was looked for");
+                list.push(whole(&format!("rate of the inertia that is needed {what}"), value));
+            }
+        }
         list
     }
 }

@@ -26,13 +26,13 @@ impl Certificate {
     /// the certificate itself states.
     pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         self.whole(gains)?;
+        self.tube_fits()?;
         let mut checked: Vec<&JointCertificate> = Vec::new();
         for (joint, record) in self.joints.iter().zip(&gains.joints) {
             let told = checked.iter().any(|before| joint.tells_the_same(before));
             joint.verify(record, self, told).map_err(|why| why.on(&joint.name))?;
             checked.push(joint);
         }
-        self.tube_fits()?;
         if let Some(coupled) = &self.coupled {
             let whole = self.refused().is_none();
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;

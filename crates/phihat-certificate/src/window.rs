@@ -70,6 +70,7 @@ impl InertiaWindow {
         self.verify_decay(gains, model, 0.0)?;
         let returns = Returns::new(gains, model);
         for (mu, hz) in [(self.low, self.low_hz), (self.high, self.high_hz)] {
+            at_most(CLAIM, "0 ≤ frequency of an edge", 0.0, hz)?;
             // An edge without a frequency is where the search ended.
             if hz.abs() > 0.0 {
                 let value = exclusion::crossing(&returns, TAU * hz * model.period_s);

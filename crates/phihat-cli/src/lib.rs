@@ -26,6 +26,7 @@ mod simulate;
 mod table;
 mod tubed;
 mod verify;
+mod worlds;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -4,12 +4,17 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat_certificate::tube::{JointBeside, Reference};
+use phihat_certificate::{Certificate, Refutation, TubeAgain};
 use phihat_design::{Gains, Statement, Verified};
+use phihat_sim::Motion;
 use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::{files, table};
+use crate::worlds::Kept;
+use crate::{files, table, worlds};
 
 /// Check every claim of a certificate again, from the gains alone.
 ///
@@ -41,22 +46,28 @@ impl Verify {
         };
         let read = |path: &PathBuf| Study::read(path).map_err(|e| Failure::study(&e));
         let study = self.study.as_ref().map(read).transpose()?;
-        let answer = certificate.verified(&gains).and_then(|mut verified| {
-            if let Some(study) = &study {
-                verified.derived = certificate.derive(&gains, study)?;
+        let mut runs = None;
+        let answer = match (certificate.verified(&gains), &study) {
+            (Ok(verified), Some(study)) => {
+                again(verified, &gains, certificate, study)?.map(|(verified, kept)| {
+                    runs = kept;
+                    verified
+                })
             }
-            Ok(verified)
-        });
+            (answer, _) => answer,
+        };
         if self.json {
             let holds = answer.is_ok();
             let document = match &answer {
-                Ok(verified) => json!({ "holds": holds, "refuted": null, "verified": verified }),
+                Ok(verified) => {
+                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": runs })
+                }
                 Err(why) => json!({ "holds": holds, "refuted": why }),
             };
             println!("{document:#}");
         } else {
             match &answer {
-                Ok(verified) => println!("{}", blocks(verified)),
+                Ok(verified) => println!("{}", blocks(verified, runs.as_ref())),
                 Err(why) => println!("REFUSED: {why}"),
             }
         }
@@ -64,8 +75,61 @@ impl Verify {
     }
 }
 
+/// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
+fn again(
+    mut verified: Verified,
+    gains: &Gains,
+    certificate: &Certificate,
+    study: &Study,
+) -> Result<Result<(Verified, Option<Kept>), Refutation>, Failure> {
+    let checked = certificate.derive(gains, study).and_then(|derived| {
+        verified.derived = derived;
+        verified.tube = derived_tube(gains, certificate, study)?;
+        Ok(verified)
+    });
+    let verified = match checked {
+        Ok(verified) => verified,
+        Err(why) => return Ok(Err(why)),
+    };
+    let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
+    let bar = spinner();
+    let runs = worlds::runs(study, gains, tube, &|done| {
+        bar.set_message(format!("worlds of the study: {done} of {} run", worlds::WORLDS));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    Ok(runs?.map(|kept| (verified, Some(kept))))
+}
+
+fn derived_tube(
+    gains: &Gains,
+    certificate: &Certificate,
+    study: &Study,
+) -> Result<Option<TubeAgain>, Refutation> {
+    let Ok(motion) = Motion::new(&study.reference, &study.robot, study.duration) else {
+        return Ok(None);
+    };
+    let n = study.robot.joints.len();
+    let reference = Reference::of(study, |t| (0..n).map(|i| motion.at(i, t)).collect());
+    let bar = spinner();
+    let told = certificate.derive_tube(gains, (study, &reference), &|share| {
+        bar.set_message(format!("tube, second derivation: {:.0} %", 100.0 * share));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    told
+}
+
+fn spinner() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} · {elapsed}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// The three blocks, and what a study says of the second.
-fn blocks(verified: &Verified) -> String {
+fn blocks(verified: &Verified, runs: Option<&Kept>) -> String {
     let line = |one: &Statement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
@@ -82,9 +146,41 @@ fn blocks(verified: &Verified) -> String {
         blocks
             .push(block("OF THAT, AGAINST THE STUDY", verified.derived.iter().map(line).collect()));
     }
+    if let Some(tube) = &verified.tube {
+        blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, runs)));
+    }
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
     blocks.push("every claim holds".to_owned());
     blocks.join("\n")
+}
+
+/// What the second derivation and the drawn worlds say of the tube.
+fn again_lines(tube: &TubeAgain, runs: Option<&Kept>) -> Vec<String> {
+    let joint = |own: &JointBeside| {
+        let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
+        let rest = if own.confirmed() {
+            String::new()
+        } else {
+            format!(
+                "; up to {:.1} times tighter: there it rests on the first derivation only",
+                own.tighter
+            )
+        };
+        format!("  {}: |e| ≤ {:.4} mrad claimed, {:.4} derived{rest}", own.name, ends[0], ends[1])
+    };
+    let mut lines: Vec<String> = tube.joints.iter().map(joint).collect();
+    lines.extend(tube.on_trust.iter().map(|why| {
+        format!("  the tube is on trust: it could not be derived a second time, {why}")
+    }));
+    lines.extend(
+        tube.first_only.iter().map(|clause| {
+            format!("  {clause}; that it is kept rests on the first derivation only")
+        }),
+    );
+    lines.extend(runs.map(|kept| {
+        format!("  {} worlds drawn from the study's scope were run: none left the tube", kept.runs)
+    }));
+    lines
 }

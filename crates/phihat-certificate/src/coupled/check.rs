@@ -60,6 +60,12 @@ impl CoupledGains {
         at_most("1 ≤ joints", 1.0, n as f64)?;
         at_most("1 ≤ witnesses", 1.0, self.witnesses.len() as f64)?;
         at_most("witnesses ≤ postures", self.witnesses.len() as f64, f64::from(self.postures))?;
+        for witness in &self.witnesses {
+            let sized = witness.q_rad.len() == n && witness.q_rad.iter().all(|q| q.is_finite());
+            let told = sized && !witness.source.trim().is_empty();
+            let inequality = "a witness is a posture of the arm, and says where it comes from";
+            at_most(inequality, if told { 0.0 } else { 1.0 }, 0.0)?;
+        }
         for (name, matrix) in self.matrices() {
             let square = matrix.len() == n && matrix.iter().all(|row| row.len() == n);
             let inequality = format!("{name} is a matrix with one row and column per joint");

@@ -8,10 +8,12 @@
 //! ```
 //!
 //! `u`: torques, `x`: momentum that is off, `n`: encoder. Over a sample `∫|λ_P| ≤ T (|a| + |b|)/2 + T δ` and
-//! `∫|λ_P'| ≤ |a − b| + 4 δ`, `a, b` the ends, `δ` the most that `λ_P` is from its chord.
+//! `∫|λ_P'| ≤ |a − b| + 4 δ`, `a, b` the ends, `δ` the most that `λ_P` is from its chord. What is read of the velocity
+//! at a sample, `ε' = M⁻¹ (P − x)`, makes `λ_P` jump: `x` weighs the jump too.
 
 use super::frame::Frame;
-use super::law::Linear;
+use super::lanes::{WIDE, combine, gather};
+use super::law::LinearLoop;
 
 /// Sizes of the boxes of one sample.
 #[derive(Debug, Clone, Default)]
@@ -67,8 +69,10 @@ type Hands<'a> = Option<(&'a [f64], &'a [f64])>;
 pub(super) struct Rows<'a> {
     pub(super) n: usize,
     pub(super) period: f64,
-    /// Of every joint: its sample, the first one, its size, the place of the torque that acts.
-    pub(super) joints: &'a [(Linear, Linear, usize, usize)],
+    /// The loop of every joint.
+    pub(super) joints: &'a [LinearLoop],
+    /// Whether velocity at a sample is read, by a sensor or by the robot.
+    pub(super) reads_rate: bool,
     /// Half an encoder step \[rad\] per joint.
     pub(super) half_step: &'a [f64],
 }
@@ -120,12 +124,16 @@ impl Weights {
     }
 }
 
-/// Rows on their way back: `λ[state][row]`.
+/// Rows on their way back: `λ[state][row]`, as many rows as fill whole lanes.
 #[derive(Debug, Clone)]
 pub(super) struct Back {
     pub(super) rows: usize,
     pub(super) lambda: Vec<f64>,
     next: Vec<f64>,
+    /// What the plant makes of states and torques; what is read of position and velocity; jumps of `λ_P`.
+    made: Vec<f64>,
+    read: Vec<f64>,
+    jump: Vec<f64>,
     weights: Weights,
     pub(super) noise: Vec<f64>,
 }
@@ -133,10 +141,14 @@ pub(super) struct Back {
 impl Back {
     /// `states` × `rows`, all zero.
     pub(super) fn new(n: usize, hand: usize, states: usize, rows: usize) -> Self {
+        let rows = rows.next_multiple_of(WIDE);
         Self {
             rows,
             lambda: vec![0.0; states * rows],
             next: vec![0.0; states * rows],
+            made: vec![0.0; 4 * n * rows],
+            read: vec![0.0; 2 * rows],
+            jump: vec![0.0; n * rows],
             weights: Weights::new(n, hand, rows),
             noise: vec![0.0; rows],
         }
@@ -146,68 +158,80 @@ impl Back {
 impl Rows<'_> {
     /// States of plant and loops together.
     pub(super) fn states(&self) -> usize {
-        2 * self.n + self.joints.iter().map(|j| j.2).sum::<usize>()
+        2 * self.n + self.joints.iter().map(|j| j.size).sum::<usize>()
     }
 
     /// Takes the rows through one sample; leaves its weights.
-    pub(super) fn step<'b>(
-        &self,
-        back: &'b mut Back,
-        frame: &Frame,
-        (sample, first): (usize, bool),
-    ) -> &'b Weights {
+    pub(super) fn step<'b>(&self, back: &'b mut Back, frame: &Frame, sample: usize) -> &'b Weights {
         let (n, rows) = (self.n, back.rows);
-        let Back { lambda, next, weights, noise, .. } = back;
+        let Back { lambda, next, made, read, jump, weights, noise, .. } = back;
         weights.sample = sample;
-        let (plant, _) = lambda.split_at(2 * n * rows);
+        let (plant, loops) = lambda.split_at_mut(2 * n * rows);
         let (ahead, ahead_loops) = next.split_at_mut(2 * n * rows);
-        ahead.fill(0.0);
-        for s in 0..2 * n {
-            let out = &mut ahead[s * rows..(s + 1) * rows];
-            for (t, from) in plant.chunks_exact(rows).enumerate() {
-                let factor = frame.phi[t * 2 * n + s];
-                out.iter_mut().zip(from).for_each(|(o, l)| *o += factor * l);
+        let columns = frame.flow.len() / (2 * n);
+        combine(&frame.flow, plant, rows, &mut made[..columns * rows]);
+        ahead.copy_from_slice(&made[..2 * n * rows]);
+        jump.fill(0.0);
+        let mut done = 0;
+        for (i, joint) in self.joints.iter().enumerate() {
+            let own = &mut loops[done..done + joint.size * rows];
+            // The torque that acts is part of the loop's state after its sample.
+            add_row(own, joint.acting, &made[(2 * n + i) * rows..][..rows]);
+            if let Some(gap) = joint.gap {
+                add_row(own, gap, &made[(3 * n + i) * rows..][..rows]);
             }
+            let linear = joint.at(sample);
+            let before = &mut ahead_loops[done..done + joint.size * rows];
+            gather(linear.columns(), own, rows, (before, read));
+            let (position, rate) = read.split_at(rows);
+            add_row(ahead, i, position);
+            let half = self.half_step[i];
+            noise.iter_mut().zip(position).for_each(|(sum, lambda)| *sum += half * lambda.abs());
+            // The run starts where it is stated: there is no deviation of the velocity to be read first.
+            if self.reads_rate && sample > 0 {
+                spread(&frame.m_inverse[i * n..][..n], rate, jump);
+            }
+            done += joint.size * rows;
         }
+        self.held(frame, &made[2 * n * rows..3 * n * rows], (ahead, jump));
         let own = sample - frame.first;
         let hands = frame.ends.get(own).zip(frame.ends.get(own + 1));
         let hands = hands.map(|(start, end)| (&start[..], &end[..]));
         self.weigh(plant, ahead, (frame, hands), weights);
-        // The torque that acts is part of the loop's state after its sample.
-        let mut at = 2 * n;
-        let mut done = 0;
-        for (i, (linear, at_first, size, acting)) in self.joints.iter().enumerate() {
-            let (plant, loops) = lambda.split_at_mut(2 * n * rows);
-            let own = &mut loops[(at - 2 * n) * rows..(at - 2 * n + size) * rows];
-            let acts = &mut own[acting * rows..(acting + 1) * rows];
-            for (t, from) in plant.chunks_exact(rows).enumerate() {
-                let factor = frame.gamma[t * n + i];
-                acts.iter_mut().zip(from).for_each(|(o, l)| *o += factor * l);
-            }
-            let linear = if first { at_first } else { linear };
-            let before = &mut ahead_loops[done..done + size * rows];
-            before.fill(0.0);
-            for (row, column, value) in &linear.entries {
-                let out = &mut before[column * rows..(column + 1) * rows];
-                let from = &own[row * rows..(row + 1) * rows];
-                out.iter_mut().zip(from).for_each(|(o, l)| *o += value * l);
-            }
-            let mut reading = vec![0.0; rows];
-            for (row, value) in linear.reading.iter().enumerate().filter(|(_, b)| b.abs() > 0.0) {
-                let from = &own[row * rows..(row + 1) * rows];
-                reading.iter_mut().zip(from).for_each(|(o, l)| *o += value * l);
-            }
-            let half = self.half_step[i];
-            let position = &mut ahead[i * rows..(i + 1) * rows];
-            for ((sum, lambda), reading) in noise.iter_mut().zip(position).zip(&reading) {
-                *lambda += reading;
-                *sum += half * reading.abs();
-            }
-            at += size;
-            done += size * rows;
+        if self.reads_rate {
+            self.weigh_jump(jump, hands, weights);
+            ahead[n * rows..].iter_mut().zip(&*jump).for_each(|(to, jump)| *to += jump);
         }
         core::mem::swap(lambda, next);
         weights
+    }
+
+    /// What the robot adds at a sample is a torque over it that follows position and velocity there.
+    fn held(&self, frame: &Frame, torque: &[f64], (ahead, jump): (&mut [f64], &mut [f64])) {
+        let (n, rows) = (self.n, jump.len() / self.n);
+        for (i, torque) in torque.chunks_exact(rows).enumerate() {
+            if let Some(gravity) = frame.added.gravity.get(i * n..(i + 1) * n) {
+                spread(gravity, torque, &mut ahead[..n * rows]);
+            }
+            if let Some(damping) = frame.added.damping_inverse.get(i * n..(i + 1) * n) {
+                spread(damping, torque, jump);
+            }
+        }
+    }
+
+    fn weigh_jump(&self, jump: &[f64], hands: Hands<'_>, out: &mut Weights) {
+        let rows = out.most.len();
+        out.x.iter_mut().zip(jump).for_each(|(x, jump)| *x += jump.abs());
+        let Some((hand, _)) = hands else { return };
+        let mut sum = vec![0.0; rows];
+        for (c, mu) in out.mu.chunks_exact_mut(rows).enumerate() {
+            sum.fill(0.0);
+            for (i, jump) in jump.chunks_exact(rows).enumerate() {
+                let factor = hand[c * self.n + i];
+                sum.iter_mut().zip(jump).for_each(|(sum, jump)| *sum += factor * jump);
+            }
+            mu.iter_mut().zip(&sum).for_each(|(mu, sum)| *mu += sum.abs());
+        }
     }
 
     /// With (L4), what the hand's momentum weighs is the change of `J λ_P`, `J̇` included: in between, `J` and
@@ -222,27 +246,30 @@ impl Rows<'_> {
         let n = self.n;
         let rows = out.most.len();
         let Weights { mu, wrench, most, step, .. } = out;
-        for (c, (mu, wrench)) in
-            mu.chunks_exact_mut(rows).zip(wrench.chunks_exact_mut(rows)).enumerate()
-        {
-            wrench.fill(0.0);
-            let mut turned = 0.0;
-            let (mut a_sum, mut b_sum) = (vec![0.0; rows], vec![0.0; rows]);
-            for i in 0..n {
-                let at = c * n + i;
-                let (a, b) = (&end[(n + i) * rows..][..rows], &start[(n + i) * rows..][..rows]);
-                let (here, j_end, j_start) = (frame.hand[at], end_hand[at], start_hand[at]);
-                turned += (j_end - j_start).abs();
-                for r in 0..rows {
-                    mu[r] += j_end * a[r] - j_start * b[r];
-                    a_sum[r] += here * a[r];
-                    b_sum[r] += here * b[r];
+        for c in 0..6 {
+            let row = |hand: &'_ [f64], i: usize| hand[c * n + i];
+            let turned: f64 = (0..n).map(|i| (row(end_hand, i) - row(start_hand, i)).abs()).sum();
+            for at in (0..rows).step_by(WIDE) {
+                let (mut moved, mut a_sum, mut b_sum) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+                for i in 0..n {
+                    let from = (n + i) * rows + at;
+                    let (a, b) = (&end[from..from + WIDE], &start[from..from + WIDE]);
+                    let (here, j_end, j_start) =
+                        (row(&frame.hand, i), row(end_hand, i), row(start_hand, i));
+                    for r in 0..WIDE {
+                        moved[r] += j_end * a[r] - j_start * b[r];
+                        a_sum[r] += here * a[r];
+                        b_sum[r] += here * b[r];
+                    }
                 }
-            }
-            for r in 0..rows {
-                // The products of changes, and twice as much for how `J` itself bends within a sample.
-                mu[r] = mu[r].abs() + turned * (step[r] + 0.01 * most[r]);
-                wrench[r] = 0.5 * self.period * (a_sum[r].abs() + b_sum[r].abs());
+                let to = c * rows + at;
+                let (mu, wrench) = (&mut mu[to..to + WIDE], &mut wrench[to..to + WIDE]);
+                let (most, step) = (&most[at..at + WIDE], &step[at..at + WIDE]);
+                for r in 0..WIDE {
+                    // The products of changes, and twice as much for how `J` itself bends within a sample.
+                    mu[r] = moved[r].abs() + turned * (step[r] + 0.01 * most[r]);
+                    wrench[r] = 0.5 * self.period * (a_sum[r].abs() + b_sum[r].abs());
+                }
             }
         }
     }
@@ -258,7 +285,6 @@ impl Rows<'_> {
         let rows = out.most.len();
         out.most.fill(0.0);
         out.step.fill(0.0);
-        out.mu.fill(0.0);
         for i in 0..n {
             let (a, b) = (&end[(n + i) * rows..][..rows], &start[(n + i) * rows..][..rows]);
             let (u, x) = (&mut out.u[i * rows..][..rows], &mut out.x[i * rows..][..rows]);
@@ -274,5 +300,17 @@ impl Rows<'_> {
             self.weigh_hand((end, end_hand), (start, start_hand), frame, out);
         }
         out.x.iter_mut().for_each(|x| *x = x.abs());
+    }
+}
+
+/// Adds a row to one of many.
+fn add_row(to: &mut [f64], at: usize, row: &[f64]) {
+    to[at * row.len()..][..row.len()].iter_mut().zip(row).for_each(|(to, x)| *to += x);
+}
+
+/// Adds a row to many, each times its factor.
+fn spread(factors: &[f64], row: &[f64], to: &mut [f64]) {
+    for (factor, to) in factors.iter().zip(to.chunks_exact_mut(row.len())) {
+        to.iter_mut().zip(row).for_each(|(to, x)| *to += factor * x);
     }
 }

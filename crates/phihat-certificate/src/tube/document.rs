@@ -1,16 +1,16 @@
 //! A tube as data: deriving one, and holding a claimed one against it.
 
+use std::sync::Mutex;
+
 use super::chain::{Chain, NotAChain};
 use super::dense::{count, inverse};
 use super::law::Loop;
 use super::nominal::Nominal;
-use super::scope::{Dry, PayloadSlice, Refusal, counted, smooth};
+use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
 use super::sweep::{Sweep, Swept};
 use super::{Inputs, ROUNDING};
 use crate::{PayloadSet, Tube, TubeJoint};
 
-/// Length of a bin \[s\], at least one sample.
-const BIN: f64 = 0.01;
 /// Most slices of the mass that are tried.
 const SLICES_MAX: u32 = 8;
 
@@ -30,28 +30,26 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
         NotAChain::Tree => Refusal::Branches,
         NotAChain::Frame => Refusal::PayloadFrame,
     })?;
-    let loops: Vec<Loop> =
-        inputs.joints.iter().map(|l| Loop::new(study, l, inputs.velocity_filter_hz)).collect();
-    if loops.first().is_some_and(|l| l.measured) {
-        return Err(Refusal::NotCounted { what: "measured velocity" });
-    }
+    let filter = inputs.velocity_filter_hz;
+    let laws = inputs.joints.iter().enumerate();
+    let loops: Vec<Loop> = laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect();
+    let drives: Vec<f64> = loops.iter().filter_map(Loop::drive_rate).collect();
+    let adds = Adds::of(study);
     let dry = dry(inputs, &chain, period);
-    let one = |slice: Option<&PayloadSlice>, share: (u32, u32)| -> Result<Half, Refusal> {
-        let run = Nominal::run(inputs, &loops, slice, &dry)?;
+    let one = |slice: Option<&PayloadSlice>, progress: &dyn Fn(f64)| -> Result<Half, Refusal> {
+        let run = Nominal::run(inputs, &loops, slice, (&dry, &adds))?;
         let smooth = smooth(study);
-        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &loops));
-        let swept = sweep.run(&|x| progress((f64::from(share.0) + x) / f64::from(share.1)))?;
-        Ok(Half::new(inputs, &run, &swept))
+        let of_loops = (&loops[..], &drives[..]);
+        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &adds), of_loops);
+        Ok(Half::new(inputs, &run, &sweep.run(progress)?))
     };
     let Some(set) = set else {
-        return Ok(tube(inputs, &[one(None, (0, 1))?]));
+        return Ok(tube(inputs, &[one(None, &progress)?]));
     };
     let mut parts = if set.mass.1 > set.mass.0 { 2 } else { 1 };
     loop {
         let slices = PayloadSlice::all(set, parts);
-        let halves: Result<Vec<Half>, Refusal> =
-            slices.iter().zip(0..).map(|(slice, i)| one(Some(slice), (i, parts))).collect();
-        match halves {
+        match together(&slices, &one, progress) {
             Ok(halves) => return Ok(tube(inputs, &halves)),
             Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. })
                 if parts < SLICES_MAX && set.mass.1 > set.mass.0 =>
@@ -61,6 +59,35 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
             Err(refusal) => return Err(refusal),
         }
     }
+}
+
+/// Derives one slice, telling how far it is.
+type One<'a> = dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, Refusal> + Sync + 'a;
+
+/// All slices at once, one thread each; the first refusal of them in their order.
+fn together(
+    slices: &[PayloadSlice],
+    one: &One<'_>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<Half>, Refusal> {
+    let done = Mutex::new(vec![0.0; slices.len()]);
+    let told = |i: usize, share: f64| {
+        let Ok(mut done) = done.lock() else { return };
+        done[i] = share;
+        progress(done.iter().sum::<f64>() / done.len() as f64);
+    };
+    let told = &told;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = slices
+            .iter()
+            .enumerate()
+            .map(|(i, slice)| scope.spawn(move || one(Some(slice), &|share| told(i, share))))
+            .collect();
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)))
+            .collect()
+    })
 }
 
 fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
@@ -153,7 +180,7 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
     let study = inputs.study;
     let period_ns = study.control.period_ns;
     let period = period_ns as f64 * 1e-9;
-    let per_bin = count((BIN / period).round().max(1.0));
+    let per_bin = count((inputs.bin_s / period).round().max(1.0));
     let bin_s = per_bin as f64 * period;
     let samples = inputs.reference.q.len() - 1;
     let joint = |i: usize| {
@@ -199,115 +226,4 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         limits_silent: true,
     };
     tube.steady_from(study.spec.settle)
-}
-
-/// Why a claimed tube does not stand.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Refutation {
-    /// It is about something else.
-    #[error("the tube's {what} is not that of the study")]
-    AboutOther {
-        /// What differs.
-        what: &'static str,
-    },
-    /// No tube can be derived here.
-    #[error("no tube can be derived: {0}")]
-    Refused(#[from] Refusal),
-    /// The own envelope is wider.
-    #[error("{joint}, {what} at {t:.3} s: {claimed:.6e} is claimed, {own:.6e} follows")]
-    Wider {
-        /// Which joint.
-        joint: String,
-        /// Which bound.
-        what: &'static str,
-        /// Start of the bin \[s\].
-        t: f64,
-        /// What is claimed.
-        claimed: f64,
-        /// What can be shown.
-        own: f64,
-    },
-}
-
-/// Derives the envelope again, and holds a claimed one against it.
-///
-/// # Errors
-///
-/// [`Refutation`]: the first claim that does not follow.
-pub fn check(claimed: &Tube, inputs: &Inputs<'_>) -> Result<(), Refutation> {
-    let own = derive(inputs, &|_| ())?;
-    compare(claimed, &own)
-}
-
-fn compare(claimed: &Tube, own: &Tube) -> Result<(), Refutation> {
-    let other = |what| Err(Refutation::AboutOther { what });
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1e-9);
-    let all_near =
-        |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| near(*a, *b));
-    if !near(claimed.duration_s, own.duration_s) {
-        return other("duration");
-    }
-    if !near(claimed.settle_s, own.settle_s) {
-        return other("settling time");
-    }
-    if !near(claimed.bin_s, own.bin_s) {
-        return other("bin");
-    }
-    if claimed.payload != own.payload {
-        return other("payload");
-    }
-    if !(all_near(&claimed.coulomb_nm.0, &own.coulomb_nm.0)
-        && all_near(&claimed.coulomb_nm.1, &own.coulomb_nm.1))
-    {
-        return other("dry friction");
-    }
-    if !all_near(&claimed.quantum_rad, &own.quantum_rad) {
-        return other("encoder");
-    }
-    if claimed.joints.len() != own.joints.len() {
-        return other("number of joints");
-    }
-    for (claim, own_joint) in claimed.joints.iter().zip(&own.joints) {
-        if claim.name != own_joint.name {
-            return other("joint");
-        }
-        joint_within(claim, own_joint, own.bin_s)?;
-    }
-    Ok(())
-}
-
-fn joint_within(claim: &TubeJoint, own: &TubeJoint, bin: f64) -> Result<(), Refutation> {
-    let wider = |what, t, claimed, own_value| {
-        Err(Refutation::Wider { joint: claim.name.clone(), what, t, claimed, own: own_value })
-    };
-    let lists: [(&'static str, f64, &[f64], &[f64]); 4] = [
-        ("least error", -1.0, &claim.error_low_rad, &own.error_low_rad),
-        ("greatest error", 1.0, &claim.error_high_rad, &own.error_high_rad),
-        ("least velocity error", -1.0, &claim.velocity_low_rad_s, &own.velocity_low_rad_s),
-        ("greatest velocity error", 1.0, &claim.velocity_high_rad_s, &own.velocity_high_rad_s),
-    ];
-    for (what, sign, claimed, mine) in lists {
-        if claimed.len() != mine.len() {
-            return Err(Refutation::AboutOther { what: "number of bins" });
-        }
-        for (b, (c, m)) in claimed.iter().zip(mine).enumerate() {
-            // Not a number is no claim.
-            if m.is_nan() || c.is_nan() || sign * m > sign * c {
-                return wider(what, b as f64 * bin, *c, *m);
-            }
-        }
-    }
-    let figures = [
-        ("largest error", claim.error_max_rad, own.error_max_rad),
-        ("largest velocity error", claim.velocity_error_max_rad_s, own.velocity_error_max_rad_s),
-        ("largest torque", claim.torque_max_nm, own.torque_max_nm),
-        ("largest change of torque", claim.torque_step_max_nm, own.torque_step_max_nm),
-    ];
-    for (what, claimed, mine) in figures {
-        if mine.is_nan() || claimed.is_nan() || mine > claimed {
-            return wider(what, 0.0, claimed, mine);
-        }
-    }
-    Ok(())
 }

@@ -6,7 +6,7 @@ use super::dense::{apply_sizes, exponential, inverse, product, transpose};
 use super::matter::Matter;
 use super::nominal::Nominal;
 use super::number::{Ball, Number, Screw, Tangent};
-use super::scope::{PayloadSlice, Smooth};
+use super::scope::{Adds, PayloadSlice, Smooth};
 
 /// `ε' = M⁻¹ (P − x)`, `P' = τ̃ − S ε' − K ε − …` with constant `M, S, K`, over samples `first … first+len−1`.
 #[derive(Debug, Clone)]
@@ -23,11 +23,23 @@ pub(super) struct Frame {
     pub(super) outlook: Vec<f64>,
     /// `J` along the nominal run, at the samples of the window and the one after it.
     pub(super) ends: Vec<Vec<f64>>,
-    /// `(ε, P)` over one sample, `2n×2n`, and what a held torque adds, `2n×n`.
-    pub(super) phi: Vec<f64>,
-    pub(super) gamma: Vec<f64>,
+    /// What one sample makes of `(ε, P)`, of a held torque and, with drives, of what their torque is off at its start:
+    /// `2n×(2n + n [+ n])`.
+    pub(super) flow: Vec<f64>,
+    /// What the robot adds.
+    pub(super) added: Added,
     /// `T²/8` and `T/8` times the row sums of `|M⁻¹ Kᵀ|`, `|M⁻¹ Sᵀ|`: how far a weight is from its chord.
     pub(super) bend: Vec<(f64, f64)>,
+}
+
+/// What the robot adds at a sample, held over it: `G ε + D ε'`; empty where it adds nothing of the kind.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Added {
+    /// `G`, the gradient of the bare arm's gravity, and `D`, of each joint.
+    pub(super) gravity: Vec<f64>,
+    pub(super) damping: Vec<f64>,
+    /// `D M⁻¹`.
+    pub(super) damping_inverse: Vec<f64>,
 }
 
 /// How far the arm may be from a frame while `|q − q_n| ≤ E`.
@@ -48,6 +60,8 @@ pub(super) struct Distance {
     pub(super) rate: Vec<f64>,
     /// `|G|` of (L4).
     pub(super) wrench: Vec<f64>,
+    /// Likewise for what the robot adds: gravity's gradient and each joint's damping.
+    pub(super) added: Added,
 }
 
 /// The arm's geometry over balls.
@@ -57,6 +71,7 @@ struct Around {
     damped: Vec<Ball>,
     twists: Vec<Screw<Ball>>,
     carried: Option<Carried>,
+    gravity: Vec<Ball>,
 }
 
 /// What belongs to the arm for the whole run.
@@ -64,6 +79,9 @@ pub(super) struct Arm<'a> {
     pub(super) chain: &'a Chain,
     pub(super) slice: Option<&'a PayloadSlice>,
     pub(super) smooth: &'a [Smooth],
+    pub(super) adds: &'a Adds,
+    /// `ω` of every joint's drive \[rad/s\]; empty: torque acts at once.
+    pub(super) drives: &'a [f64],
     pub(super) period: f64,
 }
 
@@ -115,17 +133,14 @@ impl Arm<'_> {
                 Ball { m: b.m, r: b.r + bend }
             })
             .collect();
-        let Around { slopes, k, damped, twists, carried } = match n {
+        let Around { slopes, k, damped, twists, carried, gravity } = match n {
             0..=4 => self.around::<4>(&q, &v, &a),
             5..=8 => self.around::<8>(&q, &v, &a),
             _ => self.around::<16>(&q, &v, &a),
         };
         let mut s = damped;
         for i in 0..n {
-            let smooth = &self.smooth[i];
-            let bend = smooth.bend(v[i].m - v[i].r, v[i].m + v[i].r);
-            let slope = Ball { m: smooth.slope(v[i].m), r: bend * v[i].r };
-            s[i * n + i] = s[i * n + i] + slope;
+            s[i * n + i] = s[i * n + i] + self.smooth[i].slope_over(v[i]);
         }
         let slopes: Vec<f64> = slopes.iter().map(|x| x.size()).collect();
         let mut off = vec![0.0; n * n];
@@ -151,8 +166,19 @@ impl Arm<'_> {
             hand_now,
             rate: Vec::new(),
             wrench: Vec::new(),
+            added: Added { gravity: radii(&gravity), ..Added::default() },
         };
         let mut frame = self.frame((first, len), m, (mids(&s), mids(&k)), hand)?;
+        frame.added.gravity = mids(&gravity);
+        if let Some(friction) = &self.adds.friction {
+            let balls: Vec<Ball> =
+                friction.iter().zip(&v).map(|(own, v)| own.slope_over(*v)).collect();
+            frame.added.damping = mids(&balls);
+            distance.added.damping = radii(&balls);
+            let rows = frame.m_inverse.chunks_exact(n).zip(&balls);
+            frame.added.damping_inverse =
+                rows.flat_map(|(row, d)| row.iter().map(move |m| d.m * m)).collect();
+        }
         if let Some(carried) = carried {
             let more = [(&mut distance.k, &carried.k), (&mut distance.slopes, &carried.slopes)];
             for (mine, more) in more {
@@ -194,6 +220,12 @@ impl Arm<'_> {
             }
         }
         let balls = |x: &[Tangent<N>]| x.iter().map(|x| x.ball()).collect();
+        let gravity = if self.adds.gravity {
+            let rest = vec![Tangent::<N>::default(); n];
+            balls(&self.chain.place(&q, None).inverse_dynamics_slopes(&rest, &rest))
+        } else {
+            Vec::new()
+        };
         let screw =
             |x: &Screw<Tangent<N>>| Screw { w: x.w.map(Number::ball), v: x.v.map(Number::ball) };
         Around {
@@ -202,6 +234,7 @@ impl Arm<'_> {
             twists: placed.hand_twists().iter().map(screw).collect(),
             carried: self.slice.map(|slice| Carried::new(slice, &placed, &v, &a)),
             slopes: balls(&slopes),
+            gravity,
         }
     }
 
@@ -238,8 +271,8 @@ impl Arm<'_> {
         let n = self.chain.n;
         let m_inverse = inverse(&m, n)?;
         let damped = product(&s, &m_inverse, (n, n, n));
-        // (ε, P, torque)
-        let size = 3 * n;
+        // (ε, P, held torque, what drives are off)
+        let size = 3 * n + self.drives.len();
         let mut a = vec![0.0; size * size];
         for i in 0..n {
             for j in 0..n {
@@ -249,12 +282,12 @@ impl Arm<'_> {
             }
             a[(n + i) * size + 2 * n + i] = 1.0;
         }
-        let whole = exponential(&a, self.period, size);
-        let (mut phi, mut gamma) = (Vec::new(), Vec::new());
-        for row in whole.chunks_exact(size).take(2 * n) {
-            phi.extend_from_slice(&row[..2 * n]);
-            gamma.extend_from_slice(&row[2 * n..]);
+        for (i, rate) in self.drives.iter().enumerate() {
+            a[(n + i) * size + 3 * n + i] = 1.0;
+            a[(3 * n + i) * size + 3 * n + i] = -rate;
         }
+        let mut flow = exponential(&a, self.period, size);
+        flow.truncate(2 * n * size);
         let one = vec![1.0; n];
         let sums =
             |x: &[f64]| apply_sizes(&product(&m_inverse, &transpose(x, (n, n)), (n, n, n)), &one);
@@ -275,8 +308,8 @@ impl Arm<'_> {
             s,
             k,
             hand,
-            phi,
-            gamma,
+            flow,
+            added: Added::default(),
             bend,
             outlook: Vec::new(),
             ends: Vec::new(),

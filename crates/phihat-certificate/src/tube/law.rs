@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_study::{LawForm, Study, VelocitySource};
+use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
 
 use super::Law;
 use super::dense::{exponential, product};
@@ -10,7 +10,13 @@ use super::dense::{exponential, product};
 /// One joint's loop from reading to the torque that is told to the drive.
 ///
 /// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator,
-/// commands from the newest to the one that acts.
+/// commands from the newest to the one that acts, [what a drive's torque is off at the start of the interval].
+///
+/// # Law of a drive
+///
+/// ```text
+/// τ(t) = told + gap e^{−ωt},   mean = told + gap (1 − e^{−ωT})/(ωT),   gap ← gap e^{−ωT} + told_before − told
+/// ```
 #[derive(Debug, Clone)]
 pub(super) struct Loop {
     period: f64,
@@ -23,14 +29,28 @@ pub(super) struct Loop {
     filter: f64,
     late: usize,
     delay: usize,
+    /// The law is first asked at the second sample; the first command is none.
+    waits: bool,
+    drive: Option<Drive>,
     pub(super) size: usize,
+}
+
+/// A drive's first-order lag.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drive {
+    /// `ω` \[rad/s\].
+    pub(super) rate: f64,
+    /// `e^{−ωT}`.
+    left: f64,
+    /// Share of the gap in the torque that the estimator is told.
+    told: f64,
 }
 
 /// What the joint shall do at a sample: position, velocity, acceleration.
 pub(super) type Wanted = [f64; 3];
 
 impl Loop {
-    pub(super) fn new(study: &Study, law: &Law, filter_hz: Option<f64>) -> Self {
+    pub(super) fn new(study: &Study, joint: usize, law: &Law, filter_hz: Option<f64>) -> Self {
         let period = study.control.period_ns as f64 * 1e-9;
         let a = &law.a;
         let m = a.len();
@@ -42,6 +62,14 @@ impl Loop {
         };
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;
+        let drive = study.world.drive_bandwidth_hz.as_ref().map(|hz| {
+            let rate = TAU * hz[joint];
+            let lost = -libm::expm1(-rate * period);
+            let applied = study.sensor.torque == TorqueSource::Applied;
+            let told = if applied { lost / (rate * period) } else { 0.0 };
+            Drive { rate, left: libm::exp(-rate * period), told }
+        });
+        let interface = &study.interface;
         let ways = if late > 0 { 1 + 3 * late } else { 0 };
         Self {
             period,
@@ -53,7 +81,9 @@ impl Loop {
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,
             delay,
-            size: 2 + ways + m + delay.max(1) + 1,
+            waits: interface.kept && interface.profile.first_torque_max.is_some(),
+            size: 2 + ways + m + delay.max(1) + 1 + usize::from(drive.is_some()),
+            drive,
             law: law.clone(),
         }
     }
@@ -72,14 +102,27 @@ impl Loop {
         self.newest() + self.delay
     }
 
-    /// One sample: reading `y`, true velocity `dq`.
-    pub(super) fn sample(&self, first: bool, s: &mut [f64], (y, dq): (f64, f64), wanted: Wanted) {
+    /// Place of what the drive's torque is off, where there is a drive.
+    pub(super) fn gap(&self) -> Option<usize> {
+        self.drive.map(|_| self.size - 1)
+    }
+
+    pub(super) fn drive_rate(&self) -> Option<f64> {
+        self.drive.map(|drive| drive.rate)
+    }
+
+    /// Sample `k`: reading `y`, true velocity `dq`.
+    pub(super) fn sample(&self, k: usize, s: &mut [f64], (y, dq): (f64, f64), wanted: Wanted) {
         let (memory, newest, acting) = (self.memory(), self.newest(), self.acting());
+        let first = k == 0;
+        let told = s[acting];
+        let gap = self.gap().map_or(0.0, |at| s[at]);
         let raw = if self.measured { dq } else { (y - s[0]) / self.period };
         let mut before = s[1];
         let filtered = if first { dq } else { before + self.filter * (raw - before) };
         (s[0], s[1]) = (y, filtered);
-        let (mut y, mut v, mut acted) = (y, filtered, s[acting]);
+        let mut acted = told + self.drive.map_or(0.0, |drive| drive.told * gap);
+        let (mut y, mut v) = (y, filtered);
         if self.late > 0 {
             let fresh = [y, v, acted];
             let way = 3 + 3 * self.late;
@@ -92,9 +135,31 @@ impl Loop {
             before = s[2];
             s[2] = v;
         }
+        let begins = usize::from(self.waits);
+        let command = if k < begins {
+            0.0
+        } else {
+            self.law(k == begins, &mut s[memory..newest], (y, v), (v - before, acted), wanted)
+        };
+        // Behind the newest commands only the torque that acts, and the drive's gap.
+        s.copy_within(newest..acting.max(newest + 1), newest + 1);
+        s[newest] = command;
+        if let (Some(drive), Some(at)) = (self.drive, self.gap()) {
+            s[at] = gap * drive.left + told - s[acting];
+        }
+    }
+
+    /// The law on what it got: position and velocity, change of velocity and the torque that acted.
+    fn law(
+        &self,
+        first: bool,
+        held: &mut [f64],
+        (y, v): (f64, f64),
+        (change, acted): (f64, f64),
+        wanted: Wanted,
+    ) -> f64 {
         let (e, de) = (y - wanted[0], v - wanted[1]);
         let m = self.law.a.len();
-        let held = &mut s[memory..newest];
         let estimate = if self.literal {
             let mut below = e;
             for entry in held.iter_mut().filter(|_| !first) {
@@ -105,7 +170,7 @@ impl Loop {
             -self.law.inertia * (sum + self.on_error[0] * e + self.on_error[1] * de)
         } else {
             if !first {
-                let innovation = self.period * (acted - held[0]) - self.law.inertia * (v - before);
+                let innovation = self.period * (acted - held[0]) - self.law.inertia * change;
                 for j in 0..m {
                     let next = if j + 1 < m { held[j + 1] } else { 0.0 };
                     held[j] += self.period * next + self.alpha[j] * innovation;
@@ -113,13 +178,11 @@ impl Loop {
             }
             held[0]
         };
-        let outer = self.law.inertia * (wanted[2] - self.law.kd * de - self.law.kp * e);
-        s.copy_within(newest..self.size - 1, newest + 1);
-        s[newest] = outer + estimate;
+        self.law.inertia * (wanted[2] - self.law.kd * de - self.law.kp * e) + estimate
     }
 
-    /// The sample without a reference, as `state ← A state + b y + c q̇`.
-    pub(super) fn linear(&self, first: bool) -> Linear {
+    /// Sample `k` without a reference, as `state ← A state + b y + c q̇`.
+    fn linear(&self, k: usize) -> Linear {
         let column = |at: usize| {
             let mut s = vec![0.0; self.size];
             let mut input = (0.0, 0.0);
@@ -128,36 +191,65 @@ impl Loop {
                 Some(0) => input.0 = 1.0,
                 Some(_) => input.1 = 1.0,
             }
-            self.sample(first, &mut s, input, [0.0; 3]);
+            self.sample(k, &mut s, input, [0.0; 3]);
             s
         };
-        let mut entries = Vec::new();
-        for j in 0..self.size {
-            for (i, value) in column(j).into_iter().enumerate() {
-                if value.abs() > 0.0 {
-                    entries.push((i, j, value));
-                }
-            }
+        let mut linear = Linear { entries: Vec::new(), ends: Vec::new() };
+        for j in 0..self.size + 2 {
+            let all = column(j).into_iter().enumerate();
+            linear.entries.extend(all.filter(|(_, value)| value.abs() > 0.0));
+            linear.ends.push(linear.entries.len());
         }
-        Linear { entries, reading: column(self.size), rate: column(self.size + 1) }
+        linear
+    }
+
+    pub(super) fn linear_loop(&self) -> LinearLoop {
+        LinearLoop {
+            samples: [self.linear(0), self.linear(1), self.linear(2)],
+            size: self.size,
+            acting: self.acting(),
+            gap: self.gap(),
+        }
     }
 }
 
-/// A linear sample of one joint.
+/// One joint's loop as linear samples.
+#[derive(Debug, Clone)]
+pub(super) struct LinearLoop {
+    /// The first, the second, and every other.
+    samples: [Linear; 3],
+    pub(super) size: usize,
+    /// Place of the torque that acts until the next sample.
+    pub(super) acting: usize,
+    pub(super) gap: Option<usize>,
+}
+
+impl LinearLoop {
+    pub(super) fn at(&self, sample: usize) -> &Linear {
+        &self.samples[sample.min(2)]
+    }
+}
+
+/// A linear sample of one joint, column by column: of the state, of the reading, of the velocity.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
-    /// Row, column, value.
-    pub(super) entries: Vec<(usize, usize, f64)>,
-    pub(super) reading: Vec<f64>,
-    pub(super) rate: Vec<f64>,
+    /// Row and value.
+    entries: Vec<(usize, f64)>,
+    ends: Vec<usize>,
 }
 
 impl Linear {
+    pub(super) fn columns(&self) -> impl Iterator<Item = &[(usize, f64)]> {
+        let start = |at: usize| if at == 0 { 0 } else { self.ends[at - 1] };
+        (0..self.ends.len()).map(move |at| &self.entries[start(at)..self.ends[at]])
+    }
+
     pub(super) fn sample(&self, s: &mut [f64], (y, dq): (f64, f64)) {
-        let mut next: Vec<f64> =
-            self.reading.iter().zip(&self.rate).map(|(b, c)| b * y + c * dq).collect();
-        for (i, j, value) in &self.entries {
-            next[*i] += value * s[*j];
+        let mut next = vec![0.0; s.len()];
+        for (column, x) in self.columns().zip(s.iter().chain([&y, &dq])) {
+            for (row, value) in column {
+                next[*row] += value * x;
+            }
         }
         s.copy_from_slice(&next);
     }

@@ -6,7 +6,7 @@ use phihat_study::Study;
 use super::Inputs;
 use super::dense::{count, reaches};
 use super::law::Loop;
-use super::scope::{Dry, PayloadSlice, Refusal};
+use super::scope::{Adds, Dry, PayloadSlice, Refusal};
 
 /// Largest step of the fine integration \[s\].
 const STEP: f64 = 2.5e-4;
@@ -36,24 +36,31 @@ struct Plant<'a> {
     ws: Workspace<f64>,
     smooth: &'a [super::scope::Smooth],
     torque: Vec<f64>,
+    /// What drives are off at the start of the sample, and how fast that goes \[1/s\]; empty without drives.
+    gap: Vec<(f64, f64)>,
     tau: Vec<f64>,
 }
 
 impl Plant<'_> {
-    fn acceleration(&mut self, q: &[f64], v: &[f64], a: &mut [f64]) {
+    /// `t`: time since the sample \[s\].
+    fn acceleration(&mut self, t: f64, (q, v): (&[f64], &[f64]), a: &mut [f64]) {
         for (i, smooth) in self.smooth.iter().enumerate() {
             self.tau[i] = self.torque[i] - smooth.torque(v[i]);
+        }
+        for (tau, (gap, rate)) in self.tau.iter_mut().zip(&self.gap) {
+            *tau += gap * libm::exp(-rate * t);
         }
         self.model.forward_dynamics(&mut self.ws, q, v, &self.tau, a);
     }
 
-    /// Steps of Kutta's 3/8 rule.
-    fn advance(&mut self, q: &mut [f64], v: &mut [f64], (h, steps): (f64, usize)) {
+    /// Steps of Kutta's 3/8 rule, from some time since the sample on.
+    fn advance(&mut self, (q, v): (&mut [f64], &mut [f64]), from: f64, (h, steps): (f64, usize)) {
         let n = q.len();
         let mut k = vec![vec![0.0; n]; 4];
         let mut u = vec![vec![0.0; n]; 4];
-        for _ in 0..steps {
-            for stage in 0..4 {
+        for step in 0..steps {
+            for (stage, node) in [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().enumerate() {
+                let t = from + h * (step as f64 + node);
                 let weights: [f64; 3] =
                     [[0.0; 3], [1.0 / 3.0, 0.0, 0.0], [-1.0 / 3.0, 1.0, 0.0], [1.0, -1.0, 1.0]]
                         [stage];
@@ -66,7 +73,7 @@ impl Plant<'_> {
                 }
                 u[stage].copy_from_slice(&at.1);
                 let (q, v) = at;
-                self.acceleration(&q, &v, &mut k[stage]);
+                self.acceleration(t, (&q, &v), &mut k[stage]);
             }
             for (w, (ku, ka)) in [0.125, 0.375, 0.375, 0.125].iter().zip(u.iter().zip(&k)) {
                 for i in 0..n {
@@ -84,7 +91,7 @@ impl Nominal {
         inputs: &Inputs<'_>,
         loops: &[Loop],
         slice: Option<&PayloadSlice>,
-        dry: &Dry,
+        (dry, adds): (&Dry, &Adds),
     ) -> Result<Self, Refusal> {
         let study = inputs.study;
         let n = loops.len();
@@ -97,8 +104,13 @@ impl Nominal {
             model: &model,
             smooth: &smooth,
             torque: vec![0.0; n],
+            gap: Vec::new(),
             tau: vec![0.0; n],
         };
+        let bare = study.robot.plant_model().with_gravity(study.world.gravity);
+        let mut bare_ws = Workspace::new(&bare);
+        let rest = vec![0.0; n];
+        let mut weight = vec![0.0; n];
         let (mut q, mut v) = match &study.world.start {
             Some(start) => (start.q.clone(), start.dq.clone()),
             None => (inputs.reference.q[0].clone(), inputs.reference.dq[0].clone()),
@@ -111,13 +123,20 @@ impl Nominal {
             let t = k as f64 * period;
             let mut held = vec![0.0; n];
             let mut command = vec![0.0; n];
+            if adds.gravity {
+                bare.bias(&mut bare_ws, &q, &rest, &mut weight);
+            }
+            plant.gap.clear();
             for i in 0..n {
                 let reference = inputs.reference;
                 let wanted = [reference.q[k][i], reference.dq[k][i], reference.ddq[k][i]];
-                loops[i].sample(k == 0, &mut states[i], (q[i], v[i]), wanted);
+                loops[i].sample(k, &mut states[i], (q[i], v[i]), wanted);
                 command[i] = states[i][loops[i].newest()];
                 held[i] = dry.middle[i] * dry.wide(v[i]);
-                plant.torque[i] = states[i][loops[i].acting()] - held[i];
+                let added = weight[i] + adds.friction(i, v[i], dry);
+                plant.torque[i] = states[i][loops[i].acting()] + added - held[i];
+                let off = loops[i].gap().zip(loops[i].drive_rate());
+                plant.gap.extend(off.map(|(at, rate)| (states[i][at], rate)));
             }
             for push in &study.world.pushes {
                 if push.start <= t && t < push.start + push.duration {
@@ -126,17 +145,19 @@ impl Nominal {
             }
             let start = (q.clone(), v.clone());
             let mut a = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-            plant.acceleration(&q, &v, &mut a[0]);
-            plant.advance(&mut q, &mut v, (period / fine as f64, fine / 2));
-            plant.acceleration(&q, &v, &mut a[1]);
+            let (step, half) = ((period / fine as f64, fine / 2), 0.5 * period);
+            plant.acceleration(0.0, (&q, &v), &mut a[0]);
+            plant.advance((&mut q, &mut v), 0.0, step);
+            plant.acceleration(half, (&q, &v), &mut a[1]);
             run.q_mid.push(q.clone());
             run.v_mid.push(v.clone());
-            plant.advance(&mut q, &mut v, (period / fine as f64, fine / 2));
-            plant.acceleration(&q, &v, &mut a[2]);
+            plant.advance((&mut q, &mut v), half, step);
+            plant.acceleration(period, (&q, &v), &mut a[2]);
             let mut defect = (vec![1e-15; n], vec![1e-13; n]);
             for steps in [fine / 2, theirs] {
                 let (mut other_q, mut other_v) = start.clone();
-                plant.advance(&mut other_q, &mut other_v, (period / steps as f64, steps));
+                let step = (period / steps as f64, steps);
+                plant.advance((&mut other_q, &mut other_v), 0.0, step);
                 for i in 0..n {
                     // Half the steps are off by some 16 times as much; doubled where steps are as fine.
                     defect.0[i] += 2.0 * (other_q[i] - q[i]).abs();

@@ -1,9 +1,12 @@
 //! What the tube is about, and what it refuses.
 
 use phihat_model::Sigmoid;
-use phihat_study::{Study, TorqueSource};
+use phihat_study::Study;
 
 use phihat_study::PayloadSet;
+
+use super::number::Ball;
+use crate::NotCounted;
 
 /// Why there is no tube: one variant per reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -12,8 +15,8 @@ pub enum Refusal {
     /// Something in the study acts that the derivation does not know.
     #[error("the tube does not count {what}")]
     NotCounted {
-        /// What, as a study's key says it.
-        what: &'static str,
+        /// What, in words or as a study's key.
+        what: String,
     },
     /// Lengths, counts or figures that do not belong together.
     #[error("{what} does not fit the study")]
@@ -79,6 +82,11 @@ impl Smooth {
         self.viscous + self.sigmoid.as_ref().map_or(0.0, of)
     }
 
+    /// The slope while the velocity is in a ball.
+    pub(super) fn slope_over(&self, v: Ball) -> Ball {
+        Ball { m: self.slope(v.m), r: self.bend(v.m - v.r, v.m + v.r) * v.r }
+    }
+
     /// Largest size of the slope's slope where `low ≤ v ≤ high`: `a s² |z(1−z)(1−2z)|`, at most
     /// `a s²/(6√3)`, there at `|s (v + o)| = ln(2+√3)`.
     pub(super) fn bend(&self, low: f64, high: f64) -> f64 {
@@ -115,6 +123,46 @@ pub(super) fn smooth(study: &Study) -> Vec<Smooth> {
         }
     };
     study.robot.joints.iter().enumerate().map(of).collect()
+}
+
+/// What the robot adds to a command by itself: at a sample, held over it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Adds {
+    /// Gravity of the bare arm.
+    pub(super) gravity: bool,
+    /// A share of the robot's own smooth friction, joint by joint.
+    pub(super) friction: Option<Vec<Smooth>>,
+    /// And of its dry friction \[N·m\]; empty without.
+    pub(super) dry: Vec<f64>,
+}
+
+impl Adds {
+    pub(super) fn of(study: &Study) -> Self {
+        let profile = &study.interface.profile;
+        let share = profile.adds_friction;
+        if share <= 0.0 {
+            return Self { gravity: profile.adds_gravity, ..Self::default() };
+        }
+        let own = |joint: &phihat_model::Joint| Smooth {
+            viscous: share * joint.friction.viscous,
+            sigmoid: joint
+                .friction
+                .sigmoid
+                .map(|law| Sigmoid { amplitude_nm: share * law.amplitude_nm, ..law }),
+        };
+        let joints = &study.robot.joints;
+        Self {
+            gravity: profile.adds_gravity,
+            friction: Some(joints.iter().map(own).collect()),
+            dry: joints.iter().map(|joint| share * joint.friction.coulomb).collect(),
+        }
+    }
+
+    /// Torque at a velocity, dry friction as the nominal run has it.
+    pub(super) fn friction(&self, i: usize, v: f64, dry: &Dry) -> f64 {
+        let smooth = self.friction.as_ref().map_or(0.0, |own| own[i].torque(v));
+        smooth + self.dry.get(i).map_or(0.0, |level| level * dry.wide(v))
+    }
 }
 
 /// Velocity over which the simulated dry friction turns \[rad/s\].
@@ -242,6 +290,7 @@ pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
     let any = |list: &[f64]| list.iter().any(|x| x.abs() > 0.0);
     let network = [world.network.command.share, world.network.sample.share];
     let carried = |p: &phihat_study::Payload| p.start > 0.0 || p.end < study.duration;
+    let adds = profile.adds_gravity || profile.adds_friction > 0.0;
     let listed = [
         (world.stiction.is_some(), "stiction"),
         (world.flexibility.is_some(), "elastic transmissions"),
@@ -249,28 +298,25 @@ pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
         (!world.walls.is_empty(), "walls"),
         (!world.forces.is_empty(), "forces at a frame"),
         (world.drive.is_some(), "imperfect drives"),
-        (world.drive_bandwidth_hz.is_some(), "drives with a bandwidth"),
         (any(&network), "lost messages"),
         ((world.warm_up.0 - 1.0).abs() > 0.0, "friction that warms up"),
         (world.payload.as_ref().is_some_and(carried), "a payload picked up or dropped"),
         (!study.faults.is_empty(), "faults"),
         (study.supervisor.is_some(), "the supervisor"),
         (any(&sensor.position_noise), "noise of the position"),
-        (any(&sensor.position_bias), "a bias of the position"),
         (any(&sensor.velocity_noise), "noise of the velocity"),
         (any(&sensor.torque_noise), "noise of the torque"),
         (sensor.jitter > 0.0, "jitter"),
         (sensor.wrap, "positions that start over"),
-        (profile.adds_gravity, "gravity added by the robot"),
-        (profile.adds_friction > 0.0, "friction added by the robot"),
         (profile.torque_filter.is_some(), "the robot's torque filter"),
-        (
-            sensor.torque == TorqueSource::Demanded && world.drive_bandwidth_hz.is_some(),
-            "torque as demanded",
-        ),
+        (adds && world.drive_bandwidth_hz.is_some(), "the lag of drives in what the robot adds"),
     ];
-    match listed.into_iter().find(|(acts, _)| *acts) {
-        Some((_, what)) => Err(Refusal::NotCounted { what }),
+    if let Some((_, what)) = listed.into_iter().find(|(acts, _)| *acts) {
+        return Err(Refusal::NotCounted { what: what.to_owned() });
+    }
+    // What is decided on field by field, for the certificate.
+    match NotCounted::of(study).into_iter().find(|one| !one.in_tube()) {
+        Some(one) => Err(Refusal::NotCounted { what: format!("`{}`", one.key) }),
         None => Ok(()),
     }
 }

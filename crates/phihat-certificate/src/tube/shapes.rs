@@ -30,6 +30,8 @@ pub(super) struct Spread {
     pub(super) step: Vec<(Vec<f64>, Vec<f64>)>,
     /// Largest twist of the hand over the window, `J ε'` over `J̇ ε'`.
     pub(super) twist: Vec<f64>,
+    /// Largest that a drive's torque is off, per joint; empty without drives.
+    pub(super) gap: Vec<f64>,
 }
 
 impl Shapes {
@@ -42,17 +44,21 @@ impl Shapes {
         Self { load, runs: vec![rest; load + n + 1] }
     }
 
-    /// Runs on through a window where the signs of the velocities are about `signs`.
+    /// Runs on through a window where the signs of the velocities are about `signs`, and the robot adds `added` more
+    /// than in the nominal run.
     pub(super) fn advance(
         &self,
         sweep: &Sweep<'_>,
         frame: &Frame,
-        signs: &[Vec<f64>],
+        (signs, added): (&[Vec<f64>], &[Vec<f64>]),
     ) -> (Self, Spread) {
         let n = frame.bend.len();
         let mut after = self.clone();
-        let mut spread =
-            Spread { twist: vec![0.0; if self.load > 0 { 12 } else { 0 }], ..Spread::default() };
+        let mut spread = Spread {
+            twist: vec![0.0; if self.load > 0 { 12 } else { 0 }],
+            gap: vec![0.0; sweep.arm.drives.len()],
+            ..Spread::default()
+        };
         after.look(sweep, frame, &mut spread, true);
         for (at, signs) in signs.iter().enumerate() {
             let k = frame.first + at;
@@ -68,6 +74,7 @@ impl Shapes {
                     for i in 0..n {
                         torque[i] = sweep.run.dry[k][i] - levels[i] * signs[i];
                     }
+                    torque.iter_mut().zip(&added[at]).for_each(|(t, added)| *t += added);
                 }
                 sweep.step_shape(frame, k, &torque, (&mut run.plant, &mut run.loops));
             }
@@ -94,6 +101,11 @@ impl Shapes {
         }
         if entering {
             return;
+        }
+        for (i, gap) in spread.gap.iter_mut().enumerate() {
+            let Some(at) = sweep.joint(i).gap else { continue };
+            let (low, high) = span(&|shape| shape.loops[i][at]);
+            *gap = gap.max(low.abs()).max(high.abs());
         }
         let newest = |i: usize| sweep.loops[i].newest();
         spread.torque.push(all(&|shape, i| shape.loops[i][newest(i)]));
@@ -142,17 +154,22 @@ impl Sweep<'_> {
         (plant, loops): (&mut Vec<f64>, &mut [Vec<f64>]),
     ) {
         let n = torque.len();
+        let (position, momentum) = plant.split_at(n);
         let mut acting = torque.to_vec();
-        for (i, own) in loops.iter_mut().enumerate() {
-            let (linear, first, _, at) = self.joint(i);
-            let linear = if k == 0 { first } else { linear };
-            linear.sample(own, (plant[i], 0.0));
-            acting[i] += own[*at];
+        let added = [(&frame.added.gravity, position), (&frame.added.damping_inverse, momentum)];
+        for (matrix, x) in added {
+            acting.iter_mut().zip(apply(matrix, x)).for_each(|(acting, added)| *acting += added);
         }
-        let mut next = apply(&frame.phi, plant);
-        let driven = apply(&frame.gamma, &acting);
-        next.iter_mut().zip(driven).for_each(|(x, d)| *x += d);
-        debug_assert_eq!(next.len(), 2 * n, "position and momentum");
-        *plant = next;
+        let rates =
+            if self.reads_rate() { apply(&frame.m_inverse, momentum) } else { vec![0.0; n] };
+        let mut off = Vec::new();
+        for (i, own) in loops.iter_mut().enumerate() {
+            let joint = self.joint(i);
+            joint.at(k).sample(own, (plant[i], rates[i]));
+            acting[i] += own[joint.acting];
+            off.extend(joint.gap.map(|at| own[at]));
+        }
+        let inputs: Vec<f64> = plant.iter().chain(&acting).chain(&off).copied().collect();
+        *plant = apply(&frame.flow, &inputs);
     }
 }

@@ -5,9 +5,9 @@ use super::adjoint::{Back, Boxes, Rows, Weights};
 use super::chain::Chain;
 use super::dense::{apply_sizes, count, product, reaches, transpose};
 use super::frame::{Arm, Distance, Frame, arc};
-use super::law::{Linear, Loop};
+use super::law::{LinearLoop, Loop};
 use super::nominal::Nominal;
-use super::scope::{Dry, PayloadSlice, Refusal, Smooth};
+use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth};
 use super::shapes::{Shapes, Spread};
 
 /// Longest window of later outputs that share one set of rows \[s\].
@@ -56,7 +56,8 @@ pub(super) struct Sweep<'a> {
     n: usize,
     hand: usize,
     period: f64,
-    joints: Vec<(Linear, Linear, usize, usize)>,
+    joints: Vec<LinearLoop>,
+    reads_rate: bool,
     half_step: Vec<f64>,
     /// Longest shared window, samples between anchors, shortest memory: all in samples.
     shared: usize,
@@ -100,12 +101,13 @@ impl<'a> Sweep<'a> {
     pub(super) fn new(
         inputs: &'a Inputs<'a>,
         (chain, slice, smooth): (&'a Chain, Option<&'a PayloadSlice>, &'a [Smooth]),
-        (run, dry, loops): (&'a Nominal, &'a Dry, &'a [Loop]),
+        (run, dry, adds): (&'a Nominal, &'a Dry, &'a Adds),
+        (loops, drives): (&'a [Loop], &'a [f64]),
     ) -> Self {
         let period = inputs.study.control.period_ns as f64 * 1e-9;
         let n = loops.len();
-        let joints =
-            loops.iter().map(|l| (l.linear(false), l.linear(true), l.size, l.acting())).collect();
+        let joints = loops.iter().map(Loop::linear_loop).collect();
+        let measured = loops.iter().any(|own| own.measured);
         let whole = |x: f64| count((x / period).round().max(1.0));
         let samples = run.command.len();
         let mut pushes = Vec::new();
@@ -123,7 +125,7 @@ impl<'a> Sweep<'a> {
         };
         Self {
             inputs,
-            arm: Arm { chain, slice, smooth, period },
+            arm: Arm { chain, slice, smooth, adds, drives, period },
             run,
             dry,
             loops,
@@ -131,7 +133,8 @@ impl<'a> Sweep<'a> {
             hand: if slice.is_some() { 6 } else { 0 },
             period,
             joints,
-            half_step: inputs.half_steps(),
+            reads_rate: measured || adds.friction.is_some(),
+            half_step: inputs.misread(),
             shared: whole(WINDOW),
             spacing: whole(ANCHORS),
             memory: whole(MEMORY),
@@ -147,7 +150,13 @@ impl<'a> Sweep<'a> {
     }
 
     fn rows(&self) -> Rows<'_> {
-        Rows { n: self.n, period: self.period, joints: &self.joints, half_step: &self.half_step }
+        Rows {
+            n: self.n,
+            period: self.period,
+            joints: &self.joints,
+            reads_rate: self.reads_rate,
+            half_step: &self.half_step,
+        }
     }
 
     /// The whole sweep.
@@ -182,8 +191,12 @@ impl<'a> Sweep<'a> {
         &self.load[k]
     }
 
-    pub(super) fn joint(&self, i: usize) -> &(Linear, Linear, usize, usize) {
+    pub(super) fn joint(&self, i: usize) -> &LinearLoop {
         &self.joints[i]
+    }
+
+    pub(super) fn reads_rate(&self) -> bool {
+        self.reads_rate
     }
 
     fn too_fast(&self, first: usize) -> Refusal {
@@ -251,15 +264,15 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Outputs: `ε`, `M⁻¹P`, commands, their changes, twist of the hand.
+    /// Outputs: `ε`, `M⁻¹P`, commands, their changes, twist of the hand, what drives are off.
     fn outputs(&self) -> usize {
-        4 * self.n + 2 * self.hand
+        4 * self.n + 2 * self.hand + self.arm.drives.len()
     }
 
     fn start_rows(&self, frame: &Frame) -> Back {
         let n = self.n;
-        let rows = self.outputs();
-        let mut back = Back::new(n, self.hand, self.rows().states(), rows);
+        let mut back = Back::new(n, self.hand, self.rows().states(), self.outputs());
+        let rows = back.rows;
         let mut set =
             |state: usize, row: usize, value: f64| back.lambda[state * rows + row] = value;
         let mut at = 2 * n;
@@ -277,6 +290,9 @@ impl<'a> Sweep<'a> {
             set(newest, 2 * n + i, 1.0);
             set(newest, 3 * n + i, 1.0);
             set(newest + 1, 3 * n + i, -1.0);
+            if let Some(gap) = self.joints[i].gap {
+                set(at + gap, 4 * n + 2 * self.hand + i, 1.0);
+            }
             at += self.loops[i].size;
             for c in 0..2 * self.hand {
                 set(n + i, 4 * n + c, twist[c * n + i]);
@@ -308,7 +324,7 @@ impl<'a> Sweep<'a> {
                     None => break,
                 },
             };
-            let weights = rows.step(back, frame, (sample, sample == 0));
+            let weights = rows.step(back, frame, sample);
             if sample + reach > own {
                 near.push((weights.clone(), at));
             } else {
@@ -348,16 +364,17 @@ impl<'a> Sweep<'a> {
             .collect();
         let smooth = self.smooth_boxes(distance, guess, &sizes);
         let mut boxes = Vec::with_capacity(frame.len);
-        let mut signs = Vec::with_capacity(frame.len);
+        let (mut signs, mut added) = (Vec::with_capacity(frame.len), Vec::new());
         for at in 0..frame.len {
-            let (own, middle) =
-                self.sample_boxes(frame, (frame.first + at, &smooth), &guess.inside[at]);
+            let k = frame.first + at;
+            let (mut own, middle) = self.sample_boxes(frame, (k, &smooth), &guess.inside[at]);
+            added.push(self.added(distance, (k, &guess.reach), &guess.inside[at], &mut own));
             boxes.push(own);
             signs.push(middle);
         }
-        let (after, spread) = shapes.advance(self, frame, &signs);
+        let (after, spread) = shapes.advance(self, frame, (&signs, &added));
         let radii = self.radii(frame, (history, near), &boxes, guess);
-        self.conclude(frame, distance, guess, (boxes, after, spread, radii, sizes))
+        self.conclude(frame, distance, (boxes, after, spread, radii, sizes))
     }
 
     /// What acts on all samples of a window alike.
@@ -467,6 +484,32 @@ impl<'a> Sweep<'a> {
         (out, middles)
     }
 
+    /// What the robot adds at a sample: the known part of what it is more than in the nominal run; the rest goes to the
+    /// boxes.
+    fn added(
+        &self,
+        distance: &Distance,
+        (k, reach): (usize, &[f64]),
+        (low, high): &(Vec<f64>, Vec<f64>),
+        boxes: &mut Boxes,
+    ) -> Vec<f64> {
+        let adds = self.arm.adds;
+        let gravity = apply_sizes(&distance.added.gravity, reach);
+        boxes.u.iter_mut().zip(gravity).for_each(|(u, off)| *u += off);
+        let Some(friction) = &adds.friction else { return vec![0.0; self.n] };
+        let of = |i: usize| {
+            let v = self.run.v[k][i];
+            let size = low[i].abs().max(high[i].abs());
+            let (from, to) = (v + low[i].min(0.0), v + high[i].max(0.0));
+            let bend = 0.5 * friction[i].bend(from, to) * size * size;
+            let (a, b) = (Dry::sign(v + low[i]), Dry::sign(v + high[i]));
+            boxes.u[i] +=
+                distance.added.damping[i] * size + bend + adds.dry[i].abs() * 0.5 * (b - a);
+            adds.dry[i] * (0.5 * (a + b) - self.dry.wide(v))
+        };
+        (0..self.n).map(of).collect()
+    }
+
     /// What the shifted copies of the reference system are off: for samples of this window.
     fn shift_boxes(&self, frame: &Frame, rest: (&[f64], &[f64]), own: &Boxes) -> Boxes {
         let n = self.n;
@@ -487,6 +530,12 @@ impl<'a> Sweep<'a> {
             let s = apply_sizes(&off(&frame.s, &other.s), rest.1);
             let k = apply_sizes(&off(&frame.k, &other.k), rest.0);
             let mut u: Vec<f64> = s.iter().zip(k).map(|(s, k)| s + k).collect();
+            let gravity = apply_sizes(&off(&frame.added.gravity, &other.added.gravity), rest.0);
+            u.iter_mut().zip(gravity).for_each(|(u, off)| *u += off);
+            let damping = off(&frame.added.damping, &other.added.damping);
+            for ((u, off), rate) in u.iter_mut().zip(damping).zip(rest.1) {
+                *u += off.abs() * rate;
+            }
             if self.hand > 0 {
                 let (turn, rate) = self.turned(frame, other);
                 let by = |m: &[f64], size: &[f64]| apply_sizes(&transpose(m, (6, n)), size);
@@ -560,7 +609,6 @@ impl<'a> Sweep<'a> {
         &self,
         frame: &Frame,
         distance: &Distance,
-        guess: &Guess,
         (boxes, shapes, spread, radii, sizes): (Vec<Boxes>, Shapes, Spread, Vec<f64>, Vec<f64>),
     ) -> Round {
         let n = self.n;
@@ -585,7 +633,8 @@ impl<'a> Sweep<'a> {
         let mut arc = apply_sizes(&frame.s, &sizes);
         let gravity = apply_sizes(&frame.k, &sizes);
         for i in 0..n {
-            arc[i] = 0.5 * self.period * (u[i] + arc[i] + 0.5 * self.period * gravity[i]);
+            let lag = spread.gap.get(i).map_or(0.0, |gap| gap + radii[4 * n + 2 * self.hand + i]);
+            arc[i] = 0.5 * self.period * (u[i] + arc[i] + 0.5 * self.period * gravity[i] + lag);
         }
         let arc = apply_sizes(&frame.m_inverse, &arc);
         let mut twist = Vec::new();
@@ -643,7 +692,6 @@ impl<'a> Sweep<'a> {
             rest.0.push(e + between);
             rest.1.push(radii[n + i].max(entering[i]) + direct[i] + arc[i]);
         }
-        let _ = guess;
         Round { boxes, shapes, spread, inside, reach, twist, radii, rest, direct }
     }
 
@@ -725,7 +773,7 @@ impl<'a> Sweep<'a> {
         let identity = || {
             let mut back = Back::new(self.n, self.hand, states, states);
             for i in 0..states {
-                back.lambda[i * states + i] = 1.0;
+                back.lambda[i * back.rows + i] = 1.0;
             }
             back
         };
@@ -773,8 +821,15 @@ fn widened(low: &[f64], high: &[f64], by: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// Whether all that came out is strictly inside what was taken for granted.
 fn within(round: &Round, guess: &Guess) -> bool {
     let less = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a < b);
+    let all =
+        [&round.spread.position, &round.spread.velocity, &round.spread.torque, &round.spread.step];
+    let finite = |list: &[f64]| list.iter().all(|x| x.is_finite());
+    let known = finite(&round.radii)
+        && finite(&round.direct)
+        && all.into_iter().flatten().all(|(low, high)| finite(low) && finite(high));
     let spans = round.inside.iter().zip(&guess.inside);
-    less(&round.reach, &guess.reach)
+    known
+        && less(&round.reach, &guess.reach)
         && less(&round.twist, &guess.twist)
         && less(&round.rest.0, &guess.rest.0)
         && less(&round.rest.1, &guess.rest.1)

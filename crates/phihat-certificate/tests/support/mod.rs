@@ -97,6 +97,7 @@ impl Case {
             reference: &self.reference,
             payload: self.payload.as_ref(),
             coulomb: (&self.coulomb.0, &self.coulomb.1),
+            bin_s: 0.01,
         })
     }
 

@@ -218,10 +218,15 @@ impl<'a> Scene<'a> {
 fn modelled(study: &Study) -> Result<(), TubeRefusal> {
     let forbidden = missing(study).first().map(|(key, _)| (*key).to_owned());
     let left_out = || NotCounted::of(study).into_iter().find(|one| !one.in_tube());
+    let profile = &study.interface.profile;
+    let adds = profile.adds_gravity || profile.adds_friction > 0.0;
+    // What the robot adds goes through the drive; here it acts at once.
+    let lagged = adds && study.world.drive_bandwidth_hz.is_some();
     let key = forbidden
         .or_else(|| left_out().map(|one| one.key))
         .or_else(|| study.supervisor.is_some().then(|| "supervisor".to_owned()))
-        .or_else(|| study.world.drive.is_some().then(|| "world.drive".to_owned()));
+        .or_else(|| study.world.drive.is_some().then(|| "world.drive".to_owned()))
+        .or_else(|| lagged.then(|| "world.drive_bandwidth_hz with what the robot adds".to_owned()));
     key.map_or(Ok(()), |key| Err(TubeRefusal::Unsupported(key)))
 }
 

@@ -1,0 +1,136 @@
+//! The tube of a file, derived again from the study by the second method.
+
+use phihat_study::Study;
+use serde::Serialize;
+
+use crate::check::agree::agrees;
+use crate::tube::{self, Inputs, JointBeside, Reference, TubeRefusal};
+use crate::{Certificate, Gains, PayloadSet, Refutation, Tube};
+
+const CLAIM: &str = "tube";
+
+/// Two ways to compute the same number.
+const SAME: f64 = 1e-9;
+
+/// What a second derivation says of a file's tube.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TubeAgain {
+    /// Why it could not be derived: the tube is on trust. `None`: it was.
+    pub on_trust: Option<String>,
+    /// Claimed beside derived, joint by joint; empty where it is on trust.
+    pub joints: Vec<JointBeside>,
+    /// Clauses of the specification that the file's tube keeps and the second derivation does not: they rest on the
+    /// first alone.
+    pub first_only: Vec<String>,
+}
+
+impl Certificate {
+    /// Derives the tube again, and holds the file's against it. `None`: the file has none.
+    ///
+    /// # Not claimed
+    ///
+    /// That the file's tube is true where it is tighter than what is derived here: [`JointBeside::tighter`] says by how much.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`]: it is about another study, or claims more than is derived here.
+    pub fn derive_tube(
+        &self,
+        gains: &Gains,
+        (study, reference): (&Study, &Reference),
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Option<TubeAgain>, Refutation> {
+        let Some(claimed) = &self.tube else { return Ok(None) };
+        self.tube_is_of(study)?;
+        let own = match self.tube_again(gains, (study, reference), progress) {
+            None => return Ok(None),
+            Some(Ok(own)) => own,
+            Some(Err(why)) => {
+                let on_trust = Some(why.to_string());
+                return Ok(Some(TubeAgain { on_trust, joints: vec![], first_only: vec![] }));
+            }
+        };
+        let joints = tube::beside(claimed, &own)?;
+        let first_only = first_only(study, claimed, &own);
+        Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
+    }
+
+    /// The tube that the second method derives for these gains, with the file's bins and settling time. `None`: the file has none.
+    pub fn tube_again(
+        &self,
+        gains: &Gains,
+        (study, reference): (&Study, &Reference),
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Option<Result<Tube, TubeRefusal>> {
+        let claimed = self.tube.as_ref()?;
+        let joints: Vec<tube::Law> = gains.joints.iter().map(tube::Law::from).collect();
+        let (low, high) = &study.design.coulomb;
+        let inputs = Inputs {
+            study,
+            joints: &joints,
+            velocity_filter_hz: self.joints.first().and_then(|j| j.model.velocity_filter_hz),
+            reference,
+            payload: Some(&study.design.payload),
+            coulomb: (low, high),
+            bin_s: claimed.bin_s,
+        };
+        let own = tube::derive(&inputs, progress);
+        Some(own.map(|own| own.steady_from(claimed.settle_s)))
+    }
+
+    /// That the tube is about what the study says: payloads, friction, encoders, settling time.
+    ///
+    /// # Errors
+    ///
+    /// The first [`Refutation`].
+    pub fn tube_is_of(&self, study: &Study) -> Result<(), Refutation> {
+        let Some(claimed) = &self.tube else { return Ok(()) };
+        let same = |what: &str, truth| Refutation::unless(CLAIM, what, 0.0, 1.0, truth);
+        let payload = PayloadSet::from(&study.design.payload);
+        same("payloads are the study's", claimed.payload == payload)?;
+        let levels = claimed.coulomb_nm == study.design.coulomb;
+        same("levels of dry friction are the study's", levels)?;
+        let bits = study.sensor.encoder_bits.as_ref();
+        for (i, own) in claimed.quantum_rad.iter().enumerate() {
+            let bits = bits.and_then(|bits| bits.get(i));
+            let quantum = bits.map_or(0.0, |bits| crate::TorqueNoise::quantum(*bits));
+            agrees(CLAIM, "quantum is the encoder's", (own + 1.0, quantum + 1.0), 1e-12)?;
+        }
+        if study.spec.settle_stated {
+            let sides = (claimed.settle_s + 1.0, study.spec.settle + 1.0);
+            agrees(CLAIM, "settling time is the study's", sides, SAME)?;
+        }
+        Ok(())
+    }
+}
+
+/// Clauses that one tube keeps and the other does not.
+fn first_only(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
+    let spec = &study.spec;
+    let integral = |tube: &Tube, i: usize| -> f64 {
+        let joint = &tube.joints[i];
+        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
+        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
+    };
+    let clauses: [Clause<'_>; 3] = [
+        ("spec.error_max_rad", &spec.error_max, &|tube, i| tube.joints[i].error_max_rad),
+        ("spec.velocity_error_max_rad_s", &spec.velocity_error_max, &|tube, i| {
+            tube.joints[i].velocity_error_max_rad_s
+        }),
+        ("spec.error_integral_max_rad_s", &spec.error_integral_max, &integral),
+    ];
+    let mut list = Vec::new();
+    for (key, limits, of) in clauses {
+        for (i, limit) in limits.iter().flatten().enumerate() {
+            let (first, second) = (of(claimed, i), of(own, i));
+            if first <= *limit && (second.is_nan() || second > *limit) {
+                let name = &claimed.joints[i].name;
+                list.push(format!("{key} = {limit} on {name}: {second:.4e} is derived here"));
+            }
+        }
+    }
+    list
+}
+
+/// Key of a clause, its limits, and what a tube says of a joint.
+type Clause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);

@@ -1,0 +1,90 @@
+//! A gains file against its study. Wrong if a tube that was shrunk with all that follows from it passed, or if an honest one
+//! were refused.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+
+use serde_json::{Value, json};
+use support::{folder, phihat};
+
+const STUDY: &str = r#"duration_s = 1.0
+[robot]
+name = "planar3r"
+locked = { joint3 = 0.5 }
+[spec]
+settle_s = 0.5
+error_max_rad = 4e-3
+[design]
+payload_max_kg = 0.2
+orders = [1]
+[loop]
+rate_hz = 500.0
+delay_samples = 1
+[sensor]
+encoder_bits = 18
+velocity = "differenced"
+velocity_filter_hz = 100.0
+[world]
+friction = "none"
+coulomb_extra_nm = 0.1
+substeps = 4
+payload = { mass_kg = 0.2 }
+[reference]
+kind = "sines"
+center_rad = [0.3, 0.8]
+fade_in_s = 0.3
+[[reference.sine]]
+amplitude_rad = [0.2, 0.15]
+frequency_hz = [1.0, 1.5]
+phase_rad = [0.7, 0.2]
+"#;
+
+/// All bins and what is said of them, nearer to zero.
+fn shrunk(gains: &Value, by: f64) -> Value {
+    let mut gains = gains.clone();
+    for joint in gains["certificate"]["tube"]["joints"].as_array_mut().unwrap() {
+        for (_, value) in joint.as_object_mut().unwrap() {
+            match value {
+                Value::Number(x) => *value = json!(by * x.as_f64().unwrap()),
+                Value::Array(list) => {
+                    for x in list.iter_mut() {
+                        *x = json!(by * x.as_f64().unwrap());
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    gains
+}
+
+#[test]
+fn a_shrunk_tube_agrees_with_itself_and_is_refused_by_its_study() {
+    let folder = folder("verify-study");
+    fs::write(folder.join("two.toml"), STUDY).unwrap();
+    let answer = phihat(&folder, &["design", "two.toml", "--out", "two.json"]);
+    assert_eq!(answer.code, 0, "{}{}", answer.out, answer.err);
+    let honest = phihat(&folder, &["verify", "two.json", "--study", "two.toml"]);
+    assert_eq!(honest.code, 0, "{}{}", honest.out, honest.err);
+    for told in ["BY A SECOND DERIVATION", "claimed,", "8 worlds", "every claim holds"] {
+        assert!(honest.out.contains(told), "{told}: {}", honest.out);
+    }
+    let figures = phihat(&folder, &["verify", "two.json", "--study", "two.toml", "--json"]);
+    let figures: Value = serde_json::from_str(&figures.out).unwrap();
+    let again = &figures["verified"]["tube"];
+    assert!(again["on_trust"].is_null(), "{again}");
+    assert!(again["joints"][0]["tighter"].as_f64().unwrap() < 1.5, "{again}");
+    assert_eq!(figures["runs"]["runs"], 8);
+    let text = fs::read_to_string(folder.join("two.json")).unwrap();
+    let gains: Value = serde_json::from_str(&text).unwrap();
+    for by in [0.5, 0.8, 0.95] {
+        fs::write(folder.join("less.json"), shrunk(&gains, by).to_string()).unwrap();
+        let alone = phihat(&folder, &["verify", "less.json"]);
+        assert_eq!(alone.code, 0, "{by}: the file agrees with itself: {}", alone.out);
+        let refused = phihat(&folder, &["verify", "less.json", "--study", "two.toml"]);
+        assert_eq!(refused.code, 1, "{by}: {}", refused.out);
+        assert!(refused.out.starts_with("REFUSED: joint"), "{by}: {}", refused.out);
+    }
+}
