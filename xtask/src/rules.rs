@@ -32,6 +32,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
             "phihat",
             "phihat-baselines",
             "phihat-campaign",
+            "phihat-certificate",
             "phihat-design",
             "phihat-model",
             "phihat-report",

@@ -31,7 +31,7 @@ const STEPS: [Step; 18] = [
     ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
     ("the README's main job", main_job),
     ("an attack on certificates", |root| {
-        let size = ["30", "--runs", "4", "--alone", "--fresh"].map(String::from);
+        let size = ["60", "--runs", "4", "--alone", "--fresh"].map(String::from);
         attack::run(root, &size)
     }),
     ("the README prints what is printed", bless::check),
