@@ -3,6 +3,7 @@
 use phihat_model::Model;
 
 use super::TubeRefusal;
+use super::extremes::{larger, smaller};
 use super::scene::{Scene, half};
 use phihat_study::PayloadSet;
 
@@ -106,15 +107,15 @@ impl Slice {
         let of = |m: f64| (m - self.middle()) * unit[0];
         let (a, b) = (self.mass.0, self.mass.1);
         let rest: f64 = (0..6).map(|i| self.inertia[i] * unit[4 + i].abs()).sum();
-        let low = (of(a) - box_(a)).min(of(b) - box_(b)) - rest;
-        let high = (of(a) + box_(a)).max(of(b) + box_(b)) + rest;
+        let low = smaller(of(a) - box_(a), of(b) - box_(b)) - rest;
+        let high = larger(of(a) + box_(a), of(b) + box_(b)) + rest;
         (low, high)
     }
 
     /// Largest size of the same.
     pub(super) fn size(&self, unit: &[f64; 10]) -> f64 {
         let (low, high) = self.hull(unit);
-        high.max(-low)
+        larger(high, -low)
     }
 
     /// `|ΔI|` of the payload's spatial inertia about the box's middle, entry by entry, linear before angular.

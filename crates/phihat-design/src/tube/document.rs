@@ -3,6 +3,7 @@
 use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
+use super::extremes::{hull, largest};
 use super::{Desired, JointEnvelope, TubeRefusal, find};
 use crate::sampled::TorqueNoise;
 
@@ -43,15 +44,15 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
 fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
     let low = |values: &[(f64, f64)]| -> Vec<f64> {
         let bins = values.chunks(COARSER);
-        bins.map(|bin| -outward(-bin.iter().fold(f64::INFINITY, |m, v| m.min(v.0)))).collect()
+        bins.map(|bin| -outward(-hull(bin.iter().copied()).0)).collect()
     };
     let high = |values: &[(f64, f64)]| -> Vec<f64> {
         let bins = values.chunks(COARSER);
-        bins.map(|bin| outward(bin.iter().fold(f64::NEG_INFINITY, |m, v| m.max(v.1)))).collect()
+        bins.map(|bin| outward(hull(bin.iter().copied()).1)).collect()
     };
     let (error_low_rad, error_high_rad) = (low(&own.error), high(&own.error));
     let (velocity_low_rad_s, velocity_high_rad_s) = (low(&own.velocity), high(&own.velocity));
-    let largest = |values: &[f64]| outward(values.iter().fold(0.0_f64, |m, v| m.max(*v)));
+    let most = |values: &[f64]| outward(largest(values.iter().copied()));
     TubeJoint {
         name: name.to_owned(),
         error_max_rad: f64::INFINITY,
@@ -60,8 +61,8 @@ fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
         error_high_rad,
         velocity_low_rad_s,
         velocity_high_rad_s,
-        torque_max_nm: largest(&own.torque),
-        torque_step_max_nm: largest(&own.step),
+        torque_max_nm: most(&own.torque),
+        torque_step_max_nm: most(&own.step),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Sums over impulse responses of the linear time-varying loop, by lag, and what is left beyond them.
 
 use super::deviation::Deviation;
+use super::extremes::{larger, largest};
 use super::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 use super::linear::Interval;
 use super::scene::Scene;
@@ -243,13 +244,13 @@ impl<'a> Course<'a> {
             let mut sizes: Lane<WIDE> = [0.0; WIDE];
             run.each(|i, state| {
                 for c in 0..WIDE {
-                    sizes[c] = sizes[c].max(share_of(state[c].abs(), scale[i]));
+                    sizes[c] = larger(sizes[c], share_of(state[c].abs(), scale[i]));
                 }
             });
             let at = inputs.first(place.kind) + place.first;
             let unit = place.kind.per(self.scene.period);
             for (left, size) in left[at..at + place.width].iter_mut().zip(sizes) {
-                *left = left.max(unit * size);
+                *left = larger(*left, unit * size);
             }
         }
     }
@@ -268,20 +269,20 @@ impl<'a> Course<'a> {
             for run in &mut packs.runs {
                 run.each(|i, state| {
                     for value in state {
-                        now[i] = now[i].max(value.abs());
+                        now[i] = larger(now[i], value.abs());
                     }
                 });
                 run.step_free(self.scene, (t, self.interval(t)));
             }
             for (peak, now) in peak.iter_mut().zip(&now) {
-                *peak = peak.max(*now);
+                *peak = larger(*peak, *now);
             }
             sizes.push(now);
         }
         let scale: Scale = peak;
         for now in &sizes {
             let size = now.iter().zip(&scale).map(|(x, s)| share_of(*x, *s));
-            let size = size.fold(0.0_f64, f64::max);
+            let size = largest(size);
             history.push(size);
         }
         let last = history.iter().rposition(|size| *size > share);
@@ -332,7 +333,7 @@ impl<'a> Course<'a> {
                 }
             }
             for (most, now) in most.iter_mut().zip(&now) {
-                *most = most.max(*now);
+                *most = larger(*most, *now);
             }
         }
         let mut left = vec![0.0_f64; length];
@@ -341,7 +342,7 @@ impl<'a> Course<'a> {
                 left[i] += share_of(state.iter().map(|x| x.abs()).sum(), scale[i]);
             });
         }
-        (most, left.into_iter().fold(0.0, f64::max))
+        (most, largest(left.into_iter()))
     }
 }
 
@@ -453,11 +454,11 @@ fn add_to<'a>(sums: &mut [Lane<WIDE>], torque: usize, of: impl Fn(usize) -> &'a 
 
 /// A size in a unit; nothing is 0 of any.
 fn share_of(size: f64, unit: f64) -> f64 {
-    if size > 0.0 { size / unit } else { 0.0 }
+    if size == 0.0 { 0.0 } else { size / unit }
 }
 
 /// The next larger number in single precision.
 #[allow(clippy::cast_possible_truncation, reason = "rounded up")]
 fn up(x: f64) -> f32 {
-    ((x * (1.0 + 2.4e-7)) as f32).max(0.0)
+    (x * (1.0 + 2.4e-7)) as f32
 }

@@ -12,6 +12,7 @@ mod basis;
 mod controller;
 mod deviation;
 mod document;
+mod extremes;
 mod kernel;
 mod lanes;
 mod linear;
@@ -26,6 +27,7 @@ use thiserror::Error;
 use basis::Slice;
 use deviation::Deviation;
 pub use document::tube;
+use extremes::{hull, larger, smaller};
 use kernel::{Course, Scale};
 use lanes::WIDE;
 use linear::{Differences, Interval, middle};
@@ -206,12 +208,12 @@ impl Envelope {
     fn join(&mut self, other: &Self) {
         let hull = |a: &mut [(f64, f64)], b: &[(f64, f64)]| {
             for (a, b) in a.iter_mut().zip(b) {
-                *a = (a.0.min(b.0), a.1.max(b.1));
+                *a = hull([*a, *b].into_iter());
             }
         };
         let larger = |a: &mut [f64], b: &[f64]| {
             for (a, b) in a.iter_mut().zip(b) {
-                *a = a.max(*b);
+                *a = larger(*a, *b);
             }
         };
         for (a, b) in self.joints.iter_mut().zip(&other.joints) {
@@ -480,8 +482,8 @@ impl Moved {
             for k in 0..samples {
                 for e in 0..entries {
                     let x = value(k, e);
-                    low[k / bin][e] = low[k / bin][e].min(x);
-                    high[k / bin][e] = high[k / bin][e].max(x);
+                    low[k / bin][e] = smaller(low[k / bin][e], x);
+                    high[k / bin][e] = larger(high[k / bin][e], x);
                 }
             }
             let mut out = vec![vec![0.0_f64; entries]; groups];
@@ -489,12 +491,11 @@ impl Moved {
                 let g = block / group;
                 let around = block.saturating_sub(window)..(block + window + 1).min(blocks);
                 for e in 0..entries {
-                    let top = around.clone().fold(f64::NEG_INFINITY, |m, b| m.max(high[b][e]));
-                    let bottom = around.clone().fold(f64::INFINITY, |m, b| m.min(low[b][e]));
+                    let (bottom, top) = hull(around.clone().map(|b| (low[b][e], high[b][e])));
                     // Either way from the block's own values.
                     let up = top - low[block][e];
                     let down = high[block][e] - bottom;
-                    out[g][e] = out[g][e].max(up.max(down));
+                    out[g][e] = larger(out[g][e], larger(up, down));
                 }
             }
             out
@@ -518,7 +519,7 @@ impl Moved {
                 let g = k / (group * bin);
                 for e in 0..twist * n {
                     let rate = (course.jacobians[k][e] - course.jacobians[k - 1][e]).abs() / t;
-                    rates[g][e] = rates[g][e].max(rate);
+                    rates[g][e] = larger(rates[g][e], rate);
                 }
             }
         }
@@ -554,24 +555,29 @@ fn envelope(
                 let k = from + row;
                 let at = k * n + i;
                 let wide = |out: &mut (f64, f64), middle: f64, around: (f64, f64)| {
-                    *out = (out.0.min(middle + around.0), out.1.max(middle + around.1));
+                    *out = hull([*out, (middle + around.0, middle + around.1)].into_iter());
                 };
                 wide(&mut error, nominal.q[at] - scene.desired.q[at], result.e[row * n + i]);
                 wide(&mut velocity, nominal.dq[at] - scene.desired.dq[at], result.v[row * n + i]);
                 let own = result.command[row * n + i];
                 let middle = nominal.command[at];
-                let largest = (middle + own.1).max(-(middle + own.0));
+                let most_torque = larger(middle + own.1, -(middle + own.0));
                 let before = if k > 0 { nominal.command[at - n] } else { 0.0 };
                 let own = result.change[row * n + i];
-                let change = (middle - before + own.1).max(-(middle - before + own.0));
+                let change = larger(middle - before + own.1, -(middle - before + own.0));
                 let (most, most_step) = scene.limits[i];
-                if largest > most || change > most_step {
+                let inside = |x: f64, limit: f64| x <= limit;
+                if !inside(most_torque, most) || !inside(change, most_step) {
                     let t = k as f64 * scene.period;
                     let joint = scene.names[i].clone();
-                    return Err(TubeRefusal::Limit { joint, t, torque: largest > most });
+                    return Err(TubeRefusal::Limit {
+                        joint,
+                        t,
+                        torque: !inside(most_torque, most),
+                    });
                 }
-                torque = torque.max(largest);
-                step = step.max(change);
+                torque = larger(torque, most_torque);
+                step = larger(step, change);
             }
             joint.error.push(error);
             joint.velocity.push(velocity);

@@ -4,6 +4,7 @@ use phihat_model::{Model, Workspace};
 
 use super::TubeRefusal;
 use super::controller::Control;
+use super::extremes::hull;
 use super::scene::{Scene, dry};
 
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].
@@ -183,7 +184,7 @@ impl<'a> Plant<'a> {
                     let friction = &scene.friction[i];
                     let level = 0.5 * (friction.level.0 + friction.level.1);
                     self.sign[i] += weight / 6.0 / f64::from(steps) * s;
-                    self.ends[i] = (self.ends[i].0.min(s), self.ends[i].1.max(s));
+                    self.ends[i] = hull([self.ends[i], (s, s)].into_iter());
                     let drive = control.torque(&scene.law, i, elapsed);
                     self.tau[i] =
                         drive + self.added[i] + self.push[i] - friction.smooth(vs[i]) - level * s;

@@ -3,6 +3,7 @@
 use super::TubeRefusal;
 use super::basis::Slice;
 use super::deviation::Deviation;
+use super::extremes::{larger, largest, smaller};
 use super::kernel::{Course, Inputs, Kernel};
 use super::lanes::WIDE;
 use super::linear::Interval;
@@ -184,9 +185,9 @@ impl<'a> Sweep<'a> {
             v[i] = (before.0 - 1e-7, before.1 + 1e-7);
             let before = last.map_or(0.0, |bin| {
                 let at = bin.e[bin.e.len() - n + i];
-                at.1.max(-at.0)
+                larger(at.1, -at.0)
             });
-            e[i] = before.max(own(i));
+            e[i] = larger(before, own(i));
         }
         let twist = (0..self.inputs.twist).map(|c| own(2 * n + c)).collect();
         Guess {
@@ -212,10 +213,10 @@ impl<'a> Sweep<'a> {
             &group.tensors;
         let e = &guess.e;
         let v: Vec<f64> = (0..n)
-            .map(|i| guess.v.iter().skip(i).step_by(n).fold(0.0_f64, |m, v| m.max(v.1).max(-v.0)))
+            .map(|i| largest(guess.v.iter().skip(i).step_by(n).map(|v| larger(v.1, -v.0))))
             .collect();
         let speed: Vec<f64> = (0..n)
-            .map(|i| (from..=to).fold(0.0_f64, |m, k| m.max(along.nominal.dq[k * n + i].abs())))
+            .map(|i| largest((from..=to).map(|k| along.nominal.dq[k * n + i].abs())))
             .collect();
         let [summed_e, summed_v] = &guess.summed;
         let mut torque = vec![0.0; n];
@@ -277,7 +278,7 @@ impl<'a> Sweep<'a> {
         // Where two integrators end apart, twice: neither is exact.
         for (defect, out) in along.nominal.defect.iter().zip([&mut momentum, &mut torque]) {
             let most: Vec<f64> =
-                (0..n).map(|i| (from..to).fold(0.0_f64, |m, k| m.max(defect[k * n + i]))).collect();
+                (0..n).map(|i| largest((from..to).map(|k| defect[k * n + i]))).collect();
             for (out, more) in out.iter_mut().zip(times_abs(&at.m, &most)) {
                 *out += 2.0 * more / t;
             }
@@ -289,9 +290,9 @@ impl<'a> Sweep<'a> {
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             for k in from..to {
                 let (a, b) = self.ends(guess, from, k, i);
-                most = most.max(0.5 * (dry(b) - dry(a)));
-                spread = spread.max(along.nominal.spread[k * n + i]);
-                (low, high) = (low.min(a), high.max(b));
+                most = larger(most, 0.5 * (dry(b) - dry(a)));
+                spread = larger(spread, along.nominal.spread[k * n + i]);
+                (low, high) = (smaller(low, a), larger(high, b));
             }
             let level = 0.5 * (friction.level.0 + friction.level.1);
             let added = friction.added.map_or(0.0, |added| added.level());
@@ -325,7 +326,7 @@ impl<'a> Sweep<'a> {
         let nominal = &self.along.nominal.dq;
         let (a, b) = (guess.v[(k - from) * n + i], guess.v[(k + 1 - from) * n + i]);
         let (v, w) = (nominal[k * n + i], nominal[(k + 1) * n + i]);
-        ((v + a.0).min(w + b.0), (v + a.1).max(w + b.1))
+        (smaller(v + a.0, w + b.0), larger(v + a.1, w + b.1))
     }
 
     /// `|M⁻¹ x + M⁻¹ Jᵀ μ|`: what momentum is of a velocity at once.
@@ -431,11 +432,11 @@ impl<'a> Sweep<'a> {
         let (from, to) = self.range(b);
         let rows = self.inputs.rows();
         let mut summed = vec![0.0; rows];
-        let larger: Vec<f64> =
-            inputs.iter().zip(&self.before).map(|(now, before)| now.max(*before)).collect();
+        let boxes: Vec<f64> =
+            inputs.iter().zip(&self.before).map(|(now, before)| larger(*now, *before)).collect();
         for (row, sum) in summed.iter_mut().enumerate() {
             let own = group.kernel.lag(0, row);
-            let own: f64 = own.iter().zip(&larger).map(|(k, u)| f64::from(*k) * u).sum();
+            let own: f64 = own.iter().zip(&boxes).map(|(k, u)| f64::from(*k) * u).sum();
             *sum = SLACK * (self.ahead[b][row] + own + tail[row]);
             if b < self.first_reading.lags {
                 let first = self.first_reading.lag(b, row);
@@ -446,8 +447,8 @@ impl<'a> Sweep<'a> {
         }
         let middle = usize::midpoint(from, to);
         let at = self.inputs.payload();
-        let momentum = &larger[self.inputs.momentum()..self.inputs.momentum() + n];
-        let payload = &larger[at..at + self.inputs.twist];
+        let momentum = &boxes[self.inputs.momentum()..self.inputs.momentum() + n];
+        let payload = &boxes[at..at + self.inputs.twist];
         let direct = self.direct(middle, momentum, payload);
         let wide: Vec<f64> = (0..n).map(|i| summed[n + i] + direct[i]).collect();
         let columns = 1 + self.levels.len();
@@ -478,7 +479,7 @@ impl<'a> Sweep<'a> {
                 let (a, b) = hull(&|shape| shape.e[at]);
                 let (c, d) = friction(&shapes.e, k - from, i);
                 let e = (a + c - summed[i], b + d + summed[i]);
-                found.e[i] = found.e[i].max(e.1).max(-e.0);
+                found.e[i] = larger(found.e[i], larger(e.1, -e.0));
                 bin.e.push(e);
                 let (a, b) = hull(&|shape| shape.v[at]);
                 let (c, d) = friction(&shapes.v, k - from, i);
@@ -504,7 +505,7 @@ impl<'a> Sweep<'a> {
                         let factor = if column == 0 { 1.0 } else { half(column) };
                         size += factor * along_row(v).abs();
                     }
-                    found.twist[c] = found.twist[c].max(size);
+                    found.twist[c] = larger(found.twist[c], size);
                 }
             }
             if k == to {
@@ -562,19 +563,19 @@ impl<'a> Sweep<'a> {
 
     /// Puts what a bin's inputs do into the bins to come, and what is left of it into the tails.
     fn scatter(&mut self, b: usize, group: &Group, inputs: &[f64]) {
-        let larger: Vec<f64> =
-            inputs.iter().zip(&self.before).map(|(now, before)| now.max(*before)).collect();
+        let boxes: Vec<f64> =
+            inputs.iter().zip(&self.before).map(|(now, before)| larger(*now, *before)).collect();
         let kernel = &group.kernel;
         for lag in 1..kernel.lags.min(self.along.bins.saturating_sub(b)) {
             let ahead = &mut self.ahead[b + lag];
             for (row, slot) in ahead.iter_mut().enumerate() {
                 let sum: f64 =
-                    kernel.lag(lag, row).iter().zip(&larger).map(|(k, u)| f64::from(*k) * u).sum();
+                    kernel.lag(lag, row).iter().zip(&boxes).map(|(k, u)| f64::from(*k) * u).sum();
                 *slot += sum;
             }
         }
         if let Some(segment) = self.along.segments.iter().position(|s| s.from == kernel.end) {
-            let size: f64 = kernel.left.iter().zip(&larger).map(|(l, u)| l * u).sum();
+            let size: f64 = kernel.left.iter().zip(&boxes).map(|(l, u)| l * u).sum();
             self.arriving[segment] += self.along.course.bin as f64 * size;
         }
     }

@@ -1,6 +1,7 @@
 //! How far the linear run is from the arm: second derivatives and what the payload changes, once per group.
 
 use super::basis::{Direction, Slice};
+use super::extremes::larger;
 use super::linear::Differences;
 
 /// Step of the second differences.
@@ -38,7 +39,7 @@ impl Tensors {
             (payload_stiffness, &other.payload_stiffness),
         ] {
             for (own, other) in own.iter_mut().zip(other) {
-                *own = own.max(*other);
+                *own = larger(*own, *other);
             }
         }
     }
@@ -98,7 +99,7 @@ impl<'a> Looked<'a> {
                         (&mut out.coriolis, &fast.d, &slow.d),
                     ] {
                         let slope = (high[ij] - low[ij]).abs() / (2.0 * STEP);
-                        slot[at] = slot[at].max(MARGIN * slope);
+                        slot[at] = larger(slot[at], MARGIN * slope);
                     }
                 }
             }
