@@ -129,15 +129,15 @@ impl PeakGains {
 
 /// A claimed pair is right when it encloses the true one.
 pub(crate) fn encloses(what: &str, claimed: PeakGain, again: PeakGain) -> Result<(), Refutation> {
-    let (low, high) = (claimed.lower, claimed.upper);
-    let pair = format!("{what}: 0 ≤ lower bound ≤ bound");
-    Refutation::unless(CLAIM, &pair, low, high, 0.0 <= low && low <= high)?;
     let enough = claimed.upper >= again.upper * (1.0 - AGAIN) && claimed.upper.is_finite();
     let above = format!("{what} ≤ its bound");
     Refutation::unless(CLAIM, &above, again.upper, claimed.upper, enough)?;
     let attained = claimed.lower <= again.lower * (1.0 + AGAIN);
     let below = format!("{what} ≥ its lower bound");
-    Refutation::unless(CLAIM, &below, again.lower, claimed.lower, attained)
+    Refutation::unless(CLAIM, &below, again.lower, claimed.lower, attained)?;
+    let (low, high) = (claimed.lower, claimed.upper);
+    let pair = format!("{what}: 0 ≤ lower bound ≤ bound");
+    Refutation::unless(CLAIM, &pair, low, high, 0.0 <= low && low <= high)
 }
 
 impl PaperRadius {
