@@ -18,7 +18,7 @@ const LONGEST: usize = 1 << 21;
 const CUT: f64 = 1e-5;
 
 /// The largest entry of a row is one that a witness reaches, to this share.
-const REACHED: f64 = 0.99;
+const REACHED: f64 = 0.97;
 
 /// `[output][i][j]` from torque, then from the encoder.
 type Sums = [[Matrix; OUTPUTS]; 2];

@@ -12,6 +12,9 @@ use phihat_certificate::{Gains, NotCounted};
 /// Velocity at which the simulator's Coulomb law reaches 1/√2 of its level \[rad/s\].
 pub(super) const COULOMB_VELOCITY: f64 = 1e-3;
 
+/// Share of a step within which an edge of a push is at its end.
+const ALIGNED: f64 = 1e-6;
+
 /// Smooth friction of one joint, and its interval of dry friction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Friction {
@@ -102,6 +105,8 @@ pub(super) struct Scene<'a> {
     pub(super) law: Law,
     pub(super) friction: Vec<Friction>,
     pub(super) pushes: &'a [Push],
+    /// Where they begin and end between steps.
+    pub(super) edges: Vec<Edge>,
     pub(super) start: (Vec<f64>, Vec<f64>),
     /// Largest error of a reading \[rad\].
     pub(super) misread: Vec<f64>,
@@ -176,6 +181,7 @@ impl<'a> Scene<'a> {
             law,
             friction: (0..n).map(friction).collect(),
             pushes: &study.world.pushes,
+            edges: edges(study, period),
             start,
             misread: (0..n).map(misread).collect(),
             measured_velocity: models.iter().any(|m| m.velocity == LoopVelocity::Measured),
@@ -211,6 +217,37 @@ impl<'a> Scene<'a> {
             }
         }
     }
+}
+
+/// An edge of a push that is no step of the study's simulator: one of them acts a part of a step longer than the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Edge {
+    /// Interval that it lies in.
+    pub(super) sample: usize,
+    pub(super) joint: usize,
+    /// Twice the largest mean of the torque that is apart over the interval \[N·m\]: responses to a pulse within an interval
+    /// lie between those at its ends, of which a sum holds the mean.
+    pub(super) torque: f64,
+}
+
+/// Edges of pushes between steps.
+fn edges(study: &Study, period: f64) -> Vec<Edge> {
+    let steps = f64::from(study.world.substeps);
+    let step = period / steps;
+    let all = study.world.pushes.iter().flat_map(|push| {
+        [push.start, push.start + push.duration].map(|t| (t, push.joint, push.torque))
+    });
+    all.filter(|(t, ..)| (t / step - (t / step).round()).abs() > ALIGNED)
+        .map(|(t, joint, torque)| {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "times of a study are finite and not negative"
+            )]
+            let sample = (t / period).floor().max(0.0) as usize;
+            Edge { sample, joint, torque: 2.0 * torque.abs() / steps }
+        })
+        .collect()
 }
 
 /// That a study has nothing which the linear loop lacks: what forbids the loop model, what is not counted in a tube, and

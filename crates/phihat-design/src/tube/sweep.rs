@@ -283,6 +283,14 @@ impl<'a> Sweep<'a> {
                 *out += 2.0 * more / t;
             }
         }
+        // Pushes that begin or end between steps.
+        let mut pushed = vec![0.0; n];
+        for edge in scene.edges.iter().filter(|edge| (from..to).contains(&edge.sample)) {
+            pushed[edge.joint] += edge.torque;
+        }
+        for (torque, pushed) in torque.iter_mut().zip(pushed) {
+            *torque += pushed;
+        }
         // Friction, and its smooth part's bend.
         for i in 0..n {
             let friction = &scene.friction[i];
