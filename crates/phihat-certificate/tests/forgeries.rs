@@ -5,8 +5,9 @@
 
 use std::path::Path;
 
+use phihat_campaign::phi_along;
 use phihat_certificate::{Gains, Refutation};
-use phihat_design::{Arm, Motion, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm, Outcome, design};
 use phihat_sim::Demand;
 use phihat_study::Study;
 use serde_json::{Value, json};
@@ -23,21 +24,7 @@ fn study() -> Study {
 
 fn gains(study: &Study) -> Gains {
     let demand = Demand::along(study).unwrap();
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: Some(Motion {
-                velocity_rad_s: demand.velocity(joint),
-                acceleration_rad_s2: demand.motion(joint).0,
-                jerk_rad_s3: demand.motion(joint).1,
-            }),
-        }
-    };
+    let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(study, &Arm::of(study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         other => panic!("{other:?}"),

@@ -6,8 +6,9 @@
 
 use std::time::Instant;
 
+use phihat_campaign::phi_along;
 use phihat_design::tube::{Desired, tube};
-use phihat_design::{Arm, Gains, Motion as PhiMotion, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm, Gains, Outcome, design};
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
 
@@ -44,21 +45,7 @@ frequency_hz = 0.25
 fn gains(study: &Study) -> Gains {
     let demand = Demand::along(study).unwrap();
     let arm = Arm::of(study).unwrap();
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: Some(PhiMotion {
-                velocity_rad_s: demand.velocity(joint),
-                acceleration_rad_s2: demand.motion(joint).0,
-                jerk_rad_s3: demand.motion(joint).1,
-            }),
-        }
-    };
+    let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(study, &arm, &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         no => panic!("{no:?}"),

@@ -6,37 +6,20 @@ use std::fs;
 use std::path::Path;
 
 use phihat::Form;
+use phihat_campaign::phi_along;
 use phihat_design::prelude::*;
-use phihat_design::{
-    Arm, Certificate, Gains, Motion, NotCounted, Outcome, Phi, PhiBasis, design, requested_gains,
-};
+use phihat_design::{Arm, Certificate, Gains, NotCounted, Outcome, design, requested_gains};
 use phihat_sim::{Demand, Metrics, Simulation};
 use phihat_study::{LawForm, Study};
 
 /// Seconds of steady motion that are looked at.
 const STEADY: f64 = 2.0;
 
-fn phi(demand: &Demand, joint: usize, inertia: f64) -> Phi {
-    let along = demand.phi(joint, inertia);
-    Phi {
-        basis: PhiBasis::Reference,
-        source: "along the reference".to_owned(),
-        size_nm: Some(along.size),
-        rate_nm_s: along.rate,
-        jump_nm: along.jump,
-        motion: Some(Motion {
-            velocity_rad_s: demand.velocity(joint),
-            acceleration_rad_s2: demand.motion(joint).0,
-            jerk_rad_s3: demand.motion(joint).1,
-        }),
-    }
-}
-
 /// The study's gains with a certificate; `None` where a claim is refused, with the reason told.
 fn certified(study: &Study) -> Option<Gains> {
     let demand = Demand::along(study).unwrap();
     let arm = Arm::of(study).unwrap();
-    let of = |joint: usize, inertia: f64| phi(&demand, joint, inertia);
+    let of = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
     let refused = |why: &dyn std::fmt::Display| println!("{}: nothing to hold, {why}", study.name);
     let gains = if let Some(mut gains) = requested_gains(study) {
         let nominal: Vec<f64> = gains.joints.iter().map(|j| j.inertia_kg_m2).collect();

@@ -4,9 +4,10 @@
 
 use std::time::Instant;
 
+use phihat_campaign::phi_along;
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;
-use phihat_design::{Arm, CoupledGains, Motion as PhiMotion, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm, CoupledGains, Outcome, design};
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
 
@@ -21,21 +22,7 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
     let along: Vec<_> = (0..8_u8).map(|k| at(f64::from(k) * 1.25)).collect();
     let arm = Arm::of(&study).unwrap().along(&along);
     let along: Vec<Vec<f64>> = along.into_iter().map(|(q, _)| q).collect();
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: Some(PhiMotion {
-                velocity_rad_s: demand.velocity(joint),
-                acceleration_rad_s2: demand.motion(joint).0,
-                jerk_rad_s3: demand.motion(joint).1,
-            }),
-        }
-    };
+    let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     let Outcome::Designed(mut gains) = design(&study, &arm, &phi).unwrap() else {
         panic!("no gains")
     };

@@ -6,9 +6,8 @@
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::{
-    Alternative, Arm, Gains, Motion, Outcome, Phi, PhiBasis, arm_inside_window, design,
-};
+use phihat_campaign::phi_along;
+use phihat_design::{Alternative, Arm, Gains, Outcome, arm_inside_window, design};
 use phihat_sim::{Demand, Metrics, Simulation};
 use phihat_study::Study;
 
@@ -37,21 +36,7 @@ fn study(arm: &str, center: &str, payload: f64, error: f64) -> Study {
 
 fn designed(study: &Study) -> Outcome {
     let demand = Demand::along(study).unwrap();
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: Some(Motion {
-                velocity_rad_s: demand.velocity(joint),
-                acceleration_rad_s2: demand.motion(joint).0,
-                jerk_rad_s3: demand.motion(joint).1,
-            }),
-        }
-    };
+    let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     design(study, &Arm::of(study).unwrap(), &phi).unwrap()
 }
 

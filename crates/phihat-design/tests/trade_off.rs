@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use phihat_design::{Arm, Gains, Motion, Outcome, Phi, PhiBasis, TradeOff, design};
+use phihat_campaign::phi_along;
+use phihat_design::{Arm, Gains, Outcome, TradeOff, design};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -22,21 +23,7 @@ fn study(error: f64, encoder: &str) -> Study {
 fn designed(error: f64, encoder: &str) -> Gains {
     let study = study(error, encoder);
     let demand = Demand::along(&study).unwrap();
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: Some(Motion {
-                velocity_rad_s: demand.velocity(joint),
-                acceleration_rad_s2: demand.motion(joint).0,
-                jerk_rad_s3: demand.motion(joint).1,
-            }),
-        }
-    };
+    let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
         other => panic!("{other:?}"),
