@@ -6,8 +6,8 @@ use core::fmt::Write as _;
 use phihat_model::{JointKind, Robot, RobotError, Workspace};
 
 use crate::arm::Arm;
-use crate::dice::Dice;
 use crate::draft::{Draft, Load, Scope, World};
+use phihat_campaign::Dice;
 
 /// A random study, not yet known to be one.
 ///

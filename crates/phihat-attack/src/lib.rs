@@ -11,7 +11,6 @@
 
 mod arm;
 mod claim;
-mod dice;
 mod draft;
 mod draw;
 mod phase;
@@ -22,10 +21,11 @@ mod vary;
 
 pub use arm::Arm;
 pub use claim::{Claim, Found, JointClaim, JointFound, Violation, claimed, held};
-pub use dice::Dice;
 pub use draft::{Draft, Load, Scope, World};
 pub use draw::draw;
 pub use second::Second;
 pub use summary::Summary;
 pub use trial::{Ended, Record, Trial, Verdict, judged, run};
 pub use vary::worlds;
+
+pub use phihat_campaign::Dice;

@@ -11,11 +11,11 @@ use phihat_study::{LawForm, Study};
 use serde::{Deserialize, Serialize};
 
 use crate::claim::{Claim, JointFound, Violation, claimed, held};
-use crate::dice::Dice;
 use crate::draft::Draft;
 use crate::draw::draw;
 use crate::second::{Second, opinion};
 use crate::vary::worlds;
+use phihat_campaign::Dice;
 
 /// Draws until one is a study.
 const DRAWS: usize = 8;

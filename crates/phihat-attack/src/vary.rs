@@ -1,7 +1,7 @@
 //! The worlds in which one study is run: extreme ones, and some drawn from its scope.
 
-use crate::dice::Dice;
 use crate::draft::{Load, Scope, World};
+use phihat_campaign::Dice;
 
 /// The study's own world first; `count` in all, fewer where the scope is a single point.
 pub fn worlds(

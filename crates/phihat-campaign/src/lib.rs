@@ -16,6 +16,7 @@
 
 mod along;
 pub mod compare;
+mod dice;
 pub mod faults;
 mod hash;
 mod journal;
@@ -24,6 +25,7 @@ mod runner;
 mod typed_phi;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use dice::Dice;
 pub use journal::{Journal, JournalError};
 pub use runner::{Ended, Progress, run_all};
 pub use typed_phi::typed_phi_holds;

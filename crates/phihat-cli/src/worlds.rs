@@ -1,5 +1,8 @@
 //! A few runs of a study in worlds drawn from its scope, held against the tube of its gains.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use phihat_campaign::Dice;
 use phihat_certificate::{JointRun, Left, Refutation, Tube};
 use phihat_design::Gains;
 use phihat_sim::{SimError, Simulation, Trace};
@@ -40,36 +43,32 @@ pub(crate) fn runs(
     let law = gains
         .joint_gains(&knowledge::names(&study), study.control.period_ns, knowledge::form(&study))
         .map_err(Failure::plain)?;
-    let mut draw = Draw(0x9e37_79b9_7f4a_7c15 ^ study.seed);
+    let mut draw = Draw(Dice::at(0x9e37_79b9_7f4a_7c15 ^ study.seed));
     let worlds: Vec<Study> = (0..WORLDS).map(|_| draw.world(&study)).collect();
     let one = |world: &Study| -> Result<(Option<Left>, Vec<f64>), SimError> {
         let trace = run(world.clone(), &law)?;
         Ok(held(tube, &trace))
     };
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(WORLDS);
-    let (worlds, one, done, next) = (&worlds, &one, &done, &next);
-    let relaxed = std::sync::atomic::Ordering::Relaxed;
-    let mut all: Vec<(usize, Result<_, SimError>)> = std::thread::scope(|scope| {
-        let work = move || {
-            let mut mine = Vec::new();
-            loop {
-                let at = next.fetch_add(1, relaxed);
-                let Some(world) = worlds.get(at) else { return mine };
-                mine.push((at, one(world)));
-                progress(done.fetch_add(1, relaxed) + 1);
-            }
+    let done = AtomicUsize::new(0);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let work = |part: &[Study]| -> Vec<_> {
+        let counted = |world| {
+            let run = one(world);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            run
         };
-        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        part.iter().map(counted).collect()
+    };
+    let all: Vec<_> = std::thread::scope(|scope| {
+        let parts = worlds.chunks(WORLDS.div_ceil(threads));
+        let threads: Vec<_> = parts.map(|part| scope.spawn(|| work(part))).collect();
         let joined = threads
             .into_iter()
             .flat_map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)));
         joined.collect()
     });
-    all.sort_by_key(|(at, _)| *at);
     let mut used = vec![0.0; tube.joints.len()];
-    for (at, run) in all {
+    for (at, run) in all.into_iter().enumerate() {
         let (left, shares) = run.map_err(Failure::plain)?;
         if let Some(left) = left {
             return Ok(Err(refuted(at, &worlds[at], &left)));
@@ -136,28 +135,16 @@ fn held(tube: &Tube, trace: &Trace) -> (Option<Left>, Vec<f64>) {
     (left, used.collect())
 }
 
-/// Even draws of a seeded sequence (splitmix64).
-struct Draw(u64);
+/// Worlds of a study's scope, drawn from a seed.
+struct Draw(Dice);
 
 impl Draw {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, (low, high): (f64, f64)) -> f64 {
-        low + (high - low) * self.share()
-    }
-
     /// Half of the draws are ends.
     fn end_or_between(&mut self, ends: (f64, f64)) -> f64 {
-        match self.share() {
+        match self.0.share() {
             x if x < 0.25 => ends.0,
             x if x < 0.5 => ends.1,
-            _ => self.between(ends),
+            _ => self.0.between(ends.0, ends.1),
         }
     }
 

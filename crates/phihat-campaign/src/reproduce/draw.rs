@@ -1,19 +1,20 @@
 //! Laws and states drawn at random, the same ones every time.
 
+use crate::Dice;
 use phihat_design::claims::{Law, polynomial};
 
-/// SplitMix64: the seed is the whole state.
+/// The seed is the whole state.
 #[derive(Debug)]
-pub(crate) struct Draw(pub(crate) u64);
+pub(crate) struct Draw(Dice);
 
 impl Draw {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(Dice::at(seed))
+    }
+
     /// Uniform in `[low, high)`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.between(low, high)
     }
 
     /// `n` numbers of either sign whose sizes spread over `decades` below 1.

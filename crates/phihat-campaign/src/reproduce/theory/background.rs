@@ -26,7 +26,7 @@ pub(super) fn section_2() -> Section {
 
 /// (7) from (1), (5) and (6), at random.
 fn error_dynamics() -> Statement {
-    let mut draw = Draw(7);
+    let mut draw = Draw::new(7);
     let mut worst: f64 = 0.0;
     for _ in 0..200 {
         let mut vector =

@@ -14,7 +14,7 @@ use super::bounds::{Bounds, Paper};
 
 /// At how many random laws of order 1 with a certificate the worst φ drives an entry of x beyond (40), and of how many.
 fn beyond_40() -> Result<(usize, usize), String> {
-    let mut draw = Draw(40);
+    let mut draw = Draw::new(40);
     let (mut beyond, mut seen) = (0, 0);
     for _ in 0..100 {
         let law = draw.law(1);
@@ -75,7 +75,7 @@ const DRAWS: usize = 2000;
 
 /// "V̇ < 0 iff |x| ≤ (40)".
 pub(super) fn outside(law: &Law, paper: &Paper) -> Statement {
-    let (a, mut draw) = (law.closed_loop(), Draw(6));
+    let (a, mut draw) = (law.closed_loop(), Draw::new(6));
     let (n, radius) = (a.len(), paper.radius.printed);
     let (mut inside_up, mut outside_up, mut outside_seen) = (0_usize, 0_usize, 0_usize);
     for k in 0..DRAWS {

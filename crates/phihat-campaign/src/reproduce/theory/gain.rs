@@ -189,7 +189,7 @@ fn signals() -> Vec<(&'static str, Phi)> {
     let time = |k: usize| k as f64 * STEP;
     let joined = |f: &dyn Fn(f64) -> f64| Phi::Joined((0..steps).map(|k| f(time(k))).collect());
     let window = |t: f64| if t < 2.0 { (TAU * t / 4.0).sin().powi(2) } else { 0.0 };
-    let mut draw = Draw(11);
+    let mut draw = Draw::new(11);
     let noise: Vec<f64> = (0..steps).map(|_| draw.between(-1.0, 1.0)).collect();
     vec![
         ("a push of 0.1 s", joined(&|t| f64::from(u8::from(t < 0.1)))),

@@ -79,7 +79,7 @@ fn asymptotic() -> Statement {
 
 /// How many of some random (x, φ) break (27), V̇ from the state equation.
 fn broken(law: &Law, iss: &Iss, draws: usize) -> usize {
-    let (a, mut draw) = (law.closed_loop(), Draw(3));
+    let (a, mut draw) = (law.closed_loop(), Draw::new(3));
     let n = a.len();
     let mut broken = 0_usize;
     for _ in 0..draws {
@@ -136,7 +136,7 @@ fn dissipation(law: &Law, iss: &Iss, any: &[(&str, Law, Iss)], draws: usize) -> 
 
 /// Largest |x| along runs as a share of (24), with β of the Lyapunov function and the gain of (25).
 fn share_of_24(law: &Law, iss: &Iss) -> f64 {
-    let mut draw = Draw(4);
+    let mut draw = Draw::new(4);
     let mut share: f64 = 0.0;
     for _ in 0..20 {
         let start = draw.spread(law.order() + 2, 4.0);
@@ -195,7 +195,7 @@ fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
 
 /// How far (32) with the corrected `Q_33` and the missing term is from an identity, and that term's coefficient.
 fn off_32(law: &Law, k_tilde: f64, draws: usize) -> (f64, f64) {
-    let mut draw = Draw(5);
+    let mut draw = Draw::new(5);
     let scalars = Scalars::of(law, k_tilde);
     let (s, a, q) = (scalars.s(), law.a_matrix(), scalars.q(Q33::Corrected));
     let mut worst: f64 = 0.0;

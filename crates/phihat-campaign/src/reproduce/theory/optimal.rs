@@ -89,7 +89,7 @@ fn q33() -> Result<Statement, String> {
 
 /// A1 to A3 on random laws.
 fn conditions_suffice(draws: usize) -> Statement {
-    let mut draw = Draw(2);
+    let mut draw = Draw::new(2);
     let (mut named, mut certified, mut beyond) = (0, 0, 0);
     for _ in 0..draws {
         let law = draw.law(2);
@@ -130,7 +130,7 @@ fn conditions_suffice(draws: usize) -> Statement {
 
 /// (22), B1, B2.
 fn first_order(draws: usize) -> Result<Statement, String> {
-    let mut draw = Draw(1);
+    let mut draw = Draw::new(1);
     let (mut worst, mut named, mut certified): (f64, usize, usize) = (0.0, 0, 0);
     for _ in 0..draws {
         let law = draw.law(1);

@@ -49,7 +49,7 @@ pub(super) fn remark_9() -> Result<Section, String> {
 
 /// Laws of order 1 on both sides of B2.
 fn laws() -> Vec<Law> {
-    let mut draw = Draw(9);
+    let mut draw = Draw::new(9);
     let mut law = || {
         let law = draw.law(1);
         Law { kd: (2.0 * law.kp).sqrt() * draw.between(0.3, 2.0), ..law }

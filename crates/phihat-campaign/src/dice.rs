@@ -5,7 +5,7 @@
 pub struct Dice(u64);
 
 impl Dice {
-    /// The stream of one study of an attack.
+    /// One of the streams that a seed has.
     pub fn new(seed: u64, index: u64) -> Self {
         let mut dice = Self(seed ^ index.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(17));
         // Neighbours in seed or index part here.
@@ -13,6 +13,11 @@ impl Dice {
             dice.next();
         }
         dice
+    }
+
+    /// The stream whose whole state is a seed.
+    pub fn at(seed: u64) -> Self {
+        Self(seed)
     }
 
     fn next(&mut self) -> u64 {
