@@ -3,140 +3,156 @@
 use std::path::Path;
 
 use phihat_design::tube::{Desired, TubeRefusal, tube};
-use phihat_design::{ArmBasis, Gains, Outcome, Settle, Tube};
+use phihat_design::{ArmBasis, Gains, JointRecord, Outcome, Settle, Tube};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
 
 use crate::failure::Failure;
 
 /// How often gains are looked for.
-const ROUNDS: u32 = 5;
+const ROUNDS: u32 = 6;
 
 /// How much further than the tube demands the specification of the next round goes.
 const FURTHER: f64 = 0.95;
 
-/// What is asked of the search where it finds nothing although the tube may: it reckons without the coupling that
-/// helps, and without what is known of time.
-const EASIER: f64 = 1.8;
+/// What is asked of the search at first: it reckons without the coupling that helps, and without what is known of
+/// time, so that a tube uses some half of what it was asked for …
+const FIRST: f64 = 1.4;
+
+/// … and what is asked where it finds nothing although the tube may.
+const EASIER: f64 = 1.8 / FIRST;
 
 /// What is asked where a tube does not close: stiffer gains close it sooner.
 const STIFFER: f64 = 1.0 / 3.0;
 
 /// A tube that uses less of the specification than this leaves room for less torque noise …
-const ENOUGH: f64 = 0.8;
+const ENOUGH: f64 = 0.6;
 
 /// … which is looked for once, by a specification at most so many times easier.
 const EASIEST: f64 = 3.0;
+
+/// One search.
+type Make<'a> = &'a dyn Fn(&Study) -> Result<Outcome, Failure>;
 
 /// Designs for a study by `make`, until the tube of what was designed keeps the specification.
 ///
 /// # Errors
 ///
 /// [`Failure`] of the search.
-pub(crate) fn tubed(
-    study: &Study,
-    path: &Path,
-    make: &dyn Fn(&Study) -> Result<Outcome, Failure>,
-) -> Result<Outcome, Failure> {
-    let first = make(study)?;
-    let described = |gains: &Gains| {
-        gains.certificate.as_ref().is_some_and(|c| c.arm.basis == ArmBasis::Postures)
-    };
-    if let Outcome::Designed(gains) = &first
-        && !described(gains)
-    {
-        return Ok(first);
-    }
+pub(crate) fn tubed(study: &Study, path: &Path, make: Make<'_>) -> Result<Outcome, Failure> {
     let motion = Motion::new(&study.reference, &study.robot, study.duration);
     let motion = motion.map_err(|e| Failure::at(path, e))?;
     let desired = Desired::of(study, |joint, t| motion.at(joint, t));
-    let mut found = Found::default();
+    let alone = || {
+        let mut outcome = make(study)?;
+        if let Outcome::Designed(gains) = &mut outcome
+            && described(gains)
+        {
+            judge(study, gains, &desired);
+        }
+        Ok(outcome)
+    };
+    if study.design.method != DesignMethod::Ours {
+        return alone();
+    }
     let mut asked = study.clone();
-    let mut outcome = first;
+    scale(&mut asked, |_| FIRST);
+    let mut found = Found::default();
     for _ in 0..ROUNDS {
-        let next = match outcome {
-            Outcome::Designed(mut gains) => {
+        let next = match make(&asked) {
+            Ok(Outcome::Designed(gains)) if !described(&gains) => return alone(),
+            Ok(Outcome::Designed(gains)) if found.seen(&gains) => None,
+            Ok(Outcome::Designed(mut gains)) => {
                 let judged = judge(study, &mut gains, &desired);
                 found.judged(gains, judged)
             }
-            refused => found.refused(refused),
-        };
-        let Some(factor) = next.filter(|_| study.design.method == DesignMethod::Ours) else {
-            break;
-        };
-        scale(&mut asked, |i| factor[i.min(factor.len() - 1)]);
-        outcome = match make(&asked) {
-            Ok(outcome) => outcome,
+            Ok(_) => found.refused(),
             // Gains are at hand: a search that cannot begin is no reason to have none.
-            Err(_) if found.kept.is_some() => break,
+            Err(_) if found.kept.is_some() => None,
             Err(why) => return Err(why),
         };
+        let Some(factor) = next else { break };
+        scale(&mut asked, |i| factor[i.min(factor.len() - 1)]);
     }
-    found.best().ok_or_else(|| Failure::plain("no gains were judged by their tube"))
+    if let Some(kept) = found.kept {
+        return Ok(Outcome::Designed(kept));
+    }
+    let Some(closest) = found.closest.map(|(_, gains)| gains).or(found.open) else {
+        return alone();
+    };
+    // What no search finds for the specification itself is infeasible, and says why.
+    Ok(match make(study)? {
+        Outcome::Designed(_) => Outcome::Designed(closest),
+        infeasible => infeasible,
+    })
+}
+
+/// Whether the arm is known by its description, so that gains can have a tube; others keep the specification by
+/// bounds of their own.
+fn described(gains: &Gains) -> bool {
+    gains.certificate.as_ref().is_some_and(|c| c.arm.basis == ArmBasis::Postures)
 }
 
 /// What the rounds have found so far.
 #[derive(Default)]
 struct Found {
+    /// Laws whose tube was looked for.
+    seen: Vec<Vec<JointRecord>>,
     /// Keeps the specification.
     kept: Option<Box<Gains>>,
     /// Its tube goes beyond the specification by the least factor.
     closest: Option<(f64, Box<Gains>)>,
-    /// Has no tube.
-    bare: Option<Box<Gains>>,
-    /// What the search said where it found nothing.
-    infeasible: Option<Outcome>,
+    /// Its tube does not close.
+    open: Option<Box<Gains>>,
+    /// A search was in vain, or a tube did not keep the specification: there is nothing to relax.
+    hard: bool,
 }
 
 impl Found {
-    /// Takes what the search could not find; how much easier the next one has to be, per joint or for all.
-    fn refused(&mut self, outcome: Outcome) -> Option<Vec<f64>> {
-        let nothing = self.infeasible.is_none()
-            && self.kept.is_none()
-            && self.closest.is_none()
-            && self.bare.is_none();
-        nothing.then(|| {
-            self.infeasible = Some(outcome);
-            vec![EASIER]
-        })
+    /// Whether a law was looked at before.
+    fn seen(&mut self, gains: &Gains) -> bool {
+        let before = self.seen.contains(&gains.joints);
+        self.seen.push(gains.joints.clone());
+        before
     }
 
-    /// Takes gains with what their tube says; by which factor the next ones are asked for, if it takes any.
+    /// A search was in vain; how much easier the next one has to be, if there is one.
+    fn refused(&mut self) -> Option<Vec<f64>> {
+        let first = self.seen.is_empty() && !self.hard;
+        self.hard = true;
+        first.then(|| vec![EASIER])
+    }
+
+    /// Takes gains with what their tube says; by which factor the next ones are asked for, per joint or for all, if
+    /// it takes any.
     fn judged(&mut self, gains: Box<Gains>, judged: Judged) -> Option<Vec<f64>> {
         let relaxed = self.kept.is_some();
+        // After the first try comes the specification itself.
+        let (first, itself) = (self.seen.len() == 1 && !self.hard, vec![1.0 / FIRST]);
         match judged {
             Judged::Kept(used) => {
                 self.kept = Some(gains);
                 // The search was stricter than it had to be: less torque noise may do.
-                let worth = used < ENOUGH && !relaxed && self.infeasible.is_none();
+                let worth = used < ENOUGH && !relaxed && !self.hard;
                 worth.then(|| vec![(1.0 / used).sqrt().min(EASIEST)])
             }
             _ if relaxed => None,
             Judged::Beyond(shares) => {
+                self.hard = true;
                 let worst = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
                 if self.closest.as_ref().is_none_or(|(least, _)| worst < *least) {
                     self.closest = Some((worst, gains));
                 }
                 let further = |share: &f64| if *share > 1.0 { FURTHER / share } else { 1.0 };
-                Some(shares.iter().map(further).collect())
+                Some(if first { itself } else { shares.iter().map(further).collect() })
             }
             Judged::Open => {
-                self.bare = Some(gains);
-                Some(vec![STIFFER])
+                self.hard = true;
+                self.open = Some(gains);
+                Some(if first { itself } else { vec![STIFFER] })
             }
-            Judged::Unknown => {
-                self.bare = Some(gains);
-                None
-            }
+            Judged::Unknown => None,
         }
-    }
-
-    /// What is closest to what was asked for.
-    fn best(self) -> Option<Outcome> {
-        let designed = |gains| Outcome::Designed(gains);
-        let closest = self.closest.map(|(_, gains)| gains);
-        let kept = self.kept.map(designed);
-        kept.or(self.infeasible).or_else(|| closest.or(self.bare).map(designed))
     }
 }
 

@@ -9,6 +9,9 @@ use crate::sampled::sample::{Input, Sample};
 /// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.
 pub(super) const OUTPUTS: usize = 5;
 
+/// Outputs that are changes from sample to sample.
+const CHANGES: [usize; 2] = [3, 4];
+
 /// Outputs after a torque impulse at an interval's start, at its end, and after an encoder's error; one left over.
 pub(super) type Lines = [f64; 16];
 
@@ -143,7 +146,8 @@ impl Linear {
     }
 
     /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the horizon; gives what the
-    /// sums leave out, per input: `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`.
+    /// sums leave out, per input: `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`; for changes with
+    /// `c (A − I)` for `c`, and the one change that leads to sample `N`.
     pub(super) fn walk(
         &self,
         i: usize,
@@ -164,21 +168,22 @@ impl Linear {
                 add(&mut lines, OUTPUTS, &now, &self.kicks[j][1]);
                 add(&mut lines, 2 * OUTPUTS, &now, &self.readings[j]);
                 let raw = lines;
-                for k in [3, 4, 8, 9, 13, 14] {
+                for k in (0..lines.len()).filter(|k| CHANGES.contains(&(k % OUTPUTS))) {
                     lines[k] -= before[k];
                 }
                 *before = raw;
                 visit(j, &lines);
             }
-            for row in &now {
-                for o in 0..OUTPUTS {
-                    total[o] += row[o].abs();
-                }
-            }
             next.fill([0.0; OUTPUTS]);
             for (row, column, value) in &self.entries {
                 for o in 0..OUTPUTS {
                     next[*column][o] += value * now[*row][o];
+                }
+            }
+            for (now, next) in now.iter().zip(&next) {
+                for o in 0..OUTPUTS {
+                    let part = if CHANGES.contains(&o) { next[o] - now[o] } else { now[o] };
+                    total[o] += part.abs();
                 }
             }
             core::mem::swap(&mut now, &mut next);
@@ -189,16 +194,24 @@ impl Linear {
                 |row: usize| x.iter().map(|(k, v)| horizon.power[(row, *k)] * v).sum::<f64>();
             (0..now.len()).fold(0.0_f64, |most, row| later(row).abs().max(most))
         };
-        let tail = |size: f64| {
-            // The last two are changes: differences of what comes.
-            core::array::from_fn(|o| {
-                let twice = if o < 3 { 1.0 } else { 2.0 };
-                twice * total[o] * size * rest
-            })
+        let last = |x: &[(usize, f64)], before: &[f64]| {
+            let mut lines = [0.0; 16];
+            add(&mut lines, 0, &now, x);
+            CHANGES.map(|o| (lines[o] - before[o]).abs())
         };
-        let tails = self.kicks.iter().zip(&self.readings);
-        let tails = tails.map(|([start, end], reading)| {
-            [tail(self.period * size(start).max(size(end))), tail(size(reading))]
+        let tail = |size: f64, last: [f64; 2]| {
+            let mut tail = total.map(|total| total * size * rest);
+            for (o, last) in CHANGES.into_iter().zip(last) {
+                tail[o] += last;
+            }
+            tail
+        };
+        let tails = self.kicks.iter().zip(&self.readings).zip(&before);
+        let tails = tails.map(|(([start, end], reading), before)| {
+            let [a, b] = [last(start, &before[..OUTPUTS]), last(end, &before[OUTPUTS..])];
+            let torque = core::array::from_fn(|k| self.period * a[k].max(b[k]));
+            let encoder = last(reading, &before[2 * OUTPUTS..]);
+            [tail(self.period * size(start).max(size(end)), torque), tail(size(reading), encoder)]
         });
         tails.collect()
     }

@@ -1,8 +1,9 @@
 //! Small deviations from the nominal run: derivatives of the dynamics and the step from sample to sample.
 
 use nalgebra::DMatrix;
-use phihat_model::{Model, Workspace};
+use phihat_model::{Model, Scalar as _, Workspace};
 
+use super::lanes::{WIDE, Wide};
 use super::nominal::Nominal;
 use super::scene::Scene;
 
@@ -24,22 +25,20 @@ pub(super) struct Derivatives {
 pub(super) struct Differences<'a> {
     pub(super) model: &'a Model,
     workspace: Workspace<f64>,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    plus: Vec<f64>,
-    minus: Vec<f64>,
+    abreast: Workspace<Wide>,
+    state: [Vec<Wide>; 3],
+    torque: Vec<Wide>,
 }
 
 impl<'a> Differences<'a> {
     pub(super) fn new(model: &'a Model) -> Self {
-        let zero = vec![0.0; model.joint_count()];
+        let zero = vec![Wide::default(); model.joint_count()];
         Self {
             model,
             workspace: Workspace::new(model),
-            q: zero.clone(),
-            v: zero.clone(),
-            plus: zero.clone(),
-            minus: zero,
+            abreast: Workspace::new(model),
+            state: [zero.clone(), zero.clone(), zero.clone()],
+            torque: zero,
         }
     }
 
@@ -51,20 +50,27 @@ impl<'a> Differences<'a> {
         let n = q.len();
         let mut out = Derivatives { m: vec![0.0; n * n], d: vec![0.0; n * n], k: vec![0.0; n * n] };
         self.model.mass_matrix(&mut self.workspace, q, &mut out.m);
-        self.q.copy_from_slice(q);
-        self.v.copy_from_slice(v);
-        for j in 0..n {
-            for (by_velocity, matrix) in [(true, &mut out.d), (false, &mut out.k)] {
-                for (sign, tau) in [(1.0, &mut self.plus), (-1.0, &mut self.minus)] {
-                    let (x, base) =
-                        if by_velocity { (&mut self.v, v[j]) } else { (&mut self.q, q[j]) };
-                    x[j] = base + sign * STEP;
-                    self.model.inverse_dynamics(&mut self.workspace, &self.q, &self.v, a, tau);
-                    let x = if by_velocity { &mut self.v } else { &mut self.q };
-                    x[j] = base;
+        // By every position, then by every velocity: a lane each way, as many pairs as fit side by side.
+        let pairs: Vec<(usize, usize)> =
+            (0..2).flat_map(|by| (0..n).map(move |j| (by, j))).collect();
+        for pairs in pairs.chunks(WIDE / 2) {
+            for (lanes, base) in self.state.iter_mut().zip([q, v, a]) {
+                for (lane, base) in lanes.iter_mut().zip(base) {
+                    *lane = Wide::splat(*base);
                 }
-                for i in 0..n {
-                    matrix[i * n + j] = (self.plus[i] - self.minus[i]) / (2.0 * STEP);
+            }
+            for (lane, (by, j)) in pairs.iter().enumerate() {
+                let moved = &mut self.state[*by][*j].0;
+                moved[2 * lane] += STEP;
+                moved[2 * lane + 1] -= STEP;
+            }
+            let [q, v, a] = &self.state;
+            self.model.inverse_dynamics(&mut self.abreast, q, v, a, &mut self.torque);
+            for (lane, (by, j)) in pairs.iter().enumerate() {
+                let matrix = if *by == 0 { &mut out.k } else { &mut out.d };
+                for (i, torque) in self.torque.iter().enumerate() {
+                    let [plus, minus] = [torque.0[2 * lane], torque.0[2 * lane + 1]];
+                    matrix[i * n + j] = (plus - minus) / (2.0 * STEP);
                 }
             }
         }

@@ -171,6 +171,7 @@ pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope,
     let mut whole: Option<Envelope> = None;
     let mut slices = 0;
     let mut open = Slice::of(&set, set.mass, if wide { 2 } else { 1 });
+    let mut probed = false;
     while !open.is_empty() {
         // As many side by side as there are threads; what each does inside is theirs to share.
         let (now, later) = open.split_at(open.len().min(threads));
@@ -190,6 +191,14 @@ pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope,
                     }
                 }
                 Err(TubeRefusal::Open { .. }) if wide && width > 1.5 * NARROWEST => {
+                    if !probed && width > 3.0 * NARROWEST {
+                        // Where the narrowest slice does not close, nothing around it will.
+                        let top = slice.mass.1;
+                        let low = top - NARROWEST * (set.mass.1 - set.mass.0);
+                        let narrow = Slice::of(&set, (low, top), 1);
+                        sliced(&scene, narrow.first(), threads)?;
+                        probed = true;
+                    }
                     next.extend(Slice::of(&set, slice.mass, 2));
                 }
                 Err(why) => return Err(why),
