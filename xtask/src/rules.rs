@@ -77,7 +77,36 @@ const WORDS: [(&str, &str); 4] = [
     ("unimplemented!", "an error value"),
 ];
 
-/// Checks arrows, words, and that every crate but the C binding forbids `unsafe`.
+/// Sources in which no number may be passed over: what claims, checks or lets an arm run.
+const GATES: [&str; 3] =
+    ["crates/phihat-certificate/src/", "crates/phihat-design/src/", "crates/phihat-model/src/"];
+
+/// Lines on which a `fold` or `reduce` begins that takes `f64::min` or `max` of something.
+fn folds_that_drop_nan(text: &str) -> Vec<usize> {
+    let mut found = Vec::new();
+    for call in [".fold(", ".reduce("] {
+        for (at, _) in text.match_indices(call) {
+            let inside = &text[at + call.len()..];
+            let mut depth = 1_u32;
+            let end = inside.find(|c| {
+                match c {
+                    '(' => depth += 1,
+                    ')' => depth -= 1,
+                    _ => {}
+                }
+                depth == 0
+            });
+            let inside = &inside[..end.unwrap_or(inside.len())];
+            if [".min(", ".max(", "f64::min", "f64::max"].iter().any(|word| inside.contains(word)) {
+                found.push(text[..at].matches('\n').count() + 1);
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// Checks arrows, words, folds, and that every crate but the C binding forbids `unsafe`.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut wrong = arrows(root)?;
     for file in sources(root)? {
@@ -91,6 +120,12 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
                 if line.contains(word) {
                     wrong.push(format!("{name}:{}: {word}; write {instead}", number + 1));
                 }
+            }
+        }
+        if GATES.iter().any(|gate| name.starts_with(gate)) {
+            for line in folds_that_drop_nan(&text) {
+                let why = "a fold by min or max passes over NaN; use phihat_certificate::extremes";
+                wrong.push(format!("{name}:{line}: {why}"));
             }
         }
         let c_binding = name.starts_with("crates/phihat-c/");

@@ -21,10 +21,10 @@ const FROZEN: u32 = 8;
 pub fn arm_along(study: &Study) -> Result<Arm, ArmError> {
     let arm = Arm::of(study)?;
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration);
-    Ok(match motion {
+    match motion {
         Ok(motion) => arm.along(&passing(&motion, study, POSTURES)),
-        Err(_) => arm,
-    })
+        Err(_) => Ok(arm),
+    }
 }
 
 /// Positions and velocities, evenly over the run, both ends included.

@@ -1,5 +1,6 @@
 //! The values of `K̃` that admit a certificate of optimality.
 
+use crate::extremes::Extremes as _;
 use serde::{Deserialize, Serialize};
 
 use crate::check::agree::agrees;
@@ -138,7 +139,7 @@ fn verify_diagonal(law: &Law, Interval { low, high }: Interval) -> Result<(), Re
     for (edge, outside, free) in
         [("low", low - PROBE * width, low <= 0.0), ("high", high + PROBE * width, high >= a_top)]
     {
-        let least = weights(law, outside).into_iter().fold(f64::INFINITY, f64::min);
+        let least = weights(law, outside).into_iter().least();
         let what = format!("some q_i ≤ 0 beyond {edge}");
         Refutation::unless(CLAIM, &what, least, 0.0, free || least <= 0.0)?;
     }

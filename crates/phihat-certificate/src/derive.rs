@@ -1,5 +1,6 @@
 //! What a file has to be trusted for, derived again from the study it was made from.
 
+use crate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::{InertiaSource, PhiSource, Study};
 
@@ -137,8 +138,8 @@ impl Certificate {
                 let over = |ends: &[f64]| -> Vec<f64> {
                     ends.iter().zip(&arm.nominal_kg_m2).map(|(end, m)| end / m).collect()
                 };
-                let least = over(low).into_iter().fold(f64::INFINITY, f64::min);
-                let most = over(high).into_iter().fold(0.0, f64::max);
+                let least = over(low).into_iter().least();
+                let most = over(high).into_iter().largest();
                 agrees(CLAIM, "range.low is typed in the study", (arm.low, least), SAME)?;
                 agrees(CLAIM, "range.high is typed in the study", (arm.high, most), SAME)?;
                 Ok("typed in the study".to_owned())

@@ -85,6 +85,12 @@ pub enum GainsError {
         /// Names of the robot.
         expected: String,
     },
+    /// Two joints have one name.
+    #[error("joint {joint} is there twice; every joint has a name of its own")]
+    Twice {
+        /// The name.
+        joint: String,
+    },
     /// Made for another loop rate.
     #[error("the gains are for a loop at {found} Hz; the study runs at {expected} Hz")]
     Rate {
@@ -112,7 +118,7 @@ impl Gains {
     /// # Errors
     ///
     /// [`GainsError`]: not JSON, unknown or missing keys (with line and column), another format or
-    /// version.
+    /// version, a joint that is there twice.
     pub fn from_json(text: &str) -> Result<Self, GainsError> {
         let gains: Self = serde_json::from_str(text)?;
         if gains.format != FORMAT {
@@ -120,6 +126,11 @@ impl Gains {
         }
         if gains.version != VERSION {
             return Err(GainsError::Version { found: gains.version });
+        }
+        for (i, joint) in gains.joints.iter().enumerate() {
+            if gains.joints[..i].iter().any(|other| other.name == joint.name) {
+                return Err(GainsError::Twice { joint: joint.name.clone() });
+            }
         }
         Ok(gains)
     }

@@ -10,6 +10,7 @@ mod certificate;
 mod check;
 mod coupled;
 mod derive;
+pub mod extremes;
 mod gains;
 mod iss;
 mod law;

@@ -1,5 +1,6 @@
 //! Inverse optimality: the law is the optimal one of a game, whose weights are the evidence.
 
+use crate::extremes::Extremes as _;
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -170,7 +171,7 @@ impl Refused {
         let room = law.a_top() - self.k_tilde;
         let q = weights(law, self.k_tilde);
         let deciding = q.iter().rposition(|q| *q <= 0.0);
-        let least = law.a.iter().copied().fold(f64::INFINITY, f64::min);
+        let least = law.a.iter().copied().least();
         let (quantity, value) = if self.k_tilde.is_nan() || self.k_tilde <= 0.0 {
             ("K̃".to_owned(), self.k_tilde)
         } else if room.is_nan() || room <= 0.0 {
@@ -204,7 +205,7 @@ impl Refused {
 
     /// The last of the paper's conditions of the order that fails here.
     fn conditions(&self, law: &Law) -> Option<String> {
-        let least = law.a.iter().copied().fold(law.kp.min(law.kd), f64::min);
+        let least = law.a.iter().copied().chain([law.kp, law.kd]).least();
         let damping = law.kd * law.kd > 2.0 * law.kp;
         let list = match law.a[..] {
             [_] => vec![("B1", least > 0.0), ("B2", damping)],
@@ -220,6 +221,6 @@ impl Refused {
 fn gains_positive(law: &Law) -> Result<(), Refutation> {
     Refutation::unless(CLAIM, "K_p > 0", law.kp, 0.0, law.kp > 0.0)?;
     Refutation::unless(CLAIM, "K_d > 0", law.kd, 0.0, law.kd > 0.0)?;
-    let least = law.a.iter().copied().fold(f64::INFINITY, f64::min);
+    let least = law.a.iter().copied().least();
     Refutation::unless(CLAIM, "a_i > 0", least, 0.0, least > 0.0)
 }

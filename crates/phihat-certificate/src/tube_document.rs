@@ -1,5 +1,6 @@
 //! The tube as data: an envelope that a study's run keeps from its start.
 
+use crate::extremes::{Extremes as _, larger};
 use serde::{Deserialize, Serialize};
 
 /// Nanoseconds of a second.
@@ -97,7 +98,7 @@ impl Tube {
         let first = (0..bins).take_while(before).count().min(bins.saturating_sub(1));
         let largest = |low: &[f64], high: &[f64]| {
             let ends = low.iter().zip(high).skip(first);
-            ends.fold(0.0_f64, |most, (low, high)| most.max(low.abs()).max(high.abs()))
+            ends.map(|(low, high)| larger(low.abs(), high.abs())).largest()
         };
         self.settle_s = settle_s;
         for joint in &mut self.joints {
@@ -148,9 +149,8 @@ impl Tube {
     /// never keeps.
     pub fn own_settled(&self) -> f64 {
         let half = self.bins() / 2;
-        let level = |joint: &TubeJoint| {
-            (half..self.bins()).fold(0.0, |most: f64, bin| most.max(joint.error_at(bin)))
-        };
+        let level =
+            |joint: &TubeJoint| (half..self.bins()).map(|bin| joint.error_at(bin)).largest();
         let levels: Vec<f64> = self.joints.iter().map(level).collect();
         self.settled(&levels).unwrap_or(0.0)
     }

@@ -1,5 +1,6 @@
 //! A run against the tube that was promised for it.
 
+use crate::extremes::Extremes as _;
 use serde::Serialize;
 
 use crate::{Tube, TubeJoint};
@@ -133,7 +134,7 @@ impl Watch<'_> {
             error_tube_rad: joint.error_max_rad,
             velocity_error_max_rad_s: steady(run.de),
             velocity_error_tube_rad_s: joint.velocity_error_max_rad_s,
-            room_rad: room.fold(f64::INFINITY, f64::min),
+            room_rad: room.least(),
         }
     }
 

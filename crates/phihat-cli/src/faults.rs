@@ -217,7 +217,7 @@ pub fn fault_matrix(arguments: impl IntoIterator<Item = OsString>) -> Result<Sum
 /// A study's error is laid out with its line already.
 fn told(error: &impl ToString) -> Failure {
     let text = error.to_string();
-    if text.starts_with("error") { Failure::rendered(&text) } else { Failure::plain(text) }
+    if text.starts_with("error") { Failure::rendered(text) } else { Failure::plain(text) }
 }
 
 /// The gains that a study states, else designed ones; they may run on its arm.

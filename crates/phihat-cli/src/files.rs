@@ -5,6 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::Journal;
+use phihat_model::input;
 
 use crate::failure::Failure;
 
@@ -120,7 +121,13 @@ pub(crate) fn write_with(
 
 /// Reads a text file.
 pub(crate) fn read(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path).map_err(|e| Failure::at(path, format!("cannot be read: {e}")))
+    input::text(path, input::DOCUMENT_MAX)
+        .map_err(|e| Failure::at(path, format!("cannot be read: {e}")))
+}
+
+/// Opens a file for reading.
+pub(crate) fn open(path: &Path) -> Result<File, Failure> {
+    input::open(path).map_err(|e| Failure::at(path, format!("cannot be read: {e}")))
 }
 
 fn partial_name(path: &Path) -> PathBuf {

@@ -1,6 +1,5 @@
 //! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
 
-use std::fs::File;
 use std::path::Path;
 
 use phihat::Form;
@@ -13,6 +12,7 @@ use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
 use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
 
 use crate::failure::Failure;
+use crate::files;
 
 /// How often the allowed error is doubled to find gains for a first simulation.
 const DOUBLINGS: u32 = 12;
@@ -230,8 +230,8 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
 
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
-    let open = File::open(file).map_err(|e| Failure::at(file, format!("cannot be read: {e}")))?;
-    let trace = Trace::read_csv(std::io::BufReader::new(open)).map_err(|e| Failure::at(file, e))?;
+    let open = std::io::BufReader::new(files::open(file)?);
+    let trace = Trace::read_csv(open).map_err(|e| Failure::at(file, e))?;
     let found: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
     let expected = names(study);
     if found != expected {

@@ -51,8 +51,9 @@ pub use crate::reproduce::reproduction;
     name = "phihat",
     version,
     after_help = "Exit codes: 0 done and within spec, also where a torque limit acted (the verdict then says \
-                  so) · 1 done, but a bound was exceeded, the run diverged, or it left a tube that its \
-                  certificate promised · 2 the input cannot be used.\n\nExample:\n  phihat run studies/first.toml"
+                  so) · 1 done, but a bound was exceeded, the run diverged, it left a tube that its \
+                  certificate promised, or no gains keep what was asked for · 2 the input cannot be used. With --json \
+                  a failure is a document too: error, exit_code.\n\nExample:\n  phihat run studies/first.toml"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -86,10 +87,15 @@ fn no_tip_about_dashes(error: &mut clap::Error) {
 /// Runs the command with the arguments of a process, the program's name first; says how it ended.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::is_ours();
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let as_json = arguments.iter().any(|word| word == "--json");
     let verb = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments.verb,
         Err(mut told) => {
             no_tip_about_dashes(&mut told);
+            if as_json && told.use_stderr() {
+                return Failure::rendered(told.to_string().trim_end()).tell(true);
+            }
             // Help goes to standard output, errors to the other; if neither can be written to, so be it.
             let _ = told.print();
             return ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2));
@@ -107,8 +113,5 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
     };
-    outcome.unwrap_or_else(|failure: Failure| {
-        eprintln!("{failure}");
-        ExitCode::from(2)
-    })
+    outcome.unwrap_or_else(|failure: Failure| failure.tell(as_json))
 }

@@ -4,5 +4,7 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // A reader that has seen enough, such as `head`, ends the program as it ends others.
+    sigpipe::reset();
     phihat_cli::run(std::env::args_os())
 }

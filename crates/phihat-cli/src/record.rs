@@ -294,7 +294,7 @@ pub(crate) fn settle(study: &mut Study, gains: &Gains) {
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Failure> {
     match knowledge::designed(study, arm, path, Advice::Changes)? {
         Outcome::Designed(gains) => Ok(*gains),
-        Outcome::Infeasible(no) => Err(Failure::at(path, table::infeasible(&no))),
+        Outcome::Infeasible(no) => Err(Failure::at(path, table::infeasible(&no)).infeasible()),
         _ => Err(Failure::plain("an outcome that this version does not know")),
     }
 }

@@ -1,6 +1,5 @@
 //! `phihat report`: the page from a recorded trace, without running anything.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -35,8 +34,7 @@ impl Report {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let folder = self.trace.parent().unwrap_or(Path::new(""));
         let beside = |name: &str| folder.join(name);
-        let file = File::open(&self.trace)
-            .map_err(|e| Failure::at(&self.trace, format!("cannot be read: {e}")))?;
+        let file = files::open(&self.trace)?;
         let trace = Trace::read_csv(file).map_err(|e| Failure::at(&self.trace, e))?;
         let run_path = beside("run.json");
         let run: RunInfo = serde_json::from_str(&files::read(&run_path)?)

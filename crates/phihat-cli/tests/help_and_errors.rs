@@ -44,6 +44,95 @@ fn robots_are_listed_and_shown() {
 }
 
 #[test]
+fn a_reader_that_has_seen_enough_ends_the_program_without_a_word() {
+    let folder = folder("pipe");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_phihat"))
+        .args(["robots", "panda"])
+        .current_dir(&folder)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_pipes_and_folders_are_no_files() {
+    let folder = folder("devices");
+    let made = std::process::Command::new("mkfifo").arg(folder.join("fifo")).status().unwrap();
+    assert!(made.success());
+    std::os::unix::fs::symlink("/dev/zero", folder.join("zero.urdf")).unwrap();
+    fs::create_dir(folder.join("folder.json")).unwrap();
+    let study = fs::read_to_string(folder.join("studies/first.toml")).unwrap();
+    let with = |file: &str| study.replace("name = \"planar3r\"", &format!("file = \"{file}\""));
+    for (name, text) in [("zero.toml", with("zero.urdf")), ("fifo.toml", with("fifo"))] {
+        assert!(text.contains("file = "));
+        fs::write(folder.join(name), text).unwrap();
+    }
+    for arguments in [
+        ["robots", "zero.urdf"],
+        ["run", "zero.toml"],
+        ["run", "fifo.toml"],
+        ["verify", "fifo"],
+        ["verify", "/dev/zero"],
+        ["verify", "folder.json"],
+        ["report", "fifo"],
+        ["report", "/dev/zero"],
+    ] {
+        let answer = phihat(&folder, &arguments);
+        assert_eq!(answer.code, 2, "{arguments:?}: {}", answer.out);
+        assert!(answer.err.contains("a file is needed"), "{arguments:?}: {}", answer.err);
+    }
+}
+
+#[test]
+fn failures_are_documents_where_documents_are_asked_for() {
+    let folder = folder("json_failures");
+    let easy = fs::read_to_string(folder.join("studies/panda_design.toml")).unwrap();
+    let hard = easy.replace("error_max_rad = 1e-3", "error_max_rad = 1e-9");
+    assert_ne!(easy, hard);
+    fs::write(folder.join("hard.toml"), hard).unwrap();
+    for (arguments, code, word) in [
+        (vec!["run", "nowhere.toml", "--json"], 2, "nowhere.toml"),
+        (vec!["robots", "pandaa", "--json"], 2, "panda"),
+        (vec!["verify", "nowhere.json", "--json"], 2, "nowhere.json"),
+        (vec!["run", "studies/first.toml", "--json", "--nonsense"], 2, "--nonsense"),
+        (vec!["run", "hard.toml", "--json"], 1, "error_max_rad"),
+    ] {
+        let answer = phihat(&folder, &arguments);
+        let document: serde_json::Value = serde_json::from_str(&answer.out).unwrap();
+        assert_eq!((answer.code, &document["exit_code"]), (code, &code.into()), "{arguments:?}");
+        assert!(document["error"].as_str().unwrap().contains(word), "{arguments:?}");
+    }
+    // Infeasible is the same answer from both verbs.
+    assert_eq!(phihat(&folder, &["design", "hard.toml"]).code, 1);
+    assert_eq!(phihat(&folder, &["run", "hard.toml"]).code, 1);
+}
+
+#[test]
+fn a_urdf_is_read_with_the_robot_file_beside_it() {
+    let folder = folder("beside");
+    let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    for name in ["panda.urdf", "panda.toml"] {
+        fs::copy(robots.join(name), folder.join(name)).unwrap();
+    }
+    let shown = |file: &str| json(&folder, &["robots", file, "--json"]);
+    let (urdf, toml) = (shown("panda.urdf"), shown("panda.toml"));
+    assert_eq!(urdf["joints"], toml["joints"]);
+    assert!(urdf["joints"][0]["armature_kg_m2"].as_f64().unwrap() > 0.1);
+    // A broken one is not passed over, a study of that name is.
+    let text = fs::read_to_string(folder.join("panda.toml")).unwrap();
+    fs::write(folder.join("panda.toml"), text.replace("[rotor]", "[rotor")).unwrap();
+    let answer = phihat(&folder, &["robots", "panda.urdf"]);
+    assert!(answer.code == 2 && answer.err.contains("panda.toml"), "{}", answer.err);
+    fs::copy(folder.join("studies/panda.toml"), folder.join("panda.toml")).unwrap();
+    assert_eq!(phihat(&folder, &["robots", "panda.urdf"]).code, 0);
+}
+
+#[test]
 fn bad_inputs_give_one_error_and_leave_nothing() {
     let folder = folder("bad");
     let good = fs::read_to_string(folder.join("studies/first.toml")).unwrap();

@@ -147,7 +147,7 @@ fn every_payload_of_the_set_is_inside() {
 fn the_postures_of_the_reference_count() {
     let study = named("panda", "");
     let posture = study.robot.poses["ready"].clone();
-    let arm = Arm::of(&study).unwrap().along(&[(posture, vec![0.1; 7])]);
+    let arm = Arm::of(&study).unwrap().along(&[(posture, vec![0.1; 7])]).unwrap();
     let range = arm.against(arm.nominal()).unwrap();
     assert_eq!(range.searched.unwrap().of_reference, 1);
 }

@@ -20,7 +20,7 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
         (0..7).map(|joint| motion.at(joint, t)).map(|[q, dq, _]| (q, dq)).unzip()
     };
     let along: Vec<_> = (0..8_u8).map(|k| at(f64::from(k) * 1.25)).collect();
-    let arm = Arm::of(&study).unwrap().along(&along);
+    let arm = Arm::of(&study).unwrap().along(&along).unwrap();
     let along: Vec<Vec<f64>> = along.into_iter().map(|(q, _)| q).collect();
     let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     let Outcome::Designed(mut gains) = design(&study, &arm, &phi).unwrap() else {

@@ -262,7 +262,7 @@ fn designed() -> Gains {
         motion: None,
     };
     let motion = [(study.robot.poses["ready"].clone(), vec![0.5, -1.0, 1.0])];
-    let arm = Arm::of(&study).unwrap().along(&motion);
+    let arm = Arm::of(&study).unwrap().along(&motion).unwrap();
     match design(&study, &arm, &phi).unwrap() {
         Outcome::Designed(mut gains) => {
             find_moving(&mut gains, &arm);

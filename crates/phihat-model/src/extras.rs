@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::error::RobotError;
 use crate::profile::Profile;
-use crate::robot::{Friction, Robot, Sigmoid};
+use crate::robot::{Friction, Robot, Sigmoid, read_text};
 
 /// Largest file that is read \[bytes\].
 const BYTES_MAX: usize = 1 << 20;
@@ -99,6 +99,24 @@ pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathB
         return Err(RobotError::Value { origin: origin.to_owned(), key: "urdf".to_owned(), why });
     }
     Ok(path.parent().unwrap_or(Path::new("")).join(named))
+}
+
+/// The text of a robot file beside a URDF, if there is one that is about this URDF; another file of that name, such
+/// as a study, is left alone.
+pub(crate) fn about_urdf(path: &Path, urdf: &Path) -> Result<Option<String>> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let text = read_text(path)?;
+    let about = match toml::from_str::<toml::Table>(&text) {
+        Ok(table) => {
+            let named = table.get("urdf").and_then(toml::Value::as_str);
+            named.is_some_and(|named| Path::new(named).file_name() == urdf.file_name())
+        }
+        // Whoever reads it says what is wrong.
+        Err(_) => true,
+    };
+    Ok(about.then_some(text))
 }
 
 /// Adds to `robot` what the TOML file `text` says.

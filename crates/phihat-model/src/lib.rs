@@ -61,6 +61,7 @@ mod forward_dynamics;
 mod four;
 mod inertia;
 mod inertia_range;
+pub mod input;
 mod inverse_dynamics;
 mod inverse_kinematics;
 mod kinematics;

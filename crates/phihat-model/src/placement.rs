@@ -90,8 +90,9 @@ pub(crate) fn with_z_along(axis: [f64; 3]) -> Matrix3 {
 
 /// `v / |v|`, or `None` where that has no meaning.
 pub(crate) fn normalised(v: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if !(largest > 0.0 && largest.is_finite()) {
+    let [x, y, z] = v.map(f64::abs);
+    let largest = x.max(y).max(z);
+    if !(v.iter().all(|x| x.is_finite()) && largest > 0.0) {
         return None;
     }
     let v = v.map(|x| x / largest);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::RobotError;
-use crate::{Model, extras, urdf};
+use crate::{Model, extras, input, urdf};
 
 /// A robot as its files describe it.
 #[derive(Debug, Clone)]
@@ -112,7 +112,8 @@ macro_rules! arms {
 arms!("planar3r", "panda", "iiwa14", "ur5");
 
 impl Robot {
-    /// Reads a robot from its TOML file, which names its URDF, or from a bare URDF.
+    /// Reads a robot from its TOML file, which names its URDF, or from a URDF with the TOML file of the same name
+    /// that stands beside it, if one does.
     ///
     /// # Errors
     ///
@@ -122,7 +123,14 @@ impl Robot {
         let text = read_text(path)?;
         let origin = path.display().to_string();
         if path.extension().is_none_or(|extension| extension != "toml") {
-            return Self::from_text(&text, None, &origin);
+            let beside = path.with_extension("toml");
+            return match extras::about_urdf(&beside, path)? {
+                None => Self::from_text(&text, None, &origin),
+                Some(more) => {
+                    let more_origin = beside.display().to_string();
+                    Self::assemble(&text, &origin, Some((&more, &more_origin)))
+                }
+            };
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
         Self::assemble(&read_text(&urdf)?, &urdf.display().to_string(), Some((&text, &origin)))
@@ -247,14 +255,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     (score(&best) > 0.6).then_some(best)
 }
 
-fn read_text(path: &Path) -> Result<String, RobotError> {
-    let origin = path.display().to_string();
-    let failed = |source| RobotError::Read { origin: origin.clone(), source };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    let limit = urdf::BYTES_MAX;
-    let found = usize::try_from(size).unwrap_or(usize::MAX);
-    if found > limit {
-        return Err(RobotError::TooMuch { origin, what: "bytes", found, limit });
-    }
-    std::fs::read_to_string(path).map_err(failed)
+pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
+    let failed = |source| RobotError::Read { origin: path.display().to_string(), source };
+    input::text(path, urdf::BYTES_MAX as u64).map_err(failed)
 }

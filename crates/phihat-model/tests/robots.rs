@@ -42,7 +42,11 @@ fn files_are_read_from_disk_by_their_path() {
     };
     let robot = Robot::read(&path("ur5.toml")).unwrap();
     assert_eq!((robot.name.as_str(), robot.tip.as_str()), ("ur5", "tool0"));
-    let bare = Robot::read(&path("ur5.urdf")).unwrap();
+    // Named by its URDF, the arm is the same: the file beside it is read.
+    let by_urdf = Robot::read(&path("ur5.urdf")).unwrap();
+    assert_eq!((by_urdf.joints, by_urdf.tip), (robot.joints, robot.tip));
+    let text = std::fs::read_to_string(path("ur5.urdf")).unwrap();
+    let bare = Robot::from_text(&text, None, "ur5.urdf").unwrap();
     assert!(bare.joints.iter().all(|joint| joint.armature.abs() <= 0.0));
     assert_eq!(bare.joints[0].torque_max, Some(150.0));
     assert_eq!(bare.tip, "tool0");

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use phihat_design::export::{Target, export};
 use phihat_design::{JointCertificate, JointRecord};
+use phihat_model::input;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -53,7 +54,7 @@ impl Gains {
     /// Reads a gains document (JSON).
     #[staticmethod]
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let text = std::fs::read_to_string(&path).map_err(|e| {
+        let text = input::text(&path, input::DOCUMENT_MAX).map_err(|e| {
             let path = path.display().to_string();
             let message = format!("{path}: cannot be read: {e}");
             failure::argument(py, "path", None, path, "a readable file", &message)

@@ -1,9 +1,9 @@
 //! Reading a study: caps before parsing, two passes after it.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use phihat_model::input;
 use sha2::{Digest, Sha256};
 use toml::de::DeTable;
 
@@ -36,12 +36,9 @@ impl Study {
         let unreadable = |error: std::io::Error| {
             refuse(Kind::Unreadable, format!("the study cannot be read: {error}"))
         };
-        if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-            return Err(refuse(Kind::Unreadable, "the study cannot be read: not a file".into()));
-        }
         let mut bytes = Vec::new();
         let cap = BYTES_MAX as u64 + 1;
-        File::open(path)
+        input::open(path)
             .and_then(|file| file.take(cap).read_to_end(&mut bytes))
             .map_err(unreadable)?;
         if bytes.len() > BYTES_MAX {

@@ -1,7 +1,8 @@
 //! Reference samples from a CSV file: columns by joint name, checked row by row.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
+
+use phihat_model::input;
 
 use crate::arm::Arm;
 use crate::check::clip;
@@ -21,15 +22,13 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference
     let path = run.base.join(name);
     let refuse =
         |why: String| node.error(Kind::Unreadable, "file", format!("`{}`: {why}", clip(name)));
-    let about = std::fs::metadata(&path).map_err(|error| refuse(error.to_string()))?;
-    if !about.is_file() {
-        return Err(refuse("not a file".into()));
-    }
-    if about.len() > BYTES_MAX {
-        let message = format!("{} bytes, at most {BYTES_MAX}", about.len());
+    let unreadable = |error: std::io::Error| refuse(error.to_string());
+    let file = input::open(&path).map_err(unreadable)?;
+    let size = file.metadata().map_err(unreadable)?.len();
+    if size > BYTES_MAX {
+        let message = format!("{size} bytes, at most {BYTES_MAX}");
         return Err(node.error(Kind::TooLarge, "file", message));
     }
-    let file = File::open(&path).map_err(|error| refuse(error.to_string()))?;
     let shown = path.display().to_string();
     let mut table = Table::new(&shown, BufReader::new(file.take(BYTES_MAX)));
     let (t, q) = table.read(arm)?;

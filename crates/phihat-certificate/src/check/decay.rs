@@ -1,6 +1,7 @@
 //! How a loop forgets: the norm of its state contracts, and what is still to come is bounded by it.
 
 use super::sample::{LINE, Loop, Outside, Signals};
+use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
 use crate::{LoopForm, LoopVelocity, Refutation};
 
@@ -75,7 +76,7 @@ impl Layout {
 
     fn size(&self, x: &Signals) -> f64 {
         let mut x = *x;
-        self.0.iter().fold(0.0, |most, (slot, unit)| most.max((*place(&mut x, *slot) / unit).abs()))
+        self.0.iter().map(|(slot, unit)| (*place(&mut x, *slot) / unit).abs()).largest()
     }
 
     /// The state that one sample under a constant outside leaves as it is.
@@ -271,7 +272,8 @@ fn norm(layout: &Layout, columns: &[Signals]) -> f64 {
             *row += value.abs();
         }
     }
-    rows.into_iter().fold(0.0, |most, row| if row.is_nan() { f64::INFINITY } else { most.max(row) })
+    let most = rows.into_iter().largest();
+    if most.is_nan() { f64::INFINITY } else { most }
 }
 
 /// A loop's free motion, and bounds on all that comes after.

@@ -1,5 +1,7 @@
 //! (T5) again: how the estimator's continuous coefficients become those that run.
 
+use crate::extremes::Extremes as _;
+
 /// `b_i = α_i T^{m−i}`, `i = 0 … m−1`: coefficients of `Π (w − (e^{s_i T} − 1))` in `w`, `s_i` the roots of `A_o`.
 ///
 /// # Method
@@ -10,7 +12,7 @@
 pub(crate) fn sampled(a: &[f64], period: f64) -> Vec<f64> {
     let m = a.len();
     let root = |(i, a): (usize, &f64)| a.abs().powf(1.0 / (m - i) as f64);
-    let rate = a.iter().enumerate().map(root).fold(0.0, f64::max);
+    let rate = a.iter().enumerate().map(root).largest();
     let mut f = vec![vec![0.0; m]; m];
     for i in 0..m {
         if i + 1 < m {

@@ -1,5 +1,6 @@
 //! The continuous loop let go after an impulse of φ: areas under what it does, and that it dies out.
 
+use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
 use crate::{Law, PeakGain, Refutation};
 
@@ -326,11 +327,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn most(z: &[f64]) -> f64 {
-    z.iter().fold(0.0, |most, value| value.abs().max(most))
+    z.iter().map(|value| value.abs()).largest()
 }
 
 /// `‖X‖_∞` of its first `n` rows and columns.
 fn rows(x: &Square, n: usize) -> f64 {
     let sums = x.iter().take(n).map(|row| row.iter().take(n).map(|v| v.abs()).sum::<f64>());
-    sums.fold(0.0, |most, sum| if sum.is_nan() { f64::INFINITY } else { most.max(sum) })
+    let most = sums.largest();
+    if most.is_nan() { f64::INFINITY } else { most }
 }

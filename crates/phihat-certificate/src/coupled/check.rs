@@ -1,5 +1,6 @@
 //! Checking coupled gains by a second method: the loop played at the postures that the document keeps.
 
+use crate::extremes::Extremes as _;
 use core::f64::consts::TAU;
 
 use super::document::{CoupledGains, FrozenPosture};
@@ -292,7 +293,7 @@ fn off_chord(model: &LoopModel) -> f64 {
 }
 
 fn largest(row: &[f64]) -> f64 {
-    row.iter().fold(0.0, |most, entry| entry.max(most))
+    row.iter().copied().largest()
 }
 
 fn at_most(inequality: &str, left: f64, right: f64) -> Result<(), Refutation> {

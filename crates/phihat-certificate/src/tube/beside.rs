@@ -1,5 +1,6 @@
 //! A claimed tube beside one that was derived again.
 
+use crate::extremes::Extremes as _;
 use serde::Serialize;
 
 use crate::check::agree::agrees;
@@ -97,7 +98,7 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
         derived_error_max_rad: own.error_max_rad,
         velocity_error_max_rad_s: claim.velocity_error_max_rad_s,
         derived_velocity_error_max_rad_s: own.velocity_error_max_rad_s,
-        tighter: ratios.iter().map(|(_, ratio)| *ratio).fold(0.0, f64::max),
+        tighter: ratios.iter().map(|(_, ratio)| *ratio).largest(),
     })
 }
 

@@ -1,5 +1,7 @@
 //! Small dense matrices, row by row.
 
+use crate::extremes::Extremes as _;
+
 /// `a b`, of sizes `n×m` and `m×p`.
 pub(super) fn product(a: &[f64], b: &[f64], (n, m, p): (usize, usize, usize)) -> Vec<f64> {
     let mut out = vec![0.0; n * p];
@@ -70,8 +72,7 @@ pub(super) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
 
 /// `e^{A t}`, `n×n`, by halving, Taylor and squaring.
 pub(super) fn exponential(a: &[f64], t: f64, n: usize) -> Vec<f64> {
-    let size =
-        |m: &[f64]| m.chunks_exact(n).map(|r| r.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
+    let size = |m: &[f64]| m.chunks_exact(n).map(|r| r.iter().map(|x| x.abs()).sum()).largest();
     let mut x: Vec<f64> = a.iter().map(|a| a * t).collect();
     let mut halvings = 0;
     while size(&x) > 0.25 && halvings < 60 {

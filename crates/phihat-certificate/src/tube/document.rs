@@ -1,5 +1,6 @@
 //! A tube as data: deriving one, and holding a claimed one against it.
 
+use crate::extremes::{Extremes as _, hull};
 use std::sync::Mutex;
 
 use super::chain::{Chain, NotAChain};
@@ -136,7 +137,7 @@ fn dry(inputs: &Inputs<'_>, chain: &Chain, period: f64) -> Dry {
     let m = chain.place::<f64>(&inputs.reference.q[0], None).mass_matrix();
     let n = middle.len();
     let inverse = inverse(&m, n).unwrap_or_else(|| vec![1.0; n * n]);
-    let fastest = (0..n).map(|i| middle[i] * inverse[i * n + i]).fold(0.0, f64::max);
+    let fastest = (0..n).map(|i| middle[i] * inverse[i * n + i]).largest();
     Dry { low: low.to_vec(), high: high.to_vec(), middle, turn: (3.0 * period * fastest).max(4e-3) }
 }
 
@@ -166,7 +167,7 @@ impl Half {
             at.iter().zip(wanted).zip(off).map(of).collect()
         };
         let n = inputs.joints.len();
-        let most = |of: &[Vec<f64>], i: usize| of.iter().map(|row| row[i]).fold(0.0, f64::max);
+        let most = |of: &[Vec<f64>], i: usize| of.iter().map(|row| row[i]).largest();
         Self {
             e: shift(&run.q, &inputs.reference.q, &swept.position),
             de: shift(&run.v, &inputs.reference.dq, &swept.velocity),
@@ -188,14 +189,13 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
             let span = |first: usize| {
                 let last = (first + per_bin).min(samples);
                 let all = halves.iter().flat_map(|h| &of(h)[first..last]);
-                let ends = (f64::INFINITY, f64::NEG_INFINITY);
-                all.fold(ends, |(l, h), (low, high)| (l.min(low[i]), h.max(high[i])))
+                hull(all.map(|(low, high)| (low[i], high[i])))
             };
             (0..samples).step_by(per_bin).map(span).unzip()
         };
         let (error_low_rad, error_high_rad) = bins(&|h| &h.e);
         let (velocity_low_rad_s, velocity_high_rad_s) = bins(&|h| &h.de);
-        let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).fold(0.0, f64::max);
+        let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).largest();
         TubeJoint {
             name: inputs.joints[i].name.clone(),
             error_max_rad: f64::INFINITY,

@@ -7,6 +7,7 @@ use super::matter::Matter;
 use super::nominal::Nominal;
 use super::number::{Ball, Number, Screw, Tangent};
 use super::scope::{Adds, PayloadSlice, Smooth};
+use crate::extremes::Extremes as _;
 
 /// `ε' = M⁻¹ (P − x)`, `P' = τ̃ − S ε' − K ε − …` with constant `M, S, K`, over samples `first … first+len−1`.
 #[derive(Debug, Clone)]
@@ -112,7 +113,7 @@ impl Arm<'_> {
             let mut of = ends[first..=last].iter().chain(&middles[first..last]).map(|x| x[i]);
             let mut b = hull(&mut of);
             // Between three points of a sample: the arc above their hull.
-            b.r += (first..last).map(|k| arc(ends, middles, k, i)).fold(0.0, f64::max);
+            b.r += (first..last).map(|k| arc(ends, middles, k, i)).largest();
             b
         };
         let q: Vec<Ball> = (0..n)
@@ -129,7 +130,7 @@ impl Arm<'_> {
                 let bend = run.a[first..last]
                     .iter()
                     .map(|[a, b, c]| (b[i] - 0.5 * (a[i] + c[i])).abs())
-                    .fold(0.0, f64::max);
+                    .largest();
                 Ball { m: b.m, r: b.r + bend }
             })
             .collect();

@@ -9,6 +9,7 @@ use super::law::{LinearLoop, Loop};
 use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth};
 use super::shapes::{Shapes, Spread};
+use crate::extremes::{Extremes as _, hull};
 
 /// Longest window of later outputs that share one set of rows \[s\].
 const WINDOW: f64 = 5e-3;
@@ -358,9 +359,7 @@ impl<'a> Sweep<'a> {
     ) -> Round {
         let n = self.n;
         let sizes: Vec<f64> = (0..n)
-            .map(|i| {
-                guess.inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max)
-            })
+            .map(|i| guess.inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).largest())
             .collect();
         let smooth = self.smooth_boxes(distance, guess, &sizes);
         let mut boxes = Vec::with_capacity(frame.len);
@@ -554,8 +553,7 @@ impl<'a> Sweep<'a> {
             (0..6 * self.n)
                 .map(|at| {
                     let all = rows.iter().map(|row| row[at]);
-                    let (low, high) = all
-                        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                    let (low, high) = hull(all.map(|x| (x, x)));
                     high - low
                 })
                 .collect()
@@ -612,9 +610,8 @@ impl<'a> Sweep<'a> {
         (boxes, shapes, spread, radii, sizes): (Vec<Boxes>, Shapes, Spread, Vec<f64>, Vec<f64>),
     ) -> Round {
         let n = self.n;
-        let most = |of: &dyn Fn(&Boxes) -> &[f64], i: usize| {
-            boxes.iter().map(|b| of(b)[i]).fold(0.0, f64::max)
-        };
+        let most =
+            |of: &dyn Fn(&Boxes) -> &[f64], i: usize| boxes.iter().map(|b| of(b)[i]).largest();
         let mut x: Vec<f64> = (0..n).map(|i| most(&|b| &b.x, i)).collect();
         let mut u: Vec<f64> = (0..n).map(|i| most(&|b| &b.u, i)).collect();
         let mu = boxes[0].mu.clone();
@@ -682,9 +679,8 @@ impl<'a> Sweep<'a> {
         let mut reach = Vec::new();
         let mut rest = (Vec::new(), Vec::new());
         for i in 0..n {
-            let shape =
-                spread.position.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max);
-            let v = inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).fold(0.0, f64::max);
+            let shape = spread.position.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).largest();
+            let v = inside.iter().map(|(l, h)| l[i].abs().max(h[i].abs())).largest();
             let before = self.past.last().map_or(0.0, |p| p.rest.0[i]);
             let e = radii[i].max(before);
             let between = 0.5 * self.period * v;

@@ -268,7 +268,7 @@ fn unusable(error: &CompareError) -> Failure {
             ))
         }
         // A study's error is laid out with its line already.
-        CompareError::Study(text) if text.starts_with("error") => Failure::rendered(text),
+        CompareError::Study(text) if text.starts_with("error") => Failure::rendered(text.as_str()),
         other => Failure::plain(other),
     }
 }

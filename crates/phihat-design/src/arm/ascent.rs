@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use nalgebra::DVector;
 use phihat_certificate::Witness;
+use phihat_certificate::extremes::hull;
 use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
@@ -99,7 +100,8 @@ struct Search<'a> {
 impl Search<'_> {
     fn score(&self, tried: &Tried) -> f64 {
         let all = scaled(&tried.matrix, self.nominal).symmetric_eigenvalues();
-        self.end.score(if self.end == End::Low { all.min() } else { all.max() })
+        let (low, high) = hull(all.iter().map(|value| (*value, *value)));
+        self.end.score(if self.end == End::Low { low } else { high })
     }
 
     fn look(&self, tried: &Tried) -> At {

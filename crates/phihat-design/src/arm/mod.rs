@@ -6,6 +6,7 @@ mod prove;
 mod rates;
 
 use nalgebra::DMatrix;
+use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
 use phihat_certificate::{ArmBasis, ArmInertia, Searched};
 use phihat_study::{InertiaSource, Study};
 use thiserror::Error;
@@ -24,13 +25,32 @@ pub enum ArmError {
     /// The payload cannot be attached.
     #[error("payload: {0}")]
     Payload(String),
-    /// A mass matrix is not positive definite.
-    #[error("the mass matrix of the robot has an eigenvalue of {0} at some posture")]
-    Mass(f64),
+    /// A mass matrix has an entry that is not a number.
+    #[error(
+        "the mass matrix of the robot is not finite at q = {0:?}: check masses, inertias, rotor inertias and \
+         lengths in its description"
+    )]
+    NotFinite(Vec<f64>),
+    /// The inertia has no range in the nominal inertias.
+    #[error(
+        "the arm's inertia reaches from {low:e} to {high:e} times M̄ = {nominal:?} kg m^2; a range has to be \
+         above 0, finite, and its ends less than 1e13 apart: check M̄, masses and rotor inertias"
+    )]
+    Range {
+        /// Smallest eigenvalue.
+        low: f64,
+        /// Largest eigenvalue.
+        high: f64,
+        /// Nominal inertias \[kg·m²\].
+        nominal: Vec<f64>,
+    },
     /// The study wants an estimate from a trace that was not given.
     #[error("design.inertia_from is \"trace\": the trace's estimate is missing")]
     NoEstimate,
 }
+
+/// An eigenvalue is not told apart from 0 below this share of the largest.
+const TOLD: f64 = 1e-13;
 
 /// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
 #[derive(Debug, Clone)]
@@ -105,12 +125,15 @@ impl Arm {
 
     /// The same arm known along a reference too, by positions and velocities at some of its points; no change where it
     /// is known by intervals.
-    #[must_use]
-    pub fn along(mut self, reference: &[(Vec<f64>, Vec<f64>)]) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`ArmError::NotFinite`].
+    pub fn along(mut self, reference: &[(Vec<f64>, Vec<f64>)]) -> Result<Self, ArmError> {
         if let Knowledge::Postures(postures) = &mut self.knowledge {
-            postures.along(reference);
+            postures.along(reference)?;
         }
-        self
+        Ok(self)
     }
 
     /// The geometric mean of each joint's own range \[kg·m²\]: a good nominal inertia.
@@ -132,7 +155,8 @@ impl Arm {
             let tried = if end == End::Low { &postures.light } else { &postures.heavy };
             let score = |m: &DMatrix<f64>| {
                 let all = scaled(m, nominal).symmetric_eigenvalues();
-                if end == End::Low { all.min() } else { -all.max() }
+                let (low, high) = hull(all.iter().map(|value| (*value, *value)));
+                if end == End::Low { low } else { -high }
             };
             let mut all: Vec<_> = tried.iter().map(|t| (score(&t.matrix), &t.matrix)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -146,18 +170,19 @@ impl Arm {
     ///
     /// # Errors
     ///
-    /// [`ArmError::Mass`].
+    /// [`ArmError::Range`].
     pub fn against(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
         let mut searched = None;
         let (low, high) = match &self.knowledge {
             Knowledge::Intervals(low, high) => (
-                low.iter().zip(&nominal).map(|(l, m)| l / m).fold(f64::INFINITY, f64::min),
-                high.iter().zip(&nominal).map(|(h, m)| h / m).fold(0.0, f64::max),
+                low.iter().zip(&nominal).map(|(l, m)| l / m).least(),
+                high.iter().zip(&nominal).map(|(h, m)| h / m).largest(),
             ),
-            Knowledge::Matrices(matrices) => matrices
-                .iter()
-                .map(|m| scaled(m, &nominal).symmetric_eigenvalues())
-                .fold((f64::INFINITY, 0.0), |(a, b), all| (all.min().min(a), all.max().max(b))),
+            Knowledge::Matrices(matrices) => {
+                let spectrum = |m| scaled(m, &nominal).symmetric_eigenvalues();
+                let all = matrices.iter().map(spectrum).flat_map(|all| all.as_slice().to_vec());
+                hull(all.map(|value| (value, value)))
+            }
             Knowledge::Postures(postures) => {
                 searched = witnesses(postures, &nominal);
                 searched.as_ref().map_or((f64::NAN, f64::NAN), |searched: &Searched| {
@@ -165,8 +190,8 @@ impl Arm {
                 })
             }
         };
-        if low.is_nan() || low <= 0.0 {
-            return Err(ArmError::Mass(low));
+        if !(low > 0.0 && low <= high && high < f64::INFINITY && low > TOLD * high) {
+            return Err(ArmError::Range { low, high, nominal });
         }
         let (basis, source) = (self.basis, self.source.clone());
         Ok(ArmInertia { basis, source, nominal_kg_m2: nominal, low, high, searched })
@@ -223,8 +248,8 @@ fn means<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<f64> {
     for matrix in matrices {
         ends.resize(matrix.nrows(), (f64::INFINITY, 0.0));
         for (i, (low, high)) in ends.iter_mut().enumerate() {
-            *low = low.min(matrix[(i, i)]);
-            *high = high.max(matrix[(i, i)]);
+            *low = smaller(*low, matrix[(i, i)]);
+            *high = larger(*high, matrix[(i, i)]);
         }
     }
     ends.into_iter().map(|(low, high)| (low * high).sqrt()).collect()

@@ -75,22 +75,23 @@ impl Postures {
         };
         let last = postures.payloads.len() - 1;
         for q in evenly(&postures.travel) {
-            postures.light.push(postures.tried(&q, 0));
-            postures.heavy.push(postures.tried(&q, last));
+            postures.light.push(postures.tried(&q, 0)?);
+            postures.heavy.push(postures.tried(&q, last)?);
         }
         Ok(postures)
     }
 
     /// Looks at the postures of a reference too, with every heaviest payload.
-    pub(super) fn along(&mut self, reference: &[(Vec<f64>, Vec<f64>)]) {
+    pub(super) fn along(&mut self, reference: &[(Vec<f64>, Vec<f64>)]) -> Result<(), ArmError> {
         let n = self.travel.len();
         for (q, dq) in reference.iter().filter(|(q, dq)| q.len() == n && dq.len() == n) {
-            self.light.push(self.tried(q, 0));
+            self.light.push(self.tried(q, 0)?);
             for payload in 1..=self.heaviest {
-                self.heavy.push(self.tried(q, payload));
+                self.heavy.push(self.tried(q, payload)?);
             }
             self.passing.push((q.clone(), dq.clone()));
         }
+        Ok(())
     }
 
     /// How many postures of a reference there are.
@@ -103,11 +104,14 @@ impl Postures {
         u32::try_from(self.light.len()).unwrap_or(u32::MAX)
     }
 
-    fn tried(&self, q: &[f64], payload: usize) -> Tried {
+    fn tried(&self, q: &[f64], payload: usize) -> Result<Tried, ArmError> {
         let (n, model) = (q.len(), &self.payloads[payload].model);
         let mut entries = vec![0.0; n * n];
         model.mass_matrix(&mut Workspace::new(model), q, &mut entries);
-        Tried { q: q.to_vec(), payload, matrix: DMatrix::from_row_slice(n, n, &entries) }
+        if !entries.iter().all(|entry| entry.is_finite()) {
+            return Err(ArmError::NotFinite(q.to_vec()));
+        }
+        Ok(Tried { q: q.to_vec(), payload, matrix: DMatrix::from_row_slice(n, n, &entries) })
     }
 }
 

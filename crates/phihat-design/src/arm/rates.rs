@@ -1,6 +1,7 @@
 //! How fast the arm's inertia changes when the arm moves.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_model::Workspace;
 
 use super::postures::{Postures, scaled_mass_matrix};
@@ -42,12 +43,12 @@ impl At<'_> {
         let all = passing.flat_map(|(q, dq)| {
             payloads.clone().map(move |payload| largest(&self.slope(q, dq, payload)).0.abs())
         });
-        all.reduce(f64::max)
+        all.reduce(larger)
     }
 
     /// `Σ_j ∂W/∂q_j q̇_j`.
     fn slope(&self, q: &[f64], dq: &[f64], payload: usize) -> DMatrix<f64> {
-        let speed = dq.iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
+        let speed = dq.iter().map(|dq| dq.abs()).largest();
         let step = STEP / speed.max(f64::MIN_POSITIVE);
         let model = &self.postures.payloads[payload].model;
         let mut workspace = Workspace::new(model);
@@ -76,7 +77,7 @@ impl At<'_> {
                 over.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(i, _)| i + 1);
             self.climb(q, &speeds, load)
         });
-        ends.reduce(f64::max)
+        ends.reduce(larger)
     }
 
     /// Steps from posture to posture while it grows.
@@ -122,7 +123,7 @@ impl At<'_> {
             }
             value.abs()
         };
-        parts.iter().map(from).fold(0.0, f64::max)
+        parts.iter().map(from).largest()
     }
 }
 

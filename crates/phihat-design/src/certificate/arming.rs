@@ -1,5 +1,6 @@
 //! Whether gains may run on an arm at all.
 
+use phihat_certificate::extremes::{larger, smaller};
 use phihat_study::Study;
 
 use super::scope::unmodelled;
@@ -34,7 +35,7 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         certificate.refused().map_or(Ok(()), Err)?;
         margin = certificate.window_margin.max(1.0);
         let told = certified_range(certificate, gains)?;
-        (arm.low, arm.high) = (arm.low.min(told.0), arm.high.max(told.1));
+        (arm.low, arm.high) = (smaller(arm.low, told.0), larger(arm.high, told.1));
     }
     for (i, record) in gains.joints.iter().enumerate() {
         let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
@@ -61,7 +62,10 @@ fn certified_range(certificate: &Certificate, gains: &Gains) -> Result<(f64, f64
         holds(claim, "the arm is measured in the gains' M̄", *claimed, used, equal)
             .map_err(|why| why.on(&joint.name))?;
     }
-    Ok((told.low, told.high))
+    let (low, high) = (told.low, told.high);
+    let range = 0.0 < low && low <= high && high < f64::INFINITY;
+    holds(claim, "0 < low ≤ high < ∞ of the arm's inertia", low, high, range)?;
+    Ok((low, high))
 }
 
 /// Poles beyond half the sample rate look like slow ones at the samples: stable in exact arithmetic, and so

@@ -1,6 +1,7 @@
 //! What peak-to-peak gains and a known `φ` say about one joint's error.
 
 use phihat_certificate::Bounds;
+use phihat_certificate::extremes::Extremes as _;
 
 use crate::sampled::LoopParts;
 use crate::sampled::{
@@ -46,7 +47,7 @@ impl<'a> Evidence<'a> {
                 [(m.acceleration, m.jerk), (m.velocity_acceleration, m.velocity_jerk)]
             }),
             quantum,
-            low: peaks.mu.iter().copied().fold(f64::INFINITY, f64::min),
+            low: peaks.mu.iter().copied().least(),
             duration,
         }
     }

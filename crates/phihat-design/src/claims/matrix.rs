@@ -1,5 +1,7 @@
 //! Arithmetic on matrices of at most 6×6, written so that it can be read in one go.
 
+use phihat_certificate::extremes::Extremes as _;
+
 /// A small matrix, row by row.
 pub type Matrix = Vec<Vec<f64>>;
 
@@ -48,7 +50,7 @@ pub fn absolute(x: &Matrix) -> Matrix {
 
 /// Largest absolute row sum.
 pub fn norm_inf(x: &Matrix) -> f64 {
-    x.iter().map(|row| row.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
+    x.iter().map(|row| row.iter().map(|v| v.abs()).sum()).largest()
 }
 
 /// Square root of the sum of squares: an upper bound of the spectral norm.
@@ -113,7 +115,7 @@ pub fn largest_shift(x: &Matrix, y: &Matrix) -> Option<f64> {
         return None;
     }
     let ratio = |i: usize| x[i][i] / y[i][i];
-    let mut high = (0..x.len()).map(ratio).fold(f64::INFINITY, f64::min);
+    let mut high = (0..x.len()).map(ratio).least();
     let mut low = high;
     for _ in 0..1000 {
         low *= 0.1;

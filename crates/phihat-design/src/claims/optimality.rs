@@ -5,6 +5,7 @@ pub use phihat_certificate::{Certified, Optimality, Refused};
 use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::Matrix;
 use crate::claims::weights::{Condition, conditions, q_diagonal};
+use phihat_certificate::extremes::Extremes as _;
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
 pub const RESIDUAL: f64 = 1e-10;
@@ -99,7 +100,7 @@ fn refusal(law: &Law, k_tilde: f64) -> Option<Refused> {
 fn gains_positive(law: &Law) -> Result<(), Refutation> {
     holds(CLAIM, "K_p > 0", law.kp, 0.0, law.kp > 0.0)?;
     holds(CLAIM, "K_d > 0", law.kd, 0.0, law.kd > 0.0)?;
-    let least = law.a.iter().copied().fold(f64::INFINITY, f64::min);
+    let least = law.a.iter().copied().least();
     holds(CLAIM, "a_i > 0", least, 0.0, least > 0.0)
 }
 

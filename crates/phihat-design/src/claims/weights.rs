@@ -2,6 +2,7 @@
 
 use crate::claims::law::Law;
 use crate::claims::polynomial;
+use phihat_certificate::extremes::Extremes as _;
 
 /// One of the paper's conditions with both its sides: it holds when `left > right`.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +20,7 @@ pub struct Condition {
 /// A2 follows from nothing and is not necessary at m = 2: `Q` may be positive without it. What
 /// decides is `q_i > 0`.
 pub fn conditions(law: &Law, k_tilde: f64) -> Vec<Condition> {
-    let gains = law.a.iter().copied().fold(law.kp.min(law.kd), f64::min);
+    let gains = law.a.iter().copied().chain([law.kp, law.kd]).least();
     let damping = |name| Condition { name, left: law.kd * law.kd, right: 2.0 * law.kp };
     match law.a[..] {
         [_] => vec![Condition { name: "B1", left: gains, right: 0.0 }, damping("B2")],

@@ -1,6 +1,7 @@
 //! Several joints' loops on one inertia matrix, as one linear step, and its impulse responses.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{JointRecord, LoopModel};
 
 use crate::sampled::mean_of_line;
@@ -192,7 +193,7 @@ impl Linear {
         let size = |x: &[(usize, f64)]| {
             let later =
                 |row: usize| x.iter().map(|(k, v)| horizon.power[(row, *k)] * v).sum::<f64>();
-            (0..now.len()).fold(0.0_f64, |most, row| later(row).abs().max(most))
+            (0..now.len()).map(|row| later(row).abs()).largest()
         };
         let last = |x: &[(usize, f64)], before: &[f64]| {
             let mut lines = [0.0; 16];
@@ -244,5 +245,5 @@ fn sparse(x: Vec<f64>) -> Vec<(usize, f64)> {
 }
 
 fn norm_inf(a: &DMatrix<f64>) -> f64 {
-    a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
+    a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).largest()
 }

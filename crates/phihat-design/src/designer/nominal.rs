@@ -1,6 +1,7 @@
 //! How the nominal inertia is shared out between the joints.
 
 use crate::{Arm, ArmError, ArmInertia};
+use phihat_certificate::extremes::{Extremes as _, larger};
 
 /// Factor of one step on one joint, and most steps.
 const STEP: f64 = 1.12;
@@ -26,7 +27,7 @@ pub(super) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmI
     let allowed = WIDER * own.high / own.low;
     let cost = |at: &ArmInertia| {
         let worst = |share: &dyn Fn(usize) -> f64| {
-            (0..error.len()).map(share).fold(f64::MIN_POSITIVE, f64::max)
+            larger(f64::MIN_POSITIVE, (0..error.len()).map(share).largest())
         };
         let middle = (at.low * at.high).sqrt();
         let of_error = worst(&|i| error[i] / (at.nominal_kg_m2[i] * middle)).ln();

@@ -1,5 +1,6 @@
 //! The paper's recipe to the letter (its sections V and VII), with a certificate that says what holds.
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_study::Study;
 
 use super::{DesignError, PhiOf};
@@ -71,7 +72,7 @@ fn limits(study: &Study) -> Result<Vec<f64>, DesignError> {
     let spec = &study.spec;
     let least = |values: &Option<Vec<f64>>, key| {
         let values = values.as_ref().ok_or(DesignError::PaperSpec(key))?;
-        Ok::<f64, DesignError>(values.iter().copied().fold(f64::INFINITY, f64::min))
+        Ok::<f64, DesignError>(values.iter().copied().least())
     };
     let order = study.design.orders.first().copied().unwrap_or(1);
     let repeated = &study.design.paper.integrals_max;

@@ -3,6 +3,7 @@
 use super::candidate::{Candidate, Shape};
 use super::search::Search;
 use super::verdict::Verdict;
+use phihat_certificate::extremes::Extremes as _;
 
 /// First steps in `ln ω`, `ln ω_o/ω`, the share of the factor on `M̄`, and `ln` of the velocity filter.
 const STEPS: [f64; 4] = [0.09, 0.15, 0.25, 0.2];
@@ -18,7 +19,7 @@ pub(super) fn cost(verdict: &Verdict, clause: usize) -> f64 {
         if share.is_nan() { f64::INFINITY } else { share }
     };
     let others = (0..verdict.shares.len()).filter(|i| *i != clause);
-    let worst = others.map(share).fold(0.0, f64::max);
+    let worst = others.map(share).largest();
     if worst <= 1.0 { share(clause) } else { 1e6 * worst }
 }
 

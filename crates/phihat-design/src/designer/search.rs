@@ -1,5 +1,6 @@
 //! The laws that are tried, and what each would do.
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_study::Study;
 
 use super::candidate::{Candidate, Shape};
@@ -106,7 +107,7 @@ impl<'a> Search<'a> {
                 step_max,
                 rate_max,
             ],
-            slowest: settling.into_iter().chain(rise).fold(0.0, f64::max).sqrt(),
+            slowest: settling.into_iter().chain(rise).largest().sqrt(),
         })
     }
 
@@ -304,7 +305,7 @@ impl<'a> Search<'a> {
     pub(super) fn trade_off(&self, candidates: &[Candidate], chosen: &Candidate) -> Vec<TradeOff> {
         let heaviest = |(m, quantum): (&f64, &f64)| m * 0.5 * quantum;
         let step = self.arm.nominal_kg_m2.iter().zip(&self.quanta).map(heaviest);
-        let step = step.fold(0.0, f64::max);
+        let step = step.largest();
         if step <= 0.0 {
             return Vec::new();
         }

@@ -1,6 +1,7 @@
 //! One quadratic form for two systems that differ by a matrix of rank one: search, existence, definiteness.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::extremes::larger;
 
 use super::refutation::refuse;
 use super::riccati;
@@ -15,7 +16,7 @@ pub(crate) fn exists(
     slow: &DMatrix<f64>,
 ) -> Result<(), Refutation> {
     for (what, a) in [("A(low) is Hurwitz", fast), ("A(high) is Hurwitz", slow)] {
-        let worst = a.complex_eigenvalues().iter().fold(f64::NEG_INFINITY, |w, z| z.re.max(w));
+        let worst = a.complex_eigenvalues().iter().map(|z| z.re).fold(f64::NEG_INFINITY, larger);
         if worst.is_nan() || worst >= 0.0 {
             return Err(refuse(claim, what, worst, 0.0));
         }

@@ -1,6 +1,7 @@
 //! Stability margins of the sampled loop, worst over a range of inertia.
 
 use core::f64::consts::TAU;
+use phihat_certificate::extremes::Extremes as _;
 
 use nalgebra::Complex;
 pub use phihat_certificate::Margins;
@@ -173,7 +174,7 @@ const NEAR: f64 = 1.1;
 /// Smallest value on the grid, refined between the neighbours of every valley that may hold it.
 fn smallest(grid: &[f64], value: impl Fn(f64) -> f64) -> f64 {
     let values: Vec<f64> = grid.iter().map(|theta| value(*theta)).collect();
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let least = values.iter().copied().least();
     let at = |i: usize| values.get(i).copied().unwrap_or(f64::INFINITY);
     let mut best = least;
     for i in 0..values.len() {

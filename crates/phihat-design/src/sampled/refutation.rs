@@ -3,6 +3,7 @@
 use super::model::LoopModel;
 use crate::JointRecord;
 use crate::claims::Refutation;
+use phihat_certificate::extremes::Extremes as _;
 
 pub(crate) fn refuse(
     claim: &str,
@@ -54,6 +55,6 @@ pub(crate) fn plausible_loop(claim: &str, model: &LoopModel) -> Result<(), Refut
 /// The same for a list of inertia ratios.
 pub(crate) fn plausible_ratios(claim: &str, mu: &[f64]) -> Result<(), Refutation> {
     at_most(claim, "1 ≤ number of inertia ratios", 1.0, mu.len() as f64)?;
-    let least = mu.iter().fold(f64::INFINITY, |least, mu| mu.min(least));
+    let least = mu.iter().copied().least();
     at_most(claim, "0 < μ", f64::MIN_POSITIVE, least)
 }

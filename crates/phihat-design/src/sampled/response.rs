@@ -1,6 +1,7 @@
 //! Sums over the loop's whole future, with a bound on what is left out.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
+use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::state_matrix::{Reaction, StateMatrix};
 
@@ -98,7 +99,7 @@ impl Response {
 
     /// At most the largest `|h_k|`.
     pub(crate) fn peak(&self) -> f64 {
-        self.samples.iter().fold(self.tail, |worst, h| h.abs().max(worst))
+        larger(self.tail, self.samples.iter().map(|h| h.abs()).largest())
     }
 
     /// At most the largest `|h_0 + … + h_k|`: the peak after a unit step.
@@ -106,7 +107,7 @@ impl Response {
         let mut sum = 0.0_f64;
         let worst = self.samples.iter().fold(0.0_f64, |worst, h| {
             sum += h;
-            sum.abs().max(worst)
+            larger(worst, sum.abs())
         });
         worst + self.tail
     }
@@ -117,7 +118,7 @@ pub(crate) fn column(row: &RowDVector<f64>) -> DVector<f64> {
 }
 
 fn norm_inf(a: &DMatrix<f64>) -> f64 {
-    a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
+    a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).largest()
 }
 
 /// `count` ratios from `low` to `high`, logarithmically even.

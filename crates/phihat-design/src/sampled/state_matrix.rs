@@ -1,6 +1,7 @@
 //! The closed loop as one linear step: what the core, the drive and the inertia do in one sample.
 
 use nalgebra::{DMatrix, DVector, RowDVector, Schur};
+use phihat_certificate::extremes::Extremes as _;
 
 use super::model::LoopModel;
 use super::sample::{Input, Sample};
@@ -114,7 +115,7 @@ impl StateMatrix {
     /// Largest magnitude of an eigenvalue; infinite should the eigenvalues not be found.
     pub fn spectral_radius(&self) -> f64 {
         Schur::try_new(self.a.clone(), 1e-15, 10_000).map_or(f64::INFINITY, |schur| {
-            schur.complex_eigenvalues().iter().fold(0.0, |worst, z| z.norm().max(worst))
+            schur.complex_eigenvalues().iter().map(|z| z.norm()).largest()
         })
     }
 

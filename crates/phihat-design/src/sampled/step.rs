@@ -8,6 +8,7 @@ use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
+use phihat_certificate::extremes::smaller;
 
 const CLAIM: &str = "largest step";
 
@@ -38,7 +39,7 @@ impl FindStep for LargestStep {
         let mut found = over(gains, model, ratios(low, high, count).collect())?;
         let by_torque = torque_max.map(|limit| limit / found.torque_per_rad_nm);
         let by_rate = torque_rate_max.map(|limit| limit * model.period_s / found.change_per_rad_nm);
-        found.step_rad = by_torque.into_iter().chain(by_rate).reduce(f64::min);
+        found.step_rad = by_torque.into_iter().chain(by_rate).reduce(smaller);
         Ok(found)
     }
 }

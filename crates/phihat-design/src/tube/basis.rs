@@ -3,8 +3,8 @@
 use phihat_model::Model;
 
 use super::TubeRefusal;
-use super::extremes::{larger, smaller};
 use super::scene::{Scene, half};
+use phihat_certificate::extremes::{larger, smaller};
 use phihat_study::PayloadSet;
 
 /// Offset of a centre of mass by which first moments are told apart \[m\].

@@ -3,9 +3,9 @@
 use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
-use super::extremes::{hull, largest};
 use super::{Desired, JointEnvelope, TubeRefusal, find};
 use crate::sampled::TorqueNoise;
+use phihat_certificate::extremes::{Extremes as _, hull};
 
 /// Bins of the sweep in one bin of the document.
 const COARSER: usize = 4;
@@ -52,7 +52,7 @@ fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
     };
     let (error_low_rad, error_high_rad) = (low(&own.error), high(&own.error));
     let (velocity_low_rad_s, velocity_high_rad_s) = (low(&own.velocity), high(&own.velocity));
-    let most = |values: &[f64]| outward(largest(values.iter().copied()));
+    let most = |values: &[f64]| outward(values.iter().copied().largest());
     TubeJoint {
         name: name.to_owned(),
         error_max_rad: f64::INFINITY,

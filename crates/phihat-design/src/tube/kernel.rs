@@ -1,10 +1,10 @@
 //! Sums over impulse responses of the linear time-varying loop, by lag, and what is left beyond them.
 
 use super::deviation::Deviation;
-use super::extremes::{larger, largest};
 use super::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 use super::linear::Interval;
 use super::scene::Scene;
+use phihat_certificate::extremes::{Extremes as _, larger};
 
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
@@ -282,7 +282,7 @@ impl<'a> Course<'a> {
         let scale: Scale = peak;
         for now in &sizes {
             let size = now.iter().zip(&scale).map(|(x, s)| share_of(*x, *s));
-            let size = largest(size);
+            let size = size.largest();
             history.push(size);
         }
         let last = history.iter().rposition(|size| *size > share);
@@ -342,7 +342,7 @@ impl<'a> Course<'a> {
                 left[i] += share_of(state.iter().map(|x| x.abs()).sum(), scale[i]);
             });
         }
-        (most, largest(left.into_iter()))
+        (most, left.into_iter().largest())
     }
 }
 

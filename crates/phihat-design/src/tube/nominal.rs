@@ -4,8 +4,8 @@ use phihat_model::{Model, Workspace};
 
 use super::TubeRefusal;
 use super::controller::Control;
-use super::extremes::hull;
 use super::scene::{Scene, dry};
+use phihat_certificate::extremes::hull;
 
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].
 const DIVERGED: f64 = 1e3;

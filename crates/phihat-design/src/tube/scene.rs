@@ -1,5 +1,6 @@
 //! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
 
@@ -159,9 +160,9 @@ impl<'a> Scene<'a> {
         let limit = |i: usize| {
             let (torque, rate) = study.limits(i);
             let rule = profile.torque_rate_max;
-            let rate = rate.into_iter().chain(rule).fold(f64::INFINITY, f64::min);
+            let rate = rate.into_iter().chain(rule).least();
             let clamp = study.robot.joints[i].torque_max.filter(|_| profile.clamps_torque);
-            let torque = torque.into_iter().chain(clamp).fold(f64::INFINITY, f64::min);
+            let torque = torque.into_iter().chain(clamp).least();
             (torque, rate * period)
         };
         let start = match &study.world.start {

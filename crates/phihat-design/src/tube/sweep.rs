@@ -3,13 +3,13 @@
 use super::TubeRefusal;
 use super::basis::Slice;
 use super::deviation::Deviation;
-use super::extremes::{larger, largest, smaller};
 use super::kernel::{Course, Inputs, Kernel};
 use super::lanes::WIDE;
 use super::linear::Interval;
 use super::nominal::Nominal;
 use super::scene::dry;
 use super::tensors::{Tensors, contracted, times, times_abs, transposed_abs};
+use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 
 /// Rounds in one bin before it is given up.
 const ROUNDS: u32 = 80;
@@ -213,10 +213,10 @@ impl<'a> Sweep<'a> {
             &group.tensors;
         let e = &guess.e;
         let v: Vec<f64> = (0..n)
-            .map(|i| largest(guess.v.iter().skip(i).step_by(n).map(|v| larger(v.1, -v.0))))
+            .map(|i| guess.v.iter().skip(i).step_by(n).map(|v| larger(v.1, -v.0)).largest())
             .collect();
         let speed: Vec<f64> = (0..n)
-            .map(|i| largest((from..=to).map(|k| along.nominal.dq[k * n + i].abs())))
+            .map(|i| (from..=to).map(|k| along.nominal.dq[k * n + i].abs()).largest())
             .collect();
         let [summed_e, summed_v] = &guess.summed;
         let mut torque = vec![0.0; n];
@@ -278,7 +278,7 @@ impl<'a> Sweep<'a> {
         // Where two integrators end apart, twice: neither is exact.
         for (defect, out) in along.nominal.defect.iter().zip([&mut momentum, &mut torque]) {
             let most: Vec<f64> =
-                (0..n).map(|i| largest((from..to).map(|k| defect[k * n + i]))).collect();
+                (0..n).map(|i| (from..to).map(|k| defect[k * n + i]).largest()).collect();
             for (out, more) in out.iter_mut().zip(times_abs(&at.m, &most)) {
                 *out += 2.0 * more / t;
             }

@@ -16,6 +16,8 @@ use crate::{Model, Workspace};
 
 /// Most links.
 const LINKS_MAX: usize = 64;
+/// A limit beyond this is what some exporters write for none \[rad, m, rad/s, N·m\].
+const BOUNDLESS: f64 = 1e9;
 /// Most joints that move.
 const MOVING_MAX: usize = 16;
 
@@ -194,6 +196,9 @@ fn read_limits(
 ) -> Result<Joint> {
     let limit = joint.child(joint.node, "limit")?;
     let number = |key| limit.map_or(Ok(None), |node| joint.number_if_any(node, key));
+    let boundless = |what: &str| {
+        format!("joint \"{}\": a {what} beyond {BOUNDLESS:e} is read as none", joint.name)
+    };
     let position = if kind == JointKind::Continuous {
         None
     } else {
@@ -205,11 +210,27 @@ fn read_limits(
             let (low, high) = ends;
             return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
         }
-        Some(ends)
+        let wide = ends.1 - ends.0 > BOUNDLESS;
+        if wide && kind == JointKind::Prismatic {
+            let why = format!(
+                "limits {} … {} leave a sliding joint without ends: state its travel in metres",
+                ends.0, ends.1
+            );
+            return Err(joint.error(why));
+        }
+        if wide {
+            warnings.push(boundless("travel") + ": the joint turns without end");
+        }
+        (!wide).then_some(ends)
     };
+    let kind = if position.is_none() { JointKind::Continuous } else { kind };
     let mut positive = |key| match number(key)? {
         Some(x) if x < 0.0 => {
             Err(joint.error(format!("<limit {key}=\"{x}\"> must not be negative")))
+        }
+        Some(x) if x > BOUNDLESS => {
+            warnings.push(boundless(&format!("{key} limit")));
+            Ok(None)
         }
         Some(x) if x > 0.0 => Ok(Some(x)),
         Some(_) => {

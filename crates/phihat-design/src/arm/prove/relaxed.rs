@@ -1,6 +1,7 @@
 //! Kinetic energy of an arm whose joints' cosines and sines need not lie on the unit circle.
 
 use core::f64::consts::{FRAC_PI_2, PI};
+use phihat_certificate::extremes::Extremes as _;
 
 use nalgebra::{Matrix4, SymmetricEigen};
 use phihat_model::{FrameId, Model, Pose, Workspace};
@@ -97,7 +98,7 @@ impl Relaxed {
 
     /// `min rotor/M̄`: no eigenvalue is below, because links add what is positive semidefinite.
     pub(super) fn least_rotor(&self) -> f64 {
-        self.rotor.iter().copied().fold(f64::INFINITY, f64::min)
+        self.rotor.iter().copied().least()
     }
 
     pub(super) fn scratch(&self) -> Scratch {

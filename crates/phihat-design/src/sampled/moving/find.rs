@@ -2,6 +2,7 @@
 
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::Complex;
+use phihat_certificate::extremes::Extremes as _;
 
 use phihat_certificate::{Moving, Unstable};
 
@@ -125,7 +126,7 @@ impl Grid {
         };
         let (delta, apart) = moving.step(period);
         let close = self.points.iter().filter(|p| p.close);
-        let kick = close.map(|p| (p.kick / p.open).sqrt()).fold(0.0, f64::max);
+        let kick = close.map(|p| (p.kick / p.open).sqrt()).largest();
         moving.delta = delta;
         moving.drift = (0.5 * (high - low) * kick / apart).max(1e-6);
         // The second time with the first's estimate of the term in y².
