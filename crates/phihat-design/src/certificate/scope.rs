@@ -1,6 +1,6 @@
 //! What of a study the certificate is not about: what forbids it, and what its claims leave out.
 
-use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::extremes::Extremes;
 use phihat_study::Study;
 
 use crate::ArmInertia;
@@ -11,7 +11,7 @@ use crate::sampled::{LoopModel, stable_at_gain};
 /// What may not be armed, for the loop model has no such thing: key, value, and the value that it has.
 pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
     let spring = study.world.flexibility.as_ref().map(|f| f.stiffness.iter().copied());
-    let softest = spring.map(|stiffness| stiffness.least());
+    let softest = spring.map(Extremes::least);
     let jitter = Some(study.sensor.jitter).filter(|jitter| *jitter > 0.0);
     [
         ("world.flexibility.stiffness_nm_rad", softest),

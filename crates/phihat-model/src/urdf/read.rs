@@ -189,6 +189,32 @@ fn read_axis(joint: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<[f64
     Ok(axis)
 }
 
+/// Ends of travel; `None` where they are so far apart that somebody meant none.
+fn read_travel(
+    joint: &Element<'_, '_>,
+    kind: JointKind,
+    warnings: &mut Vec<String>,
+) -> Result<Option<(f64, f64)>> {
+    let Some(limit) = joint.child(joint.node, "limit")? else {
+        return Err(joint.error("it has no <limit>; only continuous joints go without".into()));
+    };
+    let number = |key| Ok(joint.number_if_any(limit, key)?.unwrap_or(0.0));
+    let (low, high) = (number("lower")?, number("upper")?);
+    if low >= high {
+        return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
+    }
+    if high - low <= BOUNDLESS {
+        return Ok(Some((low, high)));
+    }
+    if kind == JointKind::Prismatic {
+        let why = "leave a sliding joint without ends: state its travel in metres";
+        return Err(joint.error(format!("limits {low} … {high} {why}")));
+    }
+    let why = format!("travel beyond {BOUNDLESS:e} is read as none: the joint turns without end");
+    warnings.push(format!("joint \"{}\": a {why}", joint.name));
+    Ok(None)
+}
+
 fn read_limits(
     joint: &Element<'_, '_>,
     kind: JointKind,
@@ -196,32 +222,9 @@ fn read_limits(
 ) -> Result<Joint> {
     let limit = joint.child(joint.node, "limit")?;
     let number = |key| limit.map_or(Ok(None), |node| joint.number_if_any(node, key));
-    let boundless = |what: &str| {
-        format!("joint \"{}\": a {what} beyond {BOUNDLESS:e} is read as none", joint.name)
-    };
-    let position = if kind == JointKind::Continuous {
-        None
-    } else {
-        let ends = (number("lower")?.unwrap_or(0.0), number("upper")?.unwrap_or(0.0));
-        if limit.is_none() {
-            return Err(joint.error("it has no <limit>; only continuous joints go without".into()));
-        }
-        if ends.0 >= ends.1 {
-            let (low, high) = ends;
-            return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
-        }
-        let wide = ends.1 - ends.0 > BOUNDLESS;
-        if wide && kind == JointKind::Prismatic {
-            let why = format!(
-                "limits {} … {} leave a sliding joint without ends: state its travel in metres",
-                ends.0, ends.1
-            );
-            return Err(joint.error(why));
-        }
-        if wide {
-            warnings.push(boundless("travel") + ": the joint turns without end");
-        }
-        (!wide).then_some(ends)
+    let position = match kind {
+        JointKind::Continuous => None,
+        _ => read_travel(joint, kind, warnings)?,
     };
     let kind = if position.is_none() { JointKind::Continuous } else { kind };
     let mut positive = |key| match number(key)? {
@@ -229,7 +232,8 @@ fn read_limits(
             Err(joint.error(format!("<limit {key}=\"{x}\"> must not be negative")))
         }
         Some(x) if x > BOUNDLESS => {
-            warnings.push(boundless(&format!("{key} limit")));
+            let why = format!("{key} limit beyond {BOUNDLESS:e} is read as none");
+            warnings.push(format!("joint \"{}\": a {why}", joint.name));
             Ok(None)
         }
         Some(x) if x > 0.0 => Ok(Some(x)),
