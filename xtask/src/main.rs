@@ -7,6 +7,7 @@ mod attack;
 mod bench;
 mod bindings;
 mod bless;
+mod dependencies;
 mod instructions;
 mod rivals;
 mod rules;
