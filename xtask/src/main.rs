@@ -8,6 +8,7 @@ mod bench;
 mod bindings;
 mod bless;
 mod dependencies;
+mod fuzz;
 mod instructions;
 mod rivals;
 mod rules;
@@ -20,6 +21,7 @@ const USAGE: &str = "usage:
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
                                one in twenty also in Pinocchio and MuJoCo, unless --alone
+  cargo xtask fuzz [MINUTES]   documents and samples that nobody would write, against every reader and the core
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
             test::cargo(&test::root(), &bench)
         }
         Some((verb, rest)) if verb == "attack" => attack::run(&test::root(), rest),
+        Some((verb, rest)) if verb == "fuzz" => fuzz::run(&test::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         _ => Err(USAGE.to_owned()),
     };

@@ -132,3 +132,33 @@ pub enum RobotError {
         why: String,
     },
 }
+
+impl RobotError {
+    /// The same with what a terminal would obey written out: what a file says is for reading.
+    pub(crate) fn plain(mut self) -> Self {
+        let texts = match &mut self {
+            Self::Xml { why, .. }
+            | Self::Tree { why, .. }
+            | Self::Toml { why, .. }
+            | Self::Value { why, .. } => vec![why],
+            Self::Link { link, why, .. } => vec![link, why],
+            Self::Joint { joint, why, .. } => vec![joint, why],
+            Self::Lock { robot, joint, why } => vec![robot, joint, why],
+            Self::Unknown { name, .. } => vec![name],
+            Self::Read { .. } | Self::TooMuch { .. } => Vec::new(),
+        };
+        for text in texts {
+            if text.chars().any(is_obeyed) {
+                let shown = |c: char| {
+                    if is_obeyed(c) { c.escape_default().to_string() } else { c.to_string() }
+                };
+                *text = text.chars().map(shown).collect();
+            }
+        }
+        self
+    }
+}
+
+fn is_obeyed(c: char) -> bool {
+    c.is_control() && c != '\n' && c != '\t'
+}

@@ -209,7 +209,7 @@ impl Robot {
     }
 
     fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
-        let read = urdf::read(urdf, origin)?;
+        let read = urdf::read(urdf, origin).map_err(RobotError::plain)?;
         let tip = outermost_frame(&read.model);
         let robot = Self {
             name: read.name,
@@ -226,7 +226,7 @@ impl Robot {
         };
         match toml {
             None => Ok(robot),
-            Some((text, origin)) => extras::apply(robot, text, origin),
+            Some((text, origin)) => extras::apply(robot, text, origin).map_err(RobotError::plain),
         }
     }
 }

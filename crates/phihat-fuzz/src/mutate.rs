@@ -1,0 +1,147 @@
+//! From good documents and a recipe of bytes to documents that nobody would write.
+
+/// What stands in place of a number.
+const NUMBERS: [&str; 24] = [
+    "nan",
+    "inf",
+    "-inf",
+    "1e308",
+    "-1e308",
+    "1.7976931348623157e308",
+    "1e999",
+    "1e-320",
+    "5e-324",
+    "0",
+    "-0.0",
+    "-1",
+    "1",
+    "0.1",
+    "2147483648",
+    "-9223372036854775808",
+    "18446744073709551616",
+    "1e-200",
+    "1e200",
+    "0x10",
+    "1_000",
+    "1e",
+    ".",
+    "",
+];
+
+/// What is put anywhere.
+const WORDS: [&str; 28] = [
+    "[", "]", "{", "}", "\"", "'", "=", ",", "\n", "\r", "\0", ".", "#", "<", ">", "</", "<!--",
+    "&amp;", "&#0;", "]]>", "null", "true", "[[", "]]", "\u{feff}", "\u{202e}", "é", "\t",
+];
+
+/// Longest document that is made.
+const LONGEST: usize = 1 << 17;
+
+/// Reads a recipe byte by byte; zeros where it ends.
+struct Recipe<'a>(&'a [u8]);
+
+impl Recipe<'_> {
+    fn byte(&mut self) -> usize {
+        let Some((first, rest)) = self.0.split_first() else { return 0 };
+        self.0 = rest;
+        usize::from(*first)
+    }
+
+    fn below(&mut self, most: usize) -> usize {
+        (self.byte() << 16 | self.byte() << 8 | self.byte()) % most.max(1)
+    }
+
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+}
+
+/// A document made of good ones by a recipe: the same for the same recipe.
+#[must_use]
+pub fn mutated(seeds: &[Vec<u8>], recipe: &[u8]) -> Vec<u8> {
+    let mut recipe = Recipe(recipe);
+    let mut text = seeds[recipe.below(seeds.len())].clone();
+    while !recipe.0.is_empty() && text.len() < LONGEST {
+        edit(&mut text, seeds, &mut recipe);
+    }
+    text.truncate(LONGEST);
+    text
+}
+
+fn edit(text: &mut Vec<u8>, seeds: &[Vec<u8>], recipe: &mut Recipe<'_>) {
+    let at = recipe.below(text.len() + 1);
+    match recipe.byte() % 9 {
+        0 => {
+            let end = (at + 1 + recipe.byte()).min(text.len());
+            text.drain(at..end);
+        }
+        1 => {
+            let line = line(text, at);
+            let copies = text[line.clone()].repeat(1 + recipe.byte() % 64);
+            text.splice(line.end..line.end, copies);
+        }
+        2..=4 => {
+            let place = number(text, at);
+            text.splice(place, recipe.of(&NUMBERS).bytes());
+        }
+        5 => {
+            if let Some(byte) = text.get_mut(at) {
+                *byte = u8::try_from(recipe.byte()).unwrap_or(0);
+            }
+        }
+        6 => {
+            let word = recipe.of(&WORDS).repeat(1 + (recipe.byte() % 8) * (recipe.byte() % 64));
+            text.splice(at..at, word.bytes());
+        }
+        7 => {
+            let other = &seeds[recipe.below(seeds.len())];
+            let from = recipe.below(other.len() + 1);
+            text.truncate(at);
+            text.extend(&other[from..]);
+        }
+        _ => {
+            let (one, place) = (line(text, at), recipe.below(text.len() + 1));
+            let moved = text[one].to_vec();
+            let to = line(text, place).start;
+            text.splice(to..to, moved);
+        }
+    }
+}
+
+/// The line around a place, its end included.
+fn line(text: &[u8], at: usize) -> core::ops::Range<usize> {
+    let start = text[..at].iter().rposition(|b| *b == b'\n').map_or(0, |before| before + 1);
+    let end = text[at..].iter().position(|b| *b == b'\n').map_or(text.len(), |end| at + end + 1);
+    start..end
+}
+
+/// The first number from a place on; an empty place at the end.
+fn number(text: &[u8], at: usize) -> core::ops::Range<usize> {
+    let part = |b: &u8| b.is_ascii_digit() || b"+-.eE".contains(b);
+    let Some(digit) = text[at..].iter().position(u8::is_ascii_digit) else {
+        return text.len()..text.len();
+    };
+    let digit = at + digit;
+    let start = text[..digit].iter().rposition(|b| !part(b)).map_or(0, |before| before + 1);
+    let end = text[digit..].iter().position(|b| !part(b)).map_or(text.len(), |end| digit + end);
+    start..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mutated;
+
+    #[test]
+    fn the_same_recipe_makes_the_same_document_and_others_make_others() {
+        let seeds = [b"a = 1.5\nb = [2, 3]\n".to_vec(), b"c = \"x\"\n".to_vec()];
+        let mut seen = std::collections::BTreeSet::new();
+        for k in 0..200_u8 {
+            let recipe: Vec<u8> =
+                (0..12).map(|i| k.wrapping_mul(37).wrapping_add(i * 11)).collect();
+            assert_eq!(mutated(&seeds, &recipe), mutated(&seeds, &recipe));
+            seen.insert(mutated(&seeds, &recipe));
+        }
+        assert!(seen.len() > 60, "{}", seen.len());
+        assert_eq!(mutated(&seeds, &[]), seeds[0]);
+    }
+}

@@ -1,0 +1,179 @@
+//! Readers of documents: no bytes make them panic, and what they accept is what they give back.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use phihat_campaign::Journal;
+use phihat_certificate::Gains;
+use phihat_model::{Robot, Workspace};
+use phihat_sim::Trace;
+use phihat_study::Study;
+
+use crate::project;
+
+/// Whether a message is one for people: not empty, no control characters but line ends and tabs.
+fn is_told(message: &str) -> bool {
+    let plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
+    !message.trim().is_empty() && message.chars().all(plain)
+}
+
+/// A study file.
+///
+/// # Panics
+///
+/// A promise is broken; so do all targets.
+pub fn study(bytes: &[u8]) {
+    let Ok(text) = core::str::from_utf8(bytes) else { return };
+    match Study::from_text(text, "fuzz.toml", &project().join("studies")) {
+        Ok(study) => {
+            let n = study.robot.joints.len();
+            assert!(n > 0 && study.duration.is_finite() && study.duration > 0.0);
+            assert!(study.control.period_ns > 0);
+            let limits = [&study.spec.error_max, &study.spec.velocity_error_max];
+            for limit in limits.into_iter().flatten() {
+                assert!(limit.len() == n && limit.iter().all(|x| *x > 0.0 && x.is_finite()));
+            }
+        }
+        Err(why) => assert!(is_told(&why.render()), "{:?}", why.render()),
+    }
+}
+
+/// A robot file, beside the planar arm's URDF.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn robot_file(bytes: &[u8]) {
+    const URDF: &str = include_str!("../../../robots/planar3r.urdf");
+    let Ok(text) = core::str::from_utf8(bytes) else { return };
+    let read = Robot::from_text(URDF, Some(text), "fuzz.toml");
+    checked(read);
+}
+
+/// A URDF.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn urdf(bytes: &[u8]) {
+    let Ok(text) = core::str::from_utf8(bytes) else { return };
+    checked(Robot::from_text(text, None, "fuzz.urdf"));
+}
+
+/// Limits are ordered, numbers finite, and the mass matrix is symmetric where it is finite.
+fn checked(read: Result<Robot, phihat_model::RobotError>) {
+    let robot = match read {
+        Ok(robot) => robot,
+        Err(why) => return assert!(is_told(&why.to_string()), "{why:?}"),
+    };
+    let n = robot.joints.len();
+    for joint in &robot.joints {
+        assert!(joint.position.is_none_or(|(low, high)| low < high && (high - low).is_finite()));
+        assert!(joint.torque_max.is_none_or(|x| x > 0.0 && x.is_finite()));
+        assert!(joint.armature >= 0.0 && joint.armature.is_finite());
+        assert!(joint.friction.viscous >= 0.0 && joint.friction.coulomb >= 0.0);
+    }
+    assert!(robot.poses.values().all(|pose| pose.len() == n));
+    let model = robot.plant_model();
+    let q = vec![0.3; n];
+    let mut m = vec![0.0_f64; n * n];
+    model.mass_matrix(&mut Workspace::new(&model), &q, &mut m);
+    if m.iter().all(|x| x.abs() < 1e100) {
+        for i in 0..n {
+            for j in 0..n {
+                let apart = (m[i * n + j] - m[j * n + i]).abs();
+                assert!(apart <= 1e-9 * (m[i * n + i] + m[j * n + j]).abs(), "not symmetric");
+            }
+        }
+    }
+}
+
+/// A gains document; those that are read back are verified too.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn gains(bytes: &[u8]) {
+    let Ok(text) = core::str::from_utf8(bytes) else { return };
+    match Gains::from_json(text) {
+        Ok(gains) => {
+            let again = gains.to_json().map(|text| Gains::from_json(&text));
+            assert!(matches!(again, Ok(Ok(again)) if again == gains), "does not read back");
+            let names: Vec<String> = gains.joints.iter().map(|joint| joint.name.clone()).collect();
+            if let Ok(laws) = gains.joint_gains(&names, 1_000_000, phihat::Form::Observer) {
+                assert_eq!(laws.len(), names.len());
+            }
+        }
+        Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
+    }
+}
+
+/// A recorded trace.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn trace(bytes: &[u8]) {
+    match Trace::read_csv(bytes) {
+        Ok(trace) => {
+            let mut text = Vec::new();
+            assert!(trace.write_csv(&mut text).is_ok());
+            let again = Trace::read_csv(&text[..]);
+            let mut twice = Vec::new();
+            let written = again.is_ok_and(|again| again.write_csv(&mut twice).is_ok());
+            assert!(written && text == twice, "does not read back");
+        }
+        Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
+    }
+}
+
+/// A file of these bytes in the system's folder for such.
+fn file(bytes: &[u8]) -> Option<PathBuf> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let path = std::env::temp_dir().join(format!("phihat_fuzz_{}_{count}", std::process::id()));
+    fs::write(&path, bytes).ok()?;
+    Some(path)
+}
+
+/// A campaign's journal: damaged lines are passed over, the others are there, and it goes on.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn journal(bytes: &[u8]) {
+    let Some(path) = file(bytes) else { return };
+    let before = Journal::open(&path).map(|mut journal| {
+        let appended = journal.append("fuzz", &[1, 2]);
+        (journal.len(), journal.damaged().len(), appended.is_ok())
+    });
+    let after =
+        Journal::open(&path).map(|journal| (journal.len(), journal.entry("fuzz").is_some()));
+    let gone = fs::remove_file(&path);
+    let (Ok((len, damaged, appended)), Ok((again, there))) = (before, after) else {
+        panic!("a journal of any bytes opens");
+    };
+    let lines = bytes.split(|b| *b == b'\n').count();
+    assert!(appended && there && again == len && damaged <= lines && gone.is_ok());
+}
+
+/// A recorded reference (CSV), named by a study.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn reference_csv(bytes: &[u8]) {
+    let Some(path) = file(bytes) else { return };
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let study = format!(
+        "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nerror_max_rad = 1e-3\n[design]\n\
+         [reference]\nkind = \"samples\"\nfile = \"{name}\"\n"
+    );
+    let read = Study::from_text(&study, "fuzz.toml", &std::env::temp_dir());
+    let gone = fs::remove_file(&path);
+    assert!(gone.is_ok());
+    if let Err(why) = read {
+        assert!(is_told(&why.render()), "{:?}", why.render());
+    }
+}
