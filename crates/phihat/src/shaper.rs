@@ -103,12 +103,15 @@ impl<R: Real> Shaper<R> {
         })
     }
 
-    /// One sample from where the shaped reference is towards where it should be.
+    /// One sample from where the shaped reference is towards where it should be. A target that is not finite, or
+    /// beyond ±2³², asks for a stop.
     #[must_use]
     pub fn step(&self, now: &Reference<R>, target: &Reference<R>) -> Reference<R> {
         if self.keeps(now, target) {
             return *target;
         }
+        let stop = Reference::at_rest(now.q);
+        let target = if target.doubt() == R::ZERO { target } else { &stop };
         let half = R::from_f64(0.5);
         let t = self.period;
         // Where the motion is once the acceleration relative to the target has gone.
