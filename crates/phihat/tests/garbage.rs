@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use phihat::{
-    Controller, Form, JointDesign, JointGains, JointState, Limits, Measurement, MotionLimits, Real,
-    Reference, Shaper, Unwrap, VelocityFilter, VelocityState,
+    Controller, Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement,
+    MotionLimits, Real, Reference, Shaper, Unwrap, VelocityFilter, VelocityState,
 };
 
 const T: f64 = 1e-3;
@@ -129,8 +129,7 @@ fn f06_one_garbage_joint_refuses_the_whole_arm() {
 
 /// What is just admitted, whatever its sequence, never makes the observer refuse a good sample afterwards.
 fn the_largest_admitted_never_disable<R: Real>(period: f64, a: &[f64]) {
-    let design =
-        JointDesign { inertia: 50.0, kp: 1e4, kd: 200.0, a, period, form: Form::Observer };
+    let design = JointDesign { inertia: 50.0, kp: 1e4, kd: 200.0, a, period, form: Form::Observer };
     let law = JointGains::<R>::new(&design).unwrap();
     let mut state = JointState::new();
     let most = 4.29e9;
@@ -139,7 +138,8 @@ fn the_largest_admitted_never_disable<R: Real>(period: f64, a: &[f64]) {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         // All corners of the box, the alternating ones among them.
         let sign = |bit: u32| {
-            let up = if k % 2000 < 1000 { (seed >> (40 + bit)) & 1 } else { u64::from(k + bit) & 1 };
+            let up =
+                if k % 2000 < 1000 { (seed >> (40 + bit)) & 1 } else { u64::from(k + bit) & 1 };
             R::from_f64(if up == 1 { most } else { -most })
         };
         let m = Measurement { q: sign(0), dq: sign(1), tau_applied: sign(2) };
@@ -275,4 +275,34 @@ fn f21_a_garbage_target_asks_the_governor_for_a_stop() {
             assert!((now.q - 3.0).abs() < 1e-6, "{value:e}: {now:?}");
         }
     }
+}
+
+#[test]
+fn gains_that_could_overflow_are_refused() {
+    fn tried<R: Real>(design: JointDesign<'_>) -> Vec<Result<(), GainError>> {
+        [Form::Observer, Form::Literal]
+            .map(|form| JointGains::<R>::new(&JointDesign { form, ..design }).map(|_| ()))
+            .to_vec()
+    }
+    let good =
+        JointDesign { inertia: 0.8, kp: 400.0, kd: 40.0, a: A[3], period: T, form: Form::Observer };
+    assert_eq!(tried::<f32>(good), [Ok(()); 2]);
+    let (large, small) = ([Err(GainError::Overflow); 2], [Ok(()); 2]);
+    for value in [1e20, 1e30, 1e-45] {
+        let inertia = JointDesign { inertia: value, ..good };
+        assert_eq!((tried::<f32>(inertia), tried::<f64>(inertia)), (large.into(), small.into()));
+    }
+    // Each of the others alone: what is finite in f64 need not be in f32.
+    for design in [
+        JointDesign { kp: 1e20, ..good },
+        JointDesign { kd: 1e20, ..good },
+        JointDesign { period: 1e-40, ..good },
+        JointDesign { a: &[1e20], period: 1e-30, ..good },
+    ] {
+        assert_eq!((tried::<f32>(design), tried::<f64>(design)), (large.into(), small.into()));
+    }
+    assert_eq!(tried::<f64>(JointDesign { inertia: 1e300, ..good }), large);
+    assert_eq!(tried::<f64>(JointDesign { inertia: 1e-310, ..good }), large);
+    let far = JointDesign { a: &[1e300, 1e200], ..good };
+    assert_eq!(tried::<f64>(far), large, "coefficients that overflow on the way");
 }
