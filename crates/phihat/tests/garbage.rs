@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use phihat::{
-    Controller, Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement,
-    MotionLimits, Real, Reference, Shaper, Unwrap, VelocityFilter, VelocityState,
+    Controller, Form, GainError, JointDesign, JointGains, JointOptions, JointRange, JointState,
+    Limits, Measurement, ModeRequest, MotionLimits, Options, Real, Reference, Request, Sample,
+    Shaper, Stamp, Supervisor, SupervisorState, Unwrap, VelocityFilter, VelocityState,
 };
 
 const T: f64 = 1e-3;
@@ -305,4 +306,64 @@ fn gains_that_could_overflow_are_refused() {
     assert_eq!(tried::<f64>(JointDesign { inertia: 1e-310, ..good }), large);
     let far = JointDesign { a: &[1e300, 1e200], ..good };
     assert_eq!(tried::<f64>(far), large, "coefficients that overflow on the way");
+}
+
+/// One arm under supervision; at sample 40 one of the values is `value`. Everything it answered, and its state.
+fn supervised<R: Real>(joint: &JointOptions<R>, which: usize, value: f64) -> Vec<String> {
+    let gains = gains::<R>(A[1], Form::Observer, true);
+    let arm = Supervisor::new([gains; 2], &[*joint; 2], &Options::new(1_000_000)).unwrap();
+    let mut state = SupervisorState::new();
+    let mut told = Vec::new();
+    for k in 0..100 {
+        let (mut m, mut r) = good::<R>(k);
+        (m.q, r.q, m.dq) = (R::from_f64(1e-4 * f64::from(k)), R::ZERO, R::from_f64(0.01));
+        (r.dq, r.ddq) = (R::ZERO, R::ZERO);
+        let (mut joints, mut references) = ([m; 2], [r; 2]);
+        if k == 40 {
+            (joints[1], references[1]) = spoilt((m, r), which, value);
+        }
+        let t_ns = 1_000_000 * u64::from(k);
+        let stamp = Stamp { sequence: u64::from(k), t_ns };
+        let mode = match k {
+            0..10 => ModeRequest::Arm,
+            10..20 => ModeRequest::Hold,
+            _ => ModeRequest::Track,
+        };
+        let sample = Sample { stamp, now_ns: t_ns, joints: &joints };
+        let preset = [R::from_f64(1.0), R::from_f64(if which == 6 { value } else { 2.0 })];
+        let request = Request { mode, references: &references, preset: Some(&preset) };
+        let answer = arm.step(&mut state, &sample, &request);
+        assert_eq!(answer.report.fault, None, "{value:e} as {which}: {:?}", answer.report);
+        assert!(answer.commands.iter().all(|c| c.tau.is_finite()));
+        told.push(bits(&(answer, state)));
+    }
+    told
+}
+
+fn garbage_is_like_nan<R: Real>(joint: &JointOptions<R>) {
+    for which in 0..7 {
+        let nan = supervised::<R>(joint, which, f64::NAN);
+        for value in GARBAGE.iter().flat_map(|v| [*v, -*v]) {
+            let is = supervised::<R>(joint, which, value);
+            let differs = is.iter().zip(&nan).position(|(is, nan)| is != nan);
+            assert_eq!(differs, None, "{value:e} as {which}");
+        }
+    }
+}
+
+#[test]
+fn f06_to_the_supervisor_finite_garbage_is_what_nan_is() {
+    garbage_is_like_nan::<f64>(&JointOptions::default());
+    garbage_is_like_nan::<f32>(&JointOptions::default());
+    let full = JointOptions {
+        velocity_max: Some(3.0),
+        range: Some(JointRange { lower: -1.0, upper: 1.0, soft: 0.1, braking: 5.0 }),
+        error_max: Some(0.1),
+        frozen_travel: Some(1.0),
+        motion: Some(MotionLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 }),
+        oscillation: Some(3.0),
+        first_motion: Some(50.0),
+        ..JointOptions::default()
+    };
+    garbage_is_like_nan::<f64>(&full);
 }
