@@ -234,6 +234,18 @@ fn a_reference_passes_just_inside_its_limits_and_not_just_outside_of_one() {
             let off = Reference { q: q + sign * share * step * T * T, ..next };
             assert_eq!(passes(now, off), inside, "position step {share} {sign}");
         }
+        // Within a sample, what is let through as rounding does not lead beyond the limits, either.
+        let most = limits.acceleration;
+        let now = at(-0.5, 0.9999 * most);
+        let next = motion(&now, now.ddq);
+        let dv = if inside { 0.99 } else { 1.01 } * 1e-4 * most * T;
+        let off = Reference { dq: next.dq + dv, q: next.q + 0.5 * T * dv, ..next };
+        assert_eq!(passes(now, off), inside, "velocity beyond A T, {share}");
+        let now = at(0.999_99 * limits.velocity, 0.0);
+        let dq = if inside { 0.99 } else { 1.01 } * 1e-5 * limits.velocity * T;
+        let next = motion(&now, 0.0);
+        let off = Reference { q: next.q + dq, ..next };
+        assert_eq!(passes(now, off), inside, "position beyond V T, {share}");
     }
 }
 

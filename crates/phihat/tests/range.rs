@@ -188,6 +188,8 @@ fn a_reference_is_kept_a_quarter_of_the_soft_zone_from_the_end() {
         (ends[1] + 1e-9, Some(ends[1])),
         (RANGE.upper, Some(ends[1])),
         (50.0, Some(ends[1])),
+        (ends[1], None),
+        (ends[0], None),
         (ends[1] - 1e-9, None),
         (0.0, None),
         (ends[0] + 1e-9, None),
