@@ -269,3 +269,18 @@ fn limits_from_a_torque_leave_the_rest_of_it() {
         }
     }
 }
+
+#[test]
+fn a_start_beyond_the_velocity_limit_comes_back() {
+    let limits = MotionLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
+    let shaper = Shaper::<f64>::new(&limits, T).unwrap();
+    for (sign, over) in [(1.0, 1.1), (-1.0, 1.1), (1.0, 1.3)] {
+        let mut now = Reference { dq: sign * over, ..Reference::default() };
+        let far = Reference { q: sign * 1e3, ..Reference::default() };
+        for _ in 0..10_000 {
+            now = shaper.step(&now, &far);
+            assert!(sign * now.dq <= over + 1e-9, "never faster: {now:?}");
+        }
+        assert!((now.dq - sign).abs() < 1e-6, "{now:?}");
+    }
+}

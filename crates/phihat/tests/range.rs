@@ -96,7 +96,7 @@ fn ceiling(room: f64, outward: f64, phi_hat: f64, last: f64, rate: f64) -> Optio
 #[test]
 fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     let (mut capped, mut free, mut beyond) = ([0; 2], 0, [0; 2]);
-    for rate in [None, Some(2e3), Some(2e4), Some(2e5)] {
+    for rate in [None, Some(2e2), Some(2e3), Some(2e4), Some(2e5)] {
         let mut dice = Dice(60);
         let mut joint = Joint::new(rate);
         let step = rate.map_or(f64::INFINITY, |rate| rate * T);
@@ -214,6 +214,8 @@ fn at_the_end_an_estimate_does_not_grow_outward() {
         (RANGE.upper - 0.09, 10.0, true),
         (RANGE.upper - 0.09, -10.0, false),
         (RANGE.upper - 0.11, 10.0, false),
+        (RANGE.upper - RANGE.soft, 10.0, false),
+        (RANGE.lower + RANGE.soft, -10.0, false),
         (RANGE.lower + 0.09, -10.0, true),
         (RANGE.lower + 0.09, 10.0, false),
         (RANGE.lower + 0.11, -10.0, false),
