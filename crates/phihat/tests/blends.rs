@@ -5,57 +5,15 @@
 
 #[path = "support/arm.rs"]
 mod arm;
+#[path = "support/joint.rs"]
+mod joint;
 
-use arm::{FIRST, SECOND, T, T_NS};
+use arm::{FIRST, SECOND};
+use joint::{INERTIA, Joint, T, T_NS, gains, outer};
 use phihat::{
-    Answer, Events, Form, Funnel, JointDesign, JointGains, JointOptions, Measurement, Mode,
-    ModeRequest, MotionLimits, Options, Reference, Request, Sample, Schedule, Stamp, Supervisor,
-    SupervisorState,
+    Events, Funnel, JointOptions, Measurement, Mode, ModeRequest, MotionLimits, Options, Reference,
+    Schedule,
 };
-
-const INERTIA: f64 = 0.7;
-
-fn gains(kp: f64, kd: f64, a: &[f64]) -> JointGains<f64> {
-    let design = JointDesign { inertia: INERTIA, kp, kd, a, period: T, form: Form::Observer };
-    JointGains::new(&design).unwrap()
-}
-
-/// One joint, no limits, whose measurements are the test's.
-struct Joint {
-    arm: Supervisor<f64, 1>,
-    state: SupervisorState<f64, 1>,
-    k: u64,
-}
-
-impl Joint {
-    fn new(gains: JointGains<f64>, joint: JointOptions<f64>, options: &Options) -> Self {
-        let options = Options { start_mismatch_max: 100.0, ..*options };
-        let arm = Supervisor::new([gains], &[joint], &options).unwrap();
-        Self { arm, state: SupervisorState::new(), k: 0 }
-    }
-
-    fn step(
-        &mut self,
-        mode: ModeRequest,
-        m: Measurement<f64>,
-        r: Reference<f64>,
-    ) -> Answer<f64, 1> {
-        let t_ns = self.k * T_NS;
-        let stamp = Stamp { sequence: self.k, t_ns };
-        self.k += 1;
-        let sample = Sample { stamp, now_ns: t_ns, joints: &[m] };
-        let request = Request { mode, references: &[r], preset: None };
-        let answer = self.arm.step(&mut self.state, &sample, &request);
-        assert_eq!((answer.report.fault, answer.report.refusal), (None, None));
-        answer
-    }
-
-    /// Armed, holding where it is measured.
-    fn hold(&mut self, m: Measurement<f64>, r: Reference<f64>) -> Answer<f64, 1> {
-        self.step(ModeRequest::Arm, m, r);
-        self.step(ModeRequest::Hold, m, r)
-    }
-}
 
 /// Value and first two derivatives at `s` of the quintic with these three at 0 and none at 1: Hermite's basis.
 fn quintic([x, v, a]: [f64; 3], s: f64) -> [f64; 3] {
@@ -145,11 +103,6 @@ fn behind_a_governor_a_motion_settles_where_it_can_stop() {
         let at = joint.state.joints[0].reference();
         assert!((at.q - from.q - way).abs() < 1e-6 && at.dq.abs() < 1e-6, "{at:?} from {from:?}");
     }
-}
-
-/// `M̄ (q̈_d − K_d ė − K_p e)`.
-fn outer(kp: f64, kd: f64, m: &Measurement<f64>, r: &Reference<f64>) -> f64 {
-    INERTIA * (r.ddq - kd * (m.dq - r.dq) - kp * (m.q - r.q))
 }
 
 /// What is left at `s` of a torque that fades: the cubic that is flat at both ends.

@@ -4,59 +4,30 @@
 
 #[path = "support/arm.rs"]
 mod arm;
+#[path = "support/joint.rs"]
+mod joint;
 
-use arm::{Dice, FIRST, SECOND, T, T_NS};
+use arm::{Dice, FIRST, SECOND};
+use joint::{INERTIA, Joint, T, T_NS, gains};
 use phihat::{
-    Answer, Events, Fault, Form, JointDesign, JointGains, JointOptions, JointRange, Limits,
-    Measurement, Mode, ModeRequest, Options, Reference, Request, Sample, Stamp, Supervisor,
-    SupervisorState,
+    Events, Fault, JointOptions, JointRange, Limits, Measurement, Mode, ModeRequest, Options,
+    Reference, SupervisorState,
 };
 
-const INERTIA: f64 = 0.7;
 const KP: f64 = 400.0;
 const KD: f64 = 40.0;
 const RANGE: JointRange = JointRange { lower: -0.8, upper: 1.2, soft: 0.1, braking: 8.0 };
 
-/// One joint that is where the test says.
-struct Joint {
-    arm: Supervisor<f64, 1>,
-    state: SupervisorState<f64, 1>,
-    k: u64,
-}
-
-impl Joint {
-    fn new(rate: Option<f64>) -> Self {
-        Self::with(SECOND, rate)
+/// A joint with this range that tracks; a reference is blended within a sample.
+fn tracking(a: &[f64], rate: Option<f64>) -> Joint {
+    let gains = gains(KP, KD, a).with_limits(Limits::new(None, rate, T).unwrap());
+    let options = JointOptions { range: Some(RANGE), ..JointOptions::default() };
+    let mut joint = Joint::new(gains, options, &Options { blend_s: T, ..Options::new(T_NS) });
+    joint.hold(Measurement::default(), Reference::default());
+    for _ in 0..2 {
+        joint.step(ModeRequest::Track, Measurement::default(), Reference::default());
     }
-
-    fn with(a: &[f64], rate: Option<f64>) -> Self {
-        let design =
-            JointDesign { inertia: INERTIA, kp: KP, kd: KD, a, period: T, form: Form::Observer };
-        let limits = Limits::new(None, rate, T).unwrap();
-        let gains = JointGains::new(&design).unwrap().with_limits(limits);
-        let options = JointOptions { range: Some(RANGE), ..JointOptions::default() };
-        // Blended within a sample.
-        let all = Options { start_mismatch_max: 100.0, blend_s: T, ..Options::new(T_NS) };
-        let arm = Supervisor::new([gains], &[options], &all).unwrap();
-        let mut joint = Self { arm, state: SupervisorState::new(), k: 0 };
-        for mode in [ModeRequest::Arm, ModeRequest::Hold, ModeRequest::Track, ModeRequest::Track] {
-            joint.step(mode, Measurement::default(), Reference::default());
-        }
-        joint
-    }
-
-    fn step(
-        &mut self,
-        mode: ModeRequest,
-        m: Measurement<f64>,
-        r: Reference<f64>,
-    ) -> Answer<f64, 1> {
-        let t_ns = self.k * T_NS;
-        let stamp = Stamp { sequence: self.k, t_ns };
-        self.k += 1;
-        let sample = Sample { stamp, now_ns: t_ns, joints: &[m] };
-        self.arm.step(&mut self.state, &sample, &Request { mode, references: &[r], preset: None })
-    }
+    joint
 }
 
 /// Where room and outward speed are once the torque has come down to braking: small steps of a joint whose torque falls
@@ -98,12 +69,12 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     let (mut capped, mut free, mut beyond) = ([0; 2], 0, [0; 2]);
     for rate in [None, Some(2e2), Some(2e3), Some(2e4), Some(2e5)] {
         let mut dice = Dice(60);
-        let mut joint = Joint::new(rate);
+        let mut joint = tracking(SECOND, rate);
         let step = rate.map_or(f64::INFINITY, |rate| rate * T);
         let mut m = Measurement::default();
         for k in 0..6000 {
             if k % 500 == 0 {
-                joint = Joint::new(rate);
+                joint = tracking(SECOND, rate);
                 m = Measurement::default();
             }
             // Often near an end; now and then somewhere else. In the last part of each block the arm is stopped, and
@@ -168,13 +139,13 @@ fn a_hard_limit_is_where_it_is_said() {
         (RANGE.upper + 0.5, true),
         (RANGE.lower - 0.5, true),
     ] {
-        let mut joint = Joint::new(None);
+        let mut joint = tracking(SECOND, None);
         let m = Measurement { q, ..Measurement::default() };
         let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
         assert_eq!(told.fault, fault.then_some((Fault::JointLimit, 0)), "{q}");
         assert_eq!(told.mode, if fault { Mode::SafeStop } else { Mode::Tracking });
         // An arm beyond its range does not start, either.
-        let mut idle = Joint::new(None);
+        let mut idle = tracking(SECOND, None);
         idle.state = SupervisorState::new();
         let told = idle.step(ModeRequest::Arm, m, Reference::default()).report;
         assert_eq!(told.mode, if fault { Mode::Idle } else { Mode::Armed }, "{q}");
@@ -196,7 +167,7 @@ fn a_reference_is_kept_a_quarter_of_the_soft_zone_from_the_end() {
         (ends[0] - 1e-9, Some(ends[0])),
         (-50.0, Some(ends[0])),
     ] {
-        let mut joint = Joint::new(None);
+        let mut joint = tracking(SECOND, None);
         let asked = Reference { q, dq: 0.3, ddq: 0.1 };
         let told = joint.step(ModeRequest::Track, Measurement::default(), asked).report;
         // Kept, it stands.
@@ -221,7 +192,7 @@ fn at_the_end_an_estimate_does_not_grow_outward() {
         (RANGE.lower + 0.11, -10.0, false),
     ] {
         // First order, which does not overshoot.
-        let mut joint = Joint::with(FIRST, None);
+        let mut joint = tracking(FIRST, None);
         // The joint stands, though it is pushed: an outward torque of `load` is learnt.
         let m = Measurement { q, dq: 0.0, tau_applied: load };
         let at = Reference { q, ..Reference::default() };
@@ -240,7 +211,7 @@ fn f09_approaches_are_braked_at_any_torque_rate() {
     for rate in [200.0, 500.0, 1000.0, 5000.0] {
         let (mut deepest, mut fastest) = (0.0_f64, 0.0_f64);
         for _ in 0..150 {
-            let mut joint = Joint::with(FIRST, Some(rate));
+            let mut joint = tracking(FIRST, Some(rate));
             let inertia = INERTIA * dice.within(0.8, 1.25);
             let (mut m, load) = (Measurement::default(), dice.within(-2.0, 2.0));
             let speed = dice.within(0.2, 2.0);
