@@ -1,4 +1,4 @@
-//! The project's chores: `cargo xtask test | attack | bench | bless`.
+//! The project's chores: `cargo xtask test | attack | mutants | bench | bless`.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
@@ -10,6 +10,7 @@ mod bless;
 mod dependencies;
 mod fuzz;
 mod instructions;
+mod mutants;
 mod rivals;
 mod rules;
 mod test;
@@ -22,6 +23,9 @@ const USAGE: &str = "usage:
                                N random studies that try to break what is certified about them (resumes);
                                one in twenty also in Pinocchio and MuJoCo, unless --alone
   cargo xtask fuzz [MINUTES]   documents and samples that nobody would write, against every reader and the core
+  cargo xtask mutants [--shard K/N] [FILE …]
+                               changes the core in one place at a time and counts what no test notices (hours; K from 0);
+                               files of phihat-certificate: its mutants
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
@@ -40,6 +44,7 @@ fn main() -> ExitCode {
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
             test::cargo(&test::root(), &bench)
         }
+        Some((verb, rest)) if verb == "mutants" => mutants::run(&test::root(), rest),
         Some((verb, rest)) if verb == "attack" => attack::run(&test::root(), rest),
         Some((verb, rest)) if verb == "fuzz" => fuzz::run(&test::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),

@@ -53,7 +53,7 @@
 #define PHIHAT_RATE_LIMITED 2
 
 /**
- * Flag of a command: the sample was not finite; the last torque is held, the state untouched.
+ * Flag of a command: the sample was not finite or beyond +-2^32; the last torque is held, the state untouched.
  */
 #define PHIHAT_REFUSED 4
 
@@ -116,8 +116,8 @@ typedef enum phihat_status {
    */
   PHIHAT_STATUS_OK = 0,
   /**
-   * The sample held something that is not finite: the command holds the last torque of every joint,
-   * the controller's state is untouched.
+   * The sample held something that is not finite, or beyond +-2^32 (4.3e9), or led to what is not finite:
+   * the command holds the last torque of every joint, the controller's state is untouched.
    */
   PHIHAT_STATUS_REFUSED = 1,
   /**
@@ -551,8 +551,9 @@ enum phihat_status phihat_controller_reset(struct phihat_controller *controller)
 
 /**
  * Answers one sample of the whole arm; call it once per period. Real time. PHIHAT_STATUS_REFUSED: the
- * sample was not finite, and every joint holds its last torque; that torque is in `command`. The arrays
- * of sample and command may overlap.
+ * sample was not finite, or beyond +-2^32 (4.3e9), or led to what is not finite; every joint holds its last
+ * torque, which is in `command`, and no joint remembers the sample. The arrays of sample and command may
+ * overlap.
  *
  * # Safety
  *
@@ -564,8 +565,8 @@ enum phihat_status phihat_controller_update(struct phihat_controller *controller
 
 /**
  * Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
- * commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, nothing
- * changes and the answer is PHIHAT_STATUS_REFUSED.
+ * commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, or beyond
+ * +-2^32 (4.3e9), nothing changes and the answer is PHIHAT_STATUS_REFUSED.
  *
  * # Safety
  *

@@ -17,9 +17,30 @@ use crate::types::{
 pub struct phihat_controller {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
+    /// The states before a sample, to go back to.
+    before: Vec<JointState<f64>>,
     measurements: Vec<Measurement<f64>>,
     references: Vec<Reference<f64>>,
     commands: Vec<Command<f64>>,
+}
+
+impl phihat_controller {
+    /// All joints or none; `true` where the sample is refused.
+    fn update(&mut self) -> bool {
+        let Self { gains, states, before, measurements, references, commands } = self;
+        before.copy_from_slice(states);
+        update_joints(gains, states, measurements, references, commands);
+        let refused = commands.iter().any(|answer| answer.status.refused);
+        if refused {
+            // A joint whose own numbers overflow refuses alone; the others go back and hold too.
+            states.copy_from_slice(before);
+            for measurement in measurements.iter_mut() {
+                measurement.q = f64::NAN;
+            }
+            update_joints(gains, states, measurements, references, commands);
+        }
+        refused
+    }
 }
 
 /// Makes a controller, at rest and with zero knowledge of the arm. Allocates; not for the control loop.
@@ -51,6 +72,7 @@ pub unsafe extern "C" fn phihat_controller_create(
         let mut made = phihat_controller {
             gains: room(count)?,
             states: room(count)?,
+            before: room(count)?,
             measurements: room(count)?,
             references: room(count)?,
             commands: room(count)?,
@@ -61,6 +83,7 @@ pub unsafe extern "C" fn phihat_controller_create(
             made.gains.push(checked_gains(joint, index, period_s)?);
         }
         made.states.resize(count, JointState::new());
+        made.before.resize(count, JointState::new());
         made.measurements.resize(count, Measurement::default());
         made.references.resize(count, Reference::default());
         made.commands.resize(count, Command::default());
@@ -113,8 +136,9 @@ pub unsafe extern "C" fn phihat_controller_reset(controller: *mut phihat_control
 }
 
 /// Answers one sample of the whole arm; call it once per period. Real time. PHIHAT_STATUS_REFUSED: the
-/// sample was not finite, and every joint holds its last torque; that torque is in `command`. The arrays
-/// of sample and command may overlap.
+/// sample was not finite, or beyond +-2^32 (4.3e9), or led to what is not finite; every joint holds its last
+/// torque, which is in `command`, and no joint remembers the sample. The arrays of sample and command may
+/// overlap.
 ///
 /// # Safety
 ///
@@ -133,10 +157,9 @@ pub unsafe extern "C" fn phihat_controller_update(
         unsafe { copy_sample(sample, &mut c.measurements, &mut c.references) }?;
         present([to.tau.cast_const()])?;
         joints_match(c.gains.len(), to.joints)?;
-        update_joints(&c.gains, &mut c.states, &c.measurements, &c.references, &mut c.commands);
+        let refused = c.update();
         // SAFETY: not null where written to, and with one entry per joint.
         unsafe { give(&c.commands, to) };
-        let refused = c.commands.iter().any(|answer| answer.status.refused);
         Ok(if refused { Status::Refused } else { Status::Ok })
     };
     // SAFETY: no error is wanted.
@@ -144,8 +167,8 @@ pub unsafe extern "C" fn phihat_controller_update(
 }
 
 /// Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
-/// commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, nothing
-/// changes and the answer is PHIHAT_STATUS_REFUSED.
+/// commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, or beyond
+/// +-2^32 (4.3e9), nothing changes and the answer is PHIHAT_STATUS_REFUSED.
 ///
 /// # Safety
 ///

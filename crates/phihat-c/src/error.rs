@@ -11,8 +11,8 @@ use phihat::{Gain, GainError, OptionError};
 pub enum Status {
     /// Done.
     Ok = 0,
-    /// The sample held something that is not finite: the command holds the last torque of every joint,
-    /// the controller's state is untouched.
+    /// The sample held something that is not finite, or beyond +-2^32 (4.3e9), or led to what is not finite:
+    /// the command holds the last torque of every joint, the controller's state is untouched.
     Refused = 1,
     /// A pointer that must not be null is.
     NullPointer = 2,
@@ -156,7 +156,7 @@ impl Write for Line<'_> {
 pub extern "C" fn phihat_status_text(status: i32) -> *const c_char {
     let text: &CStr = match status {
         0 => c"done",
-        1 => c"the sample is not finite; the last torque is held",
+        1 => c"the sample is not finite or beyond 2^32; the last torque is held",
         2 => c"a pointer that must not be null is",
         3 => c"a structure's size is not that of this version's header",
         4 => c"the number of joints is 0, or not that of the controller",

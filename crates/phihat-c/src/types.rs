@@ -12,7 +12,7 @@ pub const PHIHAT_FORM_LITERAL: u32 = 1;
 pub const PHIHAT_SATURATED: u32 = 1;
 /// Flag of a command: the torque-rate limit acted.
 pub const PHIHAT_RATE_LIMITED: u32 = 2;
-/// Flag of a command: the sample was not finite; the last torque is held, the state untouched.
+/// Flag of a command: the sample was not finite or beyond +-2^32; the last torque is held, the state untouched.
 pub const PHIHAT_REFUSED: u32 = 4;
 
 /// Gains and limits of one joint.

@@ -199,7 +199,7 @@ impl Controller {
         Err(failure::argument(py, "t_ns", None, t, &limit, &message))
     }
 
-    /// The sample is not finite: which value, and what torque to hold.
+    /// The sample is not one of an arm: which value, and what torque to hold.
     fn refused(&self, py: Python<'_>) -> PyErr {
         let mut worst = ("sample", 0, f64::NAN);
         for (i, (m, r)) in self.measurements.iter().zip(&self.references).enumerate() {
@@ -211,7 +211,8 @@ impl Controller {
                 ("dq_des", r.dq),
                 ("ddq_des", r.ddq),
             ];
-            if let Some((field, value)) = signals.into_iter().find(|(_, x)| !x.is_finite()) {
+            let none = |x: f64| !x.is_finite() || x.abs() >= 4_294_967_296.0;
+            if let Some((field, value)) = signals.into_iter().find(|(_, x)| none(*x)) {
                 worst = (field, i, value);
                 break;
             }
@@ -226,7 +227,7 @@ impl Controller {
             carried.set_item("field", field)?;
             carried.set_item("joint", joint)?;
             carried.set_item("value", value)?;
-            carried.set_item("limit", "finite")?;
+            carried.set_item("limit", if value.is_finite() { "below 2^32" } else { "finite" })?;
             let held: Vec<f64> = self.states.iter().map(JointState::tau).collect();
             carried.set_item("tau", PyArray1::from_vec(py, held))
         };

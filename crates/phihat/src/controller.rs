@@ -6,7 +6,7 @@ use crate::{Command, JointGains, JointState, Measurement, Real, Reference};
 ///
 /// The law is decoupled: a joint's torque depends on that joint's signals only. What the arm adds is
 /// that a sample counts for all joints or for none: when a measurement or reference of any joint is not
-/// finite, every joint holds its last torque.
+/// finite, or beyond ±2³², every joint holds its last torque.
 ///
 /// # Example
 ///
@@ -66,7 +66,7 @@ pub fn update_joints<R: Real>(
     commands: &mut [Command<R>],
 ) -> usize {
     let samples = measurements.iter().zip(references);
-    let doubt = samples.fold(R::ZERO, |sum, (m, r)| sum + m.doubt() + r.doubt());
+    let doubt = samples.fold(-R::ZERO, |sum, (m, r)| sum + m.doubt() + r.doubt());
     let admitted = doubt == R::ZERO;
     let joints = gains.iter().zip(states).zip(measurements.iter().zip(references));
     let mut answered = 0;

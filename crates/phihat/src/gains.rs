@@ -82,8 +82,8 @@ impl<R: Real> JointGains<R> {
     ///
     /// # Errors
     ///
-    /// [`GainError`], naming the gain: not finite, not positive, an order outside 1 … 4, or an
-    /// estimator polynomial with a root in the right half-plane.
+    /// [`GainError`], naming the gain: not finite, not positive, an order outside 1 … 4, an estimator
+    /// polynomial with a root in the right half-plane, or gains with which torques would overflow.
     pub fn new(design: &JointDesign<'_>) -> Result<Self, GainError> {
         design.check()?;
         let a = design.a;
@@ -104,7 +104,7 @@ impl<R: Real> JointGains<R> {
         for (entry, value) in alpha.iter_mut().zip(sampled.iter().take(m).rev()) {
             *entry = R::from_f64(*value);
         }
-        Ok(Self {
+        let gains = Self {
             form: design.form,
             order: m,
             period: R::from_f64(design.period),
@@ -116,7 +116,22 @@ impl<R: Real> JointGains<R> {
             on_integrals,
             on_error: [R::from_f64(factor(m + 1)), R::from_f64(factor(m + 2))],
             limits: Limits::none(),
-        })
+        };
+        if gains.hold_samples_in() { Ok(gains) } else { Err(GainError::Overflow) }
+    }
+
+    /// Whether what samples within ±2³² come to is finite, with a factor of 2³² to spare for sums and peaks.
+    fn hold_samples_in(&self) -> bool {
+        let most = R::from_f64(18_446_744_073_709_551_616.0) * self.inertia;
+        let [on_e, on_de] = self.on_error;
+        let own = match self.form {
+            Form::Observer => self.alpha,
+            Form::Literal => self.on_integrals,
+        };
+        let outer = [self.kp, self.kd, on_e, on_de, R::from_f64(1.0)];
+        own.iter().chain(&outer).all(|factor| (most * *factor).is_finite())
+            && self.inertia_inverse.is_finite()
+            && (most / self.period).is_finite()
     }
 
     /// The same gains behind torque limits.
@@ -261,6 +276,8 @@ pub enum GainError {
         /// Its order.
         order: usize,
     },
+    /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.
+    Overflow,
 }
 
 impl fmt::Display for GainError {
@@ -275,6 +292,9 @@ impl fmt::Display for GainError {
             Self::UnstableEstimator { order } => write!(
                 f,
                 "the estimator polynomial of order {order} is not stable (Routh); lower its low coefficients"
+            ),
+            Self::Overflow => f.write_str(
+                "gains, inertia and period are too far from 1: torques would overflow in this scalar",
             ),
         }
     }

@@ -42,7 +42,8 @@ pub struct Status {
     pub saturated: bool,
     /// The torque-rate limit acted.
     pub rate_limited: bool,
-    /// The sample held something that is not finite: the last torque is held, the state untouched.
+    /// The sample held something that is not finite, or beyond ±2³² (4.3e9): the last torque is held, the
+    /// state untouched.
     pub refused: bool,
 }
 

@@ -11,6 +11,15 @@ pub(crate) struct Estimate<R> {
     pub(crate) phi_hat: R,
 }
 
+impl<R: Real> Estimate<R> {
+    /// Whether it can be stored and `demand`, of which `φ̂` is a part, be asked for. All that is remembered is in
+    /// the sum: the observer's `φ̂_0`, and the literal form's integrals with their rests, through `φ̂`.
+    pub(crate) fn fits(&self, demand: R) -> bool {
+        let [_, first, second, third] = self.memory;
+        (demand + (first + second + third)).is_finite()
+    }
+}
+
 impl<R: Real> JointGains<R> {
     /// Answers one sample.
     ///
@@ -32,8 +41,8 @@ impl<R: Real> JointGains<R> {
     ///
     /// # Real time
     ///
-    /// No heap, no panic, no loop that depends on data. A measurement or reference that is not finite
-    /// changes nothing: the last torque is held and `status.refused` is set.
+    /// No heap, no panic, no loop that depends on data. A measurement or reference that is not finite, or
+    /// beyond ±2³² (4.3e9), changes nothing: the last torque is held and `status.refused` is set.
     pub fn update(
         &self,
         state: &mut JointState<R>,
@@ -47,7 +56,7 @@ impl<R: Real> JointGains<R> {
         }
     }
 
-    /// [`Self::update`] for a sample already known to be finite.
+    /// [`Self::update`] for a sample already known to be one.
     pub(crate) fn answer(
         &self,
         state: &mut JointState<R>,
@@ -56,7 +65,7 @@ impl<R: Real> JointGains<R> {
     ) -> Command<R> {
         let next = self.estimate(state, measurement, reference, &self.nominal());
         let demand = self.outer_loop(measurement, reference) + next.phi_hat;
-        if !demand.is_finite() {
+        if !next.fits(demand) {
             return state.hold();
         }
         let limited = self.limits.apply(demand, state.tau);
@@ -71,7 +80,7 @@ impl<R: Real> JointGains<R> {
     ///
     /// `φ̂` takes up the difference: in the observer form directly, in the literal form through the
     /// highest integral. What a lower order does not have is dropped, what a higher order adds starts
-    /// at zero. Arguments that are not finite change nothing and answer `false`.
+    /// at zero. Arguments that are not finite, or beyond ±2³², change nothing and answer `false`.
     pub fn resume(
         &self,
         state: &mut JointState<R>,
@@ -80,7 +89,7 @@ impl<R: Real> JointGains<R> {
         tau: R,
     ) -> bool {
         let wanted = tau - self.outer_loop(measurement, reference);
-        if !(measurement.doubt() + reference.doubt() == R::ZERO && wanted.is_finite()) {
+        if measurement.doubt() + reference.doubt() + R::doubt([tau]) != R::ZERO {
             return false;
         }
         let mut next = *state;
@@ -95,6 +104,10 @@ impl<R: Real> JointGains<R> {
         next.phi_hat = wanted;
         next.tau = tau;
         next.started = true;
+        let stored = Estimate { memory: next.memory, carry: next.carry, phi_hat: wanted };
+        if !stored.fits(wanted + next.memory[0]) {
+            return false;
+        }
         *state = next;
         true
     }

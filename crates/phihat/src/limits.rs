@@ -65,7 +65,7 @@ impl<R: Real> Limits<R> {
     /// The answer for a torque that another law computed, `previous` being the answer before: the change is
     /// limited first, the size last. A torque that is not finite is refused, `previous` held.
     pub fn command(&self, tau: R, previous: R) -> Command<R> {
-        if R::doubt([tau]) == R::ZERO {
+        if tau.is_finite() {
             self.apply(tau, previous).command(R::ZERO)
         } else {
             let status = Status { refused: true, ..Status::default() };

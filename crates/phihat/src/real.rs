@@ -48,12 +48,17 @@ pub trait Real:
         if self < Self::TINY && self > -Self::TINY { Self::ZERO } else { self }
     }
 
-    /// Zero when every value is finite, NaN otherwise, without a branch. Doubts may be added up.
+    /// `2^(E − 32)`, `2^E` being where the scalar ends.
+    const REACH: Self;
+
+    /// Zero when every value can be one of an arm, NaN otherwise, without a branch: finite, and within ±2³²
+    /// (4.3e9) rad, rad/s, rad/s² or N·m. What is beyond could not be forgotten again. Doubts may be added up.
     #[must_use]
     fn doubt<const N: usize>(values: [Self; N]) -> Self {
-        let mut sum = Self::ZERO;
+        // From −0, to which adding costs nothing.
+        let mut sum = -Self::ZERO;
         for value in values {
-            sum += value * Self::ZERO;
+            sum += value * Self::REACH * Self::ZERO;
         }
         sum
     }
@@ -85,6 +90,7 @@ impl Real for f32 {
         self.is_finite()
     }
     const TINY: Self = 1e-30;
+    const REACH: Self = Self::from_bits((127 + 96) << 23);
     fn abs(self) -> Self {
         self.abs()
     }
@@ -110,6 +116,7 @@ impl Real for f64 {
         self.is_finite()
     }
     const TINY: Self = 1e-150;
+    const REACH: Self = Self::from_bits((1023 + 992) << 52);
     fn abs(self) -> Self {
         self.abs()
     }

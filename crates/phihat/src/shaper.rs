@@ -41,12 +41,13 @@ impl MotionLimits {
 /// the reference is,
 ///
 /// ```text
-/// v* = q̇_d + w(d),   w = √(c² + 2Ad) − c,   c = max(A²/2J, 20 A T)     speed from which d suffices to brake
-/// a* = q̈_d − A w/(w + c) + k (v* − v)                                   then |a' − a| ≤ JT, |a'| ≤ A,
+/// v* = q̇_d + w(d),   w = √(c² + 2Bd) − c,   c = max(B²/J, 20 B T)      speed from which d suffices to brake
+/// a* = q̈_d − s B w/(w + c) + k (v* − v),    k = 4 B/c                   then |a' − a| ≤ JT, |a'| ≤ A,
 /// a'²/2J + a'T/2 + v' ≤ V                                               so that |v| never passes V
 /// ```
 ///
-/// These limits hold for every reference, to rounding. Close to the target the loop is linear and stable.
+/// `B = 0.8 A`; `s = (v − q̇_d)/w` within 0 … 1: as much of the braking as the motion is fast. `d` and `v` are taken where
+/// they are once the acceleration relative to the target has gone. These limits hold for every reference, to rounding. Close to the target the loop is linear and stable.
 ///
 /// ```
 /// use phihat::{MotionLimits, Reference, Shaper};
@@ -103,12 +104,15 @@ impl<R: Real> Shaper<R> {
         })
     }
 
-    /// One sample from where the shaped reference is towards where it should be.
+    /// One sample from where the shaped reference is towards where it should be. A target that is not finite, or
+    /// beyond ±2³², asks for a stop.
     #[must_use]
     pub fn step(&self, now: &Reference<R>, target: &Reference<R>) -> Reference<R> {
         if self.keeps(now, target) {
             return *target;
         }
+        let stop = Reference::at_rest(now.q);
+        let target = if target.doubt() == R::ZERO { target } else { &stop };
         let half = R::from_f64(0.5);
         let t = self.period;
         // Where the motion is once the acceleration relative to the target has gone.

@@ -34,9 +34,11 @@ impl<R: Real> Unwrap<R> {
         Self::default()
     }
 
-    /// Takes a reading, gives the angle. A reading that is not finite comes back as it is and is forgotten.
+    /// Takes a reading, gives the angle. A reading that is not finite, or beyond two turns and so not one that
+    /// wraps, comes back as it is and is forgotten.
     pub fn take(&mut self, reading: R) -> R {
-        if !reading.is_finite() {
+        let within = reading.abs() <= R::from_f64(2.0 * TAU);
+        if !within {
             return reading;
         }
         let half = R::from_f64(PI);

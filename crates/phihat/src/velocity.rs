@@ -46,15 +46,19 @@ impl<R: Real> VelocityFilter<R> {
         Ok(Self { gain: R::from_f64(alpha * period) })
     }
 
-    /// Velocity at a position measured `interval` seconds after the last one. The first answer is zero.
+    /// Velocity at a position measured `interval` seconds after the last one. The first answer is zero. Where the
+    /// position or the velocity is not finite, or beyond ±2³², the last velocity is the answer and nothing changes.
     pub fn estimate(&self, state: &mut VelocityState<R>, q: R, interval: R) -> R {
+        let last = state.last.map_or(R::ZERO, |(_, filtered)| filtered);
         let velocity = match state.last {
-            Some((before, filtered)) if interval > R::ZERO => {
-                (filtered + self.gain * ((q - before) / interval - filtered)).snap()
+            Some((before, _)) if interval > R::ZERO => {
+                (last + self.gain * ((q - before) / interval - last)).snap()
             }
-            Some((_, filtered)) => filtered,
-            None => R::ZERO,
+            _ => last,
         };
+        if R::doubt([q, velocity]) != R::ZERO {
+            return last;
+        }
         state.last = Some((q, velocity));
         velocity
     }

@@ -90,7 +90,7 @@ class Refuted(Error):
 
 
 class SampleRefused(Error, ValueError):
-    """A sample held a value that is not finite; the controller's state is as before.
+    """A sample held a value that is not finite, or beyond 2^32; the controller's state is as before.
 
     Attributes:
         tau: the torque to hold, the last one that was commanded [N m].

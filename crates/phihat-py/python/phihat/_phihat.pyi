@@ -332,7 +332,7 @@ class Controller:
             The torque to apply until the next sample [N m], finite and within the limits.
 
         Raises:
-            SampleRefused: a value is not finite; hold its ``tau``. The state is as before.
+            SampleRefused: a value is not finite, or beyond 2^32; hold its ``tau``. The state is as before.
             ArgumentError: an array is no float64 array of one number per joint, or the stamp is wrong.
         """
 

@@ -163,7 +163,7 @@ impl<R: Real> JointRules<R> {
             demand = capped;
             news.events |= Events::RANGE;
         }
-        if R::doubt([demand, phi_hat]) != R::ZERO {
+        if !(demand + phi_hat).is_finite() {
             news.fault = Some(Fault::NotFinite);
             return memory.law.hold();
         }

@@ -87,10 +87,11 @@ impl<R: Real> FunnelRules<R> {
         let narrow = memory.funnel < R::from_f64(0.05) * self.width;
         memory.funnel_settled = if narrow { memory.funnel_settled.saturating_add(1) } else { 0 };
         if memory.funnel_settled >= now.dwell {
-            // Handed over: what the law demands differently is faded out.
+            // Handed over: what the law demands differently is faded out, from this sample on.
             memory.funnel = -one;
             memory.fade_out(demand - law);
             *events |= Events::FUNNEL_OVER;
+            return law;
         }
         demand
     }

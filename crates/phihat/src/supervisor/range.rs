@@ -149,7 +149,7 @@ impl<R: Real> RangeRules<R> {
         let (mut left, mut speed) = (room, outward);
         if time > R::ZERO {
             let now = push / self.inertia;
-            let drop = (now + self.braking) * time;
+            let drop = now + self.braking;
             let (half, third) = (R::from_f64(0.5), R::from_f64(1.0 / 3.0));
             speed = outward + time * (now - half * drop);
             left = room - time * (outward + half * time * (now - third * drop));

@@ -30,11 +30,11 @@ events! {
     /// The time since the last sample is negative, less than a twentieth of the period or beyond three: nothing
     /// is integrated.
     TIME_JUMP = 4, "time-jump";
-    /// A measured value is not finite, or the number of joints is wrong.
+    /// A measured value is not finite or beyond ±2³² (4.3e9), or the number of joints is wrong.
     NOT_FINITE = 5, "not-finite";
     /// A position step or a velocity is beyond what the joint can do.
     IMPLAUSIBLE = 6, "implausible";
-    /// The reference is not finite, or the number of joints is wrong: the last one is held.
+    /// The reference is not finite or beyond ±2³², or the number of joints is wrong: the last one is held.
     REFERENCE_REFUSED = 7, "reference-refused";
     /// A torque limit acted.
     SATURATED = 8, "saturated";

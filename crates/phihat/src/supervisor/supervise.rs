@@ -30,14 +30,15 @@ pub struct Request<'a, R> {
     pub mode: ModeRequest,
     /// Where each joint shall be; heeded in [`Mode::Tracking`], and compared with the pose before.
     pub references: &'a [Reference<R>],
-    /// Torques that hold the arm, heeded when it is armed; without them the torque of the last stop, or zero.
+    /// Torques that hold the arm, heeded when it is armed, each where it is finite and within ±2³²; without them
+    /// the torque of the last stop, or zero.
     pub preset: Option<&'a [R]>,
 }
 
 /// Answers one sample of an arm whose number of joints may be known at run time only.
 ///
 /// The slices of rules, memories and commands belong together; joints beyond the shortest are left alone. A
-/// sample or reference list of another length is refused like one that is not finite.
+/// sample or reference list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
 ///
 /// # What happens
 ///
@@ -113,7 +114,8 @@ fn act<R: Real>(
     for (joint, (rule, memory)) in rules.iter().zip(memories).enumerate() {
         let m = measured(memory, sample, joint, fresh);
         let preset = request.preset.and_then(|p| p.get(joint)).copied();
-        rule.act(memory, &m, action, preset.filter(|p| p.is_finite()), arm.blend);
+        let preset = preset.filter(|p| R::doubt([*p]) == R::ZERO);
+        rule.act(memory, &m, action, preset, arm.blend);
     }
 }
 

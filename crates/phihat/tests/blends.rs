@@ -1,0 +1,237 @@
+//! From one reference, one set of gains, one law to another. Wrong if what is blended is another curve than the stated
+//! one, or if a torque jumps, comes back late, or not at all.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
+
+#[path = "support/arm.rs"]
+mod arm;
+#[path = "support/joint.rs"]
+mod joint;
+
+use arm::{FIRST, SECOND};
+use joint::{INERTIA, Joint, T, T_NS, gains, outer};
+use phihat::{
+    Events, Funnel, JointOptions, Measurement, Mode, ModeRequest, MotionLimits, Options, Reference,
+    Schedule,
+};
+
+/// Value and first two derivatives at `s` of the quintic with these three at 0 and none at 1: Hermite's basis.
+fn quintic([x, v, a]: [f64; 3], s: f64) -> [f64; 3] {
+    // Low to high.
+    let basis = [
+        [1.0, 0.0, 0.0, -10.0, 15.0, -6.0],
+        [0.0, 1.0, 0.0, -6.0, 8.0, -3.0],
+        [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],
+    ];
+    let mut value = [0.0; 3];
+    for (weight, own) in [x, v, a].iter().zip(basis) {
+        for (i, c) in own.iter().enumerate() {
+            let power = |n: usize| if i >= n { s.powi((i - n) as i32) } else { 0.0 };
+            let i = i as f64;
+            value[0] += weight * c * power(0);
+            value[1] += weight * c * i * power(1);
+            value[2] += weight * c * i * (i - 1.0) * power(2);
+        }
+    }
+    value
+}
+
+fn close(is: &Reference<f64>, want: &Reference<f64>, what: &str) {
+    let off = (is.q - want.q).abs() + (is.dq - want.dq).abs() + (is.ddq - want.ddq).abs();
+    assert!(off < 1e-9, "{what}: {is:?} against {want:?}");
+}
+
+#[test]
+fn a_blend_is_the_quintic_between_two_motions() {
+    let options = Options { blend_s: 0.25, ..Options::new(T_NS) };
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), JointOptions::default(), &options);
+    let m = Measurement { q: 0.4, ..Measurement::default() };
+    // A target that moves and accelerates.
+    let target = |k: u32| {
+        let t = f64::from(k) * T;
+        Reference { q: 0.1 + 0.7 * t - 0.4 * t * t, dq: 0.7 - 0.8 * t, ddq: -0.8 }
+    };
+    joint.hold(m, target(0));
+    close(joint.state.joints[0].reference(), &Reference { q: 0.4, ..Reference::default() }, "held");
+    let first = target(0);
+    let apart = |now: &Reference<f64>, to: &Reference<f64>, length: f64| {
+        [now.q - to.q, (now.dq - to.dq) * length, (now.ddq - to.ddq) * length * length]
+    };
+    let start = apart(&Reference { q: 0.4, ..Reference::default() }, &first, 0.25);
+    let mut now = Reference::default();
+    for k in 0..300_u32 {
+        joint.step(ModeRequest::Track, m, target(k));
+        let [x, v, a] = quintic(start, (f64::from(k) / 250.0).min(1.0));
+        let to = target(k);
+        let want = Reference { q: to.q + x, dq: to.dq + v / 0.25, ddq: to.ddq + a / (0.25 * 0.25) };
+        now = *joint.state.joints[0].reference();
+        close(&now, &want, &format!("sample {k}"));
+    }
+    // Back to rest, ahead by half the way that the speed would go in the same time.
+    let from = now;
+    let home = Reference { q: from.q + 0.5 * from.dq * 0.25, ..Reference::default() };
+    let start = apart(&from, &home, 0.25);
+    for k in 0..300_u32 {
+        let answer = joint.step(ModeRequest::Hold, m, target(300 + k));
+        assert_eq!(answer.report.mode, Mode::Holding);
+        let [x, v, a] = quintic(start, (f64::from(k) / 250.0).min(1.0));
+        let want = Reference { q: home.q + x, dq: v / 0.25, ddq: a / (0.25 * 0.25) };
+        close(joint.state.joints[0].reference(), &want, &format!("settling, sample {k}"));
+    }
+}
+
+#[test]
+fn behind_a_governor_a_motion_settles_where_it_can_stop() {
+    let motion = MotionLimits { velocity: 1.0, acceleration: 4.0, jerk: 60.0 };
+    let joint = JointOptions { motion: Some(motion), ..JointOptions::default() };
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), joint, &Options::new(T_NS));
+    let m = Measurement::default();
+    joint.hold(m, Reference::default());
+    for speed in [0.8, -0.6_f64] {
+        let begin = joint.state.joints[0].reference().q;
+        for k in 0..4000_u32 {
+            let q = begin + speed * f64::from(k) * T;
+            joint.step(ModeRequest::Track, m, Reference { q, dq: speed, ddq: 0.0 });
+        }
+        let from = *joint.state.joints[0].reference();
+        assert!((from.dq - speed).abs() < 1e-9);
+        for _ in 0..4000 {
+            joint.step(ModeRequest::Hold, m, Reference::default());
+        }
+        // v²/2A to brake, and v A/2J more since the braking has to build up.
+        let way = speed * (speed.abs() / (2.0 * 4.0) + 4.0 / (2.0 * 60.0));
+        let at = joint.state.joints[0].reference();
+        assert!((at.q - from.q - way).abs() < 1e-6 && at.dq.abs() < 1e-6, "{at:?} from {from:?}");
+    }
+}
+
+/// What is left at `s` of a torque that fades: the cubic that is flat at both ends.
+fn left(s: f64) -> f64 {
+    if s < 1.0 { 1.0 - s * s * (3.0 - 2.0 * s) } else { 0.0 }
+}
+
+#[test]
+fn what_new_gains_demand_differently_fades_out() {
+    let options = Options { blend_s: 0.1, ..Options::new(T_NS) };
+    let mut joint = Joint::new(gains(400.0, 40.0, SECOND), JointOptions::default(), &options);
+    let at = |k: u32| Measurement { q: 0.01 + 1e-5 * f64::from(k), dq: 0.02, tau_applied: 3.0 };
+    let r = Reference { q: 0.0, dq: 0.1, ddq: 0.3 };
+    joint.hold(at(0), r);
+    for k in 1..800 {
+        joint.step(ModeRequest::Track, at(k), r);
+    }
+    let (mut differs, mut begun) = (Vec::new(), 0);
+    for k in 800..1100 {
+        if k == 800 || k == 840 {
+            // The second change comes while the first still fades.
+            let (kp, kd) = if k == 800 { (900.0, 60.0) } else { (200.0, 20.0) };
+            joint.arm.change_gains(&mut joint.state, [gains(kp, kd, SECOND)]).unwrap();
+            let old = if k == 800 { (400.0, 40.0) } else { (900.0, 60.0) };
+            let m = at(k);
+            let remains = differs.last().map_or(0.0, |first: &f64| first * left(0.4));
+            let step = outer(old.0, old.1, &m, &r) - outer(kp, kd, &m, &r);
+            differs.push(remains + step);
+            begun = k;
+        }
+        let (kp, kd) = if k < 840 { (900.0, 60.0) } else { (200.0, 20.0) };
+        let command = joint.step(ModeRequest::Track, at(k), r).commands[0];
+        let fading = differs.last().unwrap() * left(f64::from(k - begun) / 100.0);
+        let want = outer(kp, kd, &at(k), &r) + command.phi_hat + fading;
+        assert!((command.tau - want).abs() < 1e-9, "sample {k}: {} against {want}", command.tau);
+    }
+    assert!(differs.iter().all(|d| d.abs() > 0.5), "{differs:?}");
+}
+
+#[test]
+fn inside_the_funnel_the_stated_law_runs_until_it_hands_over() {
+    let funnel = Funnel { initial: 0.1, r#final: 0.03, decay_s: 0.05 };
+    let joint = JointOptions { funnel: Some(funnel), ..JointOptions::default() };
+    let options = Options {
+        blend_s: 0.2,
+        schedule: Schedule { dwell_s: 0.1, ..Options::new(T_NS).schedule },
+        ..Options::new(T_NS)
+    };
+    let (kp, kd, a) = (400.0, 40.0, 55.0);
+    let mut joint = Joint::new(gains(kp, kd, &[a]), joint, &options);
+    // The estimator's own gain, sampled.
+    let most = 1.0 + -(-a * T).exp_m1() / T / kd;
+    let m = |k: u32| {
+        let t = f64::from(k) * T;
+        Measurement { q: 0.028 * (40.0 * t).sin(), dq: 1.12 * (40.0 * t).cos(), tau_applied: 2.0 }
+    };
+    let still = Measurement::default();
+    joint.step(ModeRequest::Arm, still, Reference::default());
+    let (mut over, mut difference, mut bounded) = (None, 0.0, [0; 2]);
+    for k in 0..900_u32 {
+        // From 0.3 s on the error is beyond the funnel now and then.
+        let mut m = if k == 0 { still } else { m(k) };
+        m.q *= if (200..210).contains(&k) { 2.0 } else { 1.0 };
+        let answer = joint.step(ModeRequest::Hold, m, Reference::default());
+        let command = answer.commands[0];
+        let law = outer(kp, kd, &m, &Reference::default()) + command.phi_hat;
+        let psi = 0.03 + 0.07 * (-f64::from(k) * T / 0.05).exp();
+        let room = 1.0 - (m.q / psi).powi(2);
+        let g = if room > 0.0 { (1.0 / room).min(most) } else { most };
+        let inside = -INERTIA * (g * kd * m.dq + g * g * kp * m.q);
+        if over.is_none() {
+            assert!(answer.report.events.contains(Events::FUNNEL));
+            assert_eq!(answer.report.events.contains(Events::FUNNEL_LEFT), room <= 0.0, "{k}");
+            bounded[usize::from(g < most)] += 1;
+            if answer.report.events.contains(Events::FUNNEL_OVER) {
+                (over, difference) = (Some(k), inside - law);
+            }
+            // At the hand-over, too: what the law demands differently fades from here.
+            assert!((command.tau - inside).abs() < 1e-6, "{k}: {command:?} against {inside}");
+        } else {
+            let since = f64::from(k - over.unwrap()) / 200.0;
+            let want = law + difference * left(since);
+            assert!((command.tau - want).abs() < 1e-6, "{k}: {} against {want}", command.tau);
+            assert!(!answer.report.events.contains(Events::FUNNEL));
+        }
+    }
+    // ψ is within 5 % of its end after 0.05 ln(0.07/0.0015) s = 0.192 s; 0.1 s later it hands over.
+    assert!((290..=294).contains(&over.unwrap()), "{over:?}");
+    assert!(bounded.iter().all(|n| *n > 10), "{bounded:?}");
+}
+
+#[test]
+fn running_gains_come_after_the_dwell_and_go_again() {
+    let schedule = Schedule { settled: 1.0, disturbed: 3.0, dwell_s: 0.4 };
+    let options = Options { schedule, ..Options::new(T_NS) };
+    let start = JointOptions { start: Some(gains(400.0, 40.0, FIRST)), ..JointOptions::default() };
+    for (off, raised) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {
+        let mut joint = Joint::new(gains(400.0, 40.0, SECOND), start, &options);
+        let mut m = Measurement::default();
+        joint.hold(m, Reference::default());
+        let (mut squares, mut mean, mut found) = (0.0_f64, 0.0, Vec::new());
+        for k in 0..3000_u32 {
+            // The mismatch between what is seen and what is estimated is this, from the first sample on.
+            let off = if k < 1500 { off } else { 4.0 };
+            m.dq = 1e-3 * f64::from(k);
+            let moved = INERTIA * 1e-3 / T * f64::from(u8::from(k > 0));
+            m.tau_applied = joint.state.joints[0].phi_hat() + off + moved;
+            let events = joint.step(ModeRequest::Hold, m, Reference::default()).report.events;
+            mean += 0.02 * (off - mean);
+            squares += 0.02 * (mean * mean - squares);
+            for event in [Events::RAISED, Events::LOWERED] {
+                if events.contains(event) {
+                    found.push((k, event));
+                }
+            }
+        }
+        println!("mismatch {off}: {found:?}");
+        let up: Vec<_> = found.iter().filter(|f| f.1 == Events::RAISED).collect();
+        assert_eq!(up.len(), usize::from(raised), "{off}: {found:?}");
+        assert!(!raised || up[0].0.abs_diff(400) <= 2, "after the dwell: {found:?}");
+        // The mean of some 50 samples needs 0.1 s to pass 3 of 4 N·m; 0.4 s later the start gains are back.
+        let down: Vec<_> = found.iter().filter(|f| f.1 == Events::LOWERED).collect();
+        assert_eq!(down.len(), usize::from(raised), "{off}: {found:?}");
+        let (mut x, mut s, mut n) = (off, off * off, 0);
+        while s <= 9.0 {
+            x += 0.02 * (4.0 - x);
+            s += 0.02 * (x * x - s);
+            n += 1;
+        }
+        assert!(!raised || down[0].0.abs_diff(1500 + n + 400) <= 3, "{n}: {found:?}");
+    }
+}

@@ -1,0 +1,124 @@
+//! Designs, before anything runs. Wrong if an estimator with a root in the right half-plane were accepted or a stable
+//! one refused, or if the start gains had another pole than is said.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+#[path = "support/arm.rs"]
+mod arm;
+
+use arm::Dice;
+use phihat::{
+    Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
+};
+
+const T: f64 = 1e-3;
+
+fn made(a: &[f64], form: Form) -> Result<JointGains<f64>, GainError> {
+    JointGains::new(&JointDesign { inertia: 0.7, kp: 400.0, kd: 40.0, a, period: T, form })
+}
+
+/// The product of factors, each low to high without its leading 1; likewise the answer.
+fn product(factors: &[&[f64]]) -> Vec<f64> {
+    let mut all = vec![1.0];
+    for factor in factors {
+        let mut next = vec![0.0; all.len() + factor.len()];
+        for (i, a) in all.iter().enumerate() {
+            for (j, b) in factor.iter().chain(&[1.0]).enumerate() {
+                next[i + j] += a * b;
+            }
+        }
+        all = next;
+    }
+    all.pop();
+    all
+}
+
+#[test]
+fn an_estimator_is_accepted_exactly_where_its_roots_are_stable() {
+    let mut dice = Dice(14);
+    let (mut accepted, mut refused) = ([0; 5], [0; 5]);
+    while refused[3].min(refused[4]).min(accepted[3]) < 3000 {
+        // A pair of roots whose real part has either sign, and one or two stable roots or another pair.
+        let w = dice.within(0.3, 3.0);
+        let damping = dice.within(-0.5, 0.5);
+        let pair = [w * w, 2.0 * damping * w];
+        let (one, other) = (dice.within(0.1, 6.0), dice.within(0.1, 6.0));
+        let second = [one * one, 2.0 * dice.within(0.05, 2.0) * one];
+        let a = match dice.bits() % 3 {
+            0 => product(&[&pair, &[one]]),
+            1 => product(&[&pair, &[one], &[other]]),
+            _ => product(&[&pair, &second]),
+        };
+        // Where a coefficient is not positive that is what is said; roots on the border are the next test's.
+        if a.iter().any(|c| *c <= 0.0) || damping.abs() < 1e-9 {
+            continue;
+        }
+        let order = a.len();
+        let is = made(&a, Form::Observer);
+        if damping > 0.0 {
+            assert!(is.is_ok(), "{a:?}");
+            accepted[order] += 1;
+        } else {
+            assert_eq!(is, Err(GainError::UnstableEstimator { order }), "{a:?}");
+            refused[order] += 1;
+        }
+    }
+    println!("accepted by order {accepted:?}, refused {refused:?}");
+}
+
+#[test]
+fn roots_on_the_border_are_not_stable() {
+    // (s² + 3)(s + 2), (s² + 1)(s² + s + 1), (s² + 2)(s + 1)²: exact in binary.
+    for a in [&[6.0, 3.0, 2.0][..], &[1.0, 1.0, 2.0, 1.0], &[2.0, 4.0, 3.0, 2.0]] {
+        assert_eq!(made(a, Form::Observer), Err(GainError::UnstableEstimator { order: a.len() }));
+    }
+}
+
+/// `φ̂` of laws fed with the same lively signals, from the second sample on.
+fn estimates(law: &JointGains<f64>) -> Vec<f64> {
+    let mut state = JointState::new();
+    let phi_hat = |k: u32| {
+        let t = f64::from(k) * T;
+        let m =
+            Measurement { q: 0.0, dq: 0.2 * (31.0 * t).sin(), tau_applied: 5.0 + (47.0 * t).cos() };
+        law.update(&mut state, &m, &Reference::default()).phi_hat
+    };
+    (0..300).map(phi_hat).collect()
+}
+
+#[test]
+fn start_gains_of_first_order_have_the_geometric_mean_of_the_sampled_poles() {
+    for poles in
+        [&[70.0, 70.0][..], &[20.0, 300.0], &[90.0, 40.0, 500.0], &[15.0, 60.0, 61.0, 900.0]]
+    {
+        let factors: Vec<[f64; 1]> = poles.iter().map(|p| [*p]).collect();
+        let factors: Vec<&[f64]> = factors.iter().map(|f| &f[..]).collect();
+        let law = made(&product(&factors), Form::Observer).unwrap();
+        let limits = Limits::new(Some(50.0), Some(1e4), T).unwrap();
+        let first = law.with_limits(limits).first_order();
+        assert_eq!((law.order(), first.order()), (poles.len(), 1));
+        assert_eq!(first.limits(), &limits);
+        assert!((first.inertia() - 0.7).abs() < 1e-15);
+        // Sampled, a pole at −p lies 1 − e^{−pT} from 1.
+        let mean =
+            poles.iter().map(|p| (-(-p * T).exp_m1()).ln()).sum::<f64>() / poles.len() as f64;
+        let same = [-(-mean.exp()).ln_1p() / T];
+        let want = made(&same, Form::Observer).unwrap().with_limits(limits);
+        for (is, want) in estimates(&first).iter().zip(estimates(&want)) {
+            assert!((is - want).abs() <= 1e-11 * (1.0 + want.abs()), "{poles:?}: {is} {want}");
+        }
+    }
+    // What is first order already, or literal, is left alone.
+    for law in [made(&[70.0], Form::Observer), made(&[4900.0, 140.0], Form::Literal)] {
+        let law = law.unwrap();
+        assert_eq!(law.first_order(), law);
+    }
+}
+
+#[test]
+fn limits_say_what_they_are() {
+    let limits = Limits::<f64>::new(Some(30.0), Some(1500.0), 2e-3).unwrap();
+    assert!((limits.torque() - 30.0).abs() < 1e-12 && (limits.step() - 3.0).abs() < 1e-12);
+    for none in [Limits::<f64>::none(), Limits::new(None, None, T).unwrap()] {
+        assert!(none.torque() == f64::INFINITY && none.step() == f64::INFINITY);
+    }
+}

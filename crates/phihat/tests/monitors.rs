@@ -1,0 +1,311 @@
+//! When an arm is stopped, to the sample: the guard's edges, and the monitors against what they state, reckoned from the
+//! whole past in place of a recursion. Wrong if one fires early, late or never.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+#[path = "support/arm.rs"]
+mod arm;
+#[path = "support/joint.rs"]
+mod joint;
+
+use arm::{Dice, FIRST, SECOND};
+use joint::{INERTIA, Joint, T, T_NS, gains};
+use phihat::{Events, Fault, JointOptions, Measurement, Mode, ModeRequest, Options, Reference};
+
+/// A joint that tracks at rest, so options say what is watched.
+fn tracking(joint: JointOptions<f64>, m: Measurement<f64>) -> Joint {
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), joint, &Options::new(T_NS));
+    let r = Reference { q: m.q, ..Reference::default() };
+    joint.hold(m, r);
+    joint.step(ModeRequest::Track, m, r);
+    joint
+}
+
+#[test]
+fn a_velocity_or_a_step_is_plausible_up_to_its_limit() {
+    let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
+    let reach = 3.0 * 2.0 * T;
+    for (q, dq, plausible) in [
+        (0.0, 3.0, true),
+        (0.0, -3.0, true),
+        (0.0, 3.0 + 1e-9, false),
+        (0.0, -3.0 - 1e-9, false),
+        (reach - 1e-12, 0.0, true),
+        (-reach + 1e-12, 0.0, true),
+        (reach + 1e-9, 0.0, false),
+        (-reach - 1e-9, 0.0, false),
+        (1.0, 9.0, false),
+    ] {
+        let mut joint = tracking(options, Measurement::default());
+        let m = Measurement { q, dq, tau_applied: 0.0 };
+        let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
+        assert_eq!(told.events.contains(Events::IMPLAUSIBLE), !plausible, "{q} {dq}");
+        assert_eq!((told.misses, told.fault), (u32::from(!plausible), None), "{q} {dq}");
+        assert!(!told.events.contains(Events::NOT_FINITE));
+    }
+    // What is missed is time to move in: so many periods, and one more.
+    for missed in 0..6_u32 {
+        for (beyond, plausible) in [(-1e-9, true), (1e-9, false)] {
+            let mut joint = tracking(options, Measurement::default());
+            for _ in 0..missed {
+                joint.miss(ModeRequest::Track, Reference::default());
+            }
+            let q = 3.0 * T * f64::from(missed + 2) + beyond;
+            let told = joint.step(
+                ModeRequest::Track,
+                Measurement { q, ..Measurement::default() },
+                Reference::default(),
+            );
+            let is = !told.report.events.contains(Events::IMPLAUSIBLE);
+            assert_eq!(is, plausible, "{missed} missed");
+        }
+    }
+    // Idle or stopped after a gap, the arm may be anywhere; idle without one it may not.
+    for (mode, gap, anywhere) in [
+        (ModeRequest::Idle, true, true),
+        (ModeRequest::Idle, false, false),
+        (ModeRequest::Stop, true, true),
+        (ModeRequest::Stop, false, false),
+    ] {
+        let home = Measurement { q: 2.0, ..Measurement::default() };
+        let mut joint = if mode == ModeRequest::Stop {
+            tracking(options, home)
+        } else {
+            Joint::new(gains(400.0, 40.0, FIRST), options, &Options::new(T_NS))
+        };
+        // The first sample of all may be anywhere.
+        assert_eq!(joint.step(mode, home, Reference::default()).report.misses, 0);
+        joint.step(mode, home, Reference::default());
+        if gap {
+            joint.miss(mode, Reference::default());
+        }
+        let m = Measurement { q: -1.5, ..Measurement::default() };
+        let told = joint.step(mode, m, Reference::default()).report;
+        assert_eq!(told.events.contains(Events::IMPLAUSIBLE), !anywhere, "{mode:?} {gap}");
+    }
+}
+
+#[test]
+fn so_many_bad_samples_or_references_in_a_row_stop_the_arm() {
+    let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
+    for spoil in [f64::NAN, 50.0] {
+        let mut joint = tracking(options, Measurement::default());
+        let bad = Measurement { dq: spoil, ..Measurement::default() };
+        // Four are forgiven by a good one.
+        for k in 1..=4 {
+            let told = joint.step(ModeRequest::Track, bad, Reference::default()).report;
+            assert_eq!((told.mode, told.misses), (Mode::Tracking, k));
+        }
+        joint.step(ModeRequest::Track, Measurement::default(), Reference::default());
+        for k in 1..=5 {
+            let told = joint.step(ModeRequest::Track, bad, Reference::default()).report;
+            let fault = (k == 5).then_some((Fault::BadSample, 0));
+            assert_eq!(told.fault, fault, "{k}");
+            assert_eq!(told.events.contains(Events::NOT_FINITE), spoil.is_nan());
+        }
+    }
+    let mut joint = tracking(options, Measurement::default());
+    let none = Reference { dq: f64::NAN, ..Reference::default() };
+    for rows in [19, 20] {
+        for k in 1..=rows {
+            let told = joint.step(ModeRequest::Track, Measurement::default(), none).report;
+            assert!(told.events.contains(Events::REFERENCE_REFUSED));
+            assert_eq!(told.fault, (k == 20).then_some((Fault::BadReference, 0)), "{k}");
+        }
+        joint.step(ModeRequest::Track, Measurement::default(), Reference::default());
+    }
+    // Where the reference is not heeded it does not matter.
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), options, &Options::new(T_NS));
+    joint.hold(Measurement::default(), none);
+    for _ in 0..100 {
+        let told = joint.step(ModeRequest::Hold, Measurement::default(), none).report;
+        assert_eq!((told.fault, told.mode), (None, Mode::Holding));
+    }
+}
+
+#[test]
+fn the_tracking_error_stops_beyond_its_bound() {
+    let options = JointOptions { error_max: Some(0.125), ..JointOptions::default() };
+    for (q, fault) in [(0.125, false), (-0.125, false), (0.125_001, true), (-0.125_001, true)] {
+        let mut joint = tracking(options, Measurement::default());
+        let m = Measurement { q, ..Measurement::default() };
+        let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
+        assert_eq!(told.fault, fault.then_some((Fault::TrackingError, 0)), "{q}");
+        // Where the law does not run there is no error.
+        let mut armed = Joint::new(gains(400.0, 40.0, FIRST), options, &Options::new(T_NS));
+        armed.step(ModeRequest::Arm, Measurement::default(), Reference::default());
+        assert_eq!(armed.step(ModeRequest::Arm, m, Reference::default()).report.fault, None);
+    }
+}
+
+#[test]
+fn inside_the_dead_zone_at_rest_the_estimate_is_held() {
+    let options = JointOptions { dead_zone: Some(0.01), ..JointOptions::default() };
+    for (e, speed, held) in [
+        (0.009, 0.0, true),
+        (-0.009, 0.0, true),
+        (0.011, 0.0, false),
+        (-0.011, 0.0, false),
+        (0.009, 0.1, false),
+    ] {
+        let m = Measurement { q: 0.5, ..Measurement::default() };
+        let mut joint = tracking(options, m);
+        let at = Reference { q: 0.5 - e, dq: speed, ddq: 0.0 };
+        for _ in 0..600 {
+            joint.step(ModeRequest::Track, m, at);
+        }
+        let before = joint.state.joints[0].phi_hat();
+        let pushed = Measurement { tau_applied: 30.0, ..m };
+        let told = joint.step(ModeRequest::Track, pushed, at);
+        let moved = (told.commands[0].phi_hat - before).abs();
+        assert_eq!(told.report.events.contains(Events::DEAD_ZONE), held, "{e} {speed}");
+        assert!(if held { moved < 1e-12 } else { moved > 0.5 }, "{e} {speed}: {moved}");
+    }
+}
+
+#[test]
+fn a_position_that_stands_while_it_should_move_is_frozen_after_its_travel() {
+    // Speed that is measured, speed of the reference, of which a fifth counts.
+    for (dq, asked) in [(0.5_f64, 0.0), (-0.5, 0.0), (0.0, 2.0), (0.3, 2.0), (0.5, 2.0), (3.0, 0.0)]
+    {
+        let options = JointOptions { frozen_travel: Some(4e-3), ..JointOptions::default() };
+        let mut joint = tracking(options, Measurement::default());
+        let speed = dq.abs().max(0.2_f64 * asked);
+        let mut q = 0.01;
+        // While it moves, however little, nothing is frozen.
+        for _ in 0..50 {
+            q += 1e-9;
+            let m = Measurement { q, dq, tau_applied: 0.0 };
+            let r = Reference { q, dq: asked, ddq: 0.0 };
+            assert_eq!(joint.step(ModeRequest::Track, m, r).report.fault, None);
+        }
+        let m = Measurement { q, dq, tau_applied: 0.0 };
+        let r = Reference { q, dq: asked, ddq: 0.0 };
+        let found = (1..100).find(|_| joint.step(ModeRequest::Track, m, r).report.fault.is_some());
+        // Five samples at least.
+        let want = (1..100).find(|n| *n >= 5 && f64::from(*n) * speed * T > 4e-3 + 1e-12);
+        // The blended reference moves by itself at first: a sample more or less.
+        let near = found.zip(want).is_some_and(|(is, want): (i32, i32)| (is - want).abs() <= 1);
+        assert!(near, "{dq} {asked}: {found:?} against {want:?}");
+        assert_eq!(joint.state.arm.mode(), Mode::SafeStop);
+    }
+}
+
+/// Torque demands so far; whether the arm has to be stopped by them.
+fn shakes(demands: &[f64], threshold: f64) -> bool {
+    let second: Vec<f64> = demands.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
+    let hot = |upto: usize| {
+        let past = &second[..upto];
+        let square: f64 = past
+            .iter()
+            .rev()
+            .enumerate()
+            .map(|(age, d)| d * d / 16.0 * (15.0_f64 / 16.0).powi(age as i32))
+            .sum();
+        let up: Vec<bool> = past.iter().rev().take(32).map(|d| *d > 0.0).collect();
+        let changes = up.windows(2).filter(|w| w[0] != w[1]).count();
+        square > threshold * threshold && changes >= 5
+    };
+    second.len() >= 8 && (0..8).all(|back| hot(second.len() - back))
+}
+
+#[test]
+fn an_oscillation_is_found_at_the_sample_that_its_rule_says() {
+    let mut dice = Dice(31);
+    let (mut found, mut quiet) = (0, 0);
+    for run in 0..120 {
+        let options = JointOptions { oscillation: Some(3.0), ..JointOptions::default() };
+        let mut joint = Joint::new(gains(400.0, 40.0, FIRST), options, &Options::new(T_NS));
+        joint.step(ModeRequest::Arm, Measurement::default(), Reference::default());
+        // Before the law runs the demand is what is held: nothing.
+        let mut demands = vec![0.0, 0.0];
+        let (size, every) = (10.0_f64.powf(dice.within(-3.5, -1.5)), 1 + run % 12);
+        let (from, to) = (dice.bits() % 40, 60 + dice.bits() % 100);
+        let mut stopped = None;
+        for k in 0..200_u64 {
+            // Steps to and fro every so many samples, for a while; sometimes at random.
+            let up = if run % 3 == 0 {
+                dice.bits().is_multiple_of(2)
+            } else {
+                (k / every).is_multiple_of(2)
+            };
+            let q = if (from..to).contains(&k) && up { size } else { 0.0 };
+            let m = Measurement { q, dq: 0.0, tau_applied: 0.0 };
+            let answer = joint.step(ModeRequest::Hold, m, Reference::default());
+            if answer.report.fault.is_some() {
+                assert_eq!(answer.report.fault, Some((Fault::Oscillation, 0)));
+                stopped = Some(k);
+                break;
+            }
+            // Seen at a sample, a fault at the next.
+            assert!(!shakes(&demands, 3.0), "run {run} sample {k}: missed");
+            demands.push(answer.commands[0].tau);
+        }
+        assert_eq!(stopped.is_some(), shakes(&demands, 3.0), "run {run}: {stopped:?}");
+        found += u32::from(stopped.is_some());
+        quiet += u32::from(stopped.is_none());
+    }
+    println!("{found} oscillations, {quiet} without");
+    assert!(found > 20 && quiet > 20, "{found} {quiet}");
+}
+
+/// Torques and velocity steps since the start; whether the last speak for a drive that does not push.
+fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
+    // Weights of a mean over all samples at first, over some 16 later.
+    let mut weights: Vec<f64> = Vec::new();
+    for n in 1..=past.len() {
+        let rate = 1.0 / n.min(16) as f64;
+        weights.iter_mut().for_each(|w| *w *= 1.0 - rate);
+        weights.push(rate);
+    }
+    let mean = |of: fn(&(f64, f64)) -> f64| -> f64 {
+        past.iter().zip(&weights).map(|(p, w)| w * of(p)).sum()
+    };
+    let (torque, step) = (mean(|p| p.0), mean(|p| p.1));
+    let weighted = |f: &dyn Fn(&(f64, f64)) -> f64| -> f64 {
+        past.iter().zip(&weights).map(|(p, w)| w * f(p)).sum()
+    };
+    let both = weighted(&|p| (p.0 - torque) * (p.1 - step));
+    let square = weighted(&|p| (p.0 - torque).powi(2));
+    // A twentieth of what the nominal inertia would do.
+    square > excitation * excitation && both < 0.05 * T / INERTIA * square
+}
+
+#[test]
+fn a_drive_is_judged_at_the_sample_that_its_rule_says() {
+    let mut dice = Dice(22);
+    let (mut found, mut healthy) = (0, 0);
+    for run in 0..150 {
+        let options = JointOptions { first_motion: Some(2.0), ..JointOptions::default() };
+        let mut joint = Joint::new(gains(400.0, 40.0, SECOND), options, &Options::new(T_NS));
+        joint.step(ModeRequest::Arm, Measurement::default(), Reference::default());
+        let drive = [1.0, 0.0, -1.0, 0.06, 0.04][run % 5];
+        let (size, begin) = (10.0_f64.powf(dice.within(-0.5, 1.5)), dice.bits() % 300);
+        let mut past: Vec<(f64, f64)> = Vec::new();
+        let (mut row, mut stopped, mut expected) = (0, None, None);
+        let mut m = Measurement::default();
+        for k in 0..400_u64 {
+            m.tau_applied = if k < begin { 0.0 } else { size * dice.within(-1.0, 1.0) };
+            let step = T / INERTIA * drive * m.tau_applied;
+            m.dq += step;
+            let answer = joint.step(ModeRequest::Hold, m, Reference::default());
+            if answer.report.fault.is_some() {
+                assert_eq!(answer.report.fault, Some((Fault::Actuation, 0)));
+                stopped = Some(k);
+                break;
+            }
+            // During the first quarter of a second.
+            if k < 250 {
+                past.push((m.tau_applied, step));
+                row = if suspicious(&past, 2.0) { row + 1 } else { 0 };
+                if row >= 15 && expected.is_none() {
+                    expected = Some(k + 1);
+                }
+            }
+        }
+        assert_eq!(stopped, expected, "run {run}: drive {drive}, {size} N·m from {begin}");
+        found += u32::from(stopped.is_some());
+        healthy += u32::from(stopped.is_none());
+    }
+    println!("{found} drives found, {healthy} not");
+    assert!(found > 20 && healthy > 40, "{found} {healthy}");
+}

@@ -1,0 +1,228 @@
+//! What a stopped arm does, and when its brakes are asked for. Wrong if torque stays where a drive does not do what it is
+//! told, if a moving arm loses its torque, or if the brakes are late.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
+
+#[path = "support/arm.rs"]
+mod arm;
+
+use arm::{Arm, SECOND, T_NS, at};
+use phihat::{Answer, Fault, JointOptions, Mode, ModeRequest, Options};
+
+const LOAD: f64 = 12.0;
+/// Half of K_d times the inertia: what damps in a stop.
+const DAMPING: f64 = 20.0;
+
+/// An arm that tracks at rest under a load it knows.
+fn tracking<const N: usize>(joint: JointOptions<f64>, options: &Options) -> Arm<N> {
+    let mut arm = Arm::<N>::with(SECOND, joint, options);
+    for joint in &mut arm.truth {
+        joint.load = LOAD;
+    }
+    arm.start();
+    for _ in 0..100 {
+        arm.step(&at(0.0, 0.0, 0.0));
+    }
+    arm
+}
+
+/// A sample in which joints move as they are told here, whatever the torque.
+fn dragged<const N: usize>(arm: &mut Arm<N>, dq: [f64; N]) -> Answer<f64, N> {
+    for (joint, dq) in arm.truth.iter_mut().zip(dq) {
+        joint.dq = dq;
+    }
+    arm.step(&at(0.0, 0.0, 0.0))
+}
+
+#[test]
+fn brakes_are_asked_for_in_idle_and_in_no_running_mode() {
+    let mut arm = Arm::<1>::new(SECOND, JointOptions::default());
+    for (mode, reached, brake) in [
+        (ModeRequest::Idle, Mode::Idle, true),
+        (ModeRequest::Arm, Mode::Armed, false),
+        (ModeRequest::Idle, Mode::Idle, true),
+        (ModeRequest::Arm, Mode::Armed, false),
+        (ModeRequest::Hold, Mode::Holding, false),
+        (ModeRequest::Track, Mode::Tracking, false),
+        (ModeRequest::Stop, Mode::SafeStop, true),
+        (ModeRequest::Arm, Mode::Armed, false),
+    ] {
+        for _ in 0..3 {
+            arm.mode = mode;
+            let told = arm.step(&at(0.0, 0.0, 0.0)).report;
+            assert_eq!((told.mode, told.brake, told.refusal), (reached, brake, None), "{mode:?}");
+        }
+    }
+}
+
+#[test]
+fn the_brakes_of_a_moving_arm_wait_until_every_joint_rests() {
+    for moving in 0..2 {
+        let mut arm = tracking::<2>(JointOptions::default(), &Options::new(T_NS));
+        arm.mode = ModeRequest::Stop;
+        for k in 0..400 {
+            // Down to rest, which is 0.05 rad/s, and through it to the other side.
+            let speed = 0.45 - 0.0025 * f64::from(k);
+            let mut dq = [0.0; 2];
+            dq[moving] = speed;
+            let told = dragged(&mut arm, dq).report;
+            assert_eq!(told.mode, Mode::SafeStop);
+            if (speed.abs() - 0.05).abs() > 1e-9 {
+                assert_eq!(told.brake, speed.abs() < 0.05, "joint {moving} at {speed} rad/s");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_brakes_of_an_arm_that_goes_on_moving_are_asked_for_after_the_stop_time() {
+    for stop_s in [0.1, 0.5] {
+        let options = Options { stop_s, ..Options::new(T_NS) };
+        let mut arm = tracking::<1>(JointOptions::default(), &options);
+        arm.mode = ModeRequest::Stop;
+        let first = (0..1000).position(|_| dragged(&mut arm, [0.3]).report.brake);
+        assert_eq!(first, Some((stop_s * 1e3).round() as usize), "samples after the stop");
+    }
+}
+
+#[test]
+fn without_a_measurement_a_stopped_arm_is_braked_at_once_and_its_torque_fades() {
+    let mut arm = tracking::<1>(JointOptions::default(), &Options::new(T_NS));
+    let (mut stopped, mut samples) = (None, Vec::new());
+    for k in 0..1400 {
+        let mut seen = arm.sense();
+        seen.stamp.sequence = 1;
+        let answer = arm.step_with(&seen, &at(0.0, 0.0, 0.0));
+        if answer.report.mode == Mode::SafeStop {
+            stopped = stopped.or(Some(k));
+            assert!(answer.report.brake);
+            samples.push(answer.commands[0].tau);
+        } else {
+            assert!(!answer.report.brake);
+        }
+    }
+    assert_eq!(stopped, Some(19), "the twentieth");
+    // Held for 0.5 s, gone 0.5 s later, in a line.
+    for (k, tau) in samples.iter().enumerate() {
+        let gone = (k as f64 - 500.0) / 500.0;
+        let want = LOAD * (1.0 - gone.clamp(0.0, 1.0));
+        assert!((tau - want).abs() < 1e-6, "{k} samples after the stop: {tau} against {want}");
+    }
+    // With a measurement it is held: no fading, however long.
+    let mut arm = tracking::<1>(JointOptions::default(), &Options::new(T_NS));
+    arm.mode = ModeRequest::Stop;
+    let last = (0..2000).map(|_| dragged(&mut arm, [0.0]).commands[0].tau).last().unwrap();
+    assert!((last - LOAD).abs() < 1e-6, "{last}");
+}
+
+#[test]
+fn a_stopped_arm_is_held_and_damped() {
+    for (stop_damping, per_speed) in [(0.5, DAMPING), (0.0, 0.0), (1.0, 2.0 * DAMPING)] {
+        let options = Options { stop_damping, ..Options::new(T_NS) };
+        let mut arm = tracking::<1>(JointOptions::default(), &options);
+        arm.mode = ModeRequest::Stop;
+        for k in 0..40 {
+            let answer = dragged(&mut arm, [0.2]);
+            let tau = answer.commands[0].tau;
+            assert!((answer.commands[0].phi_hat - LOAD).abs() < 0.5, "what was known is held");
+            if k > 20 {
+                let want = answer.commands[0].phi_hat - per_speed * 0.2;
+                assert!((tau - want).abs() < 1e-9, "{tau} against {want}");
+            }
+        }
+        // A velocity that does not change while the position stands is no velocity: it would drive.
+        let seen = arm.sense();
+        for k in 0..40 {
+            let now = arm.sense();
+            let still = arm::Seen { stamp: now.stamp, now_ns: now.now_ns, ..seen };
+            let answer = arm.step_with(&still, &at(0.0, 0.0, 0.0));
+            if k > 20 {
+                let command = &answer.commands[0];
+                assert!((command.tau - command.phi_hat).abs() < 1e-9, "{command:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_drive_that_does_not_do_what_it_is_told_loses_its_torque_and_is_braked_at_once() {
+    let joint = JointOptions { first_motion: Some(0.5), ..JointOptions::default() };
+    let mut arm = Arm::<2>::new(SECOND, joint);
+    arm.truth[0].load = LOAD;
+    arm.start();
+    (arm.truth[1].drive, arm.truth[1].load) = (-1.0, 5.0);
+    let mut before = arm.step(&at(0.0, 0.0, 0.0));
+    let mut stopped = 0;
+    for k in 0..200 {
+        let answer = arm.step(&at(0.0, 0.0, 0.0));
+        let moving = arm.truth[1].dq.abs() > 0.06;
+        if answer.report.mode == Mode::SafeStop {
+            assert_eq!(answer.report.fault, Some((Fault::Actuation, 1)));
+            assert!(answer.report.brake, "{k}: at once, though it moves");
+            assert!(moving || stopped > 0, "this test can fail");
+            for (now, before) in answer.commands.iter().zip(&before.commands) {
+                // To zero as fast as the rate limit lets it, whatever the speed, in every joint.
+                let want = before.tau - before.tau.clamp(-1.0, 1.0);
+                assert!((now.tau - want).abs() < 1e-9, "{k}: {} from {}", now.tau, before.tau);
+                assert!(now.phi_hat.abs() < 1e-12);
+            }
+            stopped += 1;
+        }
+        before = answer;
+    }
+    assert!(stopped > 100, "{stopped}");
+    // Any other stop keeps the arm's torque.
+    let joint = JointOptions { error_max: Some(0.01), ..JointOptions::default() };
+    let mut arm = tracking::<1>(joint, &Options::new(T_NS));
+    arm.truth[0].q += 0.02;
+    for _ in 0..30 {
+        let answer = arm.step(&at(0.0, 0.0, 0.0));
+        assert_eq!(answer.report.fault, Some((Fault::TrackingError, 0)));
+        assert!((answer.commands[0].phi_hat - LOAD).abs() < 0.5, "{:?}", answer.commands);
+    }
+}
+
+#[test]
+fn an_arm_that_shook_is_damped_by_a_quarter_and_held_by_the_mean() {
+    let joint = JointOptions { oscillation: Some(3.0), ..JointOptions::default() };
+    let mut arm = tracking::<1>(joint, &Options::new(T_NS));
+    // A joint far lighter than its window shakes.
+    arm.truth[0].inertia = 0.03;
+    arm.truth[0].dq += 1e-3;
+    let mut swing = 0.0_f64;
+    let found = (0..300).any(|_| {
+        let answer = arm.step(&at(0.0, 0.0, 0.0));
+        swing = swing.max((answer.commands[0].phi_hat - LOAD).abs());
+        answer.report.fault == Some((Fault::Oscillation, 0))
+    });
+    assert!(found && swing > 1.0, "{swing}");
+    for k in 0..100 {
+        let answer = dragged(&mut arm, [0.2]);
+        let command = &answer.commands[0];
+        assert!((command.phi_hat - LOAD).abs() < 0.3 * swing, "the mean: {command:?}");
+        if k > 30 {
+            let want = command.phi_hat - 0.25 * DAMPING * 0.2;
+            assert!((command.tau - want).abs() < 1e-9, "{command:?} against {want}");
+        }
+    }
+}
+
+#[test]
+fn while_samples_are_missed_the_torque_is_held_then_falls_to_the_estimate() {
+    let mut arm = tracking::<1>(JointOptions::default(), &Options::new(T_NS));
+    // Feedback beside what the load needs.
+    arm.truth[0].q += 0.002;
+    let last = arm.step(&at(0.0, 0.0, 0.0)).commands[0];
+    let feedback = last.tau - last.phi_hat;
+    assert!(feedback.abs() > 0.3);
+    for missed in 1..20 {
+        let mut seen = arm.sense();
+        seen.stamp.sequence = 1;
+        let command = arm.step_with(&seen, &at(0.0, 0.0, 0.0)).commands[0];
+        let want = last.phi_hat + feedback * 0.8_f64.powi((missed - 5).max(0));
+        assert!(
+            command.status.refused && (command.tau - want).abs() < 1e-9,
+            "{missed}: {command:?}"
+        );
+    }
+}
