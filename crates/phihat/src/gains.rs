@@ -122,7 +122,8 @@ impl<R: Real> JointGains<R> {
 
     /// Whether what samples within ±2³² come to is finite, with a factor of 2³² to spare for sums and peaks.
     fn hold_samples_in(&self) -> bool {
-        let most = R::from_f64(18_446_744_073_709_551_616.0) * self.inertia;
+        let reach = R::from_f64(4_294_967_296.0);
+        let most = reach * reach * self.inertia;
         let [on_e, on_de] = self.on_error;
         let own = match self.form {
             Form::Observer => self.alpha,

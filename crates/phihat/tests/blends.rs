@@ -11,8 +11,8 @@ mod joint;
 use arm::{FIRST, SECOND};
 use joint::{INERTIA, Joint, T, T_NS, gains, outer};
 use phihat::{
-    Events, Funnel, JointOptions, Measurement, Mode, ModeRequest, MotionLimits, Options, Reference,
-    Schedule,
+    Events, Form, Funnel, JointDesign, JointGains, JointOptions, Measurement, Mode, ModeRequest,
+    MotionLimits, OptionError, Options, Reference, Schedule, Supervisor,
 };
 
 /// Value and first two derivatives at `s` of the quintic with these three at 0 and none at 1: Hermite's basis.
@@ -26,7 +26,7 @@ fn quintic([x, v, a]: [f64; 3], s: f64) -> [f64; 3] {
     let mut value = [0.0; 3];
     for (weight, own) in [x, v, a].iter().zip(basis) {
         for (i, c) in own.iter().enumerate() {
-            let power = |n: usize| if i >= n { s.powi((i - n) as i32) } else { 0.0 };
+            let power = |n: usize| std::iter::repeat_n(s, i.saturating_sub(n)).product::<f64>();
             let i = i as f64;
             value[0] += weight * c * power(0);
             value[1] += weight * c * i * power(1);
@@ -173,21 +173,21 @@ fn inside_the_funnel_the_stated_law_runs_until_it_hands_over() {
         let room = 1.0 - (m.q / psi).powi(2);
         let g = if room > 0.0 { (1.0 / room).min(most) } else { most };
         let inside = -INERTIA * (g * kd * m.dq + g * g * kp * m.q);
-        if over.is_none() {
-            assert!(answer.report.events.contains(Events::FUNNEL));
-            assert_eq!(answer.report.events.contains(Events::FUNNEL_LEFT), room <= 0.0, "{k}");
-            bounded[usize::from(g < most)] += 1;
-            if answer.report.events.contains(Events::FUNNEL_OVER) {
-                (over, difference) = (Some(k), inside - law);
-            }
-            // At the hand-over, too: what the law demands differently fades from here.
-            assert!((command.tau - inside).abs() < 1e-6, "{k}: {command:?} against {inside}");
-        } else {
-            let since = f64::from(k - over.unwrap()) / 200.0;
+        if let Some(over) = over {
+            let since = f64::from(k - over) / 200.0;
             let want = law + difference * left(since);
             assert!((command.tau - want).abs() < 1e-6, "{k}: {} against {want}", command.tau);
             assert!(!answer.report.events.contains(Events::FUNNEL));
+            continue;
         }
+        assert!(answer.report.events.contains(Events::FUNNEL));
+        assert_eq!(answer.report.events.contains(Events::FUNNEL_LEFT), room <= 0.0, "{k}");
+        bounded[usize::from(g < most)] += 1;
+        if answer.report.events.contains(Events::FUNNEL_OVER) {
+            (over, difference) = (Some(k), inside - law);
+        }
+        // At the hand-over, too: what the law demands differently fades from here.
+        assert!((command.tau - inside).abs() < 1e-6, "{k}: {command:?} against {inside}");
     }
     // ψ is within 5 % of its end after 0.05 ln(0.07/0.0015) s = 0.192 s; 0.1 s later it hands over.
     assert!((290..=294).contains(&over.unwrap()), "{over:?}");
@@ -226,12 +226,131 @@ fn running_gains_come_after_the_dwell_and_go_again() {
         // The mean of some 50 samples needs 0.1 s to pass 3 of 4 N·m; 0.4 s later the start gains are back.
         let down: Vec<_> = found.iter().filter(|f| f.1 == Events::LOWERED).collect();
         assert_eq!(down.len(), usize::from(raised), "{off}: {found:?}");
-        let (mut x, mut s, mut n) = (off, off * off, 0);
-        while s <= 9.0 {
+        let (mut x, mut s) = (off, off * off);
+        let beyond = |_: &u32| {
             x += 0.02 * (4.0 - x);
             s += 0.02 * (x * x - s);
-            n += 1;
-        }
+            s > 9.0
+        };
+        let n = (1..1000).find(beyond).unwrap();
         assert!(!raised || down[0].0.abs_diff(1500 + n + 400) <= 3, "{n}: {found:?}");
+    }
+}
+
+#[test]
+fn without_start_gains_or_without_samples_nothing_is_raised() {
+    let schedule = Schedule { settled: 1.0, disturbed: 3.0, dwell_s: 0.1 };
+    let options = Options { schedule, hold_samples: 50, stop_samples: 50, ..Options::new(T_NS) };
+    let m = Measurement::default();
+    let mut plain = Joint::new(gains(400.0, 40.0, SECOND), JointOptions::default(), &options);
+    plain.hold(m, Reference::default());
+    for _ in 0..400 {
+        let told = plain.step(ModeRequest::Hold, m, Reference::default());
+        assert!(!told.report.events.contains(Events::RAISED));
+    }
+    // Samples that are missed do not count as settled; nor does an arm that only is armed.
+    let start = JointOptions { start: Some(gains(400.0, 40.0, FIRST)), ..JointOptions::default() };
+    let mut joint = Joint::new(gains(400.0, 40.0, SECOND), start, &options);
+    for _ in 0..300 {
+        let told = joint.step(ModeRequest::Arm, m, Reference::default());
+        assert!(!told.report.events.contains(Events::RAISED));
+    }
+    let mut fresh = 0;
+    let raised = (0..400).find(|k| {
+        let answer = if k % 4 == 0 {
+            joint.miss(ModeRequest::Hold, Reference::default())
+        } else {
+            fresh += 1;
+            joint.step(ModeRequest::Hold, m, Reference::default())
+        };
+        answer.report.events.contains(Events::RAISED)
+    });
+    assert!(raised.is_some() && fresh == 100, "{raised:?} after {fresh} samples");
+}
+
+#[test]
+fn gains_for_another_period_are_refused_and_change_nothing() {
+    let mut joint =
+        Joint::new(gains(400.0, 40.0, FIRST), JointOptions::default(), &Options::new(T_NS));
+    joint.hold(Measurement::default(), Reference::default());
+    for (share, fits) in
+        [(2.0, false), (1.0 + 2e-6, false), (1.0 - 2e-6, false), (1.0 + 5e-7, true)]
+    {
+        let design = JointDesign {
+            inertia: INERTIA,
+            kp: 100.0,
+            kd: 20.0,
+            a: FIRST,
+            period: share * T,
+            form: Form::Observer,
+        };
+        let other = JointGains::new(&design).unwrap();
+        let (arm, state) = (joint.arm.clone(), joint.state);
+        let is = joint.arm.change_gains(&mut joint.state, [other]);
+        assert_eq!(is.is_ok(), fits, "{share}");
+        if !fits {
+            assert_eq!(is, Err(OptionError::Period { joint: 0 }));
+            assert!(joint.arm == arm && joint.state == state);
+        }
+        let options = JointOptions { start: Some(other), ..JointOptions::default() };
+        let own = gains(400.0, 40.0, FIRST);
+        assert_eq!(
+            Supervisor::new([own], &[options], &Options::new(T_NS)).is_ok(),
+            fits,
+            "{share}"
+        );
+    }
+    // And funnels that widen, or never end.
+    for initial in [0.01, f64::INFINITY, f64::NAN] {
+        let funnel = Funnel { initial, r#final: 0.02, decay_s: 0.1 };
+        let options = JointOptions { funnel: Some(funnel), ..JointOptions::default() };
+        let own = gains(400.0, 40.0, FIRST);
+        assert!(Supervisor::new([own], &[options], &Options::new(T_NS)).is_err(), "{initial}");
+    }
+}
+
+/// Torques around a change of gains, under a load that rises at 40 N·m/s and is held.
+fn around(from: &JointGains<f64>, to: &JointGains<f64>, slope: f64) -> [f64; 3] {
+    let mut joint = Joint::new(*from, JointOptions::default(), &Options::new(T_NS));
+    let at = |k: u32| Measurement { q: 1e-3, dq: 0.0, tau_applied: 5.0 + slope * f64::from(k) * T };
+    joint.hold(at(0), Reference::default());
+    let mut torques = [0.0; 3];
+    for k in 1..1500 {
+        if k == 1499 {
+            joint.arm.change_gains(&mut joint.state, [*to]).unwrap();
+        }
+        let r = Reference { q: 0.0, ..Reference::default() };
+        torques.rotate_left(1);
+        torques[2] = joint.step(ModeRequest::Track, at(k), r).commands[0].tau;
+    }
+    torques
+}
+
+#[test]
+fn a_change_of_order_form_or_inertia_goes_on_where_the_torque_was() {
+    let made = |form, a, inertia| {
+        let design = JointDesign { inertia, kp: 400.0, kd: 40.0, a, period: T, form };
+        JointGains::new(&design).unwrap()
+    };
+    let third: &[f64] = &[343_000.0, 14_700.0, 210.0];
+    let observer = |a| made(Form::Observer, a, INERTIA);
+    let literal = |a| made(Form::Literal, a, INERTIA);
+    for (from, to, slope, tolerance) in [
+        // The slope goes on for a sample where the lower order does not know it.
+        (observer(SECOND), observer(FIRST), 40.0, 4e-3),
+        (observer(third), observer(SECOND), 40.0, 1e-6),
+        (observer(SECOND), observer(third), 40.0, 1e-6),
+        (observer(SECOND), made(Form::Observer, SECOND, 1.4), 40.0, 1e-6),
+        // Between the forms the torque continues; then the observer learns, by 7 % a sample, that another one acted.
+        (literal(FIRST), observer(FIRST), 0.0, 4.0),
+        (observer(FIRST), literal(FIRST), 0.0, 0.5),
+        (literal(SECOND), observer(SECOND), 0.0, 200.0),
+    ] {
+        let [before, last, now] = around(&from, &to, slope);
+        let off = now - 2.0 * last + before;
+        let (a, b) = (from.order(), to.order());
+        println!("order {a} to {b}: {before:.4} {last:.4} {now:.4} N·m, off by {off:.1e}");
+        assert!(off.abs() < tolerance, "order {a} to {b}: {before} {last} {now}");
+        assert!(now.abs() > 1.0);
     }
 }

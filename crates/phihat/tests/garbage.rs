@@ -369,3 +369,30 @@ fn f06_to_the_supervisor_finite_garbage_is_what_nan_is() {
     };
     garbage_is_like_nan::<f64>(&full);
 }
+
+#[test]
+fn what_would_overflow_in_the_law_is_refused_and_not_stored() {
+    // Integrals of a large error over long periods, weighed with large gains, leave all bounds.
+    let design = JointDesign {
+        inertia: 0.8,
+        kp: 1e270,
+        kd: 40.0,
+        a: A[3],
+        period: 1e3,
+        form: Form::Literal,
+    };
+    let law = JointGains::<f64>::new(&design).unwrap();
+    let mut state = JointState::new();
+    let m = Measurement { q: 4e9, ..Measurement::default() };
+    let mut refused = 0;
+    for _ in 0..10_000 {
+        let before = state;
+        let told = law.update(&mut state, &m, &Reference::default());
+        assert!(told.tau.is_finite() && told.phi_hat.is_finite());
+        if told.status.refused {
+            assert_eq!(bits(&state), bits(&before));
+            refused += 1;
+        }
+    }
+    assert!(refused > 5000, "this test can fail: {refused}");
+}

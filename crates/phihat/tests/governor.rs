@@ -156,7 +156,10 @@ fn limits_are_used_and_not_only_kept() {
             2.0 * (velocity / jerk).sqrt()
         };
         let (mut now, mut time) = (Reference::default(), 0.0);
-        while sign * now.dq < 0.999 * velocity {
+        loop {
+            if sign * now.dq >= 0.999 * velocity {
+                break;
+            }
             now = shaper.step(&now, &far);
             time += T;
             assert!(time < least + 8.0 * T, "{limits:?}: {time} of {least} s, {now:?}");
@@ -169,7 +172,10 @@ fn limits_are_used_and_not_only_kept() {
         let (stop, stated) = (3.0, Stated::new(&limits, T));
         let target = Reference { q: now.q + sign * stop, ..Reference::default() };
         let mut time = 0.0;
-        while (now.q - target.q).abs() > 1e-4 {
+        loop {
+            if (now.q - target.q).abs() <= 1e-4 {
+                break;
+            }
             now = shaper.step(&now, &target);
             time += T;
             let bound = stop / velocity

@@ -135,3 +135,36 @@ fn f20_a_million_random_events_cover_every_transition_and_refusal() {
     };
     assert!(never(Mode::SafeStop, Action::Engage) && never(Mode::Idle, Action::Follow));
 }
+
+#[test]
+fn names_in_files_are_what_they_were() {
+    let modes = Mode::ALL.map(Mode::name);
+    assert_eq!(modes, ["idle", "armed", "holding", "tracking", "safe-stop"]);
+    let faults = phihat::Fault::ALL.map(phihat::Fault::name);
+    let own = [
+        "link-lost",
+        "link-quality",
+        "bad-sample",
+        "bad-reference",
+        "frozen-sensor",
+        "joint-limit",
+        "tracking-error",
+        "oscillation",
+        "actuation",
+        "not-finite",
+    ];
+    assert_eq!(faults, own);
+    let refusals = [
+        (Refusal::NotArmed, "not-armed"),
+        (Refusal::NotHolding, "not-holding"),
+        (Refusal::NotStopped, "not-stopped"),
+        (Refusal::AlreadyActive, "already-active"),
+        (Refusal::Latched, "latched"),
+        (Refusal::NotNew, "not-new"),
+        (Refusal::Fault, "fault"),
+        (Refusal::NotFresh, "not-fresh"),
+        (Refusal::NotAtRest, "not-at-rest"),
+        (Refusal::StartMismatch, "start-mismatch"),
+    ];
+    assert!(refusals.iter().all(|(refusal, name)| refusal.name() == *name));
+}

@@ -1,6 +1,7 @@
 //! When an arm is stopped, to the sample: the guard's edges, and the monitors against what they state, reckoned from the
 //! whole past in place of a recursion. Wrong if one fires early, late or never.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 #[path = "support/arm.rs"]
 mod arm;
@@ -195,12 +196,8 @@ fn shakes(demands: &[f64], threshold: f64) -> bool {
     let second: Vec<f64> = demands.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
     let hot = |upto: usize| {
         let past = &second[..upto];
-        let square: f64 = past
-            .iter()
-            .rev()
-            .enumerate()
-            .map(|(age, d)| d * d / 16.0 * (15.0_f64 / 16.0).powi(age as i32))
-            .sum();
+        let weights = std::iter::successors(Some(1.0 / 16.0), |w| Some(w * 15.0 / 16.0));
+        let square: f64 = past.iter().rev().zip(weights).map(|(d, w)| w * d * d).sum();
         let up: Vec<bool> = past.iter().rev().take(32).map(|d| *d > 0.0).collect();
         let changes = up.windows(2).filter(|w| w[0] != w[1]).count();
         square > threshold * threshold && changes >= 5
@@ -254,7 +251,9 @@ fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
     let mut weights: Vec<f64> = Vec::new();
     for n in 1..=past.len() {
         let rate = 1.0 / n.min(16) as f64;
-        weights.iter_mut().for_each(|w| *w *= 1.0 - rate);
+        for weight in &mut weights {
+            *weight *= 1.0 - rate;
+        }
         weights.push(rate);
     }
     let mean = |of: fn(&(f64, f64)) -> f64| -> f64 {

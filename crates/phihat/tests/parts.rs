@@ -7,8 +7,9 @@ mod arm;
 
 use arm::Dice;
 use phihat::{
-    Form, JointDesign, JointGains, JointMap, JointMapError, JointState, Limits, Log, Measurement,
-    Reference, VelocityFilter, VelocityState, order_hash,
+    Command, DELAY_MAX, Delay, Form, JointDesign, JointGains, JointMap, JointMapError, JointState,
+    Limits, Log, Measurement, Real, Reference, VelocityFilter, VelocityState, order_hash,
+    update_joints,
 };
 
 const NAMES: [&str; 7] = ["base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3", "flange"];
@@ -170,4 +171,73 @@ fn the_velocity_filter_is_the_designs_recurrence() {
         last = q;
     }
     assert!(VelocityFilter::<f64>::new(Some(f64::NAN), 1e-3).is_err());
+}
+
+#[test]
+fn roots_are_within_a_unit_in_the_last_place_in_both_scalars() {
+    for k in 0..200_000_u32 {
+        // Every exponent in use, and numbers in between.
+        let x = f32::from_bits(0x0d80_0000 + k.wrapping_mul(8_993));
+        if x.is_finite() && x > 1e-29 {
+            let (is, want) = (Real::sqrt(x), x.sqrt());
+            assert!(is.to_bits().abs_diff(want.to_bits()) <= 1, "{x:e}: {is:e} against {want:e}");
+        }
+        let x = f64::from_bits((0x2180_0000_u64 << 32) + u64::from(k) * 0x0000_22f1_3579_bdf1);
+        if x.is_finite() && x > 1e-149 {
+            let (is, want) = (Real::sqrt(x), x.sqrt());
+            assert!(is.to_bits().abs_diff(want.to_bits()) <= 1, "{x:e}: {is:e} against {want:e}");
+        }
+    }
+    let none = |x: f64| Real::sqrt(x).to_bits() == 0;
+    assert!(none(-1.0) && none(f64::NAN) && none(f64::INFINITY) && none(0.0));
+    let none = |x: f32| Real::sqrt(x).to_bits() == 0;
+    assert!(none(-1.0) && none(f32::NAN) && none(f32::INFINITY) && none(0.0));
+}
+
+#[test]
+fn a_delay_line_is_as_long_as_it_says() {
+    for samples in 0..=DELAY_MAX {
+        let mut line = Delay::<f64>::new(samples).unwrap();
+        for k in 0..40_u32 {
+            let want = f64::from((k + 1).saturating_sub(u32::try_from(samples).unwrap()));
+            assert!((line.pass(f64::from(k + 1)) - want).abs() < 1e-12, "{samples} at {k}");
+        }
+    }
+    let why = Delay::<f64>::new(DELAY_MAX + 1).unwrap_err();
+    assert_eq!(why.to_string(), "a delay of 9 samples; at most 8 are possible");
+}
+
+#[test]
+fn small_things_say_what_they_are() {
+    let mut log = Log::<u8, 2>::new();
+    assert!(log.is_empty());
+    log.push(1);
+    assert!(!log.is_empty());
+    log.pop();
+    assert!(log.is_empty());
+    for (error, words) in [
+        (JointMapError::Missing { joint: 3 }, "joint 3 of the controller is not among"),
+        (JointMapError::Twice { joint: 2 }, "joint 2 occurs twice"),
+    ] {
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    // Joints beyond the shortest of what belongs together are left alone, and the number says so.
+    let design = JointDesign {
+        inertia: 1.0,
+        kp: 1.0,
+        kd: 1.0,
+        a: &[1.0],
+        period: 1e-3,
+        form: Form::Observer,
+    };
+    let law = JointGains::<f64>::new(&design).unwrap();
+    let (m, r) = (Measurement { q: 1.0, ..Measurement::default() }, Reference::default());
+    for commands in 0..4 {
+        let mut told = vec![Command::default(); commands];
+        let mut states = [JointState::new(); 3];
+        let answered = update_joints(&[law; 3], &mut states, &[m; 3], &[r; 3], &mut told);
+        assert_eq!(answered, commands.min(3));
+        let moved = states.iter().filter(|s| s.tau().abs() > 0.5).count();
+        assert_eq!(moved, answered);
+    }
 }

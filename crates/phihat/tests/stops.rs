@@ -7,7 +7,7 @@
 mod arm;
 
 use arm::{Arm, SECOND, T_NS, at};
-use phihat::{Answer, Fault, JointOptions, Mode, ModeRequest, Options};
+use phihat::{Answer, Events, Fault, JointOptions, Mode, ModeRequest, Options, Schedule};
 
 const LOAD: f64 = 12.0;
 /// Half of K_d times the inertia: what damps in a stop.
@@ -76,12 +76,12 @@ fn the_brakes_of_a_moving_arm_wait_until_every_joint_rests() {
 
 #[test]
 fn the_brakes_of_an_arm_that_goes_on_moving_are_asked_for_after_the_stop_time() {
-    for stop_s in [0.1, 0.5] {
+    for (stop_s, samples) in [(0.1, 100), (0.5, 500)] {
         let options = Options { stop_s, ..Options::new(T_NS) };
         let mut arm = tracking::<1>(JointOptions::default(), &options);
         arm.mode = ModeRequest::Stop;
         let first = (0..1000).position(|_| dragged(&mut arm, [0.3]).report.brake);
-        assert_eq!(first, Some((stop_s * 1e3).round() as usize), "samples after the stop");
+        assert_eq!(first, Some(samples), "samples after the stop");
     }
 }
 
@@ -224,5 +224,47 @@ fn while_samples_are_missed_the_torque_is_held_then_falls_to_the_estimate() {
             command.status.refused && (command.tau - want).abs() < 1e-9,
             "{missed}: {command:?}"
         );
+    }
+}
+
+#[test]
+fn an_armed_arm_begins_anew() {
+    let schedule = Schedule { settled: 1.0, disturbed: f64::INFINITY, dwell_s: 0.05 };
+    let joint = JointOptions {
+        error_max: Some(0.01),
+        first_motion: Some(0.5),
+        start: Some(arm::gains(&[70.0])),
+        ..JointOptions::default()
+    };
+    let options = Options { schedule, ..Options::new(T_NS) };
+    let mut arm = Arm::<1>::with(SECOND, joint, &options);
+    for start in 0..3 {
+        arm.truth[0].drive = 1.0;
+        arm.start();
+        assert_eq!(arm.step(&at(arm.truth[0].q, 0.0, 0.0)).report.fault, None, "start {start}");
+        // The running gains come after the dwell, each time.
+        let here = arm.truth[0].q;
+        let raised = (0..300)
+            .position(|_| arm.step(&at(here, 0.0, 0.0)).report.events.contains(Events::RAISED));
+        assert!(raised.is_some_and(|k| k > 30), "start {start}: {raised:?}");
+        // The drive is watched again from the start, for a quarter of a second, and it reverses.
+        if start == 1 {
+            (arm.truth[0].drive, arm.truth[0].load) = (-1.0, 3.0);
+        } else {
+            arm.truth[0].q += 0.05;
+        }
+        let told = (0..100).map(|_| arm.step(&at(here, 0.0, 0.0)).report).last().unwrap();
+        let fault = if start == 1 { Fault::Actuation } else { Fault::TrackingError };
+        assert_eq!((told.mode, told.fault), (Mode::SafeStop, Some((fault, 0))), "start {start}");
+        arm.truth[0].load = 0.0;
+        arm.truth[0].dq = 0.0;
+        // A second fault does not take the place of the first.
+        arm.truth[0].q += 0.5;
+        assert_eq!(arm.step(&at(here, 0.0, 0.0)).report.fault, Some((fault, 0)));
+        arm.mode = ModeRequest::Idle;
+        for _ in 0..100 {
+            arm.truth[0].dq = 0.0;
+            arm.step(&at(here, 0.0, 0.0));
+        }
     }
 }

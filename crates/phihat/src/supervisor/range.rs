@@ -148,11 +148,11 @@ impl<R: Real> RangeRules<R> {
         let time = (push + self.brake) * self.shed;
         let (mut left, mut speed) = (room, outward);
         if time > R::ZERO {
-            let now = push / self.inertia;
-            let drop = now + self.braking;
-            let (half, third) = (R::from_f64(0.5), R::from_f64(1.0 / 3.0));
-            speed = outward + time * (now - half * drop);
-            left = room - time * (outward + half * time * (now - third * drop));
+            // From `now` to `−b` in a line.
+            let now = push * self.inertia_inverse;
+            let rest = now - self.braking;
+            speed = outward + time * (R::from_f64(0.5) * rest);
+            left = room - time * (outward + time * (R::from_f64(1.0 / 6.0) * (now + rest)));
         }
         let near = room < self.soft || (speed > R::ZERO && speed * speed > self.braking * left);
         if !near {
