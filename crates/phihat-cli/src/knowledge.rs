@@ -231,13 +231,8 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
     let open = File::open(file).map_err(|e| Failure::at(file, format!("cannot be read: {e}")))?;
-    let trace = Trace::read_csv(std::io::BufReader::new(open)).map_err(|e| Failure::at(file, e))?;
-    let found: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
-    let expected = names(study);
-    if found != expected {
-        let (found, expected) = (found.join(", "), expected.join(", "));
-        return Err(Failure::at(file, format!("joints {found}; the study's arm has {expected}")));
-    }
+    let trace = Trace::read_csv(std::io::BufReader::new(open), study);
+    let trace = trace.map_err(|e| Failure::at(file, e))?;
     if trace.len() < 2 || trace.index_at(study.spec.settle) + 2 > trace.len() {
         let settle = study.spec.settle;
         return Err(Failure::at(file, format!("the trace ends before spec.settle_s = {settle} s")));

@@ -1,22 +1,21 @@
 //! `phihat report`: the page from a recorded trace, without running anything.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_design::Gains;
-use phihat_report::{Record, RunInfo};
-use phihat_sim::{Metrics, Trace};
-use phihat_study::Study;
+use phihat_campaign::disk::{Lock, Whole, folder_of};
+use phihat_report::{FIGURES, Record};
+use phihat_sim::Metrics;
 
 use crate::failure::Failure;
-use crate::files;
+use crate::kept::Kept;
 use crate::record::settle;
 
 /// Make the report of a recorded trace again.
 ///
-/// Reads study.toml, gains.json and run.json beside the trace, as `phihat run` leaves them.
+/// Reads run.json, study.toml, gains.json and metrics.json beside the trace, as `phihat run` leaves them. Files that are
+/// not of one run are refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat report out/first/trace.csv")]
@@ -33,18 +32,15 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let folder = self.trace.parent().unwrap_or(Path::new(""));
-        let beside = |name: &str| folder.join(name);
-        let file = File::open(&self.trace)
-            .map_err(|e| Failure::at(&self.trace, format!("cannot be read: {e}")))?;
-        let trace = Trace::read_csv(file).map_err(|e| Failure::at(&self.trace, e))?;
-        let run_path = beside("run.json");
-        let run: RunInfo = serde_json::from_str(&files::read(&run_path)?)
-            .map_err(|e| Failure::at(&run_path, e))?;
-        let gains_path = beside("gains.json");
-        let gains = Gains::from_json(&files::read(&gains_path)?)
-            .map_err(|e| Failure::at(&gains_path, e))?;
-        let mut study = Study::read(&beside("study.toml")).map_err(|e| Failure::study(&e))?;
+        let folder = folder_of(&self.trace);
+        let page = self.out.clone().unwrap_or_else(|| self.trace.with_file_name("report.html"));
+        Kept::is_named(&self.trace)?;
+        // Nobody may put another run there between reading it and writing its page.
+        let _held = match folder_of(&page) == folder {
+            true => Some(Lock::take(folder).map_err(Failure::plain)?),
+            false => None,
+        };
+        let Kept { run, mut study, gains, trace } = Kept::read(&self.trace)?;
         settle(&mut study, &gains);
         let metrics = Metrics::of(&trace, &study);
         let record = Record {
@@ -54,8 +50,7 @@ impl Report {
             trace: &trace,
             metrics: &metrics,
         };
-        let page = self.out.clone().unwrap_or_else(|| beside("report.html"));
-        let page = write_report(&record, &page)?;
+        write_page(&record, &page)?;
         if self.json {
             println!("{}", serde_json::json!({ "report": page, "metrics": metrics }));
         } else {
@@ -65,17 +60,45 @@ impl Report {
     }
 }
 
-/// Writes the page, and its figures into `figures/` beside it.
+/// Writes the page, and its figures into `figures/` beside it: all of them or none.
 ///
 /// # Errors
 ///
 /// [`Failure`], naming the file that cannot be written.
 pub fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Failure> {
-    let folder = page.parent().unwrap_or(Path::new("")).join("figures");
-    files::make_folder(&folder)?;
-    for figure in phihat_report::figures(record) {
-        files::write(&folder.join(format!("{}.svg", figure.name)), &figure.svg)?;
-    }
-    files::write(page, &phihat_report::page(record))?;
+    let _held = Lock::take_if_used(folder_of(page)).map_err(Failure::plain)?;
+    write_page(record, page)?;
     Ok(page.to_owned())
+}
+
+/// The same in a folder that the caller keeps others out of.
+fn write_page(record: &Record<'_>, page: &Path) -> Result<(), Failure> {
+    let mut whole = Whole::default();
+    add_page(&mut whole, record, page)?;
+    whole.commit().map_err(Failure::plain)
+}
+
+/// Prepares the page, the last, and its figures; those of an older page that it does not have are to go.
+pub(crate) fn add_page(whole: &mut Whole, record: &Record<'_>, page: &Path) -> Result<(), Failure> {
+    let figures = phihat_report::figures(record);
+    for figure in &figures {
+        whole
+            .add(&figure_beside(page, &figure.name), figure.svg.as_bytes())
+            .map_err(Failure::plain)?;
+    }
+    let other = |name: &&&str| figures.iter().all(|figure| figure.name != **name);
+    FIGURES.iter().filter(other).for_each(|name| whole.remove(figure_beside(page, name)));
+    let page_text = phihat_report::page(record);
+    whole.add(page, page_text.as_bytes()).map_err(Failure::plain)?;
+    Ok(())
+}
+
+/// What an older page left is to go.
+pub(crate) fn remove_page(whole: &mut Whole, page: &Path) {
+    whole.remove(page.to_owned());
+    FIGURES.iter().for_each(|name| whole.remove(figure_beside(page, name)));
+}
+
+fn figure_beside(page: &Path, name: &str) -> PathBuf {
+    page.with_file_name("figures").join(format!("{name}.svg"))
 }
