@@ -56,8 +56,8 @@ pub(crate) fn open_journal(path: &Path, fresh: bool) -> Result<Journal, Failure>
 
 /// Writes a file alone, at once or not at all.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    let _held = Lock::take_if_used(folder_of(path)).map_err(Failure::plain)?;
-    let mut whole = Whole::default();
+    let held = Lock::take_if_used(folder_of(path)).map_err(Failure::plain)?;
+    let mut whole = Whole::where_held(held.as_ref());
     whole.add(path, text.as_bytes()).map_err(Failure::plain)?;
     whole.commit().map_err(Failure::plain)
 }

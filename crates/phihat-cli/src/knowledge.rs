@@ -233,6 +233,12 @@ fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
     let open = File::open(file).map_err(|e| Failure::at(file, format!("cannot be read: {e}")))?;
     let trace = Trace::read_csv(std::io::BufReader::new(open), study);
     let trace = trace.map_err(|e| Failure::at(file, e))?;
+    if let Some((t, joint, column)) = trace.not_finite() {
+        let why = format!(
+            "{column} of joint {joint} at {t} s is no number: nothing is designed from such a run"
+        );
+        return Err(Failure::at(file, why));
+    }
     if trace.len() < 2 || trace.index_at(study.spec.settle) + 2 > trace.len() {
         let settle = study.spec.settle;
         return Err(Failure::at(file, format!("the trace ends before spec.settle_s = {settle} s")));

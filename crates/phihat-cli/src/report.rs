@@ -36,10 +36,13 @@ impl Report {
         let page = self.out.clone().unwrap_or_else(|| self.trace.with_file_name("report.html"));
         Kept::is_named(&self.trace)?;
         // Nobody may put another run there between reading it and writing its page.
-        let _held = match folder_of(&page) == folder {
-            true => Some(Lock::take(folder).map_err(Failure::plain)?),
-            false => None,
+        let beside = folder_of(&page) == folder;
+        let held = if beside {
+            Lock::take(folder).map(Some)
+        } else {
+            Lock::take_if_used(folder_of(&page))
         };
+        let held = held.map_err(Failure::plain)?;
         let Kept { run, mut study, gains, trace } = Kept::read(&self.trace)?;
         settle(&mut study, &gains);
         let metrics = Metrics::of(&trace, &study);
@@ -50,7 +53,7 @@ impl Report {
             trace: &trace,
             metrics: &metrics,
         };
-        write_page(&record, &page)?;
+        write_page(&record, &page, held.as_ref())?;
         if self.json {
             println!("{}", serde_json::json!({ "report": page, "metrics": metrics }));
         } else {
@@ -66,14 +69,13 @@ impl Report {
 ///
 /// [`Failure`], naming the file that cannot be written.
 pub fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Failure> {
-    let _held = Lock::take_if_used(folder_of(page)).map_err(Failure::plain)?;
-    write_page(record, page)?;
+    let held = Lock::take_if_used(folder_of(page)).map_err(Failure::plain)?;
+    write_page(record, page, held.as_ref())?;
     Ok(page.to_owned())
 }
 
-/// The same in a folder that the caller keeps others out of.
-fn write_page(record: &Record<'_>, page: &Path) -> Result<(), Failure> {
-    let mut whole = Whole::default();
+fn write_page(record: &Record<'_>, page: &Path, held: Option<&Lock>) -> Result<(), Failure> {
+    let mut whole = Whole::where_held(held);
     add_page(&mut whole, record, page)?;
     whole.commit().map_err(Failure::plain)
 }

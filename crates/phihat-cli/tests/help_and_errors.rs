@@ -86,7 +86,10 @@ fn bad_inputs_give_one_error_and_leave_nothing() {
         ),
         (vec!["simulate", "studies"], vec!["studies".to_owned()]),
         (vec!["report", "out/none/trace.csv"], vec!["out/none/trace.csv".to_owned()]),
-        (vec!["report", "studies/first.toml"], vec!["line 1: column 1".to_owned()]),
+        (
+            vec!["report", "studies/first.toml"],
+            vec!["studies/first.toml: is not the trace of a run".to_owned()],
+        ),
         (vec!["robots", "pandaa"], vec!["panda".to_owned()]),
         (vec!["robots", "nothing.urdf"], vec!["nothing.urdf".to_owned()]),
         (vec!["run"], vec!["STUDY".to_owned()]),

@@ -110,6 +110,11 @@ impl Whole {
         Self { swept: Some(BTreeSet::new()), ..Self::default() }
     }
 
+    /// The same where a folder is locked, and of files among which others may be prepared where it is not.
+    pub fn where_held(lock: Option<&Lock>) -> Self {
+        lock.map_or_else(Self::default, |_| Self::in_locked_folder())
+    }
+
     /// Prepares a file; the SHA-256 of its bytes, hexadecimal.
     ///
     /// # Errors
