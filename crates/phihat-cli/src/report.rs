@@ -80,16 +80,14 @@ fn write_page(record: &Record<'_>, page: &Path, held: Option<&Lock>) -> Result<(
     whole.commit().map_err(Failure::plain)
 }
 
-/// Prepares the page, the last, and its figures; those of an older page that it does not have are to go.
+/// Prepares the page, the last, and its figures; what an older page left is to go.
 pub(crate) fn add_page(whole: &mut Whole, record: &Record<'_>, page: &Path) -> Result<(), Failure> {
-    let figures = phihat_report::figures(record);
-    for figure in &figures {
+    remove_page(whole, page);
+    for figure in &phihat_report::figures(record) {
         whole
             .add(&figure_beside(page, &figure.name), figure.svg.as_bytes())
             .map_err(Failure::plain)?;
     }
-    let other = |name: &&&str| figures.iter().all(|figure| figure.name != **name);
-    FIGURES.iter().filter(other).for_each(|name| whole.remove(figure_beside(page, name)));
     let page_text = phihat_report::page(record);
     whole.add(page, page_text.as_bytes()).map_err(Failure::plain)?;
     Ok(())

@@ -141,11 +141,7 @@ impl Whole {
         if path.is_dir() {
             return Err(refuse("it is a folder".to_owned()));
         }
-        if let Some(swept) = &mut self.swept
-            && swept.insert(folder.to_owned())
-        {
-            sweep(folder).map_err(told)?;
-        }
+        self.sweep(folder).map_err(told)?;
         let (file, partial) = Partial::beside(path).map_err(told)?;
         let hashed = Hashed { file, path: partial.path().to_owned(), hash: Sha256::new() };
         let mut out = BufWriter::with_capacity(BUFFER, hashed);
@@ -163,6 +159,12 @@ impl Whole {
         }
     }
 
+    /// Removes what a killed process left half-written in a folder, once, and where no other process is at work.
+    fn sweep(&mut self, folder: &Path) -> io::Result<()> {
+        let first = self.swept.as_mut().is_some_and(|swept| swept.insert(folder.to_owned()));
+        if first { sweep(folder) } else { Ok(()) }
+    }
+
     /// Moves every file to its place, the last one last. A file alone replaces the older one at once; of several, the
     /// older last one is removed before anything else changes, so that it never stands beside files that are not its own.
     ///
@@ -172,10 +174,16 @@ impl Whole {
     pub fn commit(mut self) -> Result<(), DiskError> {
         let places: Vec<_> = self.ready.iter().map(|file| file.path.clone()).collect();
         let Some(last) = places.last() else { return Ok(()) };
+        let untouched = |path: &Path, why: io::Error| {
+            let (path, why) = (path.to_owned(), why.to_string());
+            DiskError::Untouched { path, why }
+        };
+        for path in self.stale.clone() {
+            self.sweep(folder_of(&path)).map_err(|why| untouched(&path, why))?;
+        }
         let several = places.len() + self.stale.len() > 1;
         if several {
-            remove(last)
-                .map_err(|why| DiskError::Untouched { path: last.clone(), why: why.to_string() })?;
+            remove(last).map_err(|why| untouched(last, why))?;
         }
         let mut moved = 0;
         let mut at = last.clone();
