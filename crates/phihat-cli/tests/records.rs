@@ -72,7 +72,6 @@ fn with_trace(record: &Path, trace: &str) {
     let path = record.join("trace.csv");
     let (old, run) = (fs::read_to_string(&path).unwrap(), record.join("run.json"));
     let text = fs::read_to_string(&run).unwrap();
-    assert!(text.contains(&sum(&old)));
     fs::write(&run, text.replace(&sum(&old), &sum(trace))).unwrap();
     fs::write(path, trace).unwrap();
 }

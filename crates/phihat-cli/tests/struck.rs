@@ -69,13 +69,15 @@ impl Case<'_> {
                 return number - 1;
             }
             self.judge(&answer, [&old, &new, &now], &told);
-            let again = phihat(&self.folder, self.command);
-            assert_eq!(again.code, clean.code, "{told}\nagain: {}", again.err);
-            assert!(self.results() == new, "{told}\nother bytes when it is run again");
-            let left =
-                files_of(&self.out()).into_keys().map(|path| path.to_str().unwrap().to_owned());
-            let left: Vec<_> = left.filter(|name| is_partial(name)).collect();
-            assert!(left.is_empty(), "{told}\n{left:?}");
+            // Where everything is as it was, it was run from there already.
+            if files_of(&self.out()) != self.before {
+                let again = phihat(&self.folder, self.command);
+                assert_eq!(again.code, clean.code, "{told}\nagain: {}", again.err);
+                assert!(self.results() == new, "{told}\nother bytes when it is run again");
+                let left = files_of(&self.out()).into_keys();
+                let left: Vec<_> = left.filter(|path| is_partial(path.to_str().unwrap())).collect();
+                assert!(left.is_empty(), "{told}\n{left:?}");
+            }
         }
         unreachable!("there is a last operation")
     }
@@ -262,8 +264,8 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
     let new = case.results();
     let mut count = [0; 3];
     let mut killed = 0;
-    // Longer where the machine is busy, so that some runs are cut at every stage and some come to their end.
-    let mut longest = 20_000;
+    // Later where nothing was moved yet, earlier where something was: about when files are moved.
+    let mut about = 20_000.0;
     for kill in 0..kills {
         leave(&case.out(), &case.before);
         let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
@@ -275,7 +277,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
             .unwrap();
         // A golden step covers the time without a pattern.
         let share = f64::from(kill) * 0.618_033_988_749_895 % 1.0;
-        sleep(Duration::from_micros((share * f64::from(longest)) as u64));
+        sleep(Duration::from_micros((about * (0.6 + 0.8 * share)) as u64));
         child.kill().unwrap();
         killed += u32::from(child.wait().unwrap().code().is_none());
         let now = case.results();
@@ -284,7 +286,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
             panic!("kill {kill}: a mixture: {:?}", now.keys());
         };
         count[state] += 1;
-        longest = if state == 0 { longest + longest / 16 } else { longest - longest / 16 };
+        about *= if state == 0 { 1.15 } else { 0.87 };
         if state == 2 || kill % 10 == 0 {
             let code = phihat(&case.folder, &["report", "out/trace.csv"]).code;
             assert_eq!(code == 0, state < 2, "kill {kill}");
@@ -294,7 +296,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
     assert_eq!(phihat(&case.folder, case.command).code, 0);
     assert!(case.results() == new);
     assert!(files_of(&case.out()).into_keys().all(|path| !is_partial(path.to_str().unwrap())));
-    assert!(killed > 0 && count[0] > 0, "no run was cut: {count:?}");
+    assert!(killed > 0 && count[0] > 0 && count[0] < kills, "all at one stage: {count:?}");
 }
 
 #[test]
