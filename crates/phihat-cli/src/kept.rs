@@ -36,7 +36,7 @@ pub(crate) struct Origin {
 /// A record whose files belong together.
 pub(crate) struct Kept {
     pub(crate) run: RunInfo,
-    pub(crate) study: Study,
+    pub(crate) study: Box<Study>,
     pub(crate) gains: Gains,
     pub(crate) trace: Trace,
 }
@@ -64,7 +64,8 @@ impl Kept {
         for name in FILES.iter().copied().chain(files.contains_key(PARQUET).then_some(PARQUET)) {
             belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
         }
-        let study = Study::read(&folder.join("study.toml")).map_err(|e| Failure::study(&e))?;
+        let study = Study::read(&folder.join("study.toml")).map(Box::new);
+        let study = study.map_err(|e| Failure::study(&e))?;
         let gains = folder.join("gains.json");
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
         let file = open(trace)?;

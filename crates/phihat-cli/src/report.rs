@@ -96,7 +96,9 @@ pub(crate) fn add_page(whole: &mut Whole, record: &Record<'_>, page: &Path) -> R
 /// What an older page left is to go.
 pub(crate) fn remove_page(whole: &mut Whole, page: &Path) {
     whole.remove(page.to_owned());
-    FIGURES.iter().for_each(|name| whole.remove(figure_beside(page, name)));
+    for name in FIGURES {
+        whole.remove(figure_beside(page, name));
+    }
 }
 
 fn figure_beside(page: &Path, name: &str) -> PathBuf {

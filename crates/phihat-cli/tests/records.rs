@@ -76,10 +76,20 @@ fn with_trace(record: &Path, trace: &str) {
     fs::write(path, trace).unwrap();
 }
 
+/// A study whose gains are designed from a trace.
+fn from_a_trace(study: &str) -> String {
+    let (start, rest) = study.split_once("[gains]").unwrap();
+    let (_, reference) = rest.split_once("[reference]").unwrap();
+    let design =
+        "[design]\nphi_from = \"trace\"\ninertia_from = \"trace\"\ntrace = \"out/trace.csv\"\n";
+    format!("{start}{design}[reference]{reference}")
+}
+
 #[test]
 fn a_trace_has_its_studys_joints_period_and_samples() {
     let folder = folder("records-traces");
     let two = small("two", 0.2, 4.0).replace("joint2 = 0.0, ", "");
+    fs::write(folder.join("from.toml"), from_a_trace(&two)).unwrap();
     fs::write(folder.join("two.toml"), two).unwrap();
     let run = phihat(&folder, &["run", "two.toml", "--out", "out"]);
     assert_eq!(run.code, 0, "{}", run.err);
@@ -127,18 +137,20 @@ fn a_trace_has_its_studys_joints_period_and_samples() {
         let error = refusal(&folder, "out/trace.csv");
         assert!(error.contains("out/trace.csv: ") && error.contains(&told), "{told}\n{error}");
         // The same where gains are designed from it.
-        let (start, rest) = small("from", 0.2, 4.0)
-            .replace("joint2 = 0.0, ", "")
-            .split_once("[gains]")
-            .map(|(a, b)| (a.to_owned(), b.to_owned()))
-            .unwrap();
-        let reference = rest.split_once("[reference]").unwrap().1;
-        let design = "[design]\nphi_from = \"trace\"\ninertia_from = \"trace\"\ntrace = \"out/trace.csv\"\n[reference]";
-        fs::write(folder.join("from.toml"), format!("{start}{design}{reference}")).unwrap();
         let answer = phihat(&folder, &["design", "from.toml"]);
         assert_eq!(answer.code, 2, "{}{}", answer.out, answer.err);
         assert!(answer.err.contains(&told), "{told}\n{}", answer.err);
     }
+    // A run that diverged may end so, and has its page; nothing is designed from it.
+    let last = whole.trim_end().rsplit_once('\n').unwrap().1;
+    let value = last.split(',').nth(4).unwrap();
+    let diverged = whole.replace(last, &last.replacen(value, "NaN", 1));
+    with_trace(&folder.join("out"), &diverged);
+    assert_eq!(phihat(&folder, &["report", "out/trace.csv"]).code, 0);
+    let answer = phihat(&folder, &["design", "from.toml"]);
+    assert_eq!(answer.code, 2, "{}{}", answer.out, answer.err);
+    let told = "out/trace.csv: ddq_rad_s2 of joint joint2 at 0.049 s is no number";
+    assert!(answer.err.contains(told), "{}", answer.err);
     with_trace(&folder.join("out"), &whole);
     assert_eq!(phihat(&folder, &["report", "out/trace.csv"]).code, 0);
 }

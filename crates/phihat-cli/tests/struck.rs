@@ -65,12 +65,16 @@ impl Case<'_> {
             let told =
                 format!("{how} {number}: code {}: {}{}", answer.code, answer.out, answer.err);
             if !answer.err.contains("struck: ") {
-                assert_eq!((answer.code, &now == &new), (clean.code, true), "{told}");
+                assert_eq!(answer.code, clean.code, "{told}");
+                assert!(now == new, "{told}");
                 return number - 1;
             }
             self.judge(&answer, [&old, &new, &now], &told);
-            // Where everything is as it was, it was run from there already.
-            if files_of(&self.out()) != self.before {
+            // Where everything is as it was, it was run from there already; half-written files beside it are all alike.
+            let mut left = files_of(&self.out());
+            let half_written =
+                left.extract_if(.., |path, _| is_partial(path.to_str().unwrap())).count();
+            if left != self.before || half_written > 0 && number % 8 == 1 {
                 let again = phihat(&self.folder, self.command);
                 assert_eq!(again.code, clean.code, "{told}\nagain: {}", again.err);
                 assert!(self.results() == new, "{told}\nother bytes when it is run again");
@@ -265,7 +269,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
     let mut count = [0; 3];
     let mut killed = 0;
     // Later where nothing was moved yet, earlier where something was: about when files are moved.
-    let mut about = 20_000.0;
+    let mut about = 0.02;
     for kill in 0..kills {
         leave(&case.out(), &case.before);
         let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
@@ -277,7 +281,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
             .unwrap();
         // A golden step covers the time without a pattern.
         let share = f64::from(kill) * 0.618_033_988_749_895 % 1.0;
-        sleep(Duration::from_micros((about * (0.6 + 0.8 * share)) as u64));
+        sleep(Duration::from_secs_f64(about * (0.6 + 0.8 * share)));
         child.kill().unwrap();
         killed += u32::from(child.wait().unwrap().code().is_none());
         let now = case.results();
@@ -327,7 +331,7 @@ fn of_several_processes_at_once_one_wins_whole_and_the_others_say_why() {
             match output.status.code() {
                 Some(0) => done.push(name),
                 Some(2) => {
-                    assert!(err.contains("another phihat is at work in this folder"), "{err}")
+                    assert!(err.contains("another phihat is at work in this folder"), "{err}");
                 }
                 code => panic!("{code:?}: {err}"),
             }

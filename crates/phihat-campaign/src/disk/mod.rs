@@ -196,7 +196,7 @@ impl Whole {
             }
             // What was taken away is gone from the disk before anything new is there.
             if several {
-                at = folder_of(last).to_owned();
+                folder_of(last).clone_into(&mut at);
                 sync_folder(&at)?;
             }
             for file in ready {

@@ -51,7 +51,9 @@ pub(super) fn keep(
     let figures = format!("{:#}\n", json!(metrics));
     let mut whole = Whole::in_locked_folder();
     // Nothing says of these files which run they are of: no older one may stand beside a new one.
-    results.iter().for_each(|path| whole.remove(path.clone()));
+    for path in &results {
+        whole.remove(path.clone());
+    }
     let [text, data, trace, html] = &results;
     let added = whole
         .add(text, study.text.as_bytes())
