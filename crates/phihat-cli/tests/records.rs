@@ -85,15 +85,21 @@ fn from_a_trace(study: &str) -> String {
     format!("{start}{design}[reference]{reference}")
 }
 
-#[test]
-fn a_trace_has_its_studys_joints_period_and_samples() {
-    let folder = folder("records-traces");
+/// The record of an arm of two joints in `out`, a study that is designed from its trace, and the trace.
+fn two_joints(name: &str) -> (PathBuf, String) {
+    let folder = folder(name);
     let two = small("two", 0.2, 4.0).replace("joint2 = 0.0, ", "");
     fs::write(folder.join("from.toml"), from_a_trace(&two)).unwrap();
     fs::write(folder.join("two.toml"), two).unwrap();
     let run = phihat(&folder, &["run", "two.toml", "--out", "out"]);
     assert_eq!(run.code, 0, "{}", run.err);
-    let whole = fs::read_to_string(folder.join("out/trace.csv")).unwrap();
+    let trace = fs::read_to_string(folder.join("out/trace.csv")).unwrap();
+    (folder, trace)
+}
+
+#[test]
+fn a_trace_has_its_studys_joints_period_and_samples() {
+    let (folder, whole) = two_joints("records-traces");
     let (head, rows) = whole.split_once('\n').unwrap();
     let lines = |keep: &dyn Fn(usize) -> bool| -> String {
         let kept = rows.lines().enumerate().filter(|(k, _)| keep(*k)).map(|(_, line)| line);
@@ -141,7 +147,14 @@ fn a_trace_has_its_studys_joints_period_and_samples() {
         assert_eq!(answer.code, 2, "{}{}", answer.out, answer.err);
         assert!(answer.err.contains(&told), "{told}\n{}", answer.err);
     }
-    // A run that diverged may end so, and has its page; nothing is designed from it.
+    with_trace(&folder.join("out"), &whole);
+    assert_eq!(phihat(&folder, &["report", "out/trace.csv"]).code, 0);
+}
+
+/// As a run that diverged may end.
+#[test]
+fn a_trace_with_values_that_are_no_numbers_has_its_page_and_nothing_is_designed_from_it() {
+    let (folder, whole) = two_joints("records-diverged");
     let last = whole.trim_end().rsplit_once('\n').unwrap().1;
     let value = last.split(',').nth(4).unwrap();
     let diverged = whole.replace(last, &last.replacen(value, "NaN", 1));
@@ -151,8 +164,6 @@ fn a_trace_has_its_studys_joints_period_and_samples() {
     assert_eq!(answer.code, 2, "{}{}", answer.out, answer.err);
     let told = "out/trace.csv: ddq_rad_s2 of joint joint2 at 0.049 s is no number";
     assert!(answer.err.contains(told), "{}", answer.err);
-    with_trace(&folder.join("out"), &whole);
-    assert_eq!(phihat(&folder, &["report", "out/trace.csv"]).code, 0);
 }
 
 #[test]
