@@ -97,9 +97,11 @@ impl Reproduce {
     fn answer(&self) -> Result<(Reproduction, Result<(), String>), Failure> {
         let only = self.only.as_deref().map(choice::part).transpose()?;
         files::check_writable(&self.results())?;
-        let _held = Lock::take(&self.out).map_err(Failure::plain)?;
+        // In a new folder nothing is made before there is something to write.
+        let used = Lock::take_if_used(&self.out).map_err(Failure::plain)?;
         let reproduction = self.run(only.as_deref())?;
         interrupt::done();
+        let _held = used.map_or_else(|| Lock::take(&self.out), Ok).map_err(Failure::plain)?;
         let pictures = self.write(&reproduction)?;
         Ok((reproduction, pictures))
     }
