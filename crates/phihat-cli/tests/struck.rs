@@ -251,9 +251,9 @@ fn a_reproduction_leaves_the_older_one_or_the_new_one_or_none() {
     let command = &["reproduce", "--only", "table 2", "--out", "out"];
     let case =
         Case { folder, command, out: "out", sign: Some("report.html"), before, result: |_| true };
-    let counts = ["fail", "kill"].map(|how| case.strike_all(how));
-    println!("reproduce: {counts:?} operations struck");
-    assert!(counts[0] > 50 && counts[1] == counts[0], "{counts:?}");
+    let count = case.strike_all("fail");
+    println!("reproduce: {count} operations struck");
+    assert!(count > 50, "{count}");
     assert!(!case.out().join("figures/fig-12.svg").exists(), "a figure of the older reproduction");
 }
 
