@@ -28,7 +28,7 @@ const STEPS: [Step; 18] = [
     ("documentation", documentation),
     ("the core cannot panic or allocate", rules::core_is_bare),
     ("instructions of a sample", instructions::check),
-    ("release build", |root| cargo(root, &["build", "--release", "--package", "phihat-cli"])),
+    ("release build", release),
     ("the README's main job", main_job),
     ("an attack on certificates", |root| {
         let size = ["60", "--runs", "4", "--alone", "--fresh"].map(String::from);
@@ -79,6 +79,18 @@ pub(crate) fn command(folder: &Path, program: &str, args: &[&str]) -> Result<(),
 
 pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
     command(root, "cargo", args)
+}
+
+/// Builds what a user runs; nothing in it lets the disk be struck.
+fn release(root: &Path) -> Result<(), String> {
+    cargo(root, &["build", "--release", "--package", "phihat-cli"])?;
+    let name = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
+    let program = std::fs::read(root.join(&name)).map_err(|e| format!("{name}: {e}"))?;
+    let word = b"PHIHAT_STRIKE";
+    if program.windows(word.len()).any(|bytes| bytes == word) {
+        return Err(format!("{name} can be struck; that belongs behind debug assertions"));
+    }
+    Ok(())
 }
 
 fn documentation(root: &Path) -> Result<(), String> {

@@ -67,10 +67,8 @@ fn attack(arguments: &Arguments) -> Result<bool, String> {
     let folder = arguments.out.join(format!("seed-{}", arguments.seed));
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let path = folder.join("journal.jsonl");
-    if arguments.fresh && path.exists() {
-        fs::remove_file(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    }
-    let mut journal = Journal::open(&path).map_err(|e| e.to_string())?;
+    let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
+    let mut journal = journal.map_err(|e| e.to_string())?;
     let program = program()?;
     let Arguments { seed, runs, keep_every, .. } = *arguments;
     let python = arguments.python.as_deref();

@@ -1,5 +1,7 @@
 //! Names for contents.
 
+use std::io::{self, Read};
+
 use sha2::{Digest, Sha256};
 
 /// The first 16 hexadecimal digits of the SHA-256 of some texts, each closed by its length.
@@ -9,8 +11,29 @@ pub(crate) fn short_hash(parts: &[&str]) -> String {
         hash.update(part.as_bytes());
         hash.update((part.len() as u64).to_le_bytes());
     }
-    let digits = |byte: u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));
-    hash.finalize().into_iter().take(8).flat_map(digits).flatten().collect()
+    hexadecimal(&hash.finalize()[..8])
+}
+
+/// Bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));
+    bytes.iter().flat_map(digits).flatten().collect()
+}
+
+/// The SHA-256 of what is left to read, hexadecimal.
+///
+/// # Errors
+///
+/// The reader's.
+pub fn sha256(reader: &mut impl Read) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    let mut room = vec![0; 1 << 16];
+    loop {
+        match reader.read(&mut room)? {
+            0 => return Ok(hexadecimal(&hash.finalize())),
+            read => hash.update(&room[..read]),
+        }
+    }
 }
 
 /// A number from 0 up to, not including, 1 that a text and a word stand for: the same on every machine.

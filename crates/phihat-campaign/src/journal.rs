@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use thiserror::Error;
 
+use crate::disk::{self, Operation, strike, sync_folder};
 use crate::hash::short_hash;
 
 /// An append-only file of JSON lines, each with a checksum, open for one process at a time.
@@ -74,22 +75,46 @@ impl Journal {
     ///
     /// [`JournalError`]: the file cannot be read or written, or another process has it open.
     pub fn open(path: &Path) -> Result<Self, JournalError> {
-        let io = |what| move |error| JournalError::Io { path: path.to_owned(), what, error };
+        Self::read(path, Self::locked(path)?)
+    }
+
+    /// The same, emptied of what it held. One that another process has open is left as it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub fn afresh(path: &Path) -> Result<Self, JournalError> {
+        let file = Self::locked(path)?;
+        strike(Operation::Write, path)
+            .and_then(|()| file.set_len(0))
+            .and_then(|()| file.sync_all())
+            .map_err(|error| io(path, "cannot be emptied", error))?;
+        Self::read(path, file)
+    }
+
+    fn locked(path: &Path) -> Result<File, JournalError> {
         let mut options = OpenOptions::new();
-        let mut file = options
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(path)
-            .map_err(io("cannot be opened"))?;
+        options.read(true).write(true).create(true).truncate(false);
+        let file = strike(Operation::Open, path)
+            .and_then(|()| options.open(path))
+            .map_err(|error| io(path, "cannot be opened", error))?;
+        let unlocked = |error| io(path, "cannot be locked", error);
+        strike(Operation::Lock, path).map_err(unlocked)?;
         match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(JournalError::Busy(path.to_owned())),
-            Err(TryLockError::Error(error)) => return Err(io("cannot be locked")(error)),
+            Ok(()) => Ok(file),
+            Err(TryLockError::WouldBlock) => Err(JournalError::Busy(path.to_owned())),
+            Err(TryLockError::Error(error)) => Err(unlocked(error)),
         }
+    }
+
+    /// Reads what a locked journal holds; what comes goes behind it.
+    fn read(path: &Path, mut file: File) -> Result<Self, JournalError> {
         let mut bytes = Vec::new();
-        file.seek(SeekFrom::Start(0)).map_err(io("cannot be read"))?;
-        file.read_to_end(&mut bytes).map_err(io("cannot be read"))?;
+        file.read_to_end(&mut bytes).map_err(|error| io(path, "cannot be read", error))?;
+        if bytes.is_empty() {
+            sync_folder(disk::folder_of(path))
+                .map_err(|error| io(path, "cannot be written", error))?;
+        }
         let mut journal =
             Self { path: path.to_owned(), file, entries: BTreeMap::new(), damaged: Vec::new() };
         let lines = (1..).zip(bytes.split(|&byte| byte == b'\n'));
@@ -162,10 +187,15 @@ impl Journal {
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
-        let written = self.file.write_all(bytes).and_then(|()| self.file.sync_data());
-        let what = "cannot be written";
-        written.map_err(|error| JournalError::Io { path: self.path.clone(), what, error })
+        let written = disk::write_all(&mut self.file, &self.path, bytes)
+            .and_then(|()| strike(Operation::Sync, &self.path))
+            .and_then(|()| self.file.sync_data());
+        written.map_err(|error| io(&self.path, "cannot be written", error))
     }
+}
+
+fn io(path: &Path, what: &'static str, error: std::io::Error) -> JournalError {
+    JournalError::Io { path: path.to_owned(), what, error }
 }
 
 /// Id and entry of a line, if its checksum is right.

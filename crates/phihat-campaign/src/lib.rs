@@ -9,6 +9,8 @@
 //!
 //! [`compare`] measures the rivals of the paper on the same arms. [`reproduce`] computes the paper again, statement by statement.
 //!
+//! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
+//!
 //! # Not claimed
 //!
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
@@ -17,6 +19,7 @@
 mod along;
 pub mod compare;
 mod dice;
+pub mod disk;
 pub mod faults;
 mod hash;
 mod journal;
@@ -26,6 +29,7 @@ mod typed_phi;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
 pub use dice::Dice;
+pub use hash::sha256;
 pub use journal::{Journal, JournalError};
 pub use runner::{Ended, Progress, run_all};
 pub use typed_phi::typed_phi_holds;

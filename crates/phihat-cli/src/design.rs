@@ -11,6 +11,7 @@ use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::kept::are_of_a_run;
 use crate::knowledge::Advice;
 use crate::{files, knowledge, table};
 
@@ -73,10 +74,15 @@ impl Design {
     fn write(&self, study: &Study, gains: &Gains) -> Result<ExitCode, Failure> {
         let default = || Path::new("out").join(&study.name).join("gains.json");
         let path = self.out.clone().unwrap_or_else(default);
-        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-            files::make_folder(folder)?;
+        let text = gains.to_json().map_err(Failure::plain)?;
+        let others = are_of_a_run(&path, &text);
+        files::write(&path, &text)?;
+        if others {
+            let file = path.display();
+            eprintln!(
+                "{file}: took the place of the gains of a run, whose record is whole no longer"
+            );
         }
-        files::write(&path, &gains.to_json().map_err(Failure::plain)?)?;
         if self.json {
             println!("{:#}", json!({ "outcome": "designed", "file": path, "gains": gains }));
         } else {

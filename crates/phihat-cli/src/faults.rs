@@ -10,14 +10,13 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_campaign::faults::{Case, Extent, Matrix, Summary};
-use phihat_campaign::run_all;
+use phihat_campaign::{Journal, run_all};
 use phihat_design::Gains;
 use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
 use crate::record::Session;
-use crate::report::write_report;
 use crate::{files, interrupt};
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
@@ -105,18 +104,19 @@ impl Faults {
     /// Runs them and writes the answer, whose page is named.
     fn answer(&self, matrix: &Matrix, folder: &Path) -> Result<(Summary, PathBuf), Failure> {
         let cache = folder.join("gains");
-        let results = ["journal.jsonl", "faults.json", "report.html"].map(|name| folder.join(name));
-        files::check_writable(results.iter().chain([&cache.join("gains.json")]))?;
-        files::make_folder(&cache)?;
+        let [path, data, page] =
+            ["journal.jsonl", "faults.json", "report.html"].map(|name| folder.join(name));
+        files::check_writable([&path, &data, &page, &cache.join("gains.json")])?;
+        let mut journal = files::open_journal(&path, self.fresh)?;
         for (name, gains) in matrix.arms.iter().flat_map(phihat_campaign::faults::Arm::gains) {
-            files::write(&cache.join(name), &gains.to_json().map_err(Failure::plain)?)?;
+            let text = gains.to_json().map_err(Failure::plain)?;
+            files::write_locked(&[(cache.join(name), text.into_bytes())])?;
         }
-        let summary = self.run(matrix, folder)?;
-        let page = folder.join("report.html");
+        let summary = self.run(matrix, &mut journal, &path)?;
         let text = serde_json::to_string_pretty(&summary).map_err(Failure::plain)?;
         let html = phihat_report::faults_page(&summary, &self.command());
-        files::write_all(&[
-            (folder.join("faults.json"), (text + "\n").into_bytes()),
+        files::write_locked(&[
+            (data, (text + "\n").into_bytes()),
             (page.clone(), html.into_bytes()),
         ])?;
         if self.trace {
@@ -141,20 +141,18 @@ impl Faults {
         }
     }
 
-    fn run(&self, matrix: &Matrix, folder: &Path) -> Result<Summary, Failure> {
-        let path = folder.join("journal.jsonl");
-        let mut journal = files::open_journal(&path, self.fresh)?;
+    fn run(&self, matrix: &Matrix, journal: &mut Journal, path: &Path) -> Result<Summary, Failure> {
         let ids: Vec<String> = matrix.cases.iter().map(|case| matrix.id(case)).collect();
         let cores = available_parallelism().map_or(1, usize::from);
         let bar = ProgressBar::new(ids.len() as u64);
-        interrupt::says(&bar, interrupt::resumable(&path, self.fresh));
+        interrupt::says(&bar, interrupt::resumable(path, self.fresh));
         let template = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         let ended = run_all(
             &ids,
-            &mut journal,
+            journal,
             self.threads.map_or(cores, usize::from),
             &|place| matrix.run(&matrix.cases[place]),
             |progress| {
@@ -232,9 +230,8 @@ fn keep(matrix: &Matrix, case: &Case, folder: &Path) -> Result<(), Failure> {
     let study = Box::new(matrix.study(case).map_err(Failure::plain)?);
     let gains = folder.join("gains.json");
     let given = Some((matrix.gains(case).clone(), gains.as_path()));
-    let done = Session::new(study, &folder.join("study.toml"), given, true)?.simulate(&folder)?;
-    write_report(&done.record(), &folder.join("report.html"))?;
-    Ok(())
+    let session = Session::new(study, &folder.join("study.toml"), given, true)?;
+    session.simulate(&folder, Some(&folder.join("report.html"))).map(|_| ())
 }
 
 /// One line per fault, what each severity came to, and the totals.

@@ -231,12 +231,13 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
     let open = std::io::BufReader::new(files::open(file)?);
-    let trace = Trace::read_csv(open).map_err(|e| Failure::at(file, e))?;
-    let found: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
-    let expected = names(study);
-    if found != expected {
-        let (found, expected) = (found.join(", "), expected.join(", "));
-        return Err(Failure::at(file, format!("joints {found}; the study's arm has {expected}")));
+    let trace = Trace::read_csv(open, study);
+    let trace = trace.map_err(|e| Failure::at(file, e))?;
+    if let Some((t, joint, column)) = trace.not_finite() {
+        let why = format!(
+            "{column} of joint {joint} at {t} s is no number: nothing is designed from such a run"
+        );
+        return Err(Failure::at(file, why));
     }
     if trace.len() < 2 || trace.index_at(study.spec.settle) + 2 > trace.len() {
         let settle = study.spec.settle;

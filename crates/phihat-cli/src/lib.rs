@@ -15,6 +15,7 @@ mod failure;
 mod faults;
 mod files;
 mod interrupt;
+mod kept;
 mod knowledge;
 mod png;
 mod record;

@@ -1,10 +1,12 @@
 //! One study being run, and what the run leaves in its folder.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use phihat_campaign::disk::{Lock, Whole};
 use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
 use phihat_report::{Record, RunInfo, TubeRun, limits_acted};
 use phihat_sim::{Abort, Divergence, Metrics, Simulation, Trace};
@@ -12,7 +14,9 @@ use phihat_study::{LawForm, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::kept::{Origin, PARQUET, RUN, TRACE};
 use crate::knowledge::Advice;
+use crate::report::{add_page, remove_page};
 use crate::{files, knowledge, table};
 
 /// What `run` and `simulate` are told.
@@ -136,9 +140,10 @@ impl Session {
         self.gains
     }
 
-    /// Runs the loop behind a progress bar and writes its record. What the robot's torque interface will
-    /// not bear is said before.
-    pub(crate) fn simulate(self, folder: &Path) -> Result<Done, Failure> {
+    /// Runs the loop behind a progress bar and leaves its record, with or without its page. What the robot's torque
+    /// interface will not bear is said before; no other process writes to the folder meanwhile.
+    pub(crate) fn simulate(self, folder: &Path, page: Option<&Path>) -> Result<Done, Failure> {
+        let _held = Lock::take(folder).map_err(Failure::plain)?;
         self.warnings.iter().filter(|w| w.starts_with("forecast:")).for_each(|w| eprintln!("{w}"));
         let bar = ProgressBar::new(self.simulation.samples());
         if let Ok(style) = ProgressStyle::with_template(
@@ -148,7 +153,7 @@ impl Session {
         }
         let done = self.run(|done| bar.set_position(done));
         bar.finish_and_clear();
-        done.write(folder)?;
+        done.leave(folder, page)?;
         Ok(done)
     }
 
@@ -183,28 +188,49 @@ impl Done {
         }
     }
 
-    /// Writes trace, metrics, gains, origin and study into a folder.
+    /// Writes trace, metrics, gains, origin and study into a folder: a whole record in place of an older one, whose page
+    /// goes.
     ///
     /// # Errors
     ///
-    /// [`Failure`], naming the file that cannot be written.
+    /// [`Failure`], naming the file that cannot be written, or that another process is at work there.
     pub fn write(&self, folder: &Path) -> Result<(), Failure> {
-        files::make_folder(folder)?;
+        let _held = Lock::take(folder).map_err(Failure::plain)?;
+        self.leave(folder, None)
+    }
+
+    /// The same in a folder that is locked, with a page.
+    fn leave(&self, folder: &Path, page: Option<&Path>) -> Result<(), Failure> {
         let at = |name: &str| folder.join(name);
-        let pretty = |value: &serde_json::Value| format!("{value:#}\n");
-        files::write(&at("study.toml"), &self.study.text)?;
-        files::write(&at("gains.json"), &self.gains.to_json().map_err(Failure::plain)?)?;
-        files::write(&at("run.json"), &pretty(&json!(self.run)))?;
-        files::write(&at("metrics.json"), &pretty(&self.figures()))?;
-        let trace = at("trace.csv");
-        files::write_with(&trace, |file| {
-            self.trace.write_csv(file).map_err(|e| Failure::at(&trace, e))
-        })?;
+        let pretty = |value: &serde_json::Value| format!("{value:#}\n").into_bytes();
+        let mut whole = Whole::in_locked_folder();
+        let mut files = BTreeMap::new();
+        let gains = self.gains.to_json().map_err(Failure::plain)?;
+        for (name, bytes) in [
+            ("study.toml", self.study.text.clone().into_bytes()),
+            ("gains.json", gains.into_bytes()),
+            ("metrics.json", pretty(&self.figures())),
+        ] {
+            let sum = whole.add(&at(name), &bytes).map_err(Failure::plain)?;
+            files.insert(name.to_owned(), sum);
+        }
+        let sum = whole.add_with(&at(TRACE), |file| self.trace.write_csv(file));
+        files.insert(TRACE.to_owned(), sum.map_err(Failure::plain)?);
         #[cfg(feature = "parquet")]
-        files::write_with(&at("trace.parquet"), |file| {
-            self.trace.write_parquet(file).map_err(|e| Failure::at(&at("trace.parquet"), e))
-        })?;
-        Ok(())
+        {
+            let sum = whole.add_with(&at(PARQUET), |file| self.trace.write_parquet(file));
+            files.insert(PARQUET.to_owned(), sum.map_err(Failure::plain)?);
+        }
+        // One that an older run left would stand beside a trace that is not its own.
+        #[cfg(not(feature = "parquet"))]
+        whole.remove(at(PARQUET));
+        match page {
+            Some(page) => add_page(&mut whole, &self.record(), page)?,
+            None => remove_page(&mut whole, &at("report.html")),
+        }
+        let origin = Origin { run: self.run.clone(), files };
+        whole.add(&at(RUN), &pretty(&json!(origin))).map_err(Failure::plain)?;
+        whole.commit().map_err(Failure::plain)
     }
 
     /// The figures of the run: its metrics, and under `tube` the run beside the tube that its gains carry.

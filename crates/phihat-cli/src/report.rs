@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_design::Gains;
-use phihat_report::{Record, RunInfo};
-use phihat_sim::{Metrics, Trace};
-use phihat_study::Study;
+use phihat_campaign::disk::{Lock, Whole, folder_of};
+use phihat_report::{FIGURES, Record};
+use phihat_sim::Metrics;
 
 use crate::failure::Failure;
-use crate::files;
+use crate::kept::Kept;
 use crate::record::settle;
 
 /// Make the report of a recorded trace again.
 ///
-/// Reads study.toml, gains.json and run.json beside the trace, as `phihat run` leaves them.
+/// Reads run.json, study.toml, gains.json and metrics.json beside the trace, as `phihat run` leaves them. Files that are
+/// not of one run are refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat report out/first/trace.csv")]
@@ -32,17 +32,18 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let folder = self.trace.parent().unwrap_or(Path::new(""));
-        let beside = |name: &str| folder.join(name);
-        let file = files::open(&self.trace)?;
-        let trace = Trace::read_csv(file).map_err(|e| Failure::at(&self.trace, e))?;
-        let run_path = beside("run.json");
-        let run: RunInfo = serde_json::from_str(&files::read(&run_path)?)
-            .map_err(|e| Failure::at(&run_path, e))?;
-        let gains_path = beside("gains.json");
-        let gains = Gains::from_json(&files::read(&gains_path)?)
-            .map_err(|e| Failure::at(&gains_path, e))?;
-        let mut study = Study::read(&beside("study.toml")).map_err(|e| Failure::study(&e))?;
+        let folder = folder_of(&self.trace);
+        let page = self.out.clone().unwrap_or_else(|| self.trace.with_file_name("report.html"));
+        Kept::is_named(&self.trace)?;
+        // Nobody may put another run there between reading it and writing its page.
+        let beside = folder_of(&page) == folder;
+        let held = if beside {
+            Lock::take(folder).map(Some)
+        } else {
+            Lock::take_if_used(folder_of(&page))
+        };
+        let held = held.map_err(Failure::plain)?;
+        let Kept { run, mut study, gains, trace } = Kept::read(&self.trace)?;
         settle(&mut study, &gains);
         let metrics = Metrics::of(&trace, &study);
         let record = Record {
@@ -52,8 +53,7 @@ impl Report {
             trace: &trace,
             metrics: &metrics,
         };
-        let page = self.out.clone().unwrap_or_else(|| beside("report.html"));
-        let page = write_report(&record, &page)?;
+        write_page(&record, &page, held.as_ref())?;
         if self.json {
             println!("{}", serde_json::json!({ "report": page, "metrics": metrics }));
         } else {
@@ -63,17 +63,44 @@ impl Report {
     }
 }
 
-/// Writes the page, and its figures into `figures/` beside it.
+/// Writes the page, and its figures into `figures/` beside it: all of them or none.
 ///
 /// # Errors
 ///
 /// [`Failure`], naming the file that cannot be written.
 pub fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Failure> {
-    let folder = page.parent().unwrap_or(Path::new("")).join("figures");
-    files::make_folder(&folder)?;
-    for figure in phihat_report::figures(record) {
-        files::write(&folder.join(format!("{}.svg", figure.name)), &figure.svg)?;
-    }
-    files::write(page, &phihat_report::page(record))?;
+    let held = Lock::take_if_used(folder_of(page)).map_err(Failure::plain)?;
+    write_page(record, page, held.as_ref())?;
     Ok(page.to_owned())
+}
+
+fn write_page(record: &Record<'_>, page: &Path, held: Option<&Lock>) -> Result<(), Failure> {
+    let mut whole = Whole::where_held(held);
+    add_page(&mut whole, record, page)?;
+    whole.commit().map_err(Failure::plain)
+}
+
+/// Prepares the page, the last, and its figures; what an older page left is to go.
+pub(crate) fn add_page(whole: &mut Whole, record: &Record<'_>, page: &Path) -> Result<(), Failure> {
+    remove_page(whole, page);
+    for figure in &phihat_report::figures(record) {
+        whole
+            .add(&figure_beside(page, &figure.name), figure.svg.as_bytes())
+            .map_err(Failure::plain)?;
+    }
+    let page_text = phihat_report::page(record);
+    whole.add(page, page_text.as_bytes()).map_err(Failure::plain)?;
+    Ok(())
+}
+
+/// What an older page left is to go.
+pub(crate) fn remove_page(whole: &mut Whole, page: &Path) {
+    whole.remove(page.to_owned());
+    for name in FIGURES {
+        whole.remove(figure_beside(page, name));
+    }
+}
+
+fn figure_beside(page: &Path, name: &str) -> PathBuf {
+    page.with_file_name("figures").join(format!("{name}.svg"))
 }

@@ -6,7 +6,6 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::record::RunArguments;
-use crate::report::write_report;
 
 /// Take a study through gains, the closed loop and a report.
 ///
@@ -22,8 +21,8 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let (session, folder) = self.arguments.open()?;
-        let done = session.simulate(&folder)?;
-        let page = write_report(&done.record(), &folder.join("report.html"))?;
+        let page = folder.join("report.html");
+        let done = session.simulate(&folder, Some(&page))?;
         Ok(done.print(self.arguments.json, &folder, Some(&page)))
     }
 }

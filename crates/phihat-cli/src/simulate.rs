@@ -20,7 +20,7 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let (session, folder) = self.arguments.open()?;
-        let done = session.simulate(&folder)?;
+        let done = session.simulate(&folder, None)?;
         Ok(done.print(self.arguments.json, &folder, None))
     }
 }

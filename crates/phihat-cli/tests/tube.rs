@@ -134,11 +134,11 @@ fn a_limit_that_acts_is_told_though_the_run_is_within_spec() {
     assert!(answer.out.contains("within spec on all 1 joints"), "{}", answer.out);
     assert!(answer.out.contains("BUT the torque-rate limit acted in"), "{}", answer.out);
     assert!(answer.out.contains("after t = 1 s: no certificate speaks of that"));
+    let page = fs::read_to_string(folder.join("out/slow/report.html")).unwrap();
+    assert!(page.contains("verdict limited") && page.contains("no certificate speaks of that"));
     let figures = json(&folder, &["simulate", "slow.toml", "--uncertified", "--json"]);
     assert_eq!(figures["verdict"], "within_spec_limited");
     let share = figures["metrics"]["joints"][0]["limited_steady_share"].as_f64().unwrap();
     let samples = figures["metrics"]["joints"][0]["rate_limited_steady_samples"].as_u64().unwrap();
     assert!(share > 0.0 && (share * 1000.0 - samples as f64).abs() < 1e-6, "{share} {samples}");
-    let page = fs::read_to_string(folder.join("out/slow/report.html")).unwrap();
-    assert!(page.contains("verdict limited") && page.contains("no certificate speaks of that"));
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use phihat_campaign::Journal;
@@ -115,16 +116,23 @@ pub fn gains(bytes: &[u8]) {
 ///
 /// A promise is broken.
 pub fn trace(bytes: &[u8]) {
-    match Trace::read_csv(bytes) {
-        Ok(trace) => {
-            let mut text = Vec::new();
-            assert!(trace.write_csv(&mut text).is_ok());
-            let again = Trace::read_csv(&text[..]);
-            let mut twice = Vec::new();
-            let written = again.is_ok_and(|again| again.write_csv(&mut twice).is_ok());
-            assert!(written && text == twice, "does not read back");
+    static STUDIES: LazyLock<Vec<Study>> = LazyLock::new(|| {
+        let read = |name: &str| Study::read(&project().join("studies").join(name)).ok();
+        ["panda.toml", "payload_drop.toml"].into_iter().filter_map(read).collect()
+    });
+    assert_eq!(STUDIES.len(), 2);
+    for study in STUDIES.iter() {
+        match Trace::read_csv(bytes, study) {
+            Ok(trace) => {
+                let mut text = Vec::new();
+                assert!(trace.write_csv(&mut text).is_ok());
+                let again = Trace::read_csv(&text[..], study);
+                let mut twice = Vec::new();
+                let written = again.is_ok_and(|again| again.write_csv(&mut twice).is_ok());
+                assert!(written && text == twice, "does not read back");
+            }
+            Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
         }
-        Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
     }
 }
 

@@ -41,7 +41,7 @@ pub use comparison::{
     main_world, model_free, model_free_in_full, trial_page,
 };
 pub use faults::faults_page;
-pub use figure::{Figure, figures, reproduction_figures};
+pub use figure::{FIGURES, Figure, figures, reproduction_figures};
 pub use limited::limits_acted;
 pub use page::page;
 pub use record::{Record, RunInfo};

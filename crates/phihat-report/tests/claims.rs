@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, design};
-use phihat_report::{figures, page};
+use phihat_report::{FIGURES, figures, page};
 use phihat_study::Study;
 use roxmltree::Document;
 
@@ -135,6 +135,18 @@ fn nonsense_in_the_file_leaves_its_figure_out() {
         assert!(page(&fixture.record()).contains("Certificate"));
         assert_eq!(svg(&fixture, "bode"), None);
     }
+}
+
+/// What an older page left is removed by these names.
+#[test]
+fn the_name_of_every_figure_is_listed() {
+    let mut drawn: Vec<_> =
+        figures(&with(certified()).record()).into_iter().map(|figure| figure.name).collect();
+    drawn.extend(["velocity-error", "error-integral", "torque-step"].map(String::from));
+    let listed = |name: &String| FIGURES.contains(&name.as_str());
+    assert!(drawn.iter().all(listed), "{drawn:?}");
+    let missing: Vec<_> = FIGURES.iter().filter(|name| !drawn.iter().any(|d| d == *name)).collect();
+    assert_eq!(missing, Vec::<&&str>::new(), "listed, and no record has it");
 }
 
 #[test]

@@ -113,6 +113,16 @@ impl Trace {
         self.t_ns.partition_point(|at| (*at as f64) < t * 1e9)
     }
 
+    /// The first value that is no number, as a run that diverged may leave it: time \[s\], joint, column.
+    pub fn not_finite(&self) -> Option<(f64, &str, &'static str)> {
+        self.joints.iter().find_map(|joint| {
+            COLUMNS.iter().find_map(|column| {
+                let at = (column.get)(joint).iter().position(|value| !value.is_finite())?;
+                Some((*self.t_ns.get(at)? as f64 * 1e-9, joint.name.as_str(), column.name))
+            })
+        })
+    }
+
     /// Opens a sample with the true state.
     pub(crate) fn state(&mut self, t_ns: u64, q: &[f64], dq: &[f64]) {
         self.t_ns.push(t_ns);

@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 
 use phihat::{Events, Fault, Mode};
+use phihat_study::Study;
 use thiserror::Error;
 
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
@@ -82,70 +83,89 @@ impl Trace {
         csv.flush().map_err(|e| TraceError::Csv(e.into()))
     }
 
-    /// Reads what [`Self::write_csv`] wrote.
+    /// Reads what [`Self::write_csv`] wrote of a study's arm: its joints, in their order, at its period, one sample at least.
     ///
     /// # Errors
     ///
     /// [`TraceError`], naming the line and the column.
-    pub fn read_csv(reader: impl Read) -> Result<Self, TraceError> {
+    pub fn read_csv(reader: impl Read, study: &Study) -> Result<Self, TraceError> {
         let mut csv = csv::Reader::from_reader(reader);
         let supervised = check_header(csv.headers()?)?;
+        let period_ns = study.control.period_ns;
+        let names: Vec<&str> = study.robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        let joint = |name: &&str| JointTrace { name: (*name).to_owned(), ..JointTrace::default() };
+        let joints = names.iter().map(joint).collect();
         let supervision = supervised.then(Supervision::default);
-        let mut trace = Self { supervision, ..Self::default() };
+        let mut trace = Self { period_ns, t_ns: Vec::new(), joints, supervision };
         let mut record = csv::StringRecord::new();
-        let mut slot = 0;
+        let mut next = 0;
         while csv.read_record(&mut record)? {
             let line = record.position().map_or(0, csv::Position::line);
             let row = Row { line, record: &record };
-            slot = trace.place(&row, slot)?;
-            row.append(&mut trace.joints[slot])?;
-            if let Some(supervision) = trace.supervision.as_mut()
-                && supervision.mode.len() < trace.t_ns.len()
+            trace.place(&row, next, &names)?;
+            row.append(&mut trace.joints[next])?;
+            if next == 0
+                && let Some(supervision) = trace.supervision.as_mut()
             {
                 row.supervision(supervision)?;
             }
+            next = (next + 1) % names.len();
         }
-        if let Some(short) = trace.joints.iter().find(|j| j.q.len() != trace.len()) {
-            let reason = format!("the last sample has no row for joint {}", short.name);
-            return Err(TraceError::Rows { line: csv.position().line(), reason });
+        let line = csv.position().line();
+        if trace.is_empty() {
+            let reason = "no sample follows; a trace has one row per sample and joint".to_owned();
+            return Err(TraceError::Rows { line, reason });
         }
-        trace.period_ns = match trace.t_ns[..] {
-            [first, second, ..] => second - first,
-            _ => 0,
-        };
+        if next != 0 {
+            let reason = format!("the last sample has no row for joint {}", names[next]);
+            return Err(TraceError::Rows { line, reason });
+        }
         Ok(trace)
     }
 
-    /// Which joint a row belongs to; opens a sample or, in the first one, a joint.
-    fn place(&mut self, row: &Row<'_>, last: usize) -> Result<usize, TraceError> {
-        let t_ns = row.time()?;
-        let name = row.text(1);
-        if self.t_ns.last() != Some(&t_ns) {
-            let complete = self.joints.iter().all(|j| j.q.len() == self.t_ns.len());
-            if !complete || self.t_ns.last().is_some_and(|before| *before >= t_ns) {
-                let reason = format!("time {} s does not follow a complete sample", row.text(0));
-                return Err(TraceError::Rows { line: row.line, reason });
+    /// Checks that a row is the next one: of this joint, at the time of its sample.
+    fn place(&mut self, row: &Row<'_>, joint: usize, names: &[&str]) -> Result<(), TraceError> {
+        let wrong = |reason: String| Err(TraceError::Rows { line: row.line, reason });
+        let (name, t_ns) = (row.text(1), row.time()?);
+        if name != names[joint] {
+            let (n, all) = (names.len(), listed(names));
+            let name: String = name.chars().take(CLIP).collect();
+            return wrong(format!(
+                "joint {name:?} is not the next one, {:?}; the study's arm has {n}, in this order: {all}",
+                names[joint]
+            ));
+        }
+        match (self.t_ns.last(), joint) {
+            (None, _) => self.t_ns.push(t_ns),
+            (Some(before), 0) => {
+                if before.checked_add(self.period_ns) != Some(t_ns) {
+                    let (time, before) = (row.text(0), seconds(*before));
+                    let period = seconds(self.period_ns);
+                    return wrong(format!(
+                        "time {time} s does not follow {before} s by the study's period, {period} s"
+                    ));
+                }
+                self.t_ns.push(t_ns);
             }
-            self.t_ns.push(t_ns);
+            (Some(sample), _) if *sample != t_ns => {
+                let (time, sample) = (row.text(0), seconds(*sample));
+                return wrong(format!(
+                    "time {time} s, in the sample of {sample} s: it has no row for joint {name} yet"
+                ));
+            }
+            _ => {}
         }
-        if self.t_ns.len() == 1 && self.joints.iter().all(|j| j.name != name) {
-            self.joints.push(JointTrace { name: name.to_owned(), ..JointTrace::default() });
-        }
-        // Rows come in turn: the next joint is the likeliest.
-        let n = self.joints.len();
-        let found = (1..=n).map(|ahead| (last + ahead) % n).find(|i| self.joints[*i].name == name);
-        match found {
-            Some(slot) if self.joints[slot].q.len() + 1 == self.t_ns.len() => Ok(slot),
-            Some(_) => Err(TraceError::Rows {
-                line: row.line,
-                reason: format!("a second row for joint {name} in one sample"),
-            }),
-            None => Err(TraceError::Rows {
-                line: row.line,
-                reason: format!("joint {name} is not in the first sample"),
-            }),
-        }
+        Ok(())
     }
+}
+
+/// Names that are told, and characters of one that is none.
+const SHOWN: usize = 12;
+const CLIP: usize = 60;
+
+fn listed(names: &[&str]) -> String {
+    let more = if names.len() > SHOWN { ", …" } else { "" };
+    format!("{}{more}", names[..names.len().min(SHOWN)].join(", "))
 }
 
 /// The columns of a supervised run.

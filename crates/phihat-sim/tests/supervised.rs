@@ -6,17 +6,19 @@ mod support;
 
 use phihat::{Events, Fault, Mode};
 use phihat_sim::{Outcome, Supervision, Trace};
+use phihat_study::Study;
 use support::{rod_study, run};
 
 const MOTION: &str = "[loop]\ntorque_rate_max_nm_s = 900.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.2\n\
                       fade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = 0.5\n";
 
 fn outcome(duration: f64, supervisor: &str, rest: &str) -> Outcome {
+    run(&study(duration, supervisor, rest))
+}
+
+fn study(duration: f64, supervisor: &str, rest: &str) -> Study {
     let table = if supervisor.is_empty() { String::new() } else { format!("{supervisor}\n") };
-    run(&rod_study(
-        &format!("duration_s = {duration}\nseed = 3"),
-        &format!("{MOTION}{table}{rest}"),
-    ))
+    rod_study(&format!("duration_s = {duration}\nseed = 3"), &format!("{MOTION}{table}{rest}"))
 }
 
 fn supervision(outcome: &Outcome) -> &Supervision {
@@ -91,14 +93,16 @@ fn f15_a_stop_and_a_restart_as_requests_over_time() {
 #[test]
 fn a_supervised_trace_survives_its_file() {
     let fault = "[[fault]]\nkind = \"sensor_freeze\"\nstart_s = 2.0\nduration_s = 0.05\n";
-    let trace = outcome(2.5, "[supervisor]\nfrozen_travel_rad = 1e-3", fault).trace;
+    let table = "[supervisor]\nfrozen_travel_rad = 1e-3";
+    let trace = outcome(2.5, table, fault).trace;
+    let study = study(2.5, table, fault);
     assert!(trace.supervision.as_ref().unwrap().fault.contains(&Some(Fault::Frozen)));
     let mut file = Vec::new();
     trace.write_csv(&mut file).unwrap();
-    assert_eq!(Trace::read_csv(file.as_slice()).unwrap(), trace);
+    assert_eq!(Trace::read_csv(file.as_slice(), &study).unwrap(), trace);
     let text = String::from_utf8(file).unwrap();
     assert!(text.lines().next().unwrap().ends_with(",mode,events,fault,brake"));
     let bad = text.replacen(",tracking,", ",trackink,", 1);
-    let why = Trace::read_csv(bad.as_bytes()).unwrap_err().to_string();
+    let why = Trace::read_csv(bad.as_bytes(), &study).unwrap_err().to_string();
     assert!(why.contains("mode") && why.contains("trackink"), "{why}");
 }

@@ -20,10 +20,11 @@ fn same_study_same_trace() {
 
 #[test]
 fn file_and_back_to_the_last_bit() {
-    let trace = run(&rod_study("duration_s = 0.5", WORLD)).trace;
+    let study = rod_study("duration_s = 0.5", WORLD);
+    let trace = run(&study).trace;
     let mut file = Vec::new();
     trace.write_csv(&mut file).unwrap();
-    assert_eq!(Trace::read_csv(file.as_slice()).unwrap(), trace);
+    assert_eq!(Trace::read_csv(file.as_slice(), &study).unwrap(), trace);
     let text = String::from_utf8(file).unwrap();
     assert!(text.starts_with("t_s,joint,q_rad,dq_rad_s,"), "{}", &text[..60]);
     assert!(text.lines().nth(2).unwrap().starts_with("0.001,hinge,"));
@@ -31,15 +32,18 @@ fn file_and_back_to_the_last_bit() {
 
 #[test]
 fn broken_files_are_refused_with_line_and_column() {
-    let trace = run(&rod_study("duration_s = 0.5", WORLD)).trace;
+    let study = rod_study("duration_s = 0.5", WORLD);
+    let trace = run(&study).trace;
     let mut file = Vec::new();
     trace.write_csv(&mut file).unwrap();
     let text = String::from_utf8(file).unwrap();
-    let why = |text: &str| Trace::read_csv(text.as_bytes()).unwrap_err().to_string();
+    let why = |text: &str| Trace::read_csv(text.as_bytes(), &study).unwrap_err().to_string();
     assert!(why(&text.replacen("q_rad", "q_deg", 1)).contains("column 3"));
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines[4] = lines[4].replacen("hinge", "hinges", 1);
-    assert!(why(&lines.join("\n")).contains("line 5: joint hinges"));
+    assert!(
+        why(&lines.join("\n")).contains("line 5: joint \"hinges\" is not the next one, \"hinge\"")
+    );
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let fields: Vec<&str> = lines[3].split(',').collect();
     lines[3] = [&fields[..6], &["fast"], &fields[7..]].concat().join(",");
@@ -48,6 +52,16 @@ fn broken_files_are_refused_with_line_and_column() {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines.swap(3, 5);
     assert!(why(&lines.join("\n")).contains("does not follow"));
+    // Of another period, and of no sample.
+    let head = text.lines().next().unwrap();
+    let slower =
+        text.lines().enumerate().filter(|(k, _)| k % 2 == 1 || *k == 0).map(|(_, line)| line);
+    let message = why(&slower.collect::<Vec<_>>().join("\n"));
+    assert!(
+        message.contains("time 0.002 s does not follow 0.0 s by the study's period, 0.001 s"),
+        "{message}"
+    );
+    assert!(why(head).contains("no sample follows"));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use std::thread::available_parallelism;
 use clap::{Args, Parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_baselines::RIVALS;
+use phihat_campaign::Journal;
 use phihat_campaign::compare::{CompareError, Comparison, Extent, Fate, Plan, WORLDS};
 use phihat_study::Study;
 use serde_json::json;
@@ -94,7 +95,8 @@ impl Compare {
     /// Makes the comparison and leaves its files; says where the page is.
     fn answer(&self, folder: &Path) -> Result<(Comparison, PathBuf), Failure> {
         let plan = self.plan(self.extent())?;
-        let comparison = self.run(&plan, folder, &results(folder))?;
+        let mut journal = self.journal(folder, &results(folder))?;
+        let comparison = self.run(&plan, folder, &mut journal)?;
         let page = write(&comparison, folder, &self.command())?;
         Ok((comparison, page))
     }
@@ -127,7 +129,8 @@ impl Compare {
             return Err(refuse());
         }
         let folder = self.folder()?;
-        let comparison = self.run(&plan, &folder, &trial::results(&folder, name))?;
+        let mut journal = self.journal(&folder, &trial::results(&folder, name))?;
+        let comparison = self.run(&plan, &folder, &mut journal)?;
         let command = format!("{} --trace {name}", self.command());
         let done = trial::keep(&plan, &comparison, name, &folder, &command)?;
         if self.json {
@@ -152,12 +155,20 @@ impl Compare {
         }
     }
 
-    /// Does what is asked for, once it is sure that the results can be written.
-    fn run(&self, plan: &Plan, folder: &Path, results: &[PathBuf]) -> Result<Comparison, Failure> {
-        let path = folder.join("journal.jsonl");
+    /// Opens the journal, once it is sure that the results can be written; no other process writes there meanwhile.
+    fn journal(&self, folder: &Path, results: &[PathBuf]) -> Result<Journal, Failure> {
+        let path = folder.join(JOURNAL);
         files::check_writable(results.iter().chain([&path]))?;
-        files::make_folder(folder)?;
-        let mut journal = files::open_journal(&path, self.fresh)?;
+        files::open_journal(&path, self.fresh)
+    }
+
+    /// Does what is asked for.
+    fn run(
+        &self,
+        plan: &Plan,
+        folder: &Path,
+        journal: &mut Journal,
+    ) -> Result<Comparison, Failure> {
         let cores = available_parallelism().map_or(1, usize::from);
         let threads = self.threads.map_or(cores, usize::from);
         let bar = ProgressBar::new(1000);
@@ -165,8 +176,8 @@ impl Compare {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        interrupt::says(&bar, interrupt::resumable(&path, self.fresh));
-        let ended = plan.run(&mut journal, threads, |progress| {
+        interrupt::says(&bar, interrupt::resumable(&folder.join(JOURNAL), self.fresh));
+        let ended = plan.run(journal, threads, |progress| {
             // A share of a thousand.
             let share = 1000.0 * plan.share_done(progress.done);
             bar.set_position(format!("{share:.0}").parse().unwrap_or(0));
@@ -241,12 +252,14 @@ fn results(folder: &Path) -> [PathBuf; 2] {
     ["compare.json", "report.html"].map(|name| folder.join(name))
 }
 
+const JOURNAL: &str = "journal.jsonl";
+
 /// Writes both or neither; the page is named.
 fn write(comparison: &Comparison, folder: &Path, command: &str) -> Result<PathBuf, Failure> {
     let [data, page] = results(folder);
     let text = serde_json::to_string(comparison).map_err(Failure::plain)? + "\n";
     let html = phihat_report::comparison_page(comparison, command);
-    files::write_all(&[(data, text.into_bytes()), (page.clone(), html.into_bytes())])?;
+    files::write_locked(&[(data, text.into_bytes()), (page.clone(), html.into_bytes())])?;
     Ok(page)
 }
 

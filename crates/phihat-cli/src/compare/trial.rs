@@ -4,13 +4,13 @@ use core::fmt;
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::compare::{Comparison, Plan};
+use phihat_campaign::disk::Whole;
 use phihat_report::{Trial, trial_page};
 use phihat_sim::{Metrics, Outcome};
 use serde_json::json;
 
 use super::unusable;
 use crate::failure::Failure;
-use crate::files;
 
 /// What a run left.
 pub(super) struct Kept {
@@ -48,11 +48,19 @@ pub(super) fn keep(
         metrics: &metrics,
         command,
     });
-    let mut trace = Vec::new();
-    outcome.trace.write_csv(&mut trace).map_err(|e| Failure::at(&folder.join("trace.csv"), e))?;
     let figures = format!("{:#}\n", json!(metrics));
-    let texts = [study.text.clone().into_bytes(), figures.into_bytes(), trace, page.into_bytes()];
-    files::write_all(&results.into_iter().zip(texts).collect::<Vec<_>>())?;
+    let mut whole = Whole::in_locked_folder();
+    // Nothing says of these files which run they are of: no older one may stand beside a new one.
+    for path in &results {
+        whole.remove(path.clone());
+    }
+    let [text, data, trace, html] = &results;
+    let added = whole
+        .add(text, study.text.as_bytes())
+        .and_then(|_| whole.add(data, figures.as_bytes()))
+        .and_then(|_| whole.add_with(trace, |file| outcome.trace.write_csv(file)))
+        .and_then(|_| whole.add(html, page.as_bytes()));
+    added.and_then(|_| whole.commit()).map_err(Failure::plain)?;
     Ok(Kept { folder, ended, metrics })
 }
 

@@ -11,6 +11,7 @@ use clap::{Args, Parser};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
 use indicatif::{ProgressBar, ProgressStyle};
+use phihat_campaign::disk::{Lock, Whole};
 use phihat_campaign::reproduce::{
     Extent, Kept, Origin, Reproduction, Statement, Verdict, parts, reproduce_only, studies,
 };
@@ -96,8 +97,11 @@ impl Reproduce {
     fn answer(&self) -> Result<(Reproduction, Result<(), String>), Failure> {
         let only = self.only.as_deref().map(choice::part).transpose()?;
         files::check_writable(&self.results())?;
+        // In a new folder nothing is made before there is something to write.
+        let used = Lock::take_if_used(&self.out).map_err(Failure::plain)?;
         let reproduction = self.run(only.as_deref())?;
         interrupt::done();
+        let _held = used.map_or_else(|| Lock::take(&self.out), Ok).map_err(Failure::plain)?;
         let pictures = self.write(&reproduction)?;
         Ok((reproduction, pictures))
     }
@@ -149,10 +153,7 @@ impl Reproduce {
         let at = |name: &str| self.out.join(name);
         let text = serde_json::to_string(reproduction).map_err(Failure::plain)? + "\n";
         let page = phihat_report::reproduction_page(reproduction);
-        let mut all: Vec<(PathBuf, Vec<u8>)> = vec![
-            (at("reproduction.json"), text.into_bytes()),
-            (at("report.html"), page.into_bytes()),
-        ];
+        let mut all: Vec<(PathBuf, Vec<u8>)> = Vec::new();
         for (path, text) in studies() {
             all.push((at(path), text.as_bytes().to_vec()));
         }
@@ -167,8 +168,34 @@ impl Reproduce {
             }
             all.push((path.with_extension("svg"), figure.svg.into_bytes()));
         }
-        files::write_all(&all)?;
+        all.push((at("reproduction.json"), text.into_bytes()));
+        all.push((at("report.html"), page.into_bytes()));
+        let mut whole = Whole::in_locked_folder();
+        for (path, bytes) in &all {
+            whole.add(path, bytes).map_err(Failure::plain)?;
+        }
+        let new = |path: &PathBuf| all.iter().any(|(at, _)| at == path);
+        self.older_figures()
+            .into_iter()
+            .filter(|path| !new(path))
+            .for_each(|path| whole.remove(path));
+        whole.commit().map_err(Failure::plain)?;
         Ok(pictures.map(|_| ()))
+    }
+
+    /// The figures that an older reproduction names as its own. It is read before, and replaced after they are removed:
+    /// what a killed process did not remove, the next one does.
+    fn older_figures(&self) -> Vec<PathBuf> {
+        let text = files::read(&self.out.join("reproduction.json")).unwrap_or_default();
+        let older: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        let sections = older["sections"].as_array().into_iter().flatten();
+        let figures =
+            sections.flat_map(|section| section["figures"].as_array().into_iter().flatten());
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        let names =
+            figures.filter_map(|figure| figure["id"].as_str()).filter(|id| id.chars().all(plain));
+        let at = |id: &str, ending: &str| self.out.join("figures").join(format!("{id}.{ending}"));
+        names.flat_map(|id| [at(id, "svg"), at(id, "png")]).collect()
     }
 
     fn document(

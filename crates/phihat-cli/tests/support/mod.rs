@@ -1,8 +1,12 @@
 //! Runs the real binary in a folder of its own.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// Files below a folder, by their paths from there.
+pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// What a run of the binary gave.
 pub(crate) struct Answer {
@@ -30,11 +34,12 @@ pub(crate) fn folder(name: &str) -> PathBuf {
 
 /// Runs `phihat` in a folder.
 pub(crate) fn phihat(folder: &Path, arguments: &[&str]) -> Answer {
-    let output = Command::new(env!("CARGO_BIN_EXE_phihat"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap();
+    answer(Command::new(env!("CARGO_BIN_EXE_phihat")).args(arguments).current_dir(folder))
+}
+
+/// Runs a command.
+pub(crate) fn answer(command: &mut Command) -> Answer {
+    let output = command.output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Answer {
         code: output.status.code().unwrap_or(-1),
@@ -82,4 +87,43 @@ pub(crate) fn interrupted(folder: &Path, arguments: &[&str], once: &str) -> Answ
         out: text(output.stdout),
         err: text(output.stderr),
     }
+}
+
+/// Every file below a folder.
+pub(crate) fn files_of(folder: &Path) -> Files {
+    let mut found = Files::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(at) = folders.pop() {
+        for entry in std::fs::read_dir(&at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let bytes = std::fs::read(&path).unwrap();
+                found.insert(path.strip_prefix(folder).unwrap().to_owned(), bytes);
+            }
+        }
+    }
+    found
+}
+
+/// Makes these the files below a folder.
+pub(crate) fn leave(folder: &Path, files: &Files) {
+    std::fs::remove_dir_all(folder).unwrap();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
+/// A study of one joint that runs in no time.
+pub(crate) fn small(title: &str, amplitude_rad: f64, bandwidth_rad_s: f64) -> String {
+    format!(
+        "title = \"{title}\"\nduration_s = 0.05\n[robot]\nname = \"planar3r\"\n\
+         locked = {{ joint2 = 0.0, joint3 = 0.0 }}\n[spec]\nsettle_s = 0.01\nerror_max_rad = 0.2\n[gains]\norder = 2\n\
+         bandwidth_rad_s = {bandwidth_rad_s:?}\nestimator_bandwidth_rad_s = 40.0\ninertia_kg_m2 = 0.8\n[reference]\n\
+         kind = \"sines\"\ncenter_rad = 0.1\n[[reference.sine]]\namplitude_rad = {amplitude_rad:?}\nfrequency_hz = 0.4\n\
+         phase_rad = 0.0\n"
+    )
 }

@@ -38,6 +38,22 @@ const TITLE: u32 = 62;
 /// Stretches kept per panel: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
 
+/// The name of every figure that a record may have.
+pub const FIGURES: [&str; 12] = [
+    "tracking",
+    "error",
+    "error-steady",
+    "error-integral",
+    "velocity-error",
+    "torque",
+    "unknown-dynamics",
+    "phase",
+    "torque-step",
+    "inertia-window",
+    "bode",
+    "trade-off",
+];
+
 /// Every figure of a record: those of the run, and those of what was proved about its gains.
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
     run_figures(&record.seen()).into_iter().chain(claim_figures(record)).collect()

@@ -1,0 +1,114 @@
+//! The record of an earlier run, read back: its files are of one run, or it is refused.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use phihat_campaign::disk::folder_of;
+use phihat_campaign::sha256;
+use phihat_design::Gains;
+use phihat_report::RunInfo;
+use phihat_sim::Trace;
+use phihat_study::Study;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+use crate::files;
+
+/// The file that is moved to its place last and removed first: the record is whole where it is.
+pub(crate) const RUN: &str = "run.json";
+pub(crate) const TRACE: &str = "trace.csv";
+/// What every record has beside it.
+const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
+/// What a record may have.
+pub(crate) const PARQUET: &str = "trace.parquet";
+
+/// What `run.json` says.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Origin {
+    #[serde(flatten)]
+    pub(crate) run: RunInfo,
+    /// The SHA-256 of every other file of the record, by its name.
+    pub(crate) files: BTreeMap<String, String>,
+}
+
+/// A record whose files belong together.
+pub(crate) struct Kept {
+    pub(crate) run: RunInfo,
+    pub(crate) study: Box<Study>,
+    pub(crate) gains: Gains,
+    pub(crate) trace: Trace,
+}
+
+impl Kept {
+    /// Whether a file can be the trace of a record: by its name, and that it is there.
+    pub(crate) fn is_named(trace: &Path) -> Result<(), Failure> {
+        if !trace.is_file() {
+            return Err(Failure::at(trace, "cannot be read: there is no such file"));
+        }
+        if trace.file_name().is_some_and(|name| name == TRACE) {
+            return Ok(());
+        }
+        Err(Failure::at(
+            trace,
+            "is not the trace of a run; `phihat run` leaves a trace.csv beside its run.json",
+        ))
+    }
+
+    /// Reads the record that a trace is of.
+    pub(crate) fn read(trace: &Path) -> Result<Self, Failure> {
+        let folder = folder_of(trace);
+        let Origin { run, files } = origin(folder)?;
+        let again = format!("make the record again: {}", run.command);
+        for name in FILES.iter().copied().chain(files.contains_key(PARQUET).then_some(PARQUET)) {
+            belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
+        }
+        let study = Study::read(&folder.join("study.toml")).map(Box::new);
+        let study = study.map_err(|e| Failure::study(&e))?;
+        let gains = folder.join("gains.json");
+        let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
+        let file = open(trace)?;
+        let trace = Trace::read_csv(file, &study).map_err(|e| Failure::at(trace, e))?;
+        Ok(Self { run, study, gains, trace })
+    }
+}
+
+/// Whether gains that are to be written to a file take the place of those of a run.
+pub(crate) fn are_of_a_run(gains: &Path, text: &str) -> bool {
+    let Ok(Origin { files, .. }) = origin(folder_of(gains)) else { return false };
+    let named = gains.file_name().and_then(|name| files.get(name.to_str()?));
+    named.is_some_and(|sum| sha256(&mut text.as_bytes()).is_ok_and(|new| new != *sum))
+}
+
+fn origin(folder: &Path) -> Result<Origin, Failure> {
+    let path = folder.join(RUN);
+    if !path.is_file() {
+        let why = "is missing: the files beside it are no whole record; run the study again";
+        return Err(Failure::at(&path, why));
+    }
+    let text = files::read(&path)?;
+    serde_json::from_str(&text).map_err(|e| {
+        Failure::at(&path, format!("is not what this version leaves: {e}; run the study again"))
+    })
+}
+
+/// Whether a file is the one that the run left.
+fn belongs(path: &Path, expected: Option<&str>, again: &str) -> Result<(), Failure> {
+    let refuse = |why: String| Err(Failure::at(path, format!("{why}\n  = help: {again}")));
+    let Some(expected) = expected else { return refuse(format!("is not named in {RUN}")) };
+    if !path.is_file() {
+        return refuse("is missing: the run left it".to_owned());
+    }
+    let found = sha256(&mut open(path)?).map_err(|e| Failure::at(path, e))?;
+    if found == expected {
+        return Ok(());
+    }
+    refuse(format!(
+        "is not the file that the run left: its SHA-256 is {found}, and {RUN} says {expected}"
+    ))
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, Failure> {
+    Ok(BufReader::new(files::open(path)?))
+}
