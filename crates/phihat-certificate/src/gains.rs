@@ -1,6 +1,7 @@
 //! The gains document: what a controller needs, as one versioned JSON file.
 
 use phihat::{Form, GainError, JointDesign, JointGains};
+use phihat_model::input::plain;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -63,7 +64,7 @@ pub struct Gains {
 #[non_exhaustive]
 pub enum GainsError {
     /// Not JSON, or not of this shape.
-    #[error("{0}")]
+    #[error("{}", plain(&.0.to_string()))]
     Json(#[from] serde_json::Error),
     /// Another kind of document.
     #[error("format is {found:?}; {FORMAT:?} is expected")]

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
+use phihat_model::input::plain;
 use serde_json::json;
 
 /// One line for people, or several where a source line is shown.
@@ -32,7 +33,7 @@ impl Failure {
 
     /// Laid out already, `error:` included.
     pub(crate) fn rendered(text: impl Into<String>) -> Self {
-        Self { text: text.into(), code: 2 }
+        Self { text: plain(&text.into()), code: 2 }
     }
 
     /// About anything else.

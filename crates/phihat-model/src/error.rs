@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::input::plain;
+
 /// Why a model could not be changed as asked.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -148,17 +150,8 @@ impl RobotError {
             Self::Read { .. } | Self::TooMuch { .. } => Vec::new(),
         };
         for text in texts {
-            if text.chars().any(is_obeyed) {
-                let shown = |c: char| {
-                    if is_obeyed(c) { c.escape_default().to_string() } else { c.to_string() }
-                };
-                *text = text.chars().map(shown).collect();
-            }
+            *text = plain(text);
         }
         self
     }
-}
-
-fn is_obeyed(c: char) -> bool {
-    c.is_control() && c != '\n' && c != '\t'
 }

@@ -1,4 +1,4 @@
-//! Files that people name: regular ones, of a size that is bounded.
+//! Files that people name: regular ones, of a size that is bounded; and what is told of them.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read as _, Result};
@@ -35,4 +35,15 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
     }
     let invalid = |_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text");
     String::from_utf8(bytes).map_err(invalid)
+}
+
+/// A text for a terminal: what it would obey, other than line ends and tabs, is written out.
+#[must_use]
+pub fn plain(text: &str) -> String {
+    let obeyed = |c: char| c.is_control() && c != '\n' && c != '\t';
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if obeyed(c) { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    out
 }
