@@ -61,7 +61,7 @@ pub(crate) fn tubed(study: &Study, path: &Path, make: Make<'_>) -> Result<Outcom
     for _ in 0..ROUNDS {
         let next = match make(&asked) {
             Ok(Outcome::Designed(gains)) if !described(&gains) => return alone(),
-            Ok(Outcome::Designed(gains)) if found.seen(&gains) => None,
+            Ok(Outcome::Designed(gains)) if found.seen(&gains) => found.again.take(),
             Ok(Outcome::Designed(mut gains)) => {
                 let judged = judge(study, &mut gains, &desired);
                 found.judged(gains, judged)
@@ -104,6 +104,8 @@ struct Found {
     closest: Option<(f64, Box<Gains>)>,
     /// Its tube does not close.
     open: Option<Box<Gains>>,
+    /// What is asked for where the next search finds the same law.
+    again: Option<Vec<f64>>,
     /// A search was in vain, or a tube did not keep the specification: there is nothing to relax.
     hard: bool,
 }
@@ -144,11 +146,14 @@ impl Found {
                     self.closest = Some((worst, gains));
                 }
                 let further = |share: &f64| if *share > 1.0 { FURTHER / share } else { 1.0 };
-                Some(if first { itself } else { shares.iter().map(further).collect() })
+                let further: Vec<f64> = shares.iter().map(further).collect();
+                self.again = Some(further.clone());
+                Some(if first { itself } else { further })
             }
             Judged::Open => {
                 self.hard = true;
                 self.open = Some(gains);
+                self.again = Some(vec![STIFFER]);
                 Some(if first { itself } else { vec![STIFFER] })
             }
             Judged::Unknown => None,
