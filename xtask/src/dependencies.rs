@@ -29,7 +29,7 @@ const TESTS_ONLY: [&str; 5] =
     ["cbindgen", "cssparser", "cssparser-macros", "dtoa-short", "selectors"];
 
 /// Packages that are there in several versions, and who brings the other one.
-const TWICE: [(&str, usize, &str); 18] = [
+const TWICE: [(&str, usize, &str); 17] = [
     ("base64", 2, "parquet, resvg"),
     ("getrandom", 3, "rand of cmaes, tempfile"),
     ("glam", 4, "nalgebra's conversions"),
@@ -37,17 +37,16 @@ const TWICE: [(&str, usize, &str); 18] = [
     ("nalgebra", 2, "cmaes"),
     ("num-bigint", 2, "parquet"),
     ("r-efi", 2, "getrandom"),
-    ("rand", 3, "cmaes, bolero"),
-    ("rand_chacha", 2, "bolero"),
-    ("rand_core", 3, "cmaes, bolero"),
+    ("rand", 2, "cmaes, proptest"),
+    ("rand_core", 2, "cmaes, proptest"),
     ("roxmltree", 2, "resvg"),
     ("safe_arch", 2, "wide of cmaes' nalgebra"),
     ("simba", 2, "cmaes' nalgebra"),
     ("syn", 2, "proc macros"),
     ("toml", 2, "cbindgen"),
-    ("toml_datetime", 3, "cbindgen, bolero"),
+    ("toml_datetime", 2, "cbindgen"),
     ("wide", 2, "cmaes' nalgebra"),
-    ("winnow", 3, "cbindgen, bolero"),
+    ("winnow", 2, "cbindgen"),
 ];
 
 /// Everything that the rules above do not allow.

@@ -3,11 +3,11 @@
 use core::f64::consts::TAU;
 use core::fmt::Write as _;
 
+use phihat_campaign::Dice;
 use phihat_model::{JointKind, Robot, RobotError, Workspace};
 
 use crate::arm::Arm;
 use crate::draft::{Draft, Load, Scope, World};
-use phihat_campaign::Dice;
 
 /// A random study, not yet known to be one.
 ///

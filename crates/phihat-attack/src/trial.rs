@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use phihat::{Form, JointDesign, JointGains};
+use phihat_campaign::Dice;
 use phihat_cli::designed;
 use phihat_design::{Clause, Gains, Outcome as Designed};
 use phihat_sim::{Outcome, SimError, Simulation};
@@ -15,7 +16,6 @@ use crate::draft::Draft;
 use crate::draw::draw;
 use crate::second::{Second, opinion};
 use crate::vary::worlds;
-use phihat_campaign::Dice;
 
 /// Draws until one is a study.
 const DRAWS: usize = 8;

@@ -1,7 +1,8 @@
 //! The worlds in which one study is run: extreme ones, and some drawn from its scope.
 
-use crate::draft::{Load, Scope, World};
 use phihat_campaign::Dice;
+
+use crate::draft::{Load, Scope, World};
 
 /// The study's own world first; `count` in all, fewer where the scope is a single point.
 pub fn worlds(

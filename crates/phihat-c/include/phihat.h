@@ -565,8 +565,9 @@ enum phihat_status phihat_controller_update(struct phihat_controller *controller
 
 /**
  * Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
- * commands continues `tau`, the torque that acts now [N m]. Where the sample or tau is not finite, or beyond
- * +-2^32 (4.3e9), nothing changes and the answer is PHIHAT_STATUS_REFUSED.
+ * commands continues `tau`, the torque that acts now [N m]; beyond a joint's largest torque it counts as that.
+ * Where the sample or tau is not finite, or beyond +-2^32 (4.3e9), nothing changes and the answer is
+ * PHIHAT_STATUS_REFUSED.
  *
  * # Safety
  *

@@ -3,6 +3,8 @@
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 #![allow(clippy::panic, reason = "tests: a panic is the report")]
 
+mod support;
+
 use core::ptr::{null, null_mut};
 
 use phihat_c::{
@@ -10,9 +12,9 @@ use phihat_c::{
     phihat_controller_joints, phihat_controller_reset, phihat_controller_resume,
     phihat_controller_update, phihat_error, phihat_joint, phihat_sample,
 };
+use support::TORQUE;
 
 const N: usize = 3;
-const TORQUE: f64 = 87.0;
 const VALUES: [f64; 16] = [
     f64::NAN,
     f64::INFINITY,
@@ -57,17 +59,7 @@ impl Choices<'_> {
 }
 
 fn joint(choices: &mut Choices<'_>) -> phihat_joint {
-    let mut joint = phihat_joint {
-        size: size_of::<phihat_joint>(),
-        inertia_kg_m2: 0.8,
-        kp_per_s2: 400.0,
-        kd_per_s: 40.0,
-        a: [4900.0, 140.0, 0.0, 0.0],
-        order: 2,
-        form: 0,
-        torque_max_nm: TORQUE,
-        torque_rate_max_nm_s: 1000.0,
-    };
+    let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..support::joint() };
     if choices.seldom() {
         match choices.byte().unwrap_or(0) % 8 {
             0 => joint.inertia_kg_m2 = choices.number(),
@@ -149,7 +141,12 @@ fn called(controller: *mut phihat_controller, call: usize, choices: &mut Choices
             assert!(tau.iter().all(|tau| tau.is_finite() && tau.abs() <= TORQUE), "{tau:?}");
         }
         // A refused sample is answered with a torque that is safe to apply; a bad call with none.
-        _ if written => assert!(tau.iter().all(|tau| tau.is_finite() && tau.abs() <= TORQUE)),
+        _ if written => {
+            assert!(
+                tau.iter().all(|tau| tau.is_finite() && tau.abs() <= TORQUE),
+                "{status:?}: {tau:?}"
+            );
+        }
         _ => {}
     }
     assert!(alive || status != Status::Ok, "a null handle is used");
@@ -157,5 +154,5 @@ fn called(controller: *mut phihat_controller, call: usize, choices: &mut Choices
 
 #[test]
 fn no_call_panics_or_writes_what_is_no_torque() {
-    bolero::check!().with_max_len(512).for_each(played);
+    phihat_fuzz::drawn(512, played).unwrap();
 }

@@ -1,6 +1,8 @@
 //! After a controller is made, its calls allocate nothing, and bad calls answer a status.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
+mod support;
+
 use core::ffi::CStr;
 use core::ptr::null_mut;
 
@@ -9,22 +11,9 @@ use phihat_c::{
     phihat_controller_reset, phihat_controller_resume, phihat_controller_update, phihat_error,
     phihat_joint, phihat_sample, phihat_status_text,
 };
+use support::joint;
 
 const N: usize = 7;
-
-fn joint() -> phihat_joint {
-    phihat_joint {
-        size: size_of::<phihat_joint>(),
-        inertia_kg_m2: 0.8,
-        kp_per_s2: 400.0,
-        kd_per_s: 40.0,
-        a: [4900.0, 140.0, 0.0, 0.0],
-        order: 2,
-        form: 0,
-        torque_max_nm: 87.0,
-        torque_rate_max_nm_s: f64::INFINITY,
-    }
-}
 
 fn error() -> phihat_error {
     let size = size_of::<phihat_error>();

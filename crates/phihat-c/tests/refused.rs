@@ -2,6 +2,8 @@
 //! that saw garbage answers the next good sample otherwise than one that did not.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
+mod support;
+
 use core::ptr::null_mut;
 
 use phihat_c::{
@@ -14,15 +16,12 @@ const N: usize = 3;
 
 fn joint(form: u32, kp: f64) -> phihat_joint {
     phihat_joint {
-        size: size_of::<phihat_joint>(),
-        inertia_kg_m2: 0.8,
         kp_per_s2: kp,
-        kd_per_s: 40.0,
         a: [24_010_000.0, 1_372_000.0, 29_400.0, 280.0],
         order: 4,
         form,
-        torque_max_nm: 87.0,
         torque_rate_max_nm_s: 1000.0,
+        ..support::joint()
     }
 }
 

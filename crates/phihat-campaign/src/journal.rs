@@ -1,7 +1,7 @@
 //! The journal of a campaign: one line per finished run, appended and never changed.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -98,13 +98,10 @@ impl Journal {
         let file = strike(Operation::Open, path)
             .and_then(|()| options.open(path))
             .map_err(|error| io(path, "cannot be opened", error))?;
-        let unlocked = |error| io(path, "cannot be locked", error);
-        strike(Operation::Lock, path).map_err(unlocked)?;
-        match file.try_lock() {
-            Ok(()) => Ok(file),
-            Err(TryLockError::WouldBlock) => Err(JournalError::Busy(path.to_owned())),
-            Err(TryLockError::Error(error)) => Err(unlocked(error)),
+        if disk::locked(&file, path).map_err(|error| io(path, "cannot be locked", error))? {
+            return Ok(file);
         }
+        Err(JournalError::Busy(path.to_owned()))
     }
 
     /// Reads what a locked journal holds; what comes goes behind it.

@@ -1,10 +1,10 @@
 //! The values of `K̃` that admit a certificate of optimality.
 
-use crate::extremes::Extremes as _;
 use serde::{Deserialize, Serialize};
 
 use crate::check::agree::agrees;
 use crate::check::polynomial::{not_negative, value};
+use crate::extremes::Extremes as _;
 use crate::weights::{difference, weights};
 use crate::{Law, Refutation};
 

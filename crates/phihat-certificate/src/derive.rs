@@ -1,11 +1,11 @@
 //! What a file has to be trusted for, derived again from the study it was made from.
 
-use crate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::{InertiaSource, PhiSource, Study};
 
 use crate::check::agree::agrees;
 use crate::check::definite::definite_within;
+use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
 use crate::{
     ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, LoopModel, Matrix, NotCounted,

@@ -31,6 +31,11 @@ pub trait Extremes: Iterator<Item = f64> + Sized {
     fn least(self) -> f64 {
         self.fold(f64::INFINITY, smaller)
     }
+
+    /// The least and the largest, of either sign.
+    fn ends(self) -> (f64, f64) {
+        hull(self.map(|value| (value, value)))
+    }
 }
 
 impl<I: Iterator<Item = f64>> Extremes for I {}
@@ -51,6 +56,7 @@ mod tests {
         assert!(larger(1.0, 2.0) > 1.5 && smaller(1.0, 2.0) < 1.5 && larger(2.0, 1.0) > 1.5);
         assert!([1.0, 3.0, 2.0].into_iter().largest() > 2.5);
         assert!([2.0, 1.0, 3.0].into_iter().least() < 1.5);
+        assert_eq!([-1.0, 2.0, -3.0].into_iter().ends(), (-3.0, 2.0));
         assert_eq!(hull([(-1.0, 0.5), (-0.5, 2.0)].into_iter()), (-1.0, 2.0));
     }
 }

@@ -1,6 +1,5 @@
 //! Inverse optimality: the law is the optimal one of a game, whose weights are the evidence.
 
-use crate::extremes::Extremes as _;
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -8,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::agree::agrees;
 use crate::check::definite::definite_within;
 use crate::check::polynomial::product;
+use crate::extremes::Extremes as _;
 use crate::weights::weights;
 use crate::{Law, Matrix, Refutation};
 

@@ -1,7 +1,8 @@
 //! The tube as data: an envelope that a study's run keeps from its start.
 
-use crate::extremes::{Extremes as _, larger};
 use serde::{Deserialize, Serialize};
+
+use crate::extremes::{Extremes as _, larger};
 
 /// Nanoseconds of a second.
 const NANO: f64 = 1e9;

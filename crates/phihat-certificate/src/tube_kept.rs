@@ -1,8 +1,8 @@
 //! A run against the tube that was promised for it.
 
-use crate::extremes::Extremes as _;
 use serde::Serialize;
 
+use crate::extremes::Extremes as _;
 use crate::{Tube, TubeJoint};
 
 /// What a run recorded of one joint, one entry per sample.

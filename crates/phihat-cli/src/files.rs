@@ -1,6 +1,7 @@
 //! Output files, through the one way to the disk; what goes wrong there is told to people.
 
 use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::Journal;
@@ -79,8 +80,9 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 }
 
 /// Opens a file for reading.
-pub(crate) fn open(path: &Path) -> Result<File, Failure> {
-    input::open(path).map_err(|e| Failure::at(path, format!("cannot be read: {e}")))
+pub(crate) fn open(path: &Path) -> Result<BufReader<File>, Failure> {
+    let file = input::open(path);
+    file.map(BufReader::new).map_err(|e| Failure::at(path, format!("cannot be read: {e}")))
 }
 
 #[cfg(test)]

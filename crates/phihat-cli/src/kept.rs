@@ -1,8 +1,6 @@
 //! The record of an earlier run, read back: its files are of one run, or it is refused.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use phihat_campaign::disk::folder_of;
@@ -44,9 +42,7 @@ pub(crate) struct Kept {
 impl Kept {
     /// Whether a file can be the trace of a record: by its name, and that it is there.
     pub(crate) fn is_named(trace: &Path) -> Result<(), Failure> {
-        if !trace.is_file() {
-            return Err(Failure::at(trace, "cannot be read: there is no such file"));
-        }
+        files::open(trace)?;
         if trace.file_name().is_some_and(|name| name == TRACE) {
             return Ok(());
         }
@@ -68,7 +64,7 @@ impl Kept {
         let study = study.map_err(|e| Failure::study(&e))?;
         let gains = folder.join("gains.json");
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
-        let file = open(trace)?;
+        let file = files::open(trace)?;
         let trace = Trace::read_csv(file, &study).map_err(|e| Failure::at(trace, e))?;
         Ok(Self { run, study, gains, trace })
     }
@@ -100,15 +96,11 @@ fn belongs(path: &Path, expected: Option<&str>, again: &str) -> Result<(), Failu
     if !path.is_file() {
         return refuse("is missing: the run left it".to_owned());
     }
-    let found = sha256(&mut open(path)?).map_err(|e| Failure::at(path, e))?;
+    let found = sha256(&mut files::open(path)?).map_err(|e| Failure::at(path, e))?;
     if found == expected {
         return Ok(());
     }
     refuse(format!(
         "is not the file that the run left: its SHA-256 is {found}, and {RUN} says {expected}"
     ))
-}
-
-fn open(path: &Path) -> Result<BufReader<File>, Failure> {
-    Ok(BufReader::new(files::open(path)?))
 }

@@ -230,9 +230,7 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
 
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, Failure> {
-    let open = std::io::BufReader::new(files::open(file)?);
-    let trace = Trace::read_csv(open, study);
-    let trace = trace.map_err(|e| Failure::at(file, e))?;
+    let trace = Trace::read_csv(files::open(file)?, study).map_err(|e| Failure::at(file, e))?;
     if let Some((t, joint, column)) = trace.not_finite() {
         let why = format!(
             "{column} of joint {joint} at {t} s is no number: nothing is designed from such a run"

@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::panic, reason = "a target panics where a promise is broken")]
 
+mod choices;
+mod drawn;
 mod mutate;
 mod readers;
 mod samples;
@@ -13,6 +15,7 @@ mod samples;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+pub use drawn::drawn;
 pub use mutate::mutated;
 pub use readers::{gains, journal, reference_csv, robot_file, study, trace, urdf};
 pub use samples::{law, supervisor};

@@ -1,5 +1,7 @@
 //! From good documents and a recipe of bytes to documents that nobody would write.
 
+use crate::choices::Choices;
+
 /// What stands in place of a number.
 const NUMBERS: [&str; 24] = [
     "nan",
@@ -37,60 +39,43 @@ const WORDS: [&str; 28] = [
 /// Longest document that is made.
 const LONGEST: usize = 1 << 17;
 
-/// Reads a recipe byte by byte; zeros where it ends.
-struct Recipe<'a>(&'a [u8]);
-
-impl Recipe<'_> {
-    fn byte(&mut self) -> usize {
-        let Some((first, rest)) = self.0.split_first() else { return 0 };
-        self.0 = rest;
-        usize::from(*first)
-    }
-
-    fn below(&mut self, most: usize) -> usize {
-        (self.byte() << 16 | self.byte() << 8 | self.byte()) % most.max(1)
-    }
-
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.below(all.len())]
-    }
-}
-
 /// A document made of good ones by a recipe: the same for the same recipe.
 #[must_use]
 pub fn mutated(seeds: &[Vec<u8>], recipe: &[u8]) -> Vec<u8> {
-    let mut recipe = Recipe(recipe);
+    let mut recipe = Choices::of(recipe);
     let mut text = seeds[recipe.below(seeds.len())].clone();
-    while !recipe.0.is_empty() && text.len() < LONGEST {
+    while !recipe.is_empty() && text.len() < LONGEST {
         edit(&mut text, seeds, &mut recipe);
     }
     text.truncate(LONGEST);
     text
 }
 
-fn edit(text: &mut Vec<u8>, seeds: &[Vec<u8>], recipe: &mut Recipe<'_>) {
+fn edit(text: &mut Vec<u8>, seeds: &[Vec<u8>], recipe: &mut Choices<'_>) {
     let at = recipe.below(text.len() + 1);
-    match recipe.byte() % 9 {
+    match recipe.byte_or_0() % 9 {
         0 => {
-            let end = (at + 1 + recipe.byte()).min(text.len());
+            let end = (at + 1 + recipe.byte_or_0()).min(text.len());
             text.drain(at..end);
         }
         1 => {
             let line = line(text, at);
-            let copies = text[line.clone()].repeat(1 + recipe.byte() % 64);
+            let copies = text[line.clone()].repeat(1 + recipe.byte_or_0() % 64);
             text.splice(line.end..line.end, copies);
         }
         2..=4 => {
             let place = number(text, at);
-            text.splice(place, recipe.of(&NUMBERS).bytes());
+            text.splice(place, recipe.of_all(&NUMBERS).bytes());
         }
         5 => {
             if let Some(byte) = text.get_mut(at) {
-                *byte = u8::try_from(recipe.byte()).unwrap_or(0);
+                *byte = u8::try_from(recipe.byte_or_0()).unwrap_or(0);
             }
         }
         6 => {
-            let word = recipe.of(&WORDS).repeat(1 + (recipe.byte() % 8) * (recipe.byte() % 64));
+            let word = recipe
+                .of_all(&WORDS)
+                .repeat(1 + (recipe.byte_or_0() % 8) * (recipe.byte_or_0() % 64));
             text.splice(at..at, word.bytes());
         }
         7 => {

@@ -6,6 +6,8 @@ use phihat::{
     Options, Reference, Sample, Stamp, Supervisor, SupervisorState,
 };
 
+use crate::choices::Choices;
+
 const TORQUE: f64 = 87.0;
 const RATE: f64 = 1000.0;
 const PERIOD: f64 = 1e-3;
@@ -38,22 +40,11 @@ const VALUES: [f64; 24] = [
     f64::NEG_INFINITY,
 ];
 
-/// Reads bytes as choices.
-struct Choices<'a>(&'a [u8]);
-
-impl Choices<'_> {
-    fn byte(&mut self) -> Option<usize> {
-        let (first, rest) = self.0.split_first()?;
-        self.0 = rest;
-        Some(usize::from(*first))
-    }
-
-    fn value(&mut self) -> Option<f64> {
-        let byte = self.byte()?;
-        // Most are an arm's; one in four anything.
-        let small = byte as f64 / 256.0 - 0.5;
-        Some(if byte % 4 > 0 { small } else { VALUES[byte / 4 % VALUES.len()] })
-    }
+/// A number: most are an arm's; one in four anything.
+fn value(choices: &mut Choices<'_>) -> Option<f64> {
+    let byte = choices.byte()?;
+    let small = byte as f64 / 256.0 - 0.5;
+    Some(if byte % 4 > 0 { small } else { VALUES[byte / 4 % VALUES.len()] })
 }
 
 fn gains(order: usize, form: Form) -> Option<JointGains<f64>> {
@@ -74,7 +65,7 @@ fn gains(order: usize, form: Form) -> Option<JointGains<f64>> {
 ///
 /// A torque is not a number or outside its limits, or a refused sample changed something.
 pub fn law(bytes: &[u8]) {
-    let mut choices = Choices(bytes);
+    let mut choices = Choices::of(bytes);
     let Some(first) = choices.byte() else { return };
     let form = if first & 4 > 0 { Form::Literal } else { Form::Observer };
     let Some(gains) = gains(first, form) else { panic!("good gains") };
@@ -82,12 +73,12 @@ pub fn law(bytes: &[u8]) {
     let mut last = 0.0_f64;
     let mut next = || {
         let [q, dq, tau, qd, vd, ad] = [
-            choices.value()?,
-            choices.value()?,
-            choices.value()?,
-            choices.value()?,
-            choices.value()?,
-            choices.value()?,
+            value(&mut choices)?,
+            value(&mut choices)?,
+            value(&mut choices)?,
+            value(&mut choices)?,
+            value(&mut choices)?,
+            value(&mut choices)?,
         ];
         Some((Measurement { q, dq, tau_applied: tau }, Reference { q: qd, dq: vd, ddq: ad }))
     };
@@ -121,7 +112,7 @@ pub fn law(bytes: &[u8]) {
 ///
 /// A torque is not a number or outside its limits, or changes faster than its rate while the law runs.
 pub fn supervisor(bytes: &[u8]) {
-    let mut choices = Choices(bytes);
+    let mut choices = Choices::of(bytes);
     let Some(first) = choices.byte() else { return };
     let Some(gains) = gains(first, Form::Observer) else { panic!("good gains") };
     let options = JointOptions {
@@ -144,7 +135,7 @@ pub fn supervisor(bytes: &[u8]) {
             ModeRequest::Track,
             ModeRequest::Stop,
         ][kind % 5];
-        let clock = choices.byte().unwrap_or(0);
+        let clock = choices.byte_or_0();
         now = match clock % 8 {
             6 => u64::MAX - now,
             7 => now.wrapping_sub(1 << (clock / 8)),
@@ -152,7 +143,7 @@ pub fn supervisor(bytes: &[u8]) {
         };
         sequence =
             if clock % 16 == 15 { sequence.wrapping_mul(7) } else { sequence.wrapping_add(1) };
-        let mut value = || choices.value().unwrap_or(0.0);
+        let mut value = || value(&mut choices).unwrap_or(0.0);
         let joints =
             [(); 2].map(|()| Measurement { q: value(), dq: value(), tau_applied: value() });
         let references = [(); 2].map(|()| Reference { q: value(), dq: value(), ddq: value() });

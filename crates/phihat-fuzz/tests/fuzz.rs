@@ -1,33 +1,35 @@
-//! Every target against its seeds, and against documents made of them; see `.cargo/config.toml` for how many.
+//! Every target against its seeds, and against documents made of them: the same in every run.
 //!
 //! `cargo xtask fuzz MINUTES` draws other recipes for longer. What breaks a target is kept in `corpus/`.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "tests: a panic is the report")]
 #![allow(clippy::disallowed_methods, reason = "a reader must not take long either")]
 
 use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::{Duration, Instant};
 
-use phihat_fuzz::{kept, mutated, seeds};
+use phihat_fuzz::{drawn, kept, mutated, seeds};
 
 /// Nothing that is this small may take longer.
 const SLOWEST: Duration = Duration::from_secs(10);
 
 fn tried(name: &str, target: fn(&[u8]), bytes: &[u8]) {
     let began = Instant::now();
-    let outcome = catch_unwind(AssertUnwindSafe(|| target(bytes)));
-    let slow = began.elapsed() > SLOWEST;
-    if outcome.is_err() || slow {
-        let sum: u64 = bytes.iter().fold(14_695_981_039_346_656_037, |sum, byte| {
-            (sum ^ u64::from(*byte)).wrapping_mul(1_099_511_628_211)
-        });
-        fs::create_dir_all(kept(name)).unwrap();
-        fs::write(kept(name).join(format!("{sum:016x}")), bytes).unwrap();
-    }
-    if let Err(why) = outcome {
-        resume_unwind(why);
-    }
-    assert!(!slow, "{name}: {} bytes take {:?}", bytes.len(), began.elapsed());
+    target(bytes);
+    let took = began.elapsed();
+    assert!(took < SLOWEST, "{name}: {} bytes take {took:?}", bytes.len());
+}
+
+/// Draws bytes for a target, and keeps the shortest that breaks it.
+fn many(name: &str, most: usize, target: fn(&[u8]), made: impl Fn(&[u8]) -> Vec<u8>) {
+    let Err((why, bytes)) = drawn(most, |bytes| tried(name, target, &made(bytes))) else { return };
+    let bytes = made(&bytes);
+    let sum: u64 = bytes.iter().fold(14_695_981_039_346_656_037, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(1_099_511_628_211)
+    });
+    let path = kept(name).join(format!("{sum:016x}"));
+    fs::create_dir_all(kept(name)).unwrap();
+    fs::write(&path, bytes).unwrap();
+    panic!("{}: {why}", path.display());
 }
 
 macro_rules! target {
@@ -38,9 +40,7 @@ macro_rules! target {
             for seed in &seeds {
                 tried(stringify!($name), phihat_fuzz::$name, seed);
             }
-            bolero::check!().with_max_len(96).for_each(|recipe: &[u8]| {
-                tried(stringify!($name), phihat_fuzz::$name, &mutated(&seeds, recipe));
-            });
+            many(stringify!($name), 96, phihat_fuzz::$name, |recipe| mutated(&seeds, recipe));
         }
     };
     ($name:ident) => {
@@ -50,9 +50,7 @@ macro_rules! target {
                 let bytes = fs::read(entry.unwrap().path()).unwrap();
                 tried(stringify!($name), phihat_fuzz::$name, &bytes);
             }
-            bolero::check!().with_max_len(512).for_each(|bytes: &[u8]| {
-                tried(stringify!($name), phihat_fuzz::$name, bytes);
-            });
+            many(stringify!($name), 512, phihat_fuzz::$name, <[u8]>::to_vec);
         }
     };
 }

@@ -1,6 +1,7 @@
 //! A robot: its model, and what a model leaves out.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::error::RobotError;
@@ -256,6 +257,11 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
-    let failed = |source| RobotError::Read { origin: path.display().to_string(), source };
-    input::text(path, urdf::BYTES_MAX as u64).map_err(failed)
+    let (origin, limit) = (path.display().to_string(), urdf::BYTES_MAX);
+    input::text(path, limit as u64).map_err(|source| match source.kind() {
+        ErrorKind::FileTooLarge => {
+            RobotError::TooMuch { origin, what: "bytes", found: limit + 1, limit }
+        }
+        _ => RobotError::Read { origin, source },
+    })
 }

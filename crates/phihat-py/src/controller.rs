@@ -1,7 +1,7 @@
 //! `phihat.Controller`: the law at work, one call per sample.
 
 use numpy::PyArray1;
-use phihat::{Command, JointGains, JointState, Measurement, Reference, update_joints};
+use phihat::{Command, JointGains, JointState, Measurement, Real as _, Reference, update_joints};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -211,8 +211,9 @@ impl Controller {
                 ("dq_des", r.dq),
                 ("ddq_des", r.ddq),
             ];
-            let none = |x: f64| !x.is_finite() || x.abs() >= 4_294_967_296.0;
-            if let Some((field, value)) = signals.into_iter().find(|(_, x)| none(*x)) {
+            if let Some((field, value)) =
+                signals.into_iter().find(|(_, x)| f64::doubt([*x]).is_nan())
+            {
                 worst = (field, i, value);
                 break;
             }

@@ -1,6 +1,6 @@
 //! Reading a study: caps before parsing, two passes after it.
 
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use phihat_model::input;
@@ -33,19 +33,13 @@ impl Study {
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let origin = path.display().to_string();
         let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
-        let unreadable = |error: std::io::Error| {
-            refuse(Kind::Unreadable, format!("the study cannot be read: {error}"))
-        };
-        let mut bytes = Vec::new();
-        let cap = BYTES_MAX as u64 + 1;
-        input::open(path)
-            .and_then(|file| file.take(cap).read_to_end(&mut bytes))
-            .map_err(unreadable)?;
-        if bytes.len() > BYTES_MAX {
-            return Err(refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes")));
-        }
-        let text =
-            String::from_utf8(bytes).map_err(|_| refuse(Kind::Syntax, "not UTF-8 text".into()))?;
+        let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
+            ErrorKind::FileTooLarge => {
+                refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"))
+            }
+            ErrorKind::InvalidData => refuse(Kind::Syntax, "not UTF-8 text".into()),
+            _ => refuse(Kind::Unreadable, format!("the study cannot be read: {error}")),
+        })?;
         Self::from_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
     }
 

@@ -80,7 +80,8 @@ impl<R: Real> JointGains<R> {
     ///
     /// `φ̂` takes up the difference: in the observer form directly, in the literal form through the
     /// highest integral. What a lower order does not have is dropped, what a higher order adds starts
-    /// at zero. Arguments that are not finite, or beyond ±2³², change nothing and answer `false`.
+    /// at zero. A `tau` beyond the largest torque counts as that. Arguments that are not finite, or beyond
+    /// ±2³², change nothing and answer `false`.
     pub fn resume(
         &self,
         state: &mut JointState<R>,
@@ -88,10 +89,12 @@ impl<R: Real> JointGains<R> {
         reference: &Reference<R>,
         tau: R,
     ) -> bool {
-        let wanted = tau - self.outer_loop(measurement, reference);
         if measurement.doubt() + reference.doubt() + R::doubt([tau]) != R::ZERO {
             return false;
         }
+        // A refused sample is answered with the torque from here: never one that may not be commanded.
+        let tau = tau.saturate(self.limits.torque());
+        let wanted = tau - self.outer_loop(measurement, reference);
         let mut next = *state;
         for entry in next.memory.iter_mut().skip(self.order) {
             *entry = R::ZERO;

@@ -188,6 +188,23 @@ fn f06_a_torque_that_is_none_is_not_resumed_from() {
 }
 
 #[test]
+fn f06_a_torque_resumed_from_never_holds_the_arm_beyond_its_limit() {
+    for (form, a) in [Form::Observer, Form::Literal].into_iter().flat_map(|f| A.map(|a| (f, a))) {
+        let law = gains::<f64>(a, form, true);
+        for tau in [86.9, 87.1, 400.0, 1e9].into_iter().flat_map(|tau| [tau, -tau]) {
+            let (m, r) = good(3);
+            let mut state = JointState::new();
+            assert!(law.resume(&mut state, &m, &r, tau));
+            let (spoilt, _) = spoilt((m, r), 0, f64::NAN);
+            let held = law.update(&mut state, &spoilt, &r);
+            assert!(held.status.refused, "{tau}");
+            assert_eq!(bits(&held.tau), bits(&tau.clamp(-87.0, 87.0)));
+            assert!(law.update(&mut state, &m, &r).tau.abs() <= 87.0, "{tau}");
+        }
+    }
+}
+
+#[test]
 fn f06_garbage_positions_leave_no_trace_in_the_velocity_filter() {
     for bandwidth in [None, Some(100.0)] {
         let filter = VelocityFilter::<f64>::new(bandwidth, T).unwrap();

@@ -256,13 +256,10 @@ fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
         }
         weights.push(rate);
     }
-    let mean = |of: fn(&(f64, f64)) -> f64| -> f64 {
-        past.iter().zip(&weights).map(|(p, w)| w * of(p)).sum()
-    };
-    let (torque, step) = (mean(|p| p.0), mean(|p| p.1));
     let weighted = |f: &dyn Fn(&(f64, f64)) -> f64| -> f64 {
         past.iter().zip(&weights).map(|(p, w)| w * f(p)).sum()
     };
+    let (torque, step) = (weighted(&|p| p.0), weighted(&|p| p.1));
     let both = weighted(&|p| (p.0 - torque) * (p.1 - step));
     let square = weighted(&|p| (p.0 - torque).powi(2));
     // A twentieth of what the nominal inertia would do.

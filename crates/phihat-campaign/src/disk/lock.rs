@@ -43,12 +43,20 @@ impl Lock {
         let refuse =
             |why: io::Error| DiskError::Untouched { path: path.clone(), why: why.to_string() };
         let file = file.map_err(refuse)?;
-        strike(Operation::Lock, &path).map_err(refuse)?;
-        match file.try_lock() {
-            Ok(()) => Ok(Self { _file: file }),
-            Err(TryLockError::WouldBlock) => Err(DiskError::Busy(folder.to_owned())),
-            Err(TryLockError::Error(error)) => Err(refuse(error)),
+        if locked(&file, &path).map_err(refuse)? {
+            return Ok(Self { _file: file });
         }
+        Err(DiskError::Busy(folder.to_owned()))
+    }
+}
+
+/// Whether an open file is locked now; `false` where another process has it.
+pub(crate) fn locked(file: &File, path: &Path) -> io::Result<bool> {
+    strike(Operation::Lock, path)?;
+    match file.try_lock() {
+        Ok(()) => Ok(true),
+        Err(TryLockError::WouldBlock) => Ok(false),
+        Err(TryLockError::Error(error)) => Err(error),
     }
 }
 

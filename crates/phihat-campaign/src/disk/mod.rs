@@ -17,6 +17,7 @@ use tempfile::TempPath;
 use thiserror::Error;
 
 pub use lock::Lock;
+pub(crate) use lock::locked;
 pub(crate) use seam::{Operation, strike, write_all};
 
 use crate::hash::hexadecimal;

@@ -1,10 +1,10 @@
 //! Checking coupled gains by a second method: the loop played at the postures that the document keeps.
 
-use crate::extremes::Extremes as _;
 use core::f64::consts::TAU;
 
 use super::document::{CoupledGains, FrozenPosture};
 use super::played::{OUTPUTS, Played};
+use crate::extremes::Extremes as _;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 const CLAIM: &str = "coupled gains";

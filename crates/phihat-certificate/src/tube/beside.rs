@@ -1,9 +1,9 @@
 //! A claimed tube beside one that was derived again.
 
-use crate::extremes::Extremes as _;
 use serde::Serialize;
 
 use crate::check::agree::agrees;
+use crate::extremes::Extremes as _;
 use crate::{Refutation, Tube, TubeJoint};
 
 const CLAIM: &str = "tube";

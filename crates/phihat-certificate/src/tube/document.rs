@@ -1,6 +1,5 @@
 //! A tube as data: deriving one, and holding a claimed one against it.
 
-use crate::extremes::{Extremes as _, hull};
 use std::sync::Mutex;
 
 use super::chain::{Chain, NotAChain};
@@ -10,6 +9,7 @@ use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
 use super::sweep::{Sweep, Swept};
 use super::{Inputs, ROUNDING};
+use crate::extremes::{Extremes as _, hull};
 use crate::{PayloadSet, Tube, TubeJoint};
 
 /// Most slices of the mass that are tried.

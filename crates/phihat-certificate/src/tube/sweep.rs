@@ -9,7 +9,7 @@ use super::law::{LinearLoop, Loop};
 use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth};
 use super::shapes::{Shapes, Spread};
-use crate::extremes::{Extremes as _, hull};
+use crate::extremes::Extremes as _;
 
 /// Longest window of later outputs that share one set of rows \[s\].
 const WINDOW: f64 = 5e-3;
@@ -553,7 +553,7 @@ impl<'a> Sweep<'a> {
             (0..6 * self.n)
                 .map(|at| {
                     let all = rows.iter().map(|row| row[at]);
-                    let (low, high) = hull(all.map(|x| (x, x)));
+                    let (low, high) = all.ends();
                     high - low
                 })
                 .collect()

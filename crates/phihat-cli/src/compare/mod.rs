@@ -281,7 +281,7 @@ fn unusable(error: &CompareError) -> Failure {
             ))
         }
         // A study's error is laid out with its line already.
-        CompareError::Study(text) if text.starts_with("error") => Failure::rendered(text.as_str()),
+        CompareError::Study(text) if text.starts_with("error") => Failure::rendered(text),
         other => Failure::plain(other),
     }
 }

@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use nalgebra::DVector;
 use phihat_certificate::Witness;
-use phihat_certificate::extremes::hull;
+use phihat_certificate::extremes::Extremes as _;
 use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
@@ -100,7 +100,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn score(&self, tried: &Tried) -> f64 {
         let all = scaled(&tried.matrix, self.nominal).symmetric_eigenvalues();
-        let (low, high) = hull(all.iter().map(|value| (*value, *value)));
+        let (low, high) = all.iter().copied().ends();
         self.end.score(if self.end == End::Low { low } else { high })
     }
 

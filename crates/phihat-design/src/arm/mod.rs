@@ -6,7 +6,7 @@ mod prove;
 mod rates;
 
 use nalgebra::DMatrix;
-use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
+use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use phihat_certificate::{ArmBasis, ArmInertia, Searched};
 use phihat_study::{InertiaSource, Study};
 use thiserror::Error;
@@ -155,7 +155,7 @@ impl Arm {
             let tried = if end == End::Low { &postures.light } else { &postures.heavy };
             let score = |m: &DMatrix<f64>| {
                 let all = scaled(m, nominal).symmetric_eigenvalues();
-                let (low, high) = hull(all.iter().map(|value| (*value, *value)));
+                let (low, high) = all.iter().copied().ends();
                 if end == End::Low { low } else { -high }
             };
             let mut all: Vec<_> = tried.iter().map(|t| (score(&t.matrix), &t.matrix)).collect();
@@ -180,8 +180,7 @@ impl Arm {
             ),
             Knowledge::Matrices(matrices) => {
                 let spectrum = |m| scaled(m, &nominal).symmetric_eigenvalues();
-                let all = matrices.iter().map(spectrum).flat_map(|all| all.as_slice().to_vec());
-                hull(all.map(|value| (value, value)))
+                matrices.iter().map(spectrum).flat_map(|all| all.as_slice().to_vec()).ends()
             }
             Knowledge::Postures(postures) => {
                 searched = witnesses(postures, &nominal);

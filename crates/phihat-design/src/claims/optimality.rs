@@ -2,10 +2,11 @@
 
 pub use phihat_certificate::{Certified, Optimality, Refused};
 
+use phihat_certificate::extremes::Extremes as _;
+
 use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::Matrix;
 use crate::claims::weights::{Condition, conditions, q_diagonal};
-use phihat_certificate::extremes::Extremes as _;
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
 pub const RESIDUAL: f64 = 1e-10;

@@ -1,8 +1,9 @@
 //! The diagonal of `Q` that a law is optimal for, and the conditions the paper names for it.
 
+use phihat_certificate::extremes::Extremes as _;
+
 use crate::claims::law::Law;
 use crate::claims::polynomial;
-use phihat_certificate::extremes::Extremes as _;
 
 /// One of the paper's conditions with both its sides: it holds when `left > right`.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,8 @@
 //! How the nominal inertia is shared out between the joints.
 
-use crate::{Arm, ArmError, ArmInertia};
 use phihat_certificate::extremes::{Extremes as _, larger};
+
+use crate::{Arm, ArmError, ArmInertia};
 
 /// Factor of one step on one joint, and most steps.
 const STEP: f64 = 1.12;

@@ -1,9 +1,10 @@
 //! The search between the points of the grid.
 
+use phihat_certificate::extremes::Extremes as _;
+
 use super::candidate::{Candidate, Shape};
 use super::search::Search;
 use super::verdict::Verdict;
-use phihat_certificate::extremes::Extremes as _;
 
 /// First steps in `ln ω`, `ln ω_o/ω`, the share of the factor on `M̄`, and `ln` of the velocity filter.
 const STEPS: [f64; 4] = [0.09, 0.15, 0.25, 0.2];

@@ -1,9 +1,10 @@
 //! Refusals of the sampled claims.
 
+use phihat_certificate::extremes::Extremes as _;
+
 use super::model::LoopModel;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use phihat_certificate::extremes::Extremes as _;
 
 pub(crate) fn refuse(
     claim: &str,

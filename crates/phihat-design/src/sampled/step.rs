@@ -2,13 +2,14 @@
 
 pub use phihat_certificate::LargestStep;
 
+use phihat_certificate::extremes::smaller;
+
 use super::model::LoopModel;
 use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
 use super::response::{Response, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use phihat_certificate::extremes::smaller;
 
 const CLAIM: &str = "largest step";
 

@@ -1,10 +1,10 @@
 //! The payload as numbers that inverse dynamics is linear in.
 
+use phihat_certificate::extremes::{larger, smaller};
 use phihat_model::Model;
 
 use super::TubeRefusal;
 use super::scene::{Scene, half};
-use phihat_certificate::extremes::{larger, smaller};
 use phihat_study::PayloadSet;
 
 /// Offset of a centre of mass by which first moments are told apart \[m\].

@@ -1,11 +1,11 @@
 //! The envelope as the certificate holds it: coarser bins, numbers rounded outward.
 
+use phihat_certificate::extremes::{Extremes as _, hull};
 use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
 use super::{Desired, JointEnvelope, TubeRefusal, find};
 use crate::sampled::TorqueNoise;
-use phihat_certificate::extremes::{Extremes as _, hull};
 
 /// Bins of the sweep in one bin of the document.
 const COARSER: usize = 4;

@@ -1,10 +1,11 @@
 //! Sums over impulse responses of the linear time-varying loop, by lag, and what is left beyond them.
 
+use phihat_certificate::extremes::{Extremes as _, larger};
+
 use super::deviation::Deviation;
 use super::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 use super::linear::Interval;
 use super::scene::Scene;
-use phihat_certificate::extremes::{Extremes as _, larger};
 
 /// What kernels are computed from.
 pub(super) struct Course<'a> {

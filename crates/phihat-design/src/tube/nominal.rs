@@ -1,11 +1,11 @@
 //! The run in the middle: the study's own loop, simulated with the middle of every interval.
 
+use phihat_certificate::extremes::hull;
 use phihat_model::{Model, Workspace};
 
 use super::TubeRefusal;
 use super::controller::Control;
 use super::scene::{Scene, dry};
-use phihat_certificate::extremes::hull;
 
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].
 const DIVERGED: f64 = 1e3;

@@ -1,5 +1,7 @@
 //! One pass along the motion: bounds that one evaluation of the causal sums finds again, smaller.
 
+use phihat_certificate::extremes::{Extremes as _, larger, smaller};
+
 use super::TubeRefusal;
 use super::basis::Slice;
 use super::deviation::Deviation;
@@ -9,7 +11,6 @@ use super::linear::Interval;
 use super::nominal::Nominal;
 use super::scene::dry;
 use super::tensors::{Tensors, contracted, times, times_abs, transposed_abs};
-use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 
 /// Rounds in one bin before it is given up.
 const ROUNDS: u32 = 80;

@@ -1,8 +1,9 @@
 //! How far the linear run is from the arm: second derivatives and what the payload changes, once per group.
 
+use phihat_certificate::extremes::larger;
+
 use super::basis::{Direction, Slice};
 use super::linear::Differences;
-use phihat_certificate::extremes::larger;
 
 /// Step of the second differences.
 const STEP: f64 = 1e-4;

@@ -190,12 +190,12 @@ fn read_axis(joint: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<[f64
 }
 
 /// Ends of travel; `None` where they are so far apart that somebody meant none.
-fn read_travel(
-    joint: &Element<'_, '_>,
-    kind: JointKind,
+fn read_travel<'a, 'x>(
+    joint: &Element<'a, 'x>,
+    (kind, limit): (JointKind, Option<Node<'a, 'x>>),
     warnings: &mut Vec<String>,
 ) -> Result<Option<(f64, f64)>> {
-    let Some(limit) = joint.child(joint.node, "limit")? else {
+    let Some(limit) = limit else {
         return Err(joint.error("it has no <limit>; only continuous joints go without".into()));
     };
     let number = |key| Ok(joint.number_if_any(limit, key)?.unwrap_or(0.0));
@@ -224,7 +224,7 @@ fn read_limits(
     let number = |key| limit.map_or(Ok(None), |node| joint.number_if_any(node, key));
     let position = match kind {
         JointKind::Continuous => None,
-        _ => read_travel(joint, kind, warnings)?,
+        _ => read_travel(joint, (kind, limit), warnings)?,
     };
     let kind = if position.is_none() { JointKind::Continuous } else { kind };
     let mut positive = |key| match number(key)? {
