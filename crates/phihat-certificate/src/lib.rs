@@ -69,7 +69,7 @@ pub use step::LargestStep;
 pub use trade_off::TradeOff;
 pub use tube_again::TubeAgain;
 pub use tube_document::{PayloadSet, Tube, TubeJoint};
-pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept};
+pub use tube_kept::{JointKept, JointRun, Left, Quantity, TubeKept, TubeWatch};
 pub use varying::{SampledVarying, VaryingWindow};
 pub use verified::{Statement, Verified};
 pub use verify::RATIOS;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::extremes::Extremes as _;
+use crate::extremes::{Extremes as _, larger, smaller};
 use crate::{Tube, TubeJoint};
 
 /// What a run recorded of one joint, one entry per sample.
@@ -95,80 +95,137 @@ impl Tube {
     ///
     /// `None`: not the joints that the tube is about.
     pub fn kept_by(&self, t_ns: &[u64], runs: &[JointRun<'_>]) -> Option<TubeKept> {
-        if runs.len() != self.joints.len() {
-            return None;
-        }
-        let bins: Vec<usize> = t_ns.iter().map(|t| self.bin_of(*t)).collect();
-        let claimed = bins.partition_point(|bin| *bin < self.bins());
-        let watch = Watch { tube: self, t_ns: &t_ns[..claimed], bins: &bins[..claimed] };
-        let pairs = || self.joints.iter().zip(runs);
-        let first = pairs().filter_map(|(joint, run)| watch.left(joint, run));
-        Some(TubeKept {
-            settle_s: self.settle_s,
-            joints: pairs().map(|(joint, run)| watch.kept(joint, run)).collect(),
-            left: first.min_by(|a, b| a.t_s.total_cmp(&b.t_s)),
-        })
+        let mut watch = self.watch(runs.len())?;
+        watch.block(self, t_ns, runs);
+        Some(watch.kept(self))
+    }
+
+    /// To hold a run whose record comes in blocks against the tube; `None`: not as many joints.
+    pub fn watch(&self, joints: usize) -> Option<TubeWatch> {
+        let watched = |joint: &TubeJoint| Watched {
+            kept: JointKept {
+                name: joint.name.clone(),
+                error_max_rad: 0.0,
+                error_tube_rad: joint.error_max_rad,
+                velocity_error_max_rad_s: 0.0,
+                velocity_error_tube_rad_s: joint.velocity_error_max_rad_s,
+                room_rad: f64::INFINITY,
+            },
+            left: None,
+            tau: None,
+            limited_samples: 0,
+        };
+        let all = || self.joints.iter().map(watched).collect();
+        (joints == self.joints.len()).then(|| TubeWatch { joints: all() })
     }
 }
 
-/// The claimed part of a run's time.
-struct Watch<'a> {
+/// What was seen so far of a run beside its tube.
+#[derive(Debug, Clone)]
+pub struct TubeWatch {
+    joints: Vec<Watched>,
+}
+
+#[derive(Debug, Clone)]
+struct Watched {
+    kept: JointKept,
+    /// The first sample that is outside.
+    left: Option<Left>,
+    /// The command before.
+    tau: Option<f64>,
+    limited_samples: u64,
+}
+
+impl TubeWatch {
+    /// The next samples of every joint.
+    pub fn block(&mut self, tube: &Tube, t_ns: &[u64], runs: &[JointRun<'_>]) {
+        let bins: Vec<usize> = t_ns.iter().map(|t| tube.bin_of(*t)).collect();
+        let claimed = bins.partition_point(|bin| *bin < tube.bins());
+        let part = Part { tube, t_ns: &t_ns[..claimed], bins: &bins[..claimed] };
+        for ((watched, joint), run) in self.joints.iter_mut().zip(&tube.joints).zip(runs) {
+            part.measure(joint, run, &mut watched.kept);
+            if watched.left.is_none() {
+                watched.left = part.left(joint, run, watched.tau);
+            }
+            watched.tau = run.tau_command.last().copied().or(watched.tau);
+            watched.limited_samples += run.limited_samples;
+        }
+    }
+
+    /// What came of it. A limit that acted though none can is the last to be told: it has no moment.
+    pub fn kept(self, tube: &Tube) -> TubeKept {
+        let limited = |watched: &Watched| Left {
+            joint: watched.kept.name.clone(),
+            quantity: Quantity::LimitedSamples,
+            t_s: tube.duration_s,
+            value: watched.limited_samples as f64,
+            bound: 0.0,
+        };
+        let left = |watched: &Watched| {
+            let acted = tube.limits_silent && watched.limited_samples > 0;
+            watched.left.clone().or_else(|| acted.then(|| limited(watched)))
+        };
+        let first = self.joints.iter().filter_map(left).min_by(|a, b| a.t_s.total_cmp(&b.t_s));
+        TubeKept {
+            settle_s: tube.settle_s,
+            joints: self.joints.into_iter().map(|watched| watched.kept).collect(),
+            left: first,
+        }
+    }
+}
+
+/// The claimed part of some samples.
+struct Part<'a> {
     tube: &'a Tube,
     t_ns: &'a [u64],
     bins: &'a [usize],
 }
 
-impl Watch<'_> {
-    fn kept(&self, joint: &TubeJoint, run: &JointRun<'_>) -> JointKept {
+impl Part<'_> {
+    fn measure(&self, joint: &TubeJoint, run: &JointRun<'_>, kept: &mut JointKept) {
         let settle_ns = self.tube.settle_s * 1e9;
         let from = self.t_ns.partition_point(|t| (*t as f64) < settle_ns);
         let to = self.bins.len().min(run.e.len()).min(run.de.len());
-        let steady = |values: &[f64]| largest(values.get(from..to).unwrap_or(&[]));
+        let steady = |values: &[f64]| {
+            let sizes = values.get(from..to).unwrap_or(&[]).iter().map(|value| value.abs());
+            sizes.largest()
+        };
+        kept.error_max_rad = larger(kept.error_max_rad, steady(run.e));
+        kept.velocity_error_max_rad_s = larger(kept.velocity_error_max_rad_s, steady(run.de));
         let room = |(bin, e): (&usize, &f64)| {
             (joint.error_high_rad[*bin] - e).min(e - joint.error_low_rad[*bin])
         };
         let room = self.bins.iter().zip(run.e).map(room);
-        JointKept {
-            name: joint.name.clone(),
-            error_max_rad: steady(run.e),
-            error_tube_rad: joint.error_max_rad,
-            velocity_error_max_rad_s: steady(run.de),
-            velocity_error_tube_rad_s: joint.velocity_error_max_rad_s,
-            room_rad: room.least(),
-        }
+        kept.room_rad = smaller(kept.room_rad, room.least());
     }
 
-    /// The first sample of a joint that is outside; what has no tube of its own is looked at last.
-    fn left(&self, joint: &TubeJoint, run: &JointRun<'_>) -> Option<Left> {
-        let left = |quantity, k: usize, value, bound| Left {
-            joint: joint.name.clone(),
-            quantity,
-            t_s: self.t_ns.get(k).map_or(self.tube.duration_s, |t| *t as f64 / 1e9),
-            value,
-            bound,
-        };
+    /// The first sample of a joint that is outside, `before` being the command before these.
+    fn left(&self, joint: &TubeJoint, run: &JointRun<'_>, before: Option<f64>) -> Option<Left> {
         for (k, bin) in self.bins.iter().enumerate() {
+            let left = |quantity, value, bound| {
+                let t_s = self.t_ns[k] as f64 / 1e9;
+                Some(Left { joint: joint.name.clone(), quantity, t_s, value, bound })
+            };
             let (e, de) = (run.e.get(k)?, run.de.get(k)?);
             let (low, high) = (joint.error_low_rad[*bin], joint.error_high_rad[*bin]);
             if let Some(bound) = beyond(*e, low, high) {
-                return Some(left(Quantity::Error, k, *e, bound));
+                return left(Quantity::Error, *e, bound);
             }
             let (low, high) = (joint.velocity_low_rad_s[*bin], joint.velocity_high_rad_s[*bin]);
             if let Some(bound) = beyond(*de, low, high) {
-                return Some(left(Quantity::VelocityError, k, *de, bound));
+                return left(Quantity::VelocityError, *de, bound);
             }
             let Some(tau) = run.tau_command.get(k) else { continue };
             if let Some(bound) = beyond(*tau, -joint.torque_max_nm, joint.torque_max_nm) {
-                return Some(left(Quantity::Torque, k, *tau, bound));
+                return left(Quantity::Torque, *tau, bound);
             }
-            let step = if k == 0 { 0.0 } else { tau - run.tau_command[k - 1] };
+            let before = k.checked_sub(1).map_or(before, |k| Some(run.tau_command[k]));
+            let step = before.map_or(0.0, |before| tau - before);
             if let Some(bound) = beyond(step, -joint.torque_step_max_nm, joint.torque_step_max_nm) {
-                return Some(left(Quantity::TorqueStep, k, step, bound));
+                return left(Quantity::TorqueStep, step, bound);
             }
         }
-        (self.tube.limits_silent && run.limited_samples > 0).then(|| {
-            left(Quantity::LimitedSamples, self.bins.len(), run.limited_samples as f64, 0.0)
-        })
+        None
     }
 }
 
@@ -181,11 +238,4 @@ fn beyond(value: f64, low: f64, high: f64) -> Option<f64> {
     } else {
         Some(high)
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    let larger = |most: f64, value: &f64| {
-        if most.is_nan() || value.abs() <= most { most } else { value.abs() }
-    };
-    values.iter().fold(0.0, larger)
 }

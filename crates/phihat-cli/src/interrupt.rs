@@ -1,16 +1,26 @@
 //! What Ctrl-C says while a command is at work that takes long: what is kept, and how to go on.
 
+use std::path::PathBuf;
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 use indicatif::ProgressBar;
+use phihat_campaign::disk::discard;
 
 /// What a shell expects of a program that the user stopped.
 const STOPPED: i32 = 130;
 
-/// The command at work: its progress, and what is to be said.
-static AT_WORK: Mutex<Option<(ProgressBar, String)>> = Mutex::new(None);
+/// The command at work.
+struct Work {
+    bar: ProgressBar,
+    /// What is to be said.
+    words: String,
+    /// Files that are worth nothing unless they are finished.
+    unfinished: Vec<PathBuf>,
+}
+
+static AT_WORK: Mutex<Option<Work>> = Mutex::new(None);
 static ONCE: Once = Once::new();
 /// Whether this process is the command, and not another program that uses its library.
 static COMMAND: AtomicBool = AtomicBool::new(false);
@@ -24,14 +34,23 @@ pub(crate) fn is_ours() {
 ///
 /// In another program, and where the system takes no handler, Ctrl-C does what it does there.
 pub(crate) fn says(bar: &ProgressBar, words: String) {
+    removes(bar, words, Vec::new());
+}
+
+/// The same, and removes files that are worth nothing unless they are finished.
+pub(crate) fn removes(bar: &ProgressBar, words: String, unfinished: Vec<PathBuf>) {
     if !COMMAND.load(Ordering::Relaxed) {
         return;
     }
-    *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some((bar.clone(), words));
+    *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) =
+        Some(Work { bar: bar.clone(), words, unfinished });
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| {
             match &*AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
-                Some((bar, words)) => {
+                Some(Work { bar, words, unfinished }) => {
+                    for path in unfinished {
+                        discard(path);
+                    }
                     bar.finish_and_clear();
                     eprintln!("interrupted: {words}");
                 }

@@ -7,12 +7,13 @@ use phihat_campaign::disk::folder_of;
 use phihat_campaign::sha256;
 use phihat_design::Gains;
 use phihat_report::RunInfo;
-use phihat_sim::Trace;
+use phihat_sim::{BLOCK, Trace};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::files;
+use crate::record::{Looked, Seen, settle};
 
 /// The file that is moved to its place last and removed first: the record is whole where it is.
 pub(crate) const RUN: &str = "run.json";
@@ -36,7 +37,7 @@ pub(crate) struct Kept {
     pub(crate) run: RunInfo,
     pub(crate) study: Box<Study>,
     pub(crate) gains: Gains,
-    pub(crate) trace: Trace,
+    pub(crate) seen: Looked,
 }
 
 impl Kept {
@@ -61,12 +62,15 @@ impl Kept {
             belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
         }
         let study = Study::read(&folder.join("study.toml")).map(Box::new);
-        let study = study.map_err(|e| Failure::study(&e))?;
+        let mut study = study.map_err(|e| Failure::study(&e))?;
         let gains = folder.join("gains.json");
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
-        let file = files::open(trace)?;
-        let trace = Trace::read_csv(file, &study).map_err(|e| Failure::at(trace, e))?;
-        Ok(Self { run, study, gains, trace })
+        settle(&mut study, &gains);
+        let mut seen = Seen::new(&study, &gains);
+        Trace::read_csv_in(files::open(trace)?, &study, BLOCK, |block| seen.block(block))
+            .map_err(|e| Failure::at(trace, e))?;
+        let seen = seen.finish(&study.sha256);
+        Ok(Self { run, study, gains, seen })
     }
 }
 

@@ -1,15 +1,16 @@
 //! One study being run, and what the run leaves in its folder.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_campaign::disk::{Lock, Whole};
+use phihat_campaign::disk::{DiskError, Lock, Piece, Whole};
 use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
-use phihat_report::{Record, RunInfo, TubeRun, limits_acted};
-use phihat_sim::{Abort, Divergence, Metrics, Simulation, Trace};
+use phihat_report::{Drawing, Record, RunInfo, TubeRun, TubeSeen, limits_acted};
+use phihat_sim::{Abort, BLOCK, Divergence, Measured, Metrics, Simulation, Trace, TraceWriter};
 use phihat_study::{LawForm, Study};
 use serde_json::json;
 
@@ -17,7 +18,7 @@ use crate::failure::Failure;
 use crate::kept::{Origin, PARQUET, RUN, TRACE};
 use crate::knowledge::Advice;
 use crate::report::{add_page, remove_page};
-use crate::{files, knowledge, table};
+use crate::{files, interrupt, knowledge, table};
 
 /// What `run` and `simulate` are told.
 #[derive(Debug, Args)]
@@ -57,10 +58,12 @@ pub struct Done {
     pub gains: Gains,
     /// Where the run came from.
     pub run: RunInfo,
-    /// Every signal of every joint.
-    pub trace: Trace,
+    /// What is drawn of it.
+    pub drawing: Drawing,
     /// The figures of the run.
     pub metrics: Metrics,
+    /// The run beside the tube that its gains carry.
+    pub tube: Option<TubeRun>,
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
     /// Set when the robot's torque interface stopped the run.
@@ -140,8 +143,9 @@ impl Session {
         self.gains
     }
 
-    /// Runs the loop behind a progress bar and leaves its record, with or without its page. What the robot's torque
-    /// interface will not bear is said before; no other process writes to the folder meanwhile.
+    /// Runs the loop behind a progress bar and leaves its record, with or without its page; the trace is written as it
+    /// comes. What the robot's torque interface will not bear is said before; no other process writes to the folder
+    /// meanwhile.
     pub(crate) fn simulate(self, folder: &Path, page: Option<&Path>) -> Result<Done, Failure> {
         let _held = Lock::take(folder).map_err(Failure::plain)?;
         self.warnings.iter().filter(|w| w.starts_with("forecast:")).for_each(|w| eprintln!("{w}"));
@@ -151,28 +155,154 @@ impl Session {
         ) {
             bar.set_style(style);
         }
-        let done = self.run(|done| bar.set_position(done));
+        let mut trace = TraceFiles::begin(folder).map_err(Failure::plain)?;
+        let words = "nothing was written, and what was there is as it was".to_owned();
+        interrupt::removes(&bar, words, trace.prepared.clone());
+        let done = self.stream(BLOCK, |done| bar.set_position(done), |block| trace.block(block));
+        interrupt::done();
         bar.finish_and_clear();
-        done.leave(folder, page)?;
+        let done = done.map_err(Failure::plain)?;
+        done.leave(trace, folder, page)?;
         Ok(done)
     }
 
-    /// Runs the loop; `progress` is told how many samples are done.
-    pub fn run(self, progress: impl FnMut(u64)) -> Done {
-        let outcome = self.simulation.run(progress);
-        let metrics = Metrics::of(&outcome.trace, &self.study);
-        let mut warnings = self.warnings;
-        warnings.extend(outcome.abort.as_ref().map(table::abort));
-        let run = run_info(&self.study, (self.command, warnings), outcome.divergence.as_ref());
-        Done {
-            study: self.study,
-            gains: self.gains,
-            run,
-            trace: outcome.trace,
-            metrics,
-            divergence: outcome.divergence,
-            abort: outcome.abort,
+    /// Runs the loop; `progress` is told how many samples are done. With every signal of every joint.
+    pub fn run(self, progress: impl FnMut(u64)) -> (Done, Trace) {
+        let mut whole = Trace::default();
+        let take = |block: &mut Trace| -> Result<(), Infallible> {
+            whole = std::mem::take(block);
+            Ok(())
+        };
+        let Ok(done) = self.stream(usize::MAX, progress, take);
+        (done, whole)
+    }
+
+    /// The same, every signal handed over in blocks of at most so many samples.
+    fn stream<E>(
+        self,
+        block: usize,
+        progress: impl FnMut(u64),
+        mut each: impl FnMut(&mut Trace) -> Result<(), E>,
+    ) -> Result<Done, E> {
+        let Self { study, gains, simulation, command, mut warnings } = self;
+        let mut seen = Seen::new(&study, &gains);
+        let ended = simulation.stream(block, progress, |block| {
+            seen.block(block);
+            each(block)
+        })?;
+        let Looked { metrics, drawing, tube } = seen.finish(&study.sha256);
+        warnings.extend(ended.abort.as_ref().map(table::abort));
+        let run = run_info(&study, (command, warnings), ended.divergence.as_ref());
+        let (divergence, abort) = (ended.divergence, ended.abort);
+        Ok(Done { study, gains, run, drawing, metrics, tube, divergence, abort })
+    }
+}
+
+/// What is looked at while a record goes by.
+pub(crate) struct Seen<'a> {
+    measured: Measured,
+    drawing: Drawing,
+    tube: Option<TubeSeen<'a>>,
+}
+
+/// What came of it.
+pub(crate) struct Looked {
+    pub(crate) metrics: Metrics,
+    pub(crate) drawing: Drawing,
+    pub(crate) tube: Option<TubeRun>,
+}
+
+impl<'a> Seen<'a> {
+    pub(crate) fn new(study: &Study, gains: &'a Gains) -> Self {
+        let names = knowledge::names(study);
+        let period_ns = study.control.period_ns;
+        let samples = phihat_sim::samples(study.duration, period_ns);
+        Self {
+            measured: Measured::new(study),
+            tube: TubeSeen::new(gains, names.len()),
+            drawing: Drawing::new(names, period_ns, samples, study.spec.settle),
         }
+    }
+
+    pub(crate) fn block(&mut self, trace: &Trace) {
+        self.measured.block(trace);
+        self.drawing.block(trace);
+        if let Some(tube) = &mut self.tube {
+            tube.block(trace);
+        }
+    }
+
+    /// In a run of a study with this SHA-256.
+    pub(crate) fn finish(self, study_sha256: &str) -> Looked {
+        let Self { measured, drawing, tube } = self;
+        let tube = tube.map(|tube| tube.run(study_sha256));
+        Looked { metrics: measured.metrics(), drawing, tube }
+    }
+}
+
+/// The trace of a run on its way to the disk.
+struct TraceFiles {
+    whole: Whole,
+    /// Where they are prepared.
+    prepared: Vec<PathBuf>,
+    csv: TraceWriter<Piece>,
+    csv_path: PathBuf,
+    #[cfg(feature = "parquet")]
+    parquet: phihat_sim::ParquetTrace<Piece>,
+    #[cfg(feature = "parquet")]
+    parquet_path: PathBuf,
+}
+
+impl TraceFiles {
+    fn begin(folder: &Path) -> Result<Self, DiskError> {
+        let (mut whole, mut prepared) = (Whole::in_locked_folder(), Vec::new());
+        let mut begin = |path: &Path| {
+            let piece = whole.begin(path)?;
+            prepared.push(piece.prepared_at().to_owned());
+            Ok(piece)
+        };
+        let csv_path = folder.join(TRACE);
+        let csv = TraceWriter::new(begin(&csv_path)?);
+        #[cfg(feature = "parquet")]
+        let parquet_path = folder.join(PARQUET);
+        #[cfg(feature = "parquet")]
+        let parquet = phihat_sim::ParquetTrace::new(begin(&parquet_path)?)
+            .map_err(|why| DiskError::untouched(&parquet_path, why))?;
+        Ok(Self {
+            whole,
+            prepared,
+            csv,
+            csv_path,
+            #[cfg(feature = "parquet")]
+            parquet,
+            #[cfg(feature = "parquet")]
+            parquet_path,
+        })
+    }
+
+    fn block(&mut self, trace: &Trace) -> Result<(), DiskError> {
+        self.csv.block(trace).map_err(|why| DiskError::untouched(&self.csv_path, why))?;
+        #[cfg(feature = "parquet")]
+        self.parquet.block(trace).map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
+        Ok(())
+    }
+
+    /// The files, ready to be moved in, and the SHA-256 of each by its name.
+    fn end(self) -> Result<(Whole, BTreeMap<String, String>), DiskError> {
+        let mut whole = self.whole;
+        let mut files = BTreeMap::new();
+        let csv = self.csv.finish().map_err(|why| DiskError::untouched(&self.csv_path, why))?;
+        files.insert(TRACE.to_owned(), whole.end(csv)?);
+        #[cfg(feature = "parquet")]
+        {
+            let done = self.parquet.finish();
+            let done = done.map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
+            files.insert(PARQUET.to_owned(), whole.end(done)?);
+        }
+        // One that an older run left would stand beside a trace that is not its own.
+        #[cfg(not(feature = "parquet"))]
+        whole.remove(self.csv_path.with_file_name(PARQUET));
+        Ok((whole, files))
     }
 }
 
@@ -183,8 +313,9 @@ impl Done {
             run: &self.run,
             study_text: &self.study.text,
             gains: &self.gains,
-            trace: &self.trace,
+            drawing: &self.drawing,
             metrics: &self.metrics,
+            tube: self.tube.as_ref(),
         }
     }
 
@@ -194,17 +325,18 @@ impl Done {
     /// # Errors
     ///
     /// [`Failure`], naming the file that cannot be written, or that another process is at work there.
-    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+    pub fn write(&self, trace: &Trace, folder: &Path) -> Result<(), Failure> {
         let _held = Lock::take(folder).map_err(Failure::plain)?;
-        self.leave(folder, None)
+        let mut files = TraceFiles::begin(folder).map_err(Failure::plain)?;
+        files.block(trace).map_err(Failure::plain)?;
+        self.leave(files, folder, None)
     }
 
-    /// The same in a folder that is locked, with a page.
-    fn leave(&self, folder: &Path, page: Option<&Path>) -> Result<(), Failure> {
+    /// The same in a folder that is locked, with a page, the trace being on its way.
+    fn leave(&self, trace: TraceFiles, folder: &Path, page: Option<&Path>) -> Result<(), Failure> {
         let at = |name: &str| folder.join(name);
         let pretty = |value: &serde_json::Value| format!("{value:#}\n").into_bytes();
-        let mut whole = Whole::in_locked_folder();
-        let mut files = BTreeMap::new();
+        let (mut whole, mut files) = trace.end().map_err(Failure::plain)?;
         let gains = self.gains.to_json().map_err(Failure::plain)?;
         for (name, bytes) in [
             ("study.toml", self.study.text.clone().into_bytes()),
@@ -214,16 +346,6 @@ impl Done {
             let sum = whole.add(&at(name), &bytes).map_err(Failure::plain)?;
             files.insert(name.to_owned(), sum);
         }
-        let sum = whole.add_with(&at(TRACE), |file| self.trace.write_csv(file));
-        files.insert(TRACE.to_owned(), sum.map_err(Failure::plain)?);
-        #[cfg(feature = "parquet")]
-        {
-            let sum = whole.add_with(&at(PARQUET), |file| self.trace.write_parquet(file));
-            files.insert(PARQUET.to_owned(), sum.map_err(Failure::plain)?);
-        }
-        // One that an older run left would stand beside a trace that is not its own.
-        #[cfg(not(feature = "parquet"))]
-        whole.remove(at(PARQUET));
         match page {
             Some(page) => add_page(&mut whole, &self.record(), page)?,
             None => remove_page(&mut whole, &at("report.html")),
@@ -236,26 +358,23 @@ impl Done {
     /// The figures of the run: its metrics, and under `tube` the run beside the tube that its gains carry.
     pub fn figures(&self) -> serde_json::Value {
         let mut figures = json!(self.metrics);
-        if let Some(run) = self.tube() {
+        if let Some(run) = &self.tube {
             figures["tube"] = json!(run);
         }
         figures
     }
 
-    /// The run beside the tube that its gains carry.
-    pub fn tube(&self) -> Option<TubeRun> {
-        TubeRun::of(&self.record())
-    }
-
     /// Whether the run came to its end, kept every bound, and no promise about it is broken.
     pub fn good(&self) -> bool {
         let ended = self.divergence.is_none() && self.abort.is_none();
-        ended && self.metrics.within_spec && self.tube().is_none_or(|run| run.broken().is_none())
+        ended
+            && self.metrics.within_spec
+            && self.tube.as_ref().is_none_or(|run| run.broken().is_none())
     }
 
     /// The verdict as one word.
     fn verdict(&self) -> &'static str {
-        if self.tube().is_some_and(|run| run.broken().is_some()) {
+        if self.tube.as_ref().is_some_and(|run| run.broken().is_some()) {
             "certificate_broken"
         } else if self.divergence.is_some() {
             "diverged"
@@ -291,8 +410,8 @@ impl Done {
         } else {
             println!("{} · {}", self.study.name, self.study.title);
             println!("{}", table::metrics(&self.metrics));
-            if let Some(run) = self.tube() {
-                println!("{}", table::tube(&run));
+            if let Some(run) = &self.tube {
+                println!("{}", table::tube(run));
             }
             match &self.abort {
                 Some(abort) => println!("{}", table::abort(abort)),

@@ -6,11 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 use phihat_campaign::disk::{Lock, Whole, folder_of};
 use phihat_report::{FIGURES, Record};
-use phihat_sim::Metrics;
 
 use crate::failure::Failure;
 use crate::kept::Kept;
-use crate::record::settle;
 
 /// Make the report of a recorded trace again.
 ///
@@ -43,15 +41,15 @@ impl Report {
             Lock::take_if_used(folder_of(&page))
         };
         let held = held.map_err(Failure::plain)?;
-        let Kept { run, mut study, gains, trace } = Kept::read(&self.trace)?;
-        settle(&mut study, &gains);
-        let metrics = Metrics::of(&trace, &study);
+        let Kept { run, study, gains, seen } = Kept::read(&self.trace)?;
+        let metrics = &seen.metrics;
         let record = Record {
             run: &run,
             study_text: &study.text,
             gains: &gains,
-            trace: &trace,
-            metrics: &metrics,
+            drawing: &seen.drawing,
+            metrics,
+            tube: seen.tube.as_ref(),
         };
         write_page(&record, &page, held.as_ref())?;
         if self.json {

@@ -43,8 +43,8 @@ pub(crate) fn simulate(
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
     let given = gains.map(|gains| (gains.inner.clone(), Path::new("gains.json")));
     let run = || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
-    let done = py.detach(run).map_err(|e: phihat_cli::Failure| failure::failed(py, &e))?;
-    Ok(Trace { done })
+    let (done, trace) = py.detach(run).map_err(|e: phihat_cli::Failure| failure::failed(py, &e))?;
+    Ok(Trace { done, trace })
 }
 
 /// Runs a fault matrix with the arguments of `phihat faults`; its answer, as in faults.json.
@@ -76,6 +76,7 @@ pub(crate) fn reproduce(py: Python<'_>, arguments: Vec<String>) -> PyResult<Boun
 #[derive(Debug)]
 pub(crate) struct Trace {
     done: Done,
+    trace: phihat_sim::Trace,
 }
 
 #[pymethods]
@@ -116,18 +117,18 @@ impl Trace {
     /// Time of each sample [s].
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let seconds: Vec<f64> = self.done.trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
+        let seconds: Vec<f64> = self.trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
         seconds.into_pyarray(py)
     }
     /// Time between samples [s].
     #[getter]
     fn period(&self) -> f64 {
-        self.done.trace.period_ns as f64 * 1e-9
+        self.trace.period_ns as f64 * 1e-9
     }
     /// Joints, in order.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
-        self.done.trace.joints.iter().map(|joint| joint.name.clone()).collect()
+        self.trace.joints.iter().map(|joint| joint.name.clone()).collect()
     }
     /// The gains that ran.
     #[getter]
@@ -152,19 +153,19 @@ impl Trace {
     /// The supervisor's mode at each sample; None where there was no supervisor.
     #[getter]
     fn mode(&self) -> Option<Vec<&'static str>> {
-        let modes = &self.done.trace.supervision.as_ref()?.mode;
+        let modes = &self.trace.supervision.as_ref()?.mode;
         Some(modes.iter().map(|mode| mode.name()).collect())
     }
     /// What the supervisor noted at each sample; None where there was no supervisor.
     #[getter]
     fn events(&self) -> Option<Vec<Vec<&'static str>>> {
-        let events = &self.done.trace.supervision.as_ref()?.events;
+        let events = &self.trace.supervision.as_ref()?.events;
         Some(events.iter().map(|events| events.names().collect()).collect())
     }
     /// What had stopped the arm at each sample, if anything; None where there was no supervisor.
     #[getter]
     fn fault(&self) -> Option<Vec<Option<&'static str>>> {
-        let faults = &self.done.trace.supervision.as_ref()?.fault;
+        let faults = &self.trace.supervision.as_ref()?.fault;
         Some(faults.iter().map(|fault| fault.map(phihat::Fault::name)).collect())
     }
     /// Where the run came from, as in run.json.
@@ -178,7 +179,7 @@ impl Trace {
     }
     /// Writes study, gains, origin, metrics and trace into a folder.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| self.done.write(&folder)).map_err(|e| failure::failed(py, &e))
+        py.detach(|| self.done.write(&self.trace, &folder)).map_err(|e| failure::failed(py, &e))
     }
     /// Writes the report's page, and its figures beside it.
     fn write_report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
@@ -193,7 +194,7 @@ impl Trace {
         py: Python<'py>,
         at: impl Fn(&JointTrace, usize) -> T,
     ) -> PyResult<Bound<'py, PyArray2<T>>> {
-        let (joints, samples) = (&self.done.trace.joints, self.done.trace.len());
+        let (joints, samples) = (&self.trace.joints, self.trace.len());
         let rows = (0..samples).flat_map(|k| joints.iter().map(move |joint| (joint, k)));
         let values: Vec<T> = rows.map(|(joint, k)| at(joint, k)).collect();
         PyArray1::from_vec(py, values).reshape([samples, joints.len()])

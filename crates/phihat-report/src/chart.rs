@@ -1,6 +1,7 @@
 //! The charts of a run: which quantity, in which unit, against which bound.
 
 use crate::band::{self, Band, Ends};
+use crate::drawing::Drawn;
 use crate::record::Seen;
 use phihat_design::Tube;
 use phihat_sim::{JointMetrics, JointTrace};
@@ -23,6 +24,8 @@ pub(crate) struct Curve {
     pub label: &'static str,
     pub unit: &'static str,
     pub dashed: bool,
+    /// Its value at a sample of a block, in SI units; with the command before the block.
+    pub of: fn(&JointTrace, usize, Option<f64>) -> f64,
 }
 
 /// What `± bound` means.
@@ -32,13 +35,38 @@ pub(crate) struct Bound {
     pub label: &'static str,
     /// Whether it holds from the settling time on only.
     pub after_settle: bool,
+    /// Its value, in SI units.
+    pub of: fn(&JointMetrics) -> Option<f64>,
 }
 
-/// One joint's curves, in the chart's units.
+/// One quantity: what its chart shows of any run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kind {
+    /// File stem.
+    pub stem: &'static str,
+    /// What it shows; the second where there is a tube around the first curve.
+    pub title: [&'static str; 2],
+    /// The same for a figure of the steady part alone, where there is one: file stem and titles. On paper nobody can
+    /// zoom: the start-up would hide how the error sits in its bound.
+    pub steady: Option<(&'static str, [&'static str; 2])>,
+    pub x_label: &'static str,
+    pub y_label: &'static str,
+    pub plane: Plane,
+    /// From SI units to those of the chart.
+    pub scale: f64,
+    pub curves: &'static [Curve],
+    pub bound: Bound,
+    /// The tube around the first curve.
+    pub tube: Option<Ends>,
+    /// Whether it is shown of a run.
+    pub shown: fn(&Seen<'_>) -> bool,
+}
+
+/// One joint's part of a chart, in the chart's units.
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     pub joint: String,
-    pub curves: Vec<Vec<f64>>,
+    pub drawn: Drawn,
     pub bound: Option<f64>,
     /// The tube that the first curve is in.
     pub tube: Option<Band>,
@@ -47,207 +75,213 @@ pub(crate) struct Panel {
 /// One quantity of all joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Chart {
-    /// File stem.
-    pub stem: &'static str,
-    pub title: &'static str,
-    pub x_label: &'static str,
-    pub y_label: &'static str,
-    pub plane: Plane,
-    pub curves: Vec<Curve>,
-    pub bound: Bound,
+    pub kind: &'static Kind,
     pub panels: Vec<Panel>,
+    tubed: bool,
 }
 
-/// How a chart is read from a joint: its curves in SI units, its bound, and one scale for all.
-type Columns = fn(&JointTrace) -> Vec<Vec<f64>>;
-type BoundOf = fn(&JointMetrics) -> Option<f64>;
+impl Chart {
+    pub(crate) fn title(&self) -> &'static str {
+        self.kind.title[usize::from(self.tubed)]
+    }
+
+    /// File stem and title of the figure of the steady part alone.
+    pub(crate) fn steady(&self) -> Option<(&'static str, &'static str)> {
+        self.kind.steady.map(|(stem, title)| (stem, title[usize::from(self.tubed)]))
+    }
+}
 
 const TIME: &str = "time t [s]";
-const SPEC: Bound = Bound { label: "bound", after_settle: true };
-const NONE: Bound = Bound { label: "", after_settle: false };
-const LIMIT: Bound = Bound { label: "limit", after_settle: false };
+const NONE: Bound = Bound { label: "", after_settle: false, of: |_| None };
 
-const fn curve(label: &'static str, unit: &'static str, dashed: bool) -> Curve {
-    Curve { label, unit, dashed }
+const fn spec(of: fn(&JointMetrics) -> Option<f64>) -> Bound {
+    Bound { label: "bound", after_settle: true, of }
 }
 
-/// The charts of a record, in the order of the page.
-pub(crate) fn charts(record: &Seen<'_>) -> Vec<Chart> {
-    let joints = &record.metrics.joints;
-    let mut charts = vec![tracking(record), error(record)];
-    if joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()) {
-        charts.push(error_integral(record));
-    }
-    if record.tube.is_some() || joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some()) {
-        charts.push(velocity_error(record));
-    }
-    charts.extend([torque(record), unknown_dynamics(record), phase(record), torque_step(record)]);
-    charts
+const fn limit(of: fn(&JointMetrics) -> Option<f64>) -> Bound {
+    Bound { label: "limit", after_settle: false, of }
 }
 
-fn tracking(record: &Seen<'_>) -> Chart {
-    let curves = vec![curve("q", "rad", false), curve("q_d", "rad", true)];
-    Chart {
+/// Not a number where the column has no entry.
+fn at(column: &[f64], k: usize) -> f64 {
+    column.get(k).copied().unwrap_or(f64::NAN)
+}
+
+/// `τ_k − τ_{k−1}`; the first sample of a run has none.
+fn step(joint: &JointTrace, k: usize, before: Option<f64>) -> f64 {
+    let tau = &joint.tau_command;
+    let before = k.checked_sub(1).map_or(before.unwrap_or(f64::NAN), |k| at(tau, k));
+    at(tau, k) - before
+}
+
+const E: Curve = Curve { label: "e", unit: "mrad", dashed: false, of: |j, k, _| at(&j.e, k) };
+const DE: Curve = Curve { label: "ė", unit: "mrad/s", dashed: false, of: |j, k, _| at(&j.de, k) };
+
+/// All charts, in the order of the page.
+pub(crate) static CHARTS: [Kind; 8] = [
+    Kind {
         stem: "tracking",
-        title: "Tracking: position q and desired position q_d",
+        title: ["Tracking: position q and desired position q_d"; 2],
+        steady: None,
         x_label: TIME,
         y_label: "position [rad]",
         plane: Plane::Time,
-        curves,
+        scale: 1.0,
+        curves: &[
+            Curve { label: "q", unit: "rad", dashed: false, of: |j, k, _| at(&j.q, k) },
+            Curve { label: "q_d", unit: "rad", dashed: true, of: |j, k, _| at(&j.q_desired, k) },
+        ],
         bound: NONE,
-        panels: panels(record, 1.0, |j| vec![j.q.clone(), j.q_desired.clone()], |_| None),
-    }
-}
-
-fn error(record: &Seen<'_>) -> Chart {
-    Chart {
+        tube: None,
+        shown: |_| true,
+    },
+    Kind {
         stem: "error",
-        title: match record.tube {
-            Some(_) => "Error e = q − q_d in its tube (shaded), against its bound",
-            None => "Error e = q − q_d against its bound",
-        },
+        title: [
+            "Error e = q − q_d against its bound",
+            "Error e = q − q_d in its tube (shaded), against its bound",
+        ],
+        steady: Some((
+            "error-steady",
+            [
+                "Error e in the steady part against its bound",
+                "Error e in the steady part, in its tube (shaded), against its bound",
+            ],
+        )),
         x_label: TIME,
         y_label: "error e [mrad]",
         plane: Plane::Time,
-        curves: vec![curve("e", "mrad", false)],
-        bound: SPEC,
-        panels: tubed(
-            panels(record, 1e3, |j| vec![j.e.clone()], |m| m.error_spec_rad),
-            (record, 1e3),
-            band::error,
-        ),
-    }
-}
-
-fn error_integral(record: &Seen<'_>) -> Chart {
-    let bound: BoundOf = |m| m.error_integral_spec_rad_s;
-    Chart {
+        scale: 1e3,
+        curves: &[E],
+        bound: spec(|m| m.error_spec_rad),
+        tube: Some(band::error),
+        shown: |_| true,
+    },
+    Kind {
         stem: "error-integral",
-        title: "Integral of the error ∫e against its bound",
+        title: ["Integral of the error ∫e against its bound"; 2],
+        steady: None,
         x_label: TIME,
         y_label: "∫e [mrad·s]",
         plane: Plane::Time,
-        curves: vec![curve("∫e", "mrad·s", false)],
-        bound: SPEC,
-        panels: panels(record, 1e3, |j| vec![j.e_integral.clone()], bound),
-    }
-}
-
-fn velocity_error(record: &Seen<'_>) -> Chart {
-    let bound: BoundOf = |m| m.velocity_error_spec_rad_s;
-    Chart {
+        scale: 1e3,
+        curves: &[Curve {
+            label: "∫e",
+            unit: "mrad·s",
+            dashed: false,
+            of: |j, k, _| at(&j.e_integral, k),
+        }],
+        bound: spec(|m| m.error_integral_spec_rad_s),
+        tube: None,
+        shown: |run| run.metrics.joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()),
+    },
+    Kind {
         stem: "velocity-error",
-        title: match record.tube {
-            Some(_) => "Velocity error ė in its tube (shaded), against its bound",
-            None => "Velocity error ė against its bound",
-        },
+        title: [
+            "Velocity error ė against its bound",
+            "Velocity error ė in its tube (shaded), against its bound",
+        ],
+        steady: None,
         x_label: TIME,
         y_label: "ė [mrad/s]",
         plane: Plane::Time,
-        curves: vec![curve("ė", "mrad/s", false)],
-        bound: SPEC,
-        panels: tubed(
-            panels(record, 1e3, |j| vec![j.de.clone()], bound),
-            (record, 1e3),
-            band::velocity,
-        ),
-    }
-}
-
-fn torque(record: &Seen<'_>) -> Chart {
-    let columns: Columns = |j| vec![j.tau_applied.clone(), j.tau_command.clone()];
-    Chart {
+        scale: 1e3,
+        curves: &[DE],
+        bound: spec(|m| m.velocity_error_spec_rad_s),
+        tube: Some(band::velocity),
+        shown: |run| {
+            let mut joints = run.metrics.joints.iter();
+            run.tube.is_some() || joints.any(|j| j.velocity_error_spec_rad_s.is_some())
+        },
+    },
+    Kind {
         stem: "torque",
-        title: "Torque applied and commanded against the limit",
+        title: ["Torque applied and commanded against the limit"; 2],
+        steady: None,
         x_label: TIME,
         y_label: "torque τ [N·m]",
         plane: Plane::Time,
-        curves: vec![curve("τ applied", "N·m", false), curve("τ commanded", "N·m", true)],
-        bound: LIMIT,
-        panels: panels(record, 1.0, columns, |m| m.tau_limit_nm),
-    }
-}
-
-fn unknown_dynamics(record: &Seen<'_>) -> Chart {
-    Chart {
+        scale: 1.0,
+        curves: &[
+            Curve {
+                label: "τ applied",
+                unit: "N·m",
+                dashed: false,
+                of: |j, k, _| at(&j.tau_applied, k),
+            },
+            Curve {
+                label: "τ commanded",
+                unit: "N·m",
+                dashed: true,
+                of: |j, k, _| at(&j.tau_command, k),
+            },
+        ],
+        bound: limit(|m| m.tau_limit_nm),
+        tube: None,
+        shown: |_| true,
+    },
+    Kind {
         stem: "unknown-dynamics",
-        title: "Unknown dynamics φ and its estimate φ̂",
+        title: ["Unknown dynamics φ and its estimate φ̂"; 2],
+        steady: None,
         x_label: TIME,
         y_label: "φ, φ̂ [N·m]",
         plane: Plane::Time,
-        curves: vec![curve("φ", "N·m", false), curve("φ̂", "N·m", true)],
+        scale: 1.0,
+        curves: &[
+            Curve { label: "φ", unit: "N·m", dashed: false, of: |j, k, _| at(&j.phi, k) },
+            Curve { label: "φ̂", unit: "N·m", dashed: true, of: |j, k, _| at(&j.phi_hat, k) },
+        ],
         bound: NONE,
-        panels: panels(record, 1.0, |j| vec![j.phi.clone(), j.phi_hat.clone()], |_| None),
-    }
-}
-
-fn phase(record: &Seen<'_>) -> Chart {
-    let columns: Columns = |j| vec![j.e.clone(), j.de.clone()];
-    Chart {
+        tube: None,
+        shown: |_| true,
+    },
+    Kind {
         stem: "phase",
-        title: "Start-up in the phase plane, ė over e",
+        title: ["Start-up in the phase plane, ė over e"; 2],
+        steady: None,
         x_label: "error e [mrad]",
         y_label: "ė [mrad/s]",
         plane: Plane::Phase,
-        curves: vec![curve("e", "mrad", false), curve("ė", "mrad/s", false)],
-        bound: SPEC,
-        panels: panels(record, 1e3, columns, |m| m.error_spec_rad),
-    }
-}
-
-fn torque_step(record: &Seen<'_>) -> Chart {
-    Chart {
+        scale: 1e3,
+        curves: &[E, DE],
+        bound: spec(|m| m.error_spec_rad),
+        tube: None,
+        shown: |_| true,
+    },
+    Kind {
         stem: "torque-step",
-        title: "Torque change per sample against the rate limit",
+        title: ["Torque change per sample against the rate limit"; 2],
+        steady: None,
         x_label: TIME,
         y_label: "Δτ [N·m/sample]",
         plane: Plane::Time,
-        curves: vec![curve("Δτ", "N·m/sample", false)],
-        bound: LIMIT,
-        panels: panels(record, 1.0, |j| vec![steps(&j.tau_command)], |m| m.tau_step_limit_nm),
-    }
-}
-
-/// `τ_k − τ_{k−1}`; the first sample has none.
-fn steps(tau: &[f64]) -> Vec<f64> {
-    let changes = tau.windows(2).map(|w| w[1] - w[0]);
-    tau.first().map(|_| f64::NAN).into_iter().chain(changes).collect()
-}
-
-fn panels(record: &Seen<'_>, scale: f64, columns: Columns, bound: BoundOf) -> Vec<Panel> {
-    let samples = record.trace.t_ns.len();
-    let panel = |(j, joint): (usize, &JointTrace)| Panel {
-        joint: crate::text::line(&joint.name),
-        curves: columns(joint).iter().map(|c| drawable(c, samples, scale)).collect(),
-        bound: record.metrics.joints.get(j).and_then(bound).map(|b| scale * b),
+        scale: 1.0,
+        curves: &[Curve { label: "Δτ", unit: "N·m/sample", dashed: false, of: step }],
+        bound: limit(|m| m.tau_step_limit_nm),
         tube: None,
+        shown: |_| true,
+    },
+];
+
+/// The charts of a run, in the order of the page.
+pub(crate) fn charts(run: &Seen<'_>) -> Vec<Chart> {
+    let shown = CHARTS.iter().zip(run.drawing.drawn()).filter(|(kind, _)| (kind.shown)(run));
+    shown.map(|(kind, drawn)| chart(run, kind, drawn)).collect()
+}
+
+fn chart(run: &Seen<'_>, kind: &'static Kind, drawn: Vec<Drawn>) -> Chart {
+    let panel = |((j, name), drawn): ((usize, &String), Drawn)| {
+        let bound = run.metrics.joints.get(j).and_then(kind.bound.of);
+        let band = |tube: &Tube, ends| Some(Band::of(tube, tube.joints.get(j)?, ends, kind.scale));
+        let tube = run.tube.zip(kind.tube);
+        Panel {
+            joint: crate::text::line(name),
+            drawn,
+            bound: bound.map(|bound| kind.scale * bound),
+            tube: tube.and_then(|(tube, ends)| band(tube, ends)),
+        }
     };
-    record.trace.joints.iter().enumerate().map(panel).collect()
-}
-
-/// The same panels with the tube around their first curve.
-fn tubed(mut panels: Vec<Panel>, (record, scale): (&Seen<'_>, f64), ends: Ends) -> Vec<Panel> {
-    for (j, panel) in panels.iter_mut().enumerate() {
-        let joint =
-            |tube: &Tube| tube.joints.get(j).map(|joint| Band::of(tube, joint, ends, scale));
-        panel.tube = record.tube.and_then(joint);
-    }
-    panels
-}
-
-/// Exactly `samples` values; NaN where there is nothing to draw.
-fn drawable(column: &[f64], samples: usize, scale: f64) -> Vec<f64> {
-    let value = |k: usize| column.get(k).map_or(f64::NAN, |v| scale * v);
-    (0..samples).map(value).map(|v| if v.abs() <= DRAWABLE_MAX { v } else { f64::NAN }).collect()
-}
-
-/// Time of every sample \[s\].
-pub(crate) fn times(record: &Seen<'_>) -> Vec<f64> {
-    record.trace.t_ns.iter().map(|&t| t as f64 * 1e-9).collect()
-}
-
-/// Index of the first sample of the steady part.
-pub(crate) fn settle_index(record: &Seen<'_>) -> usize {
-    let settle = record.metrics.settle_s;
-    record.trace.t_ns.partition_point(|&t| (t as f64 * 1e-9) < settle)
+    let panels = run.drawing.joints.iter().enumerate().zip(drawn).map(panel).collect();
+    Chart { kind, panels, tubed: run.tube.is_some() }
 }

@@ -19,7 +19,7 @@ mod certificate;
 mod chart;
 mod comparison;
 mod coupled;
-mod decimate;
+mod drawing;
 mod faults;
 mod figure;
 mod limited;
@@ -30,6 +30,7 @@ mod policy;
 mod record;
 mod reproduction;
 mod sections;
+mod stretches;
 mod supervision;
 mod table;
 mod text;
@@ -40,10 +41,11 @@ pub use comparison::{
     Beaten, DEFAULTS, Loss, NOT_TUNED, Trial, UNITS, comparison_page, comparison_table, losses,
     main_world, model_free, model_free_in_full, trial_page,
 };
+pub use drawing::Drawing;
 pub use faults::faults_page;
 pub use figure::{FIGURES, Figure, figures, reproduction_figures};
 pub use limited::limits_acted;
 pub use page::page;
 pub use record::{Record, RunInfo};
 pub use reproduction::reproduction_page;
-pub use tube::TubeRun;
+pub use tube::{TubeRun, TubeSeen};

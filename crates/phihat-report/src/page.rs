@@ -9,11 +9,9 @@ use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;
 use crate::text::line;
-use crate::tube::TubeRun;
 use crate::verdict::{Verdict, verdict};
 use crate::{sections, table};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use phihat_sim::{JointTrace, Trace};
 
 /// The self-contained page of a record.
 ///
@@ -47,7 +45,7 @@ pub fn page(record: &Record<'_>) -> String {
                     (table::tracking(record.metrics))
                     (table::torque(record.metrics))
                     (plots(record))
-                    (supervision(record.trace))
+                    (supervision(&record.drawing.course))
                     (sections::gains(record.gains))
                     (certificate(record))
                     (sections::world(record))
@@ -76,7 +74,7 @@ fn heading(record: &Record<'_>) -> Markup {
                 " · " (line(&run.form)) " form at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 " · simulated"
             }
-            (verdict_box(&verdict(record.metrics, TubeRun::of(record).as_ref())))
+            (verdict_box(&verdict(record.metrics, record.tube)))
         }
     }
 }
@@ -120,7 +118,7 @@ fn warnings(record: &Record<'_>) -> Markup {
     if record.gains.study_sha256 != record.run.study_sha256 {
         warnings.push("The gains were made from another study text: their hashes differ.".into());
     }
-    let gaps = undrawable(record.trace);
+    let gaps = record.drawing.undrawable;
     if gaps > 0 {
         warnings.push(format!(
             "{gaps} recorded values are not finite or beyond {DRAWABLE_MAX:e}: drawn as gaps."
@@ -134,18 +132,9 @@ fn warnings(record: &Record<'_>) -> Markup {
     } }
 }
 
-fn undrawable(trace: &Trace) -> usize {
-    let columns = |j: &JointTrace| {
-        [&j.q, &j.q_desired, &j.e, &j.de, &j.tau_command, &j.tau_applied, &j.phi, &j.phi_hat]
-            .map(|column| column.iter().filter(|v| v.is_nan() || v.abs() > DRAWABLE_MAX).count())
-            .iter()
-            .sum::<usize>()
-    };
-    trace.joints.iter().map(columns).sum()
-}
-
 fn plots(record: &Record<'_>) -> Markup {
-    let (samples, stretches) = (record.trace.t_ns.len(), buckets(record.trace.joints.len()));
+    let crate::Drawing { samples, joints, .. } = record.drawing;
+    let stretches = buckets(joints.len());
     html! {
         h2 id="plots" { "Plots" }
         section.interactive hidden aria-labelledby="plots" {

@@ -1,7 +1,6 @@
 //! The page's data: every chart, decimated, as JSON that cannot leave its script element.
 
-use crate::chart::{Chart, Plane, charts, settle_index, times};
-use crate::decimate::kept;
+use crate::chart::{Chart, Curve, Plane, charts};
 use crate::number::rounded;
 use crate::record::Record;
 use crate::verdict::worst_joint;
@@ -56,47 +55,40 @@ pub(crate) fn buckets(joints: usize) -> usize {
 /// The JSON text, fit to stand inside `<script type="application/json">`.
 pub(crate) fn payload(record: &Record<'_>) -> String {
     let seen = record.seen();
-    let (t, settle) = (times(&seen), settle_index(&seen));
     let charts = charts(&seen);
     let data = Payload {
         settle_s: record.metrics.settle_s,
-        end_s: t.last().copied().unwrap_or(0.0),
+        end_s: seen.drawing.end_s,
         worst: worst_joint(record.metrics),
         joints: charts.first().map_or(vec![], |c| c.panels.iter().map(|p| &*p.joint).collect()),
-        charts: charts.iter().map(|chart| chart_data(chart, &t, settle)).collect(),
+        charts: charts.iter().map(chart_data).collect(),
     };
     // Numbers, strings and lists always have a JSON form.
     escaped(&serde_json::to_string(&data).unwrap_or_else(|_| "null".to_owned()))
 }
 
-fn chart_data(chart: &Chart, t: &[f64], settle: usize) -> ChartData {
-    let buckets = buckets(chart.panels.len());
+fn chart_data(chart: &Chart) -> ChartData {
+    let kind = chart.kind;
     let panel = |panel: &crate::chart::Panel| {
-        let mut indices = kept(&panel.curves, 0..settle, buckets);
-        if chart.plane == Plane::Time {
-            indices.extend(kept(&panel.curves, settle..t.len(), buckets));
-        }
-        let take = |values: &[f64]| indices.iter().map(|&k| rounded(values[k])).collect();
+        let rows = &panel.drawn.page;
+        let take = |c: usize| rows.iter().map(|row| rounded(row.y[c])).collect();
         PanelData {
             bound: panel.bound.map(rounded),
             tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
-            t: indices.iter().map(|&k| (t[k] * 1e9).round() / 1e9).collect(),
-            y: panel.curves.iter().map(|c| take(c)).collect(),
+            t: rows.iter().map(|row| (row.t * 1e9).round() / 1e9).collect(),
+            y: (0..kind.curves.len()).map(take).collect(),
         }
     };
+    let curve = |c: &Curve| CurveData { label: c.label, unit: c.unit, dashed: c.dashed };
     ChartData {
-        stem: chart.stem,
-        title: chart.title,
-        x_label: chart.x_label,
-        y_label: chart.y_label,
-        phase: chart.plane == Plane::Phase,
-        bound_label: chart.bound.label,
-        bound_after_settle: chart.bound.after_settle,
-        curves: chart
-            .curves
-            .iter()
-            .map(|c| CurveData { label: c.label, unit: c.unit, dashed: c.dashed })
-            .collect(),
+        stem: kind.stem,
+        title: chart.title(),
+        x_label: kind.x_label,
+        y_label: kind.y_label,
+        phase: kind.plane == Plane::Phase,
+        bound_label: kind.bound.label,
+        bound_after_settle: kind.bound.after_settle,
+        curves: kind.curves.iter().map(curve).collect(),
         panels: chart.panels.iter().map(panel).collect(),
     }
 }

@@ -1,8 +1,11 @@
 //! What a page is made from.
 
 use phihat_design::{Gains, Tube};
-use phihat_sim::{Metrics, Trace};
+use phihat_sim::Metrics;
 use serde::{Deserialize, Serialize};
+
+use crate::drawing::Drawing;
+use crate::tube::TubeRun;
 
 /// Everything a page is made from: recorded data only.
 #[derive(Debug, Clone, Copy)]
@@ -13,16 +16,18 @@ pub struct Record<'a> {
     pub study_text: &'a str,
     /// The gains that ran.
     pub gains: &'a Gains,
-    /// Every signal of every joint.
-    pub trace: &'a Trace,
+    /// What is drawn of it.
+    pub drawing: &'a Drawing,
     /// The figures of the run.
     pub metrics: &'a Metrics,
+    /// The run beside the tube that its gains carry.
+    pub tube: Option<&'a TubeRun>,
 }
 
 /// What was seen of a run, whatever law drove it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seen<'a> {
-    pub trace: &'a Trace,
+    pub drawing: &'a Drawing,
     pub metrics: &'a Metrics,
     /// The tube that was promised for it.
     pub tube: Option<&'a Tube>,
@@ -33,7 +38,7 @@ impl<'a> Record<'a> {
         let own = self.gains.study_sha256 == self.run.study_sha256;
         let certificate = self.gains.certificate.as_ref().filter(|_| own);
         let tube = certificate.and_then(|certificate| certificate.tube.as_ref());
-        Seen { trace: self.trace, metrics: self.metrics, tube }
+        Seen { drawing: self.drawing, metrics: self.metrics, tube }
     }
 }
 

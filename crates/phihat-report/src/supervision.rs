@@ -11,17 +11,30 @@ const ROWS_MAX: usize = 60;
 const APART_S: f64 = 0.05;
 
 /// One moment at which something changed.
+#[derive(Debug, Clone)]
 struct Moment {
     t: f64,
     what: String,
     mode: &'static str,
 }
 
+/// What a supervisor did, as its record goes by.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Course {
+    /// The first ones.
+    moments: Vec<Moment>,
+    /// Those that are not kept.
+    more: usize,
+    /// When each event came last.
+    seen: Vec<(&'static str, f64)>,
+    /// Mode and fault of the sample before; `None`: no supervisor, or no sample yet.
+    last: Option<(&'static str, Option<&'static str>)>,
+}
+
 /// The course of a supervised run; nothing where no supervisor ran.
-pub(crate) fn supervision(trace: &Trace) -> Markup {
-    let moments = moments(trace);
-    let more = moments.len().saturating_sub(ROWS_MAX);
-    html! { @if trace.supervision.is_some() {
+pub(crate) fn supervision(course: &Course) -> Markup {
+    let Course { moments, more, last, .. } = course;
+    html! { @if last.is_some() {
         h2 id="supervisor" { "Supervisor" }
         p {
             "Modes, events and faults as they came. What comes back within " (stated(APART_S * 1e3)) " ms counts as going on; "
@@ -35,45 +48,55 @@ pub(crate) fn supervision(trace: &Trace) -> Markup {
                     th scope="col" { "what" }
                     th scope="col" { "mode" }
                 } }
-                tbody { @for moment in moments.iter().take(ROWS_MAX) { tr {
+                tbody { @for moment in moments { tr {
                     th scope="row" { (format!("{:.3}", moment.t)) }
                     td { (moment.what) }
                     td { (moment.mode) }
                 } } }
             }
         }
-        @if more > 0 { p { (more) " more are not shown." } }
+        @if *more > 0 { p { (more) " more are not shown." } }
     } }
 }
 
-fn moments(trace: &Trace) -> Vec<Moment> {
-    let Some(course) = &trace.supervision else { return Vec::new() };
-    let mut moments = Vec::new();
-    let mut seen: Vec<(&'static str, f64)> = Vec::new();
-    let (mut last_mode, mut last_fault) = (None, None);
-    let samples = course.mode.iter().zip(&course.events).zip(&course.fault).zip(&trace.t_ns);
-    for (((mode, events), fault), t_ns) in samples {
-        let t = *t_ns as f64 * 1e-9;
-        let mut note = |what: String| moments.push(Moment { t, what, mode: mode.name() });
-        for name in events.names() {
-            let known = seen.iter_mut().find(|(event, _)| *event == name);
-            let fresh = known.as_ref().is_none_or(|(_, last)| t - last > APART_S);
-            match known {
-                Some((_, last)) => *last = t,
-                None => seen.push((name, t)),
+impl Course {
+    /// The next samples.
+    pub(crate) fn block(&mut self, trace: &Trace) {
+        let Some(course) = &trace.supervision else { return };
+        let samples = course.mode.iter().zip(&course.events).zip(&course.fault).zip(&trace.t_ns);
+        for (((mode, events), fault), t_ns) in samples {
+            let t = *t_ns as f64 * 1e-9;
+            let (mode, fault) = (mode.name(), fault.as_ref().map(|fault| fault.name()));
+            for name in events.names() {
+                if self.is_fresh(name, t) {
+                    self.note(t, mode, name.to_owned());
+                }
             }
-            if fresh {
-                note(name.to_owned());
+            if fault != self.last.and_then(|(_, fault)| fault) {
+                let what = fault.map_or("fault cleared".to_owned(), |f| format!("fault: {f}"));
+                self.note(t, mode, what);
             }
-        }
-        if *fault != last_fault {
-            note(fault.map_or("fault cleared".to_owned(), |f| format!("fault: {}", f.name())));
-            last_fault = *fault;
-        }
-        if last_mode != Some(*mode) {
-            note(format!("now {}", mode.name()));
-            last_mode = Some(*mode);
+            if self.last.map(|(mode, _)| mode) != Some(mode) {
+                self.note(t, mode, format!("now {mode}"));
+            }
+            self.last = Some((mode, fault));
         }
     }
-    moments
+
+    /// Whether an event is a new one, and not one going on.
+    fn is_fresh(&mut self, name: &'static str, t: f64) -> bool {
+        if let Some((_, last)) = self.seen.iter_mut().find(|(event, _)| *event == name) {
+            return t - core::mem::replace(last, t) > APART_S;
+        }
+        self.seen.push((name, t));
+        true
+    }
+
+    fn note(&mut self, t: f64, mode: &'static str, what: String) {
+        if self.moments.len() < ROWS_MAX {
+            self.moments.push(Moment { t, what, mode });
+        } else {
+            self.more += 1;
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The run beside the tube that was promised for it.
 
 use maud::{Markup, html};
-use phihat_design::{JointRun, Left, Tube, TubeKept};
-use phihat_sim::JointTrace;
+use phihat_design::{Certificate, Gains, JointRun, Left, Tube, TubeKept, TubeWatch};
+use phihat_sim::{JointTrace, Trace};
 use serde::Serialize;
 
 use crate::number::{number, stated};
@@ -22,35 +22,59 @@ pub struct TubeRun {
     pub no_promise: Option<String>,
 }
 
-impl TubeRun {
-    /// A record against the tube that its gains carry; `None`: they carry none for these joints.
-    pub fn of(record: &Record<'_>) -> Option<Self> {
-        let certificate = record.gains.certificate.as_ref()?;
-        let tube = certificate.tube.as_ref()?;
-        let run = |joint: &JointTrace| -> u64 {
+/// A run that is held against the tube that its gains carry, as its record goes by.
+#[derive(Debug, Clone)]
+pub struct TubeSeen<'a> {
+    gains: &'a Gains,
+    tube: &'a Tube,
+    watch: TubeWatch,
+}
+
+impl<'a> TubeSeen<'a> {
+    /// Before the first sample; `None`: the gains carry no tube for so many joints.
+    #[must_use]
+    pub fn new(gains: &'a Gains, joints: usize) -> Option<Self> {
+        let tube = gains.certificate.as_ref()?.tube.as_ref()?;
+        Some(Self { gains, tube, watch: tube.watch(joints)? })
+    }
+
+    /// The next samples.
+    pub fn block(&mut self, trace: &Trace) {
+        let limited = |joint: &JointTrace| -> u64 {
             let limited = joint.saturated.iter().zip(&joint.rate_limited);
             limited.filter(|(torque, rate)| **torque || **rate).count() as u64
         };
-        let joints = record.trace.joints.iter();
-        let runs = joints.map(|joint| JointRun {
+        let joints = trace.joints.iter().map(|joint| JointRun {
             e: &joint.e,
             de: &joint.de,
             tau_command: &joint.tau_command,
-            limited_samples: run(joint),
+            limited_samples: limited(joint),
         });
-        let kept = tube.kept_by(&record.trace.t_ns, &runs.collect::<Vec<_>>())?;
-        let no_promise = if record.gains.study_sha256 != record.run.study_sha256 {
-            Some("it was made for another study".to_owned())
-        } else if let Some(why) = certificate.refused() {
-            Some(format!("the gains do not arm: {why}"))
-        } else {
+        let runs: Vec<_> = joints.collect();
+        self.watch.block(self.tube, &trace.t_ns, &runs);
+    }
+
+    /// What came of it, in a run of a study with this SHA-256.
+    #[must_use]
+    pub fn run(self, study_sha256: &str) -> TubeRun {
+        let left_out = |certificate: &Certificate| {
             let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
             let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
             (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
         };
-        Some(Self { kept, no_promise })
+        let why = |certificate: &Certificate| match certificate.refused() {
+            _ if self.gains.study_sha256 != study_sha256 => {
+                Some("it was made for another study".to_owned())
+            }
+            Some(why) => Some(format!("the gains do not arm: {why}")),
+            None => left_out(certificate),
+        };
+        let no_promise = self.gains.certificate.as_ref().and_then(why);
+        TubeRun { kept: self.watch.kept(self.tube), no_promise }
     }
+}
 
+impl TubeRun {
     /// What a promise for this run excluded, and happened.
     pub fn broken(&self) -> Option<&Left> {
         self.kept.left.as_ref().filter(|_| self.no_promise.is_none())
@@ -93,12 +117,12 @@ pub(crate) fn tube(record: &Record<'_>) -> Markup {
         @if let Some(why) = &certificate.tube_refused {
             p { strong { "No tube: " } (line(why)) }
         }
-        @if let (Some(tube), Some(run)) = (&certificate.tube, TubeRun::of(record)) {
+        @if let (Some(tube), Some(run)) = (&certificate.tube, record.tube) {
             p {
                 "The tube: no run of this study, from its start, leaves it, for any payload of " (mass(tube)) " at "
                 (line(&tube.payload.frame)) " and any dry friction between the levels below. Here " (run.sentence()) "."
             }
-            (beside(tube, &run))
+            (beside(tube, run))
         }
     }
 }

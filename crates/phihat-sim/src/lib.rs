@@ -31,12 +31,14 @@ pub use driver::{Driver, Moment};
 pub use error::SimError;
 pub use forecast::forecast;
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};
-pub use metrics::{JointMetrics, Metrics};
+pub use metrics::{JointMetrics, Measured, Metrics};
 pub use motion::Motion;
 pub use observed::Observed;
 pub use sample::Sample;
-pub use simulation::{DIVERGED, Divergence, Outcome, Simulation};
+pub use simulation::{DIVERGED, Divergence, Ended, Outcome, Simulation, samples};
 pub use survival::Survival;
 pub use trace::{JointTrace, Supervision, Trace};
-pub use trace_csv::TraceError;
+pub use trace_csv::{BLOCK, TraceError, TraceWriter};
+#[cfg(feature = "parquet")]
+pub use trace_parquet::ParquetTrace;
 pub use world::{Abort, COULOMB_VELOCITY, Friction};

@@ -72,28 +72,114 @@ pub struct Metrics {
 impl Metrics {
     /// Figures of a trace against a study's bounds and limits.
     pub fn of(trace: &Trace, study: &Study) -> Self {
-        let settle_s = study.spec.settle;
-        let first = trace.index_at(settle_s);
-        let joint = |(i, joint): (usize, &JointTrace)| joint_metrics(joint, study, i, first);
-        let joints: Vec<_> = trace.joints.iter().enumerate().map(joint).collect();
-        let steady = trace.len().saturating_sub(first);
-        let shares = joints.iter().map(|joint| joint.limited_steady_share);
-        let limited = shares.sum::<f64>() / joints.len().max(1) as f64;
-        let wanted = crate::simulation::samples(study.duration, study.control.period_ns);
-        let complete = first < trace.len() && trace.len() as u64 >= wanted;
-        Self {
-            duration_s: trace.len() as f64 * trace.period_ns as f64 * 1e-9,
-            settle_s,
-            samples: trace.len() as u64,
-            steady_samples: steady as u64,
-            limited_steady_share: limited,
-            within_spec: complete && joints.iter().all(JointMetrics::within_spec),
+        let mut measured = Measured::new(study);
+        measured.block(trace);
+        measured.metrics()
+    }
+}
+
+/// Figures of a run whose record comes in blocks.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    metrics: Metrics,
+    sums: Vec<Sums>,
+    /// Where the steady part begins \[ns\].
+    settle_ns: f64,
+    period_ns: u64,
+    wanted: u64,
+}
+
+/// What is known of a joint so far.
+#[derive(Debug, Clone, Default)]
+struct Sums {
+    /// Of `e²` over the steady part.
+    squares: f64,
+    /// Commands of the steady part that met either limit.
+    limited: u64,
+    /// The command before.
+    tau: Option<f64>,
+}
+
+impl Measured {
+    /// Before the first sample of a study's run.
+    pub fn new(study: &Study) -> Self {
+        let joints: Vec<_> = (0..study.robot.joints.len()).map(|i| unmeasured(study, i)).collect();
+        let metrics = Metrics {
+            duration_s: 0.0,
+            settle_s: study.spec.settle,
+            samples: 0,
+            steady_samples: 0,
+            limited_steady_share: 0.0,
+            within_spec: false,
             joints,
+        };
+        Self {
+            sums: vec![Sums::default(); metrics.joints.len()],
+            settle_ns: study.spec.settle * 1e9,
+            period_ns: study.control.period_ns,
+            wanted: crate::simulation::samples(study.duration, study.control.period_ns),
+            metrics,
         }
+    }
+
+    /// The next samples.
+    pub fn block(&mut self, trace: &Trace) {
+        let first = trace.t_ns.partition_point(|t| (*t as f64) < self.settle_ns);
+        self.metrics.samples += trace.len() as u64;
+        self.metrics.steady_samples += (trace.len() - first) as u64;
+        let joints = self.metrics.joints.iter_mut().zip(&mut self.sums);
+        for ((metrics, sums), joint) in joints.zip(&trace.joints) {
+            metrics.add(sums, joint, first);
+        }
+    }
+
+    /// The figures of all samples so far.
+    pub fn metrics(self) -> Metrics {
+        let Self { mut metrics, sums, .. } = self;
+        let steady = metrics.steady_samples.max(1) as f64;
+        for (joint, sums) in metrics.joints.iter_mut().zip(sums) {
+            joint.error_rms_rad = (sums.squares / steady).sqrt();
+            joint.limited_steady_share = sums.limited as f64 / steady;
+        }
+        let shares = metrics.joints.iter().map(|joint| joint.limited_steady_share);
+        metrics.limited_steady_share = shares.sum::<f64>() / metrics.joints.len().max(1) as f64;
+        metrics.duration_s = metrics.samples as f64 * self.period_ns as f64 * 1e-9;
+        let complete = metrics.steady_samples > 0 && metrics.samples >= self.wanted;
+        metrics.within_spec = complete && metrics.joints.iter().all(JointMetrics::within_spec);
+        metrics
     }
 }
 
 impl JointMetrics {
+    /// More samples, those from `first` on of the steady part.
+    fn add(&mut self, sums: &mut Sums, joint: &JointTrace, first: usize) {
+        let steady = |values: &'_ [f64], most: &mut f64| {
+            raise(most, values.get(first..).unwrap_or(&[]).iter().copied());
+        };
+        steady(&joint.e, &mut self.error_steady_max_rad);
+        steady(&joint.e_integral, &mut self.error_integral_steady_max_rad_s);
+        steady(&joint.de, &mut self.velocity_error_steady_max_rad_s);
+        raise(&mut self.error_max_rad, joint.e.iter().copied());
+        raise(&mut self.tau_max_nm, joint.tau_applied.iter().copied());
+        raise(&mut self.phi_max_nm, joint.phi.iter().copied());
+        let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
+        raise(&mut self.phi_error_steady_max_nm, misfit);
+        let before = sums.tau.into_iter().chain(joint.tau_command.iter().copied());
+        let after = joint.tau_command.iter().skip(usize::from(sums.tau.is_none()));
+        raise(&mut self.tau_step_max_nm, before.zip(after).map(|(before, tau)| tau - before));
+        sums.tau = joint.tau_command.last().copied().or(sums.tau);
+        let errors = joint.e.get(first..).unwrap_or(&[]);
+        sums.squares = errors.iter().fold(sums.squares, |sum, e| sum + e * e);
+        let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;
+        let after = |flags: &[bool]| count(flags.get(first..).unwrap_or(&[]));
+        self.saturated_samples += count(&joint.saturated);
+        self.rate_limited_samples += count(&joint.rate_limited);
+        self.saturated_steady_samples += after(&joint.saturated);
+        self.rate_limited_steady_samples += after(&joint.rate_limited);
+        let either = joint.saturated.iter().zip(&joint.rate_limited).skip(first);
+        sums.limited += either.filter(|(torque, rate)| **torque || **rate).count() as u64;
+    }
+
     /// Whether every bound that the study states holds on this joint.
     pub fn within_spec(&self) -> bool {
         // Written so that NaN does not pass.
@@ -104,45 +190,38 @@ impl JointMetrics {
     }
 }
 
-fn joint_metrics(joint: &JointTrace, study: &Study, i: usize, first: usize) -> JointMetrics {
+/// A joint of which nothing is known yet, beside its bounds and limits.
+fn unmeasured(study: &Study, i: usize) -> JointMetrics {
     let per = |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(i)).copied();
-    let steady = |values: &[f64]| largest(values.get(first..).unwrap_or(&[]).iter().copied());
-    let errors = joint.e.get(first..).unwrap_or(&[]);
-    let squares = errors.iter().fold(0.0, |sum, e| sum + e * e);
-    let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
-    let steps = joint.tau_command.windows(2).map(|w| w[1] - w[0]);
-    let count = |flags: &[bool]| flags.iter().filter(|f| **f).count() as u64;
-    let after = |flags: &[bool]| count(flags.get(first..).unwrap_or(&[]));
-    let either = joint.saturated.iter().zip(&joint.rate_limited).skip(first).map(|(a, b)| *a || *b);
-    let limited = either.filter(|limited| *limited).count() as f64;
-    let period = study.control.period_ns as f64 * 1e-9;
     let (torque_max, torque_rate_max) = study.limits(i);
+    let period = study.control.period_ns as f64 * 1e-9;
     JointMetrics {
-        name: joint.name.clone(),
-        error_rms_rad: (squares / errors.len().max(1) as f64).sqrt(),
-        error_max_rad: largest(joint.e.iter().copied()),
-        error_steady_max_rad: steady(&joint.e),
+        name: study.robot.joints[i].name.clone(),
+        error_rms_rad: 0.0,
+        error_max_rad: 0.0,
+        error_steady_max_rad: 0.0,
         error_spec_rad: per(&study.spec.error_max),
-        error_integral_steady_max_rad_s: steady(&joint.e_integral),
+        error_integral_steady_max_rad_s: 0.0,
         error_integral_spec_rad_s: per(&study.spec.error_integral_max),
-        velocity_error_steady_max_rad_s: steady(&joint.de),
+        velocity_error_steady_max_rad_s: 0.0,
         velocity_error_spec_rad_s: per(&study.spec.velocity_error_max),
-        tau_max_nm: largest(joint.tau_applied.iter().copied()),
+        tau_max_nm: 0.0,
         tau_limit_nm: torque_max,
-        tau_step_max_nm: largest(steps),
+        tau_step_max_nm: 0.0,
         tau_step_limit_nm: torque_rate_max.map(|rate| rate * period),
-        saturated_samples: count(&joint.saturated),
-        rate_limited_samples: count(&joint.rate_limited),
-        saturated_steady_samples: after(&joint.saturated),
-        rate_limited_steady_samples: after(&joint.rate_limited),
-        limited_steady_share: limited / errors.len().max(1) as f64,
-        phi_max_nm: largest(joint.phi.iter().copied()),
-        phi_error_steady_max_nm: largest(misfit),
+        saturated_samples: 0,
+        rate_limited_samples: 0,
+        saturated_steady_samples: 0,
+        rate_limited_steady_samples: 0,
+        limited_steady_share: 0.0,
+        phi_max_nm: 0.0,
+        phi_error_steady_max_nm: 0.0,
     }
 }
 
-/// Largest absolute value; NaN if there is one, 0 for none.
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
+/// Raises a largest absolute value; NaN if there is one.
+fn raise(most: &mut f64, values: impl Iterator<Item = f64>) {
     let larger = |most: f64, value: f64| if value.abs() <= most { most } else { value.abs() };
-    values.fold(0.0, |most, value| if most.is_nan() { most } else { larger(most, value) })
+    *most =
+        values.fold(*most, |most, value| if most.is_nan() { most } else { larger(most, value) });
 }

@@ -1,5 +1,7 @@
 //! The closed loop: sense → control → limit → drive → integrate.
 
+use core::convert::Infallible;
+
 use phihat::JointGains;
 use phihat_study::Study;
 
@@ -7,7 +9,7 @@ use crate::control::ControlSide;
 use crate::driver::Driver;
 use crate::error::SimError;
 use crate::motion::Motion;
-use crate::trace::Trace;
+use crate::trace::{Integral, Trace};
 use crate::world::{Abort, World};
 
 /// Beyond this |q| \[rad or m\] or |q̇| \[rad/s or m/s\] a run has diverged.
@@ -27,6 +29,19 @@ pub struct Divergence {
 pub struct Outcome {
     /// The record, up to the end or to the divergence.
     pub trace: Trace,
+    /// Set when the run diverged and was stopped.
+    pub divergence: Option<Divergence>,
+    /// Set when the robot's interface stopped the run.
+    pub abort: Option<Abort>,
+    /// Largest |torque| that each drive was told \[N·m\]: what reached it, after delay and losses.
+    pub told_max: Vec<f64>,
+    /// Largest change of it from one sample to the next \[N·m\].
+    pub told_step_max: Vec<f64>,
+}
+
+/// How a run ended, beside its record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
     /// Set when the robot's interface stopped the run.
@@ -111,8 +126,39 @@ impl Simulation {
 
     /// Runs to the end, or until the arm diverges or the robot stops. `progress` is told how many samples are done, about a
     /// hundred times.
-    pub fn run(mut self, mut progress: impl FnMut(u64)) -> Outcome {
-        let mut trace = Trace::new(&self.names, self.period_ns, self.samples);
+    pub fn run(self, progress: impl FnMut(u64)) -> Outcome {
+        let mut whole = Trace::default();
+        let whole_run = usize::try_from(self.samples).unwrap_or(usize::MAX);
+        let take = |block: &mut Trace| -> Result<(), Infallible> {
+            whole = std::mem::take(block);
+            Ok(())
+        };
+        let Ok(ended) = self.stream(whole_run, progress, take);
+        Outcome {
+            trace: whole,
+            divergence: ended.divergence,
+            abort: ended.abort,
+            told_max: ended.told_max,
+            told_step_max: ended.told_step_max,
+        }
+    }
+
+    /// The same, the record handed over in blocks of at most so many samples, in their order: memory stays what one
+    /// block needs, however long the run is.
+    ///
+    /// # Errors
+    ///
+    /// What `each` says of a block; the run ends there.
+    pub fn stream<E>(
+        mut self,
+        block: usize,
+        mut progress: impl FnMut(u64),
+        mut each: impl FnMut(&mut Trace) -> Result<(), E>,
+    ) -> Result<Ended, E> {
+        let room = self.samples.min(u64::try_from(block).unwrap_or(u64::MAX));
+        let mut trace = Trace::new(&self.names, self.period_ns, room);
+        let mut integrals = vec![Integral::default(); self.names.len()];
+        let mut divergence = None;
         let stride = (self.samples / 100).max(1);
         for k in 0..self.samples {
             let t_ns = k * self.period_ns;
@@ -121,41 +167,39 @@ impl Simulation {
             self.control.step(t, self.world.sense(k, t_ns), runs);
             trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
             self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
-            self.record(&mut trace);
+            self.record(&mut trace, &mut integrals);
             if let Some(joint) = self.diverged() {
-                let divergence = Some(Divergence { t, joint: self.names[joint].clone() });
-                return self.outcome(trace, divergence);
+                divergence = Some(Divergence { t, joint: self.names[joint].clone() });
+                break;
             }
             if self.world.path.abort.is_some() {
                 break;
+            }
+            if trace.len() >= block && k + 1 < self.samples {
+                each(&mut trace)?;
+                trace.clear();
             }
             if (k + 1) % stride == 0 {
                 progress(k + 1);
             }
         }
-        progress(self.samples);
-        self.outcome(trace, None)
-    }
-
-    fn outcome(self, trace: Trace, divergence: Option<Divergence>) -> Outcome {
-        let path = self.world.path;
-        Outcome {
-            trace,
-            divergence,
-            abort: path.abort,
-            told_max: path.told_max,
-            told_step_max: path.step_max,
+        if divergence.is_none() {
+            progress(self.samples);
         }
+        each(&mut trace)?;
+        let path = self.world.path;
+        let (told_max, told_step_max) = (path.told_max, path.step_max);
+        Ok(Ended { divergence, abort: path.abort, told_max, told_step_max })
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.
-    fn record(&self, trace: &mut Trace) {
+    fn record(&self, trace: &mut Trace, integrals: &mut [Integral]) {
         let plant = &self.world.plant;
         for (i, measurement) in self.world.sample().joints.iter().enumerate() {
             let phi = plant.tau_start[i] - self.control.inertia(i) * plant.ddq[i];
             let acted = (plant.ddq[i], plant.tau_mean[i], phi);
-            let (reference, command) = (&self.control.references[i], &self.control.commands[i]);
-            trace.answer(i, measurement, reference, command, acted);
+            let told = (&self.control.references[i], &self.control.commands[i]);
+            trace.answer(i, &mut integrals[i], measurement, told, acted);
         }
         if let Some(report) = self.control.report() {
             trace.supervision.get_or_insert_default().push(report);
@@ -169,8 +213,9 @@ impl Simulation {
     }
 }
 
-/// Samples of a run: every `kT` that lies before the end.
-pub(crate) fn samples(duration: f64, period_ns: u64) -> u64 {
+/// Samples of a run of a duration \[s\] at a period \[ns\]: every `kT` that lies before the end.
+#[must_use]
+pub fn samples(duration: f64, period_ns: u64) -> u64 {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -72,6 +72,21 @@ pub struct Supervision {
     pub brake: Vec<bool>,
 }
 
+/// `∫e` of a joint so far, by the trapezoid rule.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Integral {
+    /// `e` of the sample before, and `∫e` up to it.
+    before: Option<(f64, f64)>,
+}
+
+impl Integral {
+    fn with(&mut self, e: f64, period: f64) -> f64 {
+        let sum = self.before.map_or(0.0, |(before, sum)| sum + 0.5 * period * (before + e));
+        self.before = Some((e, sum));
+        sum
+    }
+}
+
 impl Supervision {
     pub(crate) fn push(&mut self, report: &Report) {
         self.mode.push(report.mode);
@@ -87,7 +102,7 @@ impl Trace {
         let room = usize::try_from(samples).unwrap_or(0).min(1 << 24);
         let joint = |name: &String| {
             let mut joint = JointTrace { name: name.clone(), ..JointTrace::default() };
-            for column in COLUMNS {
+            for column in &COLUMNS {
                 (column.get_mut)(&mut joint).reserve_exact(room);
             }
             joint.saturated.reserve_exact(room);
@@ -132,25 +147,40 @@ impl Trace {
         }
     }
 
+    /// The samples go, the room for them stays.
+    pub(crate) fn clear(&mut self) {
+        self.t_ns.clear();
+        for joint in &mut self.joints {
+            for column in &COLUMNS {
+                (column.get_mut)(joint).clear();
+            }
+            joint.saturated.clear();
+            joint.rate_limited.clear();
+        }
+        if let Some(Supervision { mode, events, fault, brake }) = &mut self.supervision {
+            mode.clear();
+            events.clear();
+            fault.clear();
+            brake.clear();
+        }
+    }
+
     /// Closes one joint's sample. `acted`: acceleration at its start, mean torque, and `φ`.
     pub(crate) fn answer(
         &mut self,
         joint: usize,
+        integral: &mut Integral,
         measurement: &Measurement<f64>,
-        reference: &Reference<f64>,
-        command: &Command<f64>,
+        (reference, command): (&Reference<f64>, &Command<f64>),
         acted: (f64, f64, f64),
     ) {
         let period = self.period_ns as f64 * 1e-9;
         let joint = &mut self.joints[joint];
         let last = joint.q.len() - 1;
         let e = joint.q[last] - reference.q;
-        // Trapezoid rule.
-        let before = joint.e.last().map_or(0.0, |before| 0.5 * period * (before + e));
-        let integral = joint.e_integral.last().copied().unwrap_or(0.0) + before;
         joint.de.push(joint.dq[last] - reference.dq);
         joint.e.push(e);
-        joint.e_integral.push(integral);
+        joint.e_integral.push(integral.with(e, period));
         joint.q_desired.push(reference.q);
         joint.dq_desired.push(reference.dq);
         joint.ddq_desired.push(reference.ddq);

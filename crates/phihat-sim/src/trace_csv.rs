@@ -47,21 +47,37 @@ pub enum TraceError {
     },
 }
 
-impl Trace {
-    /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint; with
-    /// `mode,events,fault,brake` where there is a supervisor.
-    /// Numbers are written so that they read back to the same bits.
+/// Samples that are written or read at once where a run may be long.
+pub const BLOCK: usize = 4096;
+
+/// A trace that is written as it comes.
+#[derive(Debug)]
+pub struct TraceWriter<W: Write> {
+    csv: csv::Writer<W>,
+    begun: bool,
+}
+
+impl<W: Write> TraceWriter<W> {
+    /// An empty file.
+    pub fn new(writer: W) -> Self {
+        Self { csv: csv::Writer::from_writer(writer), begun: false }
+    }
+
+    /// The next samples; the names of the columns before the first.
     ///
     /// # Errors
     ///
     /// The writer's.
-    pub fn write_csv(&self, writer: impl Write) -> Result<(), TraceError> {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(header(self.supervision.is_some()))?;
+    pub fn block(&mut self, trace: &Trace) -> Result<(), TraceError> {
+        let csv = &mut self.csv;
+        if !self.begun {
+            csv.write_record(header(trace.supervision.is_some()))?;
+            self.begun = true;
+        }
         let mut number = String::new();
-        for k in 0..self.len() {
-            let time = seconds(self.t_ns[k]);
-            for joint in &self.joints {
+        for k in 0..trace.len() {
+            let time = seconds(trace.t_ns[k]);
+            for joint in &trace.joints {
                 csv.write_field(&time)?;
                 csv.write_field(&joint.name)?;
                 for column in &COLUMNS {
@@ -74,13 +90,37 @@ impl Trace {
                 }
                 csv.write_field(flag(joint.saturated[k]))?;
                 csv.write_field(flag(joint.rate_limited[k]))?;
-                if let Some(supervision) = &self.supervision {
-                    supervision.write(&mut csv, k)?;
+                if let Some(supervision) = &trace.supervision {
+                    supervision.write(csv, k)?;
                 }
                 csv.write_record(None::<&[u8]>)?;
             }
         }
-        csv.flush().map_err(|e| TraceError::Csv(e.into()))
+        Ok(())
+    }
+
+    /// Writes what is still held back; the writer, back.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn finish(self) -> Result<W, TraceError> {
+        self.csv.into_inner().map_err(|e| TraceError::Csv(e.into_error().into()))
+    }
+}
+
+impl Trace {
+    /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint; with
+    /// `mode,events,fault,brake` where there is a supervisor.
+    /// Numbers are written so that they read back to the same bits.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn write_csv(&self, writer: impl Write) -> Result<(), TraceError> {
+        let mut file = TraceWriter::new(writer);
+        file.block(self)?;
+        file.finish().map(drop)
     }
 
     /// Reads what [`Self::write_csv`] wrote of a study's arm: its joints, in their order, at its period, one sample at least.
@@ -89,6 +129,22 @@ impl Trace {
     ///
     /// [`TraceError`], naming the line and the column.
     pub fn read_csv(reader: impl Read, study: &Study) -> Result<Self, TraceError> {
+        let mut whole = Self::default();
+        Self::read_csv_in(reader, study, usize::MAX, |block| whole = std::mem::take(block))?;
+        Ok(whole)
+    }
+
+    /// The same in blocks of at most so many samples, in their order.
+    ///
+    /// # Errors
+    ///
+    /// [`TraceError`], naming the line and the column; what was handed over before is not to be used.
+    pub fn read_csv_in(
+        reader: impl Read,
+        study: &Study,
+        block: usize,
+        mut each: impl FnMut(&mut Self),
+    ) -> Result<(), TraceError> {
         let mut csv = csv::Reader::from_reader(reader);
         let supervised = check_header(csv.headers()?)?;
         let period_ns = study.control.period_ns;
@@ -98,11 +154,19 @@ impl Trace {
         let supervision = supervised.then(Supervision::default);
         let mut trace = Self { period_ns, t_ns: Vec::new(), joints, supervision };
         let mut record = csv::StringRecord::new();
-        let mut next = 0;
+        let (mut next, mut before) = (0, None);
         while csv.read_record(&mut record)? {
+            if next == 0 && trace.len() >= block {
+                each(&mut trace);
+                trace.clear();
+            }
             let line = record.position().map_or(0, csv::Position::line);
             let row = Row { line, record: &record };
-            trace.place(&row, next, &names)?;
+            let t_ns = row.place(before, (next, &names), period_ns)?;
+            if next == 0 {
+                trace.t_ns.push(t_ns);
+            }
+            before = Some(t_ns);
             row.append(&mut trace.joints[next])?;
             if next == 0
                 && let Some(supervision) = trace.supervision.as_mut()
@@ -112,7 +176,7 @@ impl Trace {
             next = (next + 1) % names.len();
         }
         let line = csv.position().line();
-        if trace.is_empty() {
+        if before.is_none() {
             let reason = "no sample follows; a trace has one row per sample and joint".to_owned();
             return Err(TraceError::Rows { line, reason });
         }
@@ -120,41 +184,7 @@ impl Trace {
             let reason = format!("the last sample has no row for joint {}", names[next]);
             return Err(TraceError::Rows { line, reason });
         }
-        Ok(trace)
-    }
-
-    /// Checks that a row is the next one: of this joint, at the time of its sample.
-    fn place(&mut self, row: &Row<'_>, joint: usize, names: &[&str]) -> Result<(), TraceError> {
-        let wrong = |reason: String| Err(TraceError::Rows { line: row.line, reason });
-        let (name, t_ns) = (row.text(1), row.time()?);
-        if name != names[joint] {
-            let (n, all) = (names.len(), listed(names));
-            let name: String = name.chars().take(CLIP).collect();
-            return wrong(format!(
-                "joint {name:?} is not the next one, {:?}; the study's arm has {n}, in this order: {all}",
-                names[joint]
-            ));
-        }
-        match (self.t_ns.last(), joint) {
-            (None, _) => self.t_ns.push(t_ns),
-            (Some(before), 0) => {
-                if before.checked_add(self.period_ns) != Some(t_ns) {
-                    let (time, before) = (row.text(0), seconds(*before));
-                    let period = seconds(self.period_ns);
-                    return wrong(format!(
-                        "time {time} s does not follow {before} s by the study's period, {period} s"
-                    ));
-                }
-                self.t_ns.push(t_ns);
-            }
-            (Some(sample), _) if *sample != t_ns => {
-                let (time, sample) = (row.text(0), seconds(*sample));
-                return wrong(format!(
-                    "time {time} s, in the sample of {sample} s: it has no row for joint {name} yet"
-                ));
-            }
-            _ => {}
-        }
+        each(&mut trace);
         Ok(())
     }
 }
@@ -224,6 +254,41 @@ struct Row<'a> {
 impl Row<'_> {
     fn text(&self, column: usize) -> &str {
         self.record.get(column).unwrap_or("")
+    }
+
+    /// Checks that a row is the next one: of this joint, at the time of its sample \[ns\], `before` being that of the row before.
+    fn place(
+        &self,
+        before: Option<u64>,
+        (joint, names): (usize, &[&str]),
+        period_ns: u64,
+    ) -> Result<u64, TraceError> {
+        let wrong = |reason: String| Err(TraceError::Rows { line: self.line, reason });
+        let (name, t_ns) = (self.text(1), self.time()?);
+        if name != names[joint] {
+            let (n, all) = (names.len(), listed(names));
+            let name: String = name.chars().take(CLIP).collect();
+            return wrong(format!(
+                "joint {name:?} is not the next one, {:?}; the study's arm has {n}, in this order: {all}",
+                names[joint]
+            ));
+        }
+        let time = self.text(0);
+        match (before, joint) {
+            (Some(before), 0) if before.checked_add(period_ns) != Some(t_ns) => {
+                let (before, period) = (seconds(before), seconds(period_ns));
+                wrong(format!(
+                    "time {time} s does not follow {before} s by the study's period, {period} s"
+                ))
+            }
+            (Some(sample), 1..) if sample != t_ns => {
+                let sample = seconds(sample);
+                wrong(format!(
+                    "time {time} s, in the sample of {sample} s: it has no row for joint {name} yet"
+                ))
+            }
+            _ => Ok(t_ns),
+        }
     }
 
     fn wrong(&self, column: &'static str, value: &str, expected: &'static str) -> TraceError {

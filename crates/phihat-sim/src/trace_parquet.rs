@@ -12,31 +12,66 @@ use parquet::schema::types::{Type, TypePtr};
 
 use crate::trace::{COLUMNS, JointTrace, Trace};
 
+/// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample
+/// and joint, one row group per block.
+#[expect(missing_debug_implementations, reason = "the package's writer has none")]
+pub struct ParquetTrace<W: Write + Send> {
+    file: SerializedFileWriter<W>,
+}
+
+impl<W: Write + Send> ParquetTrace<W> {
+    /// An empty file.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn new(writer: W) -> Result<Self, ParquetError> {
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        Ok(Self { file: SerializedFileWriter::new(writer, schema()?, Arc::new(properties))? })
+    }
+
+    /// The next samples.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn block(&mut self, trace: &Trace) -> Result<(), ParquetError> {
+        let mut rows = self.file.next_row_group()?;
+        let t_ns: Vec<i64> = trace.rows(|_, k| i64::try_from(trace.t_ns[k]).unwrap_or(i64::MAX));
+        column::<Int64Type, _>(&mut rows, &t_ns)?;
+        let names: Vec<ByteArray> =
+            trace.joints.iter().map(|j| ByteArray::from(j.name.as_str())).collect();
+        let repeated: Vec<ByteArray> = (0..trace.len()).flat_map(|_| names.clone()).collect();
+        column::<ByteArrayType, _>(&mut rows, &repeated)?;
+        for signal in &COLUMNS {
+            column::<DoubleType, _>(&mut rows, &trace.rows(|j, k| (signal.get)(j)[k]))?;
+        }
+        column::<BoolType, _>(&mut rows, &trace.rows(|j, k| j.saturated[k]))?;
+        column::<BoolType, _>(&mut rows, &trace.rows(|j, k| j.rate_limited[k]))?;
+        rows.close()?;
+        Ok(())
+    }
+
+    /// Closes the file; the writer, back.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn finish(self) -> Result<W, ParquetError> {
+        self.file.into_inner()
+    }
+}
+
 impl Trace {
-    /// Writes the trace as Parquet: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample
-    /// and joint, in one row group.
+    /// Writes the trace as Parquet, in one row group; see [`ParquetTrace`].
     ///
     /// # Errors
     ///
     /// The writer's.
     pub fn write_parquet(&self, writer: impl Write + Send) -> Result<(), ParquetError> {
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        let mut file = SerializedFileWriter::new(writer, schema()?, Arc::new(properties))?;
-        let mut rows = file.next_row_group()?;
-        let t_ns: Vec<i64> = self.rows(|_, k| i64::try_from(self.t_ns[k]).unwrap_or(i64::MAX));
-        column::<Int64Type, _>(&mut rows, &t_ns)?;
-        let names: Vec<ByteArray> =
-            self.joints.iter().map(|j| ByteArray::from(j.name.as_str())).collect();
-        let repeated: Vec<ByteArray> = (0..self.len()).flat_map(|_| names.clone()).collect();
-        column::<ByteArrayType, _>(&mut rows, &repeated)?;
-        for signal in &COLUMNS {
-            column::<DoubleType, _>(&mut rows, &self.rows(|j, k| (signal.get)(j)[k]))?;
-        }
-        column::<BoolType, _>(&mut rows, &self.rows(|j, k| j.saturated[k]))?;
-        column::<BoolType, _>(&mut rows, &self.rows(|j, k| j.rate_limited[k]))?;
-        rows.close()?;
-        file.close()?;
-        Ok(())
+        let mut file = ParquetTrace::new(writer)?;
+        file.block(self)?;
+        file.finish().map(drop)
     }
 
     /// One value per row, in the order of the rows.

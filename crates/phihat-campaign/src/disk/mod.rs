@@ -85,6 +85,13 @@ pub enum DiskError {
     Busy(PathBuf),
 }
 
+impl DiskError {
+    /// A file that cannot be written, before anything that was there has changed.
+    pub fn untouched(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Untouched { path: path.to_owned(), why: why.to_string() }
+    }
+}
+
 /// File names for people.
 struct Names<'a>(&'a [PathBuf]);
 
@@ -135,21 +142,41 @@ impl Whole {
         path: &Path,
         fill: impl FnOnce(&mut (dyn Write + Send)) -> Result<(), E>,
     ) -> Result<String, DiskError> {
-        let refuse = |why: String| DiskError::Untouched { path: path.to_owned(), why };
-        let told = |error: io::Error| refuse(error.to_string());
+        let mut piece = self.begin(path)?;
+        fill(&mut piece).map_err(|why| DiskError::untouched(path, why))?;
+        self.end(piece)
+    }
+
+    /// Opens a file that is filled while other things happen; [`end`](Self::end) counts it in.
+    ///
+    /// # Errors
+    ///
+    /// [`DiskError::Untouched`].
+    pub fn begin(&mut self, path: &Path) -> Result<Piece, DiskError> {
+        let told = |error: io::Error| DiskError::untouched(path, error);
         let folder = folder_of(path);
         make_folder(folder).map_err(told)?;
         if path.is_dir() {
-            return Err(refuse("it is a folder".to_owned()));
+            return Err(DiskError::untouched(path, "it is a folder"));
         }
         self.sweep(folder).map_err(told)?;
         let (file, partial) = Partial::beside(path).map_err(told)?;
         let hashed = Hashed { file, path: partial.path().to_owned(), hash: Sha256::new() };
-        let mut out = BufWriter::with_capacity(BUFFER, hashed);
-        fill(&mut out).map_err(|why| refuse(why.to_string()))?;
+        let out = BufWriter::with_capacity(BUFFER, hashed);
+        Ok(Piece { path: path.to_owned(), out, partial })
+    }
+
+    /// A file that was filled; the SHA-256 of its bytes, hexadecimal.
+    ///
+    /// # Errors
+    ///
+    /// [`DiskError::Untouched`].
+    pub fn end(&mut self, piece: Piece) -> Result<String, DiskError> {
+        let Piece { path, out, partial } = piece;
+        let told = |error: io::Error| DiskError::untouched(&path, error);
         let Hashed { file, path: at, hash } = out.into_inner().map_err(|e| told(e.into_error()))?;
         strike(Operation::Sync, &at).and_then(|()| file.sync_all()).map_err(told)?;
-        self.ready.push(Ready { path: path.to_owned(), partial });
+        self.ready.push(Ready { path, partial });
         Ok(hexadecimal(&hash.finalize()))
     }
 
@@ -175,16 +202,12 @@ impl Whole {
     pub fn commit(mut self) -> Result<(), DiskError> {
         let places: Vec<_> = self.ready.iter().map(|file| file.path.clone()).collect();
         let Some(last) = places.last() else { return Ok(()) };
-        let untouched = |path: &Path, why: io::Error| {
-            let (path, why) = (path.to_owned(), why.to_string());
-            DiskError::Untouched { path, why }
-        };
         for path in self.stale.clone() {
-            self.sweep(folder_of(&path)).map_err(|why| untouched(&path, why))?;
+            self.sweep(folder_of(&path)).map_err(|why| DiskError::untouched(&path, why))?;
         }
         let several = places.len() + self.stale.len() > 1;
         if several {
-            remove(last).map_err(|why| untouched(last, why))?;
+            remove(last).map_err(|why| DiskError::untouched(last, why))?;
         }
         let mut moved = 0;
         let mut at = last.clone();
@@ -227,7 +250,33 @@ impl Whole {
 /// Bytes that are written at once.
 const BUFFER: usize = 1 << 18;
 
+/// A file on its way: prepared beside its place, and gone with this unless [`Whole::end`] takes it.
+#[derive(Debug)]
+pub struct Piece {
+    path: PathBuf,
+    out: BufWriter<Hashed>,
+    partial: Partial,
+}
+
+impl Piece {
+    /// Where it is prepared.
+    pub fn prepared_at(&self) -> &Path {
+        self.partial.path()
+    }
+}
+
+impl Write for Piece {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
 /// A file whose bytes are hashed on their way.
+#[derive(Debug)]
 struct Hashed {
     file: File,
     path: PathBuf,
@@ -330,6 +379,11 @@ fn remove(path: &Path) -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         removed => removed,
     }
+}
+
+/// Removes what is prepared at a place, of a process that ends now; whatever stays is swept away by the next one.
+pub fn discard(prepared: &Path) {
+    let _ = remove(prepared);
 }
 
 /// Removes what a killed process left half-written in a folder.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_campaign::compare::{Comparison, Plan};
 use phihat_campaign::disk::Whole;
-use phihat_report::{Trial, trial_page};
+use phihat_report::{Drawing, Trial, trial_page};
 use phihat_sim::{Metrics, Outcome};
 use serde_json::json;
 
@@ -44,7 +44,7 @@ pub(super) fn keep(
         gains: &gains(comparison, name),
         ended: ended.as_deref(),
         study: &study.text,
-        trace: &outcome.trace,
+        drawing: &Drawing::of(&outcome.trace, metrics.settle_s),
         metrics: &metrics,
         command,
     });

@@ -1,8 +1,9 @@
 //! The page of one run of a comparison: what the arm did under a law that is not this project's.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use phihat_sim::{Metrics, Trace};
+use phihat_sim::Metrics;
 
+use crate::drawing::Drawing;
 use crate::figure::run_figures;
 use crate::number::stated;
 use crate::policy::{comparison_style, still_policy};
@@ -23,8 +24,8 @@ pub struct Trial<'a> {
     pub ended: Option<&'a str>,
     /// The study that was run, as text.
     pub study: &'a str,
-    /// Every signal of every joint.
-    pub trace: &'a Trace,
+    /// What is drawn of it.
+    pub drawing: &'a Drawing,
     /// The figures of the run.
     pub metrics: &'a Metrics,
     /// The command that makes it again.
@@ -57,7 +58,7 @@ pub fn trial_page(trial: &Trial<'_>) -> String {
                 (table::tracking(trial.metrics))
                 (table::torque(trial.metrics))
                 h2 { "Figures" }
-                div { @for figure in run_figures(&Seen { trace: trial.trace, metrics: trial.metrics, tube: None }) {
+                div { @for figure in run_figures(&Seen { drawing: trial.drawing, metrics: trial.metrics, tube: None }) {
                     @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))

@@ -1,12 +1,11 @@
 //! Static figures: every chart as small multiples, for paper.
 
-use crate::chart::{Chart, Plane, charts, settle_index, times};
-use crate::decimate::kept;
+use crate::chart::{Chart, Plane, charts};
 use crate::record::{Record, Seen};
+use crate::stretches::Row;
 use crate::text::short;
 use panel::{Ink, draw_panel};
 use plotters::prelude::*;
-use std::ops::Range;
 
 mod axis;
 mod claims;
@@ -36,7 +35,7 @@ const HEADER: u32 = 110;
 const TEXT: u32 = 52;
 const TITLE: u32 = 62;
 /// Stretches kept per panel: two pixels each where a panel has half the width.
-const BUCKETS: usize = 220;
+pub(crate) const BUCKETS: usize = 220;
 
 /// The name of every figure that a record may have.
 pub const FIGURES: [&str; 12] = [
@@ -61,27 +60,24 @@ pub fn figures(record: &Record<'_>) -> Vec<Figure> {
 
 /// The figures of the run, in the order of the page.
 pub(crate) fn run_figures(record: &Seen<'_>) -> Vec<Figure> {
-    let (t, settle) = (times(record), settle_index(record));
     let settle_s = record.metrics.settle_s;
     let mut figures = vec![];
     for chart in charts(record) {
-        let span = if chart.plane == Plane::Phase { 0..settle } else { 0..t.len() };
-        figures.push(figure(&chart, &Run { t: &t, span, settle_s }));
-        // On paper nobody can zoom: the start-up would hide how the error sits in its bound.
-        if chart.stem == "error" {
-            let title = match record.tube {
-                Some(_) => "Error e in the steady part, in its tube (shaded), against its bound",
-                None => "Error e in the steady part against its bound",
-            };
-            let steady = Chart { stem: "error-steady", title, ..chart };
-            figures.push(figure(&steady, &Run { t: &t, span: settle..t.len(), settle_s }));
+        let whole = View { title: chart.title(), settle_s, rows: |drawn| &drawn.figure };
+        figures.push(figure(&chart, chart.kind.stem, &whole));
+        if let Some((stem, title)) = chart.steady() {
+            figures.push(figure(
+                &chart,
+                stem,
+                &View { title, settle_s, rows: |drawn| &drawn.steady },
+            ));
         }
     }
     figures
 }
 
-fn figure(chart: &Chart, run: &Run<'_>) -> Figure {
-    Figure { name: chart.stem.to_owned(), title: chart.title.to_owned(), svg: draw(chart, run) }
+fn figure(chart: &Chart, stem: &str, view: &View) -> Figure {
+    Figure { name: stem.to_owned(), title: view.title.to_owned(), svg: draw(chart, view) }
 }
 
 /// Columns of panels and height of one.
@@ -94,52 +90,52 @@ fn grid(joints: usize) -> (usize, u32) {
     }
 }
 
-fn draw(chart: &Chart, run: &Run<'_>) -> String {
+fn draw(chart: &Chart, view: &View) -> String {
     let (columns, height) = grid(chart.panels.len());
     let rows = chart.panels.len().div_ceil(columns).max(1);
     let size = (WIDTH, HEADER + height * u32::try_from(rows).unwrap_or(1));
     let mut svg = String::new();
     let drawn = {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        paint(chart, &root, (rows, columns), run)
+        paint(chart, &root, (rows, columns), view)
     };
     match drawn {
-        Ok(()) => accessible(&dashed(&svg), chart.title, size),
+        Ok(()) => accessible(&dashed(&svg), view.title, size),
         Err(_) => format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} 60"><text x="10" y="40" font-size="24">{}: could not be drawn</text></svg>"#,
-            chart.title
+            view.title
         ),
     }
 }
 
-/// The time base that all panels share, and what is drawn of it.
-struct Run<'a> {
-    t: &'a [f64],
-    span: Range<usize>,
+/// What is drawn of a chart.
+struct View {
+    title: &'static str,
     settle_s: f64,
+    rows: fn(&crate::drawing::Drawn) -> &Vec<Row>,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;
 
-fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), run: &Run<'_>) -> Drawn<'a> {
+fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), view: &View) -> Drawn<'a> {
     root.fill(&WHITE)?;
     let (header, body) = root.split_vertically(HEADER);
-    header.draw(&Text::new(chart.title, (32, 20), ("sans-serif", TITLE).into_font()))?;
-    if chart.plane == Plane::Time && chart.curves.len() > 1 {
+    header.draw(&Text::new(view.title, (32, 20), ("sans-serif", TITLE).into_font()))?;
+    if chart.kind.plane == Plane::Time && chart.kind.curves.len() > 1 {
         draw_legend(chart, &header)?;
     }
     for (panel, area) in chart.panels.iter().zip(body.split_evenly(shape)) {
-        let indices = kept(&panel.curves, run.span.clone(), BUCKETS);
-        let pick = |v: &[f64]| -> Vec<f64> { indices.iter().map(|&k| v[k]).collect() };
+        let rows = (view.rows)(&panel.drawn);
+        let curve = |c: usize| rows.iter().map(|row| row.y[c]).collect();
         let ink = Ink {
-            chart,
+            kind: chart.kind,
             name: short(&panel.joint, 40),
-            t: pick(run.t),
-            curves: panel.curves.iter().map(|c| pick(c)).collect(),
+            t: rows.iter().map(|row| row.t).collect(),
+            curves: (0..chart.kind.curves.len()).map(curve).collect(),
             bound: panel.bound,
             tube: panel.tube.as_ref(),
-            settle_s: run.settle_s,
+            settle_s: view.settle_s,
         };
         draw_panel(&ink, &area)?;
     }
@@ -155,7 +151,7 @@ const BOUND_INK: RGBColor = RGBColor(90, 90, 91);
 
 fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
     let mut x = 2520;
-    for (curve, ink) in chart.curves.iter().zip(INKS).rev() {
+    for (curve, ink) in chart.kind.curves.iter().zip(INKS).rev() {
         let width = i32::try_from(curve.label.chars().count()).unwrap_or(10) * 28;
         x -= width;
         header.draw(&Text::new(curve.label, (x, 26), ("sans-serif", TEXT).into_font()))?;

@@ -3,7 +3,7 @@
 use super::axis::{extent, strokes};
 use super::{Area, BOUND_INK, Drawn, INKS, TEXT, TUBE_INK};
 use crate::band::Band;
-use crate::chart::{Chart, Plane};
+use crate::chart::{Kind, Plane};
 use crate::number::{number, tick};
 use plotters::chart::ChartContext;
 use plotters::coord::types::RangedCoordf64;
@@ -16,7 +16,7 @@ const BOUND_REACH: f64 = 10.0;
 
 /// What one panel shows.
 pub(super) struct Ink<'a> {
-    pub chart: &'a Chart,
+    pub kind: &'a Kind,
     pub name: String,
     pub t: Vec<f64>,
     pub curves: Vec<Vec<f64>>,
@@ -48,12 +48,12 @@ pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
         .y_label_formatter(&|v| tick(*v, y.end - y.start))
         .label_style(("sans-serif", TEXT))
         .axis_desc_style(("sans-serif", TEXT))
-        .x_desc(ink.chart.x_label)
-        .y_desc(ink.chart.y_label)
+        .x_desc(ink.kind.x_label)
+        .y_desc(ink.kind.y_label)
         .draw()?;
     draw_tube(ink, &mut plane, &x)?;
     draw_bounds(ink, &mut plane, &x, &y)?;
-    match ink.chart.plane {
+    match ink.kind.plane {
         Plane::Time => draw_curves(ink, &mut plane),
         Plane::Phase => draw_orbit(ink, &mut plane),
     }
@@ -61,7 +61,7 @@ pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
 
 /// The joint's name, and the bound where it does not fit on the axis.
 fn caption(ink: &Ink<'_>) -> String {
-    let label = ink.chart.bound.label;
+    let label = ink.kind.bound.label;
     match (ink.bound, seen_bound(ink)) {
         (Some(bound), None) => format!("{} ({label} ±{}, off the axis)", ink.name, number(bound)),
         _ => ink.name.clone(),
@@ -70,17 +70,16 @@ fn caption(ink: &Ink<'_>) -> String {
 
 /// The bound, if the data come near enough to it.
 fn seen_bound(ink: &Ink<'_>) -> Option<f64> {
-    let against = ink.curves.first().filter(|_| ink.chart.plane == Plane::Phase);
+    let against = ink.curves.first().filter(|_| ink.kind.plane == Plane::Phase);
     let curves = against.map_or(&ink.curves[..], std::slice::from_ref);
     let peak =
         curves.iter().flatten().filter(|v| v.is_finite()).fold(0.0, |p: f64, v| p.max(v.abs()));
-    ink.bound
-        .filter(|b| b.is_finite() && (*b <= BOUND_REACH * peak || ink.chart.bound.after_settle))
+    ink.bound.filter(|b| b.is_finite() && (*b <= BOUND_REACH * peak || ink.kind.bound.after_settle))
 }
 
 fn ranges(ink: &Ink<'_>) -> (Range<f64>, Range<f64>) {
     let bounds = || seen_bound(ink).into_iter().flat_map(|b| [b, -b]);
-    if let (Plane::Phase, [e, de, ..]) = (ink.chart.plane, &ink.curves[..]) {
+    if let (Plane::Phase, [e, de, ..]) = (ink.kind.plane, &ink.curves[..]) {
         let x = e.iter().copied().chain(bounds()).chain([0.0]);
         return (extent(x, 0.08), extent(de.iter().copied().chain([0.0]), 0.08));
     }
@@ -114,9 +113,9 @@ fn draw_bounds<'b>(
 ) -> Drawn<'b> {
     let Some(bound) = seen_bound(ink) else { return Ok(()) };
     let style = BOUND_INK.stroke_width(4);
-    let from = if ink.chart.bound.after_settle { ink.settle_s.max(x.start) } else { x.start };
+    let from = if ink.kind.bound.after_settle { ink.settle_s.max(x.start) } else { x.start };
     for level in [bound, -bound] {
-        let ends = match ink.chart.plane {
+        let ends = match ink.kind.plane {
             Plane::Time => [(from.min(x.end), level), (x.end, level)],
             Plane::Phase => [(level, y.start), (level, y.end)],
         };

@@ -6,7 +6,7 @@ pub(crate) mod hostile;
 pub(crate) mod reproduction;
 
 use phihat_design::{Gains, JointRecord};
-use phihat_report::{Record, RunInfo};
+use phihat_report::{Drawing, Record, RunInfo, TubeSeen};
 use phihat_sim::{JointMetrics, JointTrace, Metrics, Trace};
 
 /// Owns what a [`Record`] borrows.
@@ -20,13 +20,20 @@ pub(crate) struct Fixture {
 }
 
 impl Fixture {
+    /// What is drawn stays in memory: a test ends soon.
     pub(crate) fn record(&self) -> Record<'_> {
+        let (trace, settle_s) = (&self.trace, self.metrics.settle_s);
+        let tube = TubeSeen::new(&self.gains, trace.joints.len()).map(|mut tube| {
+            tube.block(trace);
+            tube.run(&self.run.study_sha256)
+        });
         Record {
             run: &self.run,
             study_text: &self.study_text,
             gains: &self.gains,
-            trace: &self.trace,
+            drawing: Box::leak(Box::new(Drawing::of(trace, settle_s))),
             metrics: &self.metrics,
+            tube: tube.map(|tube| &*Box::leak(Box::new(tube))),
         }
     }
 

@@ -1,0 +1,71 @@
+//! A run whose record is written as it comes. Wrong if its page or figures were not those of the run as a whole, or if one
+//! that is stopped left anything behind.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use phihat_cli::Session;
+use phihat_study::Study;
+use serde_json::json;
+use support::{files_of, folder, interrupted, json as run};
+
+/// Longer than a block, under a supervisor, and with a tube.
+const STUDY: &str = r#"duration_s = 6.0
+[robot]
+name = "planar3r"
+locked = { joint2 = 0.5, joint3 = 0.5 }
+[spec]
+error_max_rad = 4e-3
+[design]
+settling_time_s = 0.2
+[loop]
+torque_rate_max_nm_s = "none"
+[sensor]
+encoder_bits = 18
+[reference]
+kind = "sines"
+center_rad = [0.0]
+fade_in_s = 0.5
+[[reference.sine]]
+amplitude_rad = [0.2]
+frequency_hz = [0.5]
+phase_rad = [0.0]
+"#;
+
+#[test]
+fn the_page_of_blocks_is_the_page_of_the_whole() {
+    let folder = folder("blocks");
+    fs::write(folder.join("swing.toml"), STUDY).unwrap();
+    run(&folder, &["run", "swing.toml", "--out", "out", "--json"]);
+    let study = Study::from_text(STUDY, "swing.toml", &folder).unwrap();
+    let session = Session::new(Box::new(study), Path::new("swing.toml"), None, false).unwrap();
+    let (done, trace) = session.run(|_| ());
+    assert!(trace.len() > phihat_sim::BLOCK && done.tube.is_some());
+    let figures = fs::read_to_string(folder.join("out/metrics.json")).unwrap();
+    assert_eq!(format!("{:#}\n", json!(done.figures())), figures);
+    let mut csv = Vec::new();
+    trace.write_csv(&mut csv).unwrap();
+    assert!(fs::read(folder.join("out/trace.csv")).unwrap() == csv, "the traces differ");
+    let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
+    let whole = phihat_report::page(&done.record());
+    // The command differs by where its results go.
+    assert!(page == whole, "the pages differ: {} and {} bytes", page.len(), whole.len());
+}
+
+#[test]
+fn a_run_that_is_stopped_leaves_what_was_there() {
+    let folder = folder("blocks-stopped");
+    let long = include_str!("../../../studies/first.toml");
+    fs::write(folder.join("first.toml"), long).unwrap();
+    run(&folder, &["run", "first.toml", "--out", "out", "--json"]);
+    let before = files_of(&folder.join("out"));
+    let line = long.lines().find(|line| line.starts_with("duration_s")).unwrap();
+    fs::write(folder.join("first.toml"), long.replace(line, "duration_s = 3600.0")).unwrap();
+    let stopped = interrupted(&folder, &["run", "first.toml", "--out", "out"], "out/trace.csv");
+    assert_eq!(stopped.code, 130, "{}", stopped.err);
+    assert!(stopped.err.contains("nothing was written"), "{}", stopped.err);
+    assert!(files_of(&folder.join("out")) == before, "{}", stopped.err);
+}

@@ -1,0 +1,158 @@
+//! What is drawn of a run, chosen while its record goes by.
+
+use core::ops::Range;
+
+use phihat_sim::{JointTrace, Trace};
+
+use crate::chart::{CHARTS, DRAWABLE_MAX, Kind, Plane};
+use crate::figure::BUCKETS;
+use crate::payload::buckets;
+use crate::stretches::{CURVES, Row, Stretches};
+use crate::supervision::Course;
+
+/// What a page and its figures show of a run: a bounded part of its record, however long it was.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// Per chart and joint.
+    chosen: Vec<Vec<Chosen>>,
+    /// The command before, per joint.
+    tau: Vec<Option<f64>>,
+    pub(crate) joints: Vec<String>,
+    pub(crate) course: Course,
+    /// Samples of the run.
+    pub(crate) samples: u64,
+    /// Time of the last one \[s\].
+    pub(crate) end_s: f64,
+    /// Values that are drawn as gaps.
+    pub(crate) undrawable: usize,
+}
+
+/// One chart of one joint.
+#[derive(Debug, Clone)]
+struct Chosen {
+    figure: Stretches,
+    steady: Option<Stretches>,
+    page: Vec<Stretches>,
+}
+
+/// The samples of one chart of one joint that are drawn.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawn {
+    /// Of the static figure.
+    pub figure: Vec<Row>,
+    /// Of the static figure of the steady part, where there is one.
+    pub steady: Vec<Row>,
+    /// Of the page: the start-up and the steady part.
+    pub page: Vec<Row>,
+}
+
+impl Drawing {
+    /// Before the first sample of a run of so many joints, with this period \[ns\], number of samples, and beginning of its
+    /// steady part \[s\].
+    #[must_use]
+    pub fn new(joints: Vec<String>, period_ns: u64, samples: u64, settle_s: f64) -> Self {
+        let (mut settle, mut begun) = (0, samples);
+        while settle < begun {
+            let middle = settle + (begun - settle) / 2;
+            if ((middle * period_ns) as f64 * 1e-9) < settle_s {
+                settle = middle + 1;
+            } else {
+                begun = middle;
+            }
+        }
+        Self::parted(joints, settle, samples)
+    }
+
+    /// Of a whole record whose steady part begins at a time \[s\].
+    #[must_use]
+    pub fn of(trace: &Trace, settle_s: f64) -> Self {
+        let names = trace.joints.iter().map(|joint| joint.name.clone()).collect();
+        let settle = trace.t_ns.partition_point(|&t| (t as f64 * 1e-9) < settle_s);
+        let mut drawing = Self::parted(names, settle as u64, trace.t_ns.len() as u64);
+        drawing.block(trace);
+        drawing
+    }
+
+    fn parted(joints: Vec<String>, settle: u64, samples: u64) -> Self {
+        let steady = settle.min(samples)..samples;
+        let start = 0..steady.start;
+        let buckets = buckets(joints.len());
+        let chosen = |kind: &Kind| {
+            let figure = if kind.plane == Plane::Phase { start.clone() } else { 0..samples };
+            let cut = |part: &Range<u64>, count| Stretches::new(part.clone(), count);
+            let parts = [&start, &steady];
+            let parts = if kind.plane == Plane::Phase { &parts[..1] } else { &parts[..] };
+            Chosen {
+                figure: cut(&figure, BUCKETS),
+                steady: kind.steady.is_some().then(|| cut(&steady, BUCKETS)),
+                page: parts.iter().map(|part| cut(part, buckets)).collect(),
+            }
+        };
+        Self {
+            chosen: CHARTS.iter().map(|kind| vec![chosen(kind); joints.len()]).collect(),
+            tau: vec![None; joints.len()],
+            joints,
+            course: Course::default(),
+            samples: 0,
+            end_s: 0.0,
+            undrawable: 0,
+        }
+    }
+
+    /// The next samples.
+    pub fn block(&mut self, trace: &Trace) {
+        for (j, joint) in trace.joints.iter().enumerate() {
+            let before = self.tau.get(j).copied().flatten();
+            for (kind, chosen) in CHARTS.iter().zip(&mut self.chosen) {
+                let Some(chosen) = chosen.get_mut(j) else { continue };
+                for (i, t_ns) in trace.t_ns.iter().enumerate() {
+                    let mut y = [f64::NAN; CURVES];
+                    for (y, curve) in y.iter_mut().zip(kind.curves) {
+                        *y = drawable(kind.scale * (curve.of)(joint, i, before));
+                    }
+                    let row = Row { k: self.samples + i as u64, t: *t_ns as f64 * 1e-9, y };
+                    chosen.push(row);
+                }
+            }
+            self.undrawable += undrawable(joint);
+            if let Some(tau) = self.tau.get_mut(j) {
+                *tau = joint.tau_command.last().copied().or(*tau);
+            }
+        }
+        self.course.block(trace);
+        self.samples += trace.t_ns.len() as u64;
+        self.end_s = trace.t_ns.last().map_or(self.end_s, |t| *t as f64 * 1e-9);
+    }
+
+    /// What is drawn of each chart, per joint.
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = Vec<Drawn>> {
+        self.chosen.iter().map(|joints| joints.iter().map(Chosen::drawn).collect())
+    }
+}
+
+impl Chosen {
+    fn push(&mut self, row: Row) {
+        self.figure.push(row);
+        self.steady.iter_mut().chain(&mut self.page).for_each(|part| part.push(row));
+    }
+
+    fn drawn(&self) -> Drawn {
+        let page = self.page.iter().flat_map(|part| part.clone().finish());
+        Drawn {
+            figure: self.figure.clone().finish(),
+            steady: self.steady.clone().map(Stretches::finish).unwrap_or_default(),
+            page: page.collect(),
+        }
+    }
+}
+
+fn drawable(value: f64) -> f64 {
+    if value.abs() <= DRAWABLE_MAX { value } else { f64::NAN }
+}
+
+fn undrawable(joint: &JointTrace) -> usize {
+    let JointTrace { q, q_desired, e, de, tau_command, tau_applied, phi, phi_hat, .. } = joint;
+    let columns = [q, q_desired, e, de, tau_command, tau_applied, phi, phi_hat];
+    let gaps = columns.iter().flat_map(|column| column.iter());
+    gaps.filter(|value| value.is_nan() || value.abs() > DRAWABLE_MAX).count()
+}

@@ -1,0 +1,86 @@
+//! A long run is handed over in blocks. Wrong if that changed a bit of its record or its figures, or if memory grew with
+//! the length of the run.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::convert::Infallible;
+
+use allocation_counter::measure;
+use phihat_sim::{Ended, Measured, Metrics, Simulation, Trace, TraceWriter};
+use phihat_study::Study;
+use support::{gains, rod_study, run};
+
+const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
+                     velocity = \"differenced\"\n[loop]\ndelay_samples = 1\ntorque_rate_max_nm_s = 90.0\n\
+                     [reference]\nkind = \"sines\"\ncenter_rad = 0.2\nfade_in_s = 0.2\n[[reference.sine]]\n\
+                     amplitude_rad = 0.3\nfrequency_hz = 1.5\nphase_rad = 0.4\n";
+
+fn in_blocks(study: &Study, block: usize, mut each: impl FnMut(&Trace)) -> Ended {
+    let simulation = Simulation::new(study, &gains(study)).unwrap();
+    let Ok(ended) = simulation.stream(
+        block,
+        |_| (),
+        |block| -> Result<(), Infallible> {
+            each(block);
+            Ok(())
+        },
+    );
+    ended
+}
+
+#[test]
+fn blocks_are_the_whole_run_to_the_last_bit() {
+    let study = rod_study("duration_s = 1.0", WORLD);
+    let whole = run(&study);
+    let mut csv = Vec::new();
+    whole.trace.write_csv(&mut csv).unwrap();
+    let metrics = Metrics::of(&whole.trace, &study);
+    assert!(metrics.limited_steady_share > 0.0 && metrics.joints[0].tau_step_max_nm > 0.0);
+    for block in [1, 7, 250, 999, 1000, 4096] {
+        let (mut file, mut measured) = (TraceWriter::new(Vec::new()), Measured::new(&study));
+        let (mut count, mut most) = (0, 0);
+        let ended = in_blocks(&study, block, |trace| {
+            file.block(trace).unwrap();
+            measured.block(trace);
+            (count, most) = (count + 1, most.max(trace.len()));
+        });
+        assert_eq!((count, most), (1000_usize.div_ceil(block), block.min(1000)));
+        assert_eq!(
+            (ended.told_max, ended.told_step_max),
+            (whole.told_max.clone(), whole.told_step_max.clone())
+        );
+        assert!(file.finish().unwrap() == csv, "blocks of {block}");
+        assert_eq!(measured.metrics(), metrics, "blocks of {block}");
+        let mut read = Measured::new(&study);
+        Trace::read_csv_in(csv.as_slice(), &study, block, |trace| {
+            assert!(trace.len() <= block);
+            read.block(trace);
+        })
+        .unwrap();
+        assert_eq!(read.metrics(), metrics, "read in blocks of {block}");
+    }
+}
+
+#[test]
+fn memory_does_not_grow_with_the_run() {
+    let peak = |seconds: u32, block: usize| {
+        let study =
+            rod_study(&format!("duration_s = {seconds}.0"), &WORLD.replace("90.0", "900.0"));
+        let used = measure(|| {
+            let mut file = TraceWriter::new(std::io::sink());
+            let mut measured = Measured::new(&study);
+            in_blocks(&study, block, |trace| {
+                file.block(trace).unwrap();
+                measured.block(trace);
+            });
+            assert_eq!(measured.metrics().samples, u64::from(seconds) * 1000);
+        });
+        used.bytes_max
+    };
+    let (short, long) = (peak(2, 512), peak(40, 512));
+    // The study's text is a character longer.
+    assert!(long.abs_diff(short) < 100, "{short} and {long} bytes");
+    assert!(long < 500_000, "{long} bytes");
+    assert!(peak(40, usize::MAX) > 4_000_000, "a whole run is counted");
+}
