@@ -1,7 +1,7 @@
 //! The record of an earlier run, read back: its files are of one run, or it is refused.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Component, Path};
 
 use phihat_campaign::disk::folder_of;
 use phihat_campaign::sha256;
@@ -20,6 +20,8 @@ pub(crate) const RUN: &str = "run.json";
 pub(crate) const TRACE: &str = "trace.csv";
 /// What every record has beside it.
 const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
+/// The folder of files that the study names.
+pub(crate) const INPUTS: &str = "inputs";
 /// What a record may have.
 pub(crate) const PARQUET: &str = "trace.parquet";
 
@@ -58,10 +60,17 @@ impl Kept {
         let folder = folder_of(trace);
         let Origin { run, files } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
-        for name in FILES.iter().copied().chain(files.contains_key(PARQUET).then_some(PARQUET)) {
+        let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
+        for name in FILES.iter().copied().chain(more) {
+            if !inside(Path::new(name)) {
+                let why = format!("names {name:?}, which is no file of a record");
+                return Err(Failure::at(&folder.join(RUN), why));
+            }
             belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
         }
-        let study = Study::read(&folder.join("study.toml")).map(Box::new);
+        let text = files::read(&folder.join("study.toml"))?;
+        let origin = folder.join("study.toml").display().to_string();
+        let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
         let mut study = study.map_err(|e| Failure::study(&e))?;
         let gains = folder.join("gains.json");
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
@@ -91,6 +100,11 @@ fn origin(folder: &Path) -> Result<Origin, Failure> {
     serde_json::from_str(&text).map_err(|e| {
         Failure::at(&path, format!("is not what this version leaves: {e}; run the study again"))
     })
+}
+
+/// Whether a name is that of a file in the record's folder, or below it.
+fn inside(name: &Path) -> bool {
+    name.components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 /// Whether a file is the one that the run left.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::{fs, io};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,7 +16,7 @@ use phihat_study::{LawForm, Study};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::kept::{Origin, PARQUET, RUN, TRACE};
+use crate::kept::{INPUTS, Origin, PARQUET, RUN, TRACE};
 use crate::knowledge::Advice;
 use crate::report::{add_page, remove_page};
 use crate::{files, interrupt, knowledge, table};
@@ -346,6 +347,17 @@ impl Done {
             let sum = whole.add(&at(name), &bytes).map_err(Failure::plain)?;
             files.insert(name.to_owned(), sum);
         }
+        let inputs = at(INPUTS);
+        for older in files_below(&inputs) {
+            whole.remove(older);
+        }
+        for (name, path) in &self.study.inputs {
+            let mut input = files::open(path)?;
+            let sum =
+                whole.add_with(&inputs.join(name), |file| io::copy(&mut input, file).map(drop));
+            let name = Path::new(INPUTS).join(name).display().to_string();
+            files.insert(name, sum.map_err(Failure::plain)?);
+        }
         match page {
             Some(page) => add_page(&mut whole, &self.record(), page)?,
             None => remove_page(&mut whole, &at("report.html")),
@@ -433,6 +445,13 @@ pub(crate) fn settle(study: &mut Study, gains: &Gains) {
     if let Some(found) = found.filter(|_| !study.spec.settle_stated) {
         study.spec.settle = found.settle_s;
     }
+}
+
+/// Files of a folder and those below it; none where it cannot be read.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let below = |path: PathBuf| if path.is_dir() { files_below(&path) } else { vec![path] };
+    entries.flat_map(|entry| below(entry.path())).collect()
 }
 
 /// Gains for a study that leaves them to the design.

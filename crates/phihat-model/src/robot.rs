@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
 use crate::{Model, extras, input, urdf};
@@ -33,6 +33,8 @@ pub struct Robot {
     pub poses: BTreeMap<String, Vec<f64>>,
     /// What is odd about the description but does not prevent its use.
     pub warnings: Vec<String>,
+    /// Files that it was read from, the one that was named first; none of an arm that comes with the crate.
+    pub files: Vec<PathBuf>,
 }
 
 /// A joint that moves.
@@ -125,16 +127,22 @@ impl Robot {
         let origin = path.display().to_string();
         if path.extension().is_none_or(|extension| extension != "toml") {
             let beside = path.with_extension("toml");
-            return match extras::about_urdf(&beside, path)? {
-                None => Self::from_text(&text, None, &origin),
-                Some(more) => {
-                    let more_origin = beside.display().to_string();
-                    Self::assemble(&text, &origin, Some((&more, &more_origin)))
-                }
+            let Some(more) = extras::about_urdf(&beside, path)? else {
+                return Ok(Self::from_text(&text, None, &origin)?.of([path.to_owned()]));
             };
+            let more_origin = beside.display().to_string();
+            let robot = Self::assemble(&text, &origin, Some((&more, &more_origin)))?;
+            return Ok(robot.of([path.to_owned(), beside]));
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
-        Self::assemble(&read_text(&urdf)?, &urdf.display().to_string(), Some((&text, &origin)))
+        let (urdf_text, urdf_origin) = (read_text(&urdf)?, urdf.display().to_string());
+        let robot = Self::assemble(&urdf_text, &urdf_origin, Some((&text, &origin)))?;
+        Ok(robot.of([path.to_owned(), urdf]))
+    }
+
+    fn of(mut self, files: impl Into<Vec<PathBuf>>) -> Self {
+        self.files = files.into();
+        self
     }
 
     /// Makes a robot from the text of its URDF and, if there is one, of its TOML file; `origin`
@@ -224,6 +232,7 @@ impl Robot {
             profile: "ideal".to_owned(),
             poses: BTreeMap::new(),
             warnings: read.warnings,
+            files: Vec::new(),
         };
         match toml {
             None => Ok(robot),

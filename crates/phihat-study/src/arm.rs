@@ -1,7 +1,5 @@
 //! `[robot]`: the arm, its names, its poses, and whether a position is one it can have.
 
-use std::path::Path;
-
 use phihat_model::Robot;
 use toml::de::DeValue;
 
@@ -9,6 +7,7 @@ use crate::check::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::per_joint::Joints;
+use crate::read::Base;
 use crate::suggest::did_you_mean;
 use crate::value::number;
 
@@ -24,7 +23,7 @@ pub(crate) struct Arm {
 
 impl Arm {
     /// Reads `[robot]`; files are relative to `base`.
-    pub(crate) fn read(node: &Node<'_>, base: &Path) -> Result<Self, StudyError> {
+    pub(crate) fn read(node: &Node<'_>, base: Base<'_>) -> Result<Self, StudyError> {
         let robot = if node.either("name", "file")? == "name" {
             built_in(node)?
         } else {

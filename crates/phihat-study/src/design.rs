@@ -1,19 +1,18 @@
 //! `[design]`: what gains shall be found from.
 
-use std::path::Path;
-
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload_set;
 use crate::per_joint::Joints;
+use crate::read::Base;
 use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource, World};
 
 /// Reads `[design]`; the trace it names is relative to `base`.
 pub(crate) fn read(
     node: &Node<'_>,
     (arm, world): (&Arm, &World),
-    base: &Path,
+    base: Base<'_>,
 ) -> Result<DesignRequest, StudyError> {
     let joints = &arm.joints;
     Ok(DesignRequest {
@@ -64,7 +63,7 @@ fn coulomb(node: &Node<'_>, arm: &Arm, world: &World) -> Result<(Vec<f64>, Vec<f
     Ok((low, high))
 }
 
-fn inertia(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<InertiaSource, StudyError> {
+fn inertia(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<InertiaSource, StudyError> {
     let (first, second) = ("inertia_low_kg_m2", "inertia_high_kg_m2");
     let typed = pair(node, joints, first, second)?;
     if let Some((low, high)) = &typed
@@ -83,7 +82,7 @@ fn inertia(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<InertiaSourc
     }
 }
 
-fn phi(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<PhiSource, StudyError> {
+fn phi(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<PhiSource, StudyError> {
     let (first, second) = ("phi_rate_max_nm_s", "phi_jump_max_nm");
     match (node.text("phi_from"), pair(node, joints, first, second)?) {
         (None | Some("typed"), Some((rate, jump))) => Ok(PhiSource::Typed { rate, jump }),
@@ -95,7 +94,7 @@ fn phi(node: &Node<'_>, joints: &Joints, base: &Path) -> Result<PhiSource, Study
     }
 }
 
-fn trace(node: &Node<'_>, base: &Path) -> Result<std::path::PathBuf, StudyError> {
+fn trace(node: &Node<'_>, base: Base<'_>) -> Result<std::path::PathBuf, StudyError> {
     Ok(base.join(node.word("trace")?))
 }
 

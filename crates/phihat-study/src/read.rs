@@ -1,7 +1,7 @@
 //! Reading a study: caps before parsing, two passes after it.
 
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use phihat_model::input;
 use sha2::{Digest, Sha256};
@@ -52,17 +52,65 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_text(text: &str, origin: &str, base: &Path) -> Result<Self, StudyError> {
-        let source = Source { text, origin };
-        let name = study_name(origin)?;
-        check_size(&source)?;
-        let document = DeTable::parse(text).map_err(|error| syntax(&source, &error))?;
-        check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
-        resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
+        read_text(Source { text, origin }, Base { folder: base, flat: false })
+    }
+
+    /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they have there.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong, with its place.
+    pub fn from_record(text: &str, origin: &str, inputs: &Path) -> Result<Self, StudyError> {
+        read_text(Source { text, origin }, Base { folder: inputs, flat: true })
     }
 }
 
+/// What files are relative to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Base<'a> {
+    folder: &'a Path,
+    /// Whether the files are in that folder, whatever folder a study names.
+    flat: bool,
+}
+
+impl Base<'_> {
+    /// Where a file is.
+    pub(crate) fn join(&self, named: &str) -> PathBuf {
+        let name = Path::new(named).file_name().filter(|_| self.flat);
+        self.folder.join(name.map_or(Path::new(named), Path::new))
+    }
+}
+
+fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
+    let name = study_name(source.origin)?;
+    check_size(&source)?;
+    let document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
+    resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
+}
+
+/// The robot's files and the reference's: what they are called in a record, and where they are.
+fn inputs(
+    top: &Node<'_>,
+    arm: &Arm,
+    base: Base<'_>,
+) -> Result<Vec<(PathBuf, PathBuf)>, StudyError> {
+    let robot = &arm.robot.files;
+    let beside = robot.first().and_then(|named| named.parent()).unwrap_or(Path::new(""));
+    let mut inputs: Vec<_> = robot
+        .iter()
+        .map(|path| (path.strip_prefix(beside).unwrap_or(path).to_owned(), path.clone()))
+        .collect();
+    let reference = top.child("reference");
+    if reference.word("kind")? == "csv" {
+        let path = base.join(reference.word("file")?);
+        inputs.push((path.file_name().map(PathBuf::from).unwrap_or_default(), path));
+    }
+    Ok(inputs)
+}
+
 /// The second pass: everything that needs the robot, or more than one key.
-fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyError> {
+fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyError> {
     let duration = top.number("duration_s")?;
     let period_ns = control::period_ns(top, duration)?;
     let rate = top.child("loop").number("rate_hz")?;
@@ -95,6 +143,7 @@ fn resolve(top: &Node<'_>, name: String, base: &Path) -> Result<Study, StudyErro
         supervisor: supervisor::read(&top.child("supervisor"), &arm, duration)?,
         faults: fault::read(top, &arm, duration)?,
         reference: reference::read(&top.child("reference"), &arm, run)?,
+        inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
 }

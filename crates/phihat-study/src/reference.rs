@@ -1,10 +1,9 @@
 //! `[reference]`: what the arm shall do, refused where the joints' limits do not allow it.
 
-use std::path::Path;
-
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
+use crate::read::Base;
 use crate::study::Reference;
 use crate::{cartesian, samples, sines};
 
@@ -19,7 +18,7 @@ pub(crate) struct Run<'p> {
     /// Control samples per second \[Hz\].
     pub(crate) rate: f64,
     /// Directory to which files are relative.
-    pub(crate) base: &'p Path,
+    pub(crate) base: Base<'p>,
 }
 
 pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {

@@ -23,6 +23,8 @@ pub struct Study {
     pub duration: f64,
     /// The arm, with the study's locked joints applied; gravity and payload are not.
     pub robot: Robot,
+    /// Files that the study names and a run needs: what each is called beside the study of a record, and where it is.
+    pub inputs: Vec<(PathBuf, PathBuf)>,
     /// The error the user can live with.
     pub spec: Spec,
     /// The gains asked for; `None`: they are to be designed.

@@ -41,6 +41,7 @@ impl NotCounted {
             // Who and what it is.
             name: _,
             title: _,
+            inputs: _,
             text: _,
             sha256: _,
             // Of what is random, each is listed by itself.
