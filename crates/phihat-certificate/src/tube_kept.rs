@@ -206,18 +206,20 @@ impl Part<'_> {
                 let t_s = self.t_ns[k] as f64 / 1e9;
                 Some(Left { joint: joint.name.clone(), quantity, t_s, value, bound })
             };
-            let (e, de) = (run.e.get(k)?, run.de.get(k)?);
+            // A sample that is missing is outside: nobody saw it inside.
+            let of = |column: &[f64]| column.get(k).copied().unwrap_or(f64::NAN);
+            let (e, de) = (of(run.e), of(run.de));
             let (low, high) = (joint.error_low_rad[*bin], joint.error_high_rad[*bin]);
-            if let Some(bound) = beyond(*e, low, high) {
-                return left(Quantity::Error, *e, bound);
+            if let Some(bound) = beyond(e, low, high) {
+                return left(Quantity::Error, e, bound);
             }
             let (low, high) = (joint.velocity_low_rad_s[*bin], joint.velocity_high_rad_s[*bin]);
-            if let Some(bound) = beyond(*de, low, high) {
-                return left(Quantity::VelocityError, *de, bound);
+            if let Some(bound) = beyond(de, low, high) {
+                return left(Quantity::VelocityError, de, bound);
             }
-            let Some(tau) = run.tau_command.get(k) else { continue };
-            if let Some(bound) = beyond(*tau, -joint.torque_max_nm, joint.torque_max_nm) {
-                return left(Quantity::Torque, *tau, bound);
+            let tau = of(run.tau_command);
+            if let Some(bound) = beyond(tau, -joint.torque_max_nm, joint.torque_max_nm) {
+                return left(Quantity::Torque, tau, bound);
             }
             let before = k.checked_sub(1).map_or(before, |k| Some(run.tau_command[k]));
             let step = before.map_or(0.0, |before| tau - before);

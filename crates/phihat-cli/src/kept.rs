@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::files;
-use crate::record::{Looked, Seen, settle};
+use crate::record::{Done, Looked, Seen, figures, settle};
 
 /// The file that is moved to its place last and removed first: the record is whole where it is.
 pub(crate) const RUN: &str = "run.json";
@@ -57,6 +57,15 @@ impl Kept {
 
     /// Reads the record that a trace is of.
     pub(crate) fn read(trace: &Path) -> Result<Self, Failure> {
+        Self::read_in(trace, BLOCK, |_| ())
+    }
+
+    /// The same, the trace handed over in blocks of at most so many samples; they count only if this does not fail.
+    fn read_in(
+        trace: &Path,
+        block: usize,
+        mut each: impl FnMut(&mut Trace),
+    ) -> Result<Self, Failure> {
         let folder = folder_of(trace);
         let Origin { run, files } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
@@ -76,11 +85,45 @@ impl Kept {
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
         settle(&mut study, &gains);
         let mut seen = Seen::new(&study, &gains);
-        Trace::read_csv_in(files::open(trace)?, &study, BLOCK, |block| seen.block(block))
-            .map_err(|e| Failure::at(trace, e))?;
+        Trace::read_csv_in(files::open(trace)?, &study, block, |block| {
+            seen.block(block);
+            each(block);
+        })
+        .map_err(|e| Failure::at(trace, e))?;
         let seen = seen.finish(&study.sha256);
         Ok(Self { run, study, gains, seen })
     }
+
+    /// Whether the figures that the record states are those of its trace.
+    ///
+    /// # Errors
+    ///
+    /// [`Failure`]: they are not, or cannot be read.
+    pub(crate) fn figures_hold(&self, folder: &Path) -> Result<(), Failure> {
+        let path = folder.join("metrics.json");
+        let stated: serde_json::Value =
+            serde_json::from_str(&files::read(&path)?).map_err(|e| Failure::at(&path, e))?;
+        let found = figures(&self.seen.metrics, self.seen.tube.as_ref());
+        // As they are written: a number and its shortest text are one.
+        if stated.to_string() == found.to_string() {
+            return Ok(());
+        }
+        Err(Failure::at(&path, "does not say what follows from the trace"))
+    }
+}
+
+/// Reads the record of a run, as `phihat run` leaves it, with every signal of every joint.
+///
+/// # Errors
+///
+/// [`Failure`]: a file is missing, or is not the one that the run left.
+pub fn recorded(folder: &Path) -> Result<(Done, Trace), Failure> {
+    let mut whole = Trace::default();
+    let kept =
+        Kept::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
+    let Kept { run, study, gains, seen: Looked { metrics, drawing, tube } } = kept;
+    let done = Done { study, gains, run, drawing, metrics, tube, divergence: None, abort: None };
+    Ok((done, whole))
 }
 
 /// Whether gains that are to be written to a file take the place of those of a run.

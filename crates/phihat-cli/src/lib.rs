@@ -39,6 +39,7 @@ pub use crate::compare::comparison;
 pub use crate::design::designed;
 pub use crate::failure::Failure;
 pub use crate::faults::fault_matrix;
+pub use crate::kept::recorded;
 pub use crate::record::{Done, Session};
 pub use crate::report::write_report;
 pub use crate::reproduce::reproduction;

@@ -369,11 +369,7 @@ impl Done {
 
     /// The figures of the run: its metrics, and under `tube` the run beside the tube that its gains carry.
     pub fn figures(&self) -> serde_json::Value {
-        let mut figures = json!(self.metrics);
-        if let Some(run) = &self.tube {
-            figures["tube"] = json!(run);
-        }
-        figures
+        figures(&self.metrics, self.tube.as_ref())
     }
 
     /// Whether the run came to its end, kept every bound, and no promise about it is broken.
@@ -436,6 +432,15 @@ impl Done {
         }
         if self.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
     }
+}
+
+/// What metrics.json says.
+pub(crate) fn figures(metrics: &Metrics, tube: Option<&TubeRun>) -> serde_json::Value {
+    let mut figures = json!(metrics);
+    if let Some(run) = tube {
+        figures["tube"] = json!(run);
+    }
+    figures
 }
 
 /// The steady part begins when the certificate of this study says, where the study does not say it.

@@ -1,6 +1,6 @@
 //! `phihat verify`: every claim about a set of gains, checked again.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -13,25 +13,33 @@ use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::worlds::Kept;
+use crate::kept::{Kept, TRACE};
+use crate::worlds::Kept as Runs;
 use crate::{files, table, worlds};
 
 /// Check every claim of a certificate again, from the gains alone.
 ///
 /// Needs nothing but the file: no solver's word. What the file cannot show of itself is listed as taken on trust; with a
-/// study, that is derived again as far as it can be.
+/// study, that is derived again as far as it can be. With --run the gains and the study are those of a run's record, whose
+/// files have to be those that the run left, and whose figures have to follow from its trace.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit code 1: a claim does not hold; the inequality that fails is told.\n\n\
                         Example (after `phihat design studies/panda_design.toml`):\n  \
-                        phihat verify out/panda_design/gains.json"
+                        phihat verify out/panda_design/gains.json\n\n\
+                        Example (after `phihat run studies/first.toml`):\n  \
+                        phihat verify --run out/first"
 )]
 pub(crate) struct Verify {
     /// The gains document (JSON).
-    gains: PathBuf,
+    #[arg(required_unless_present = "run", conflicts_with = "run")]
+    gains: Option<PathBuf>,
     /// Derive again from this study what the file alone has to be trusted for.
-    #[arg(long, value_name = "STUDY")]
+    #[arg(long, value_name = "STUDY", conflicts_with = "run")]
     study: Option<PathBuf>,
+    /// Check the record of a run: its files, its figures, and its gains against its study.
+    #[arg(long, value_name = "FOLDER")]
+    run: Option<PathBuf>,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -39,13 +47,21 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let text = files::read(&self.gains)?;
-        let gains = Gains::from_json(&text).map_err(|e| Failure::at(&self.gains, e))?;
+        let Subject { gains, study, record } = self.subject()?;
         let Some(certificate) = &gains.certificate else {
-            return Err(Failure::at(&self.gains, "these gains carry no certificate"));
+            let Some(words) = record else {
+                let path = self.gains.as_deref().unwrap_or(Path::new(""));
+                return Err(Failure::at(path, "these gains carry no certificate"));
+            };
+            if self.json {
+                println!("{:#}", json!({ "holds": true, "refuted": null, "record": words }));
+            } else {
+                println!(
+                    "RECORD\n  {words}\nits gains carry no certificate: nothing is claimed about them"
+                );
+            }
+            return Ok(ExitCode::SUCCESS);
         };
-        let read = |path: &PathBuf| Study::read(path).map_err(|e| Failure::study(&e));
-        let study = self.study.as_ref().map(read).transpose()?;
         let mut runs = None;
         let answer = match (certificate.verified(&gains), &study) {
             (Ok(verified), Some(study)) => {
@@ -60,12 +76,15 @@ impl Verify {
             let holds = answer.is_ok();
             let document = match &answer {
                 Ok(verified) => {
-                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": runs })
+                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": runs, "record": record })
                 }
-                Err(why) => json!({ "holds": holds, "refuted": why }),
+                Err(why) => json!({ "holds": holds, "refuted": why, "record": record }),
             };
             println!("{document:#}");
         } else {
+            if let Some(words) = &record {
+                println!("RECORD\n  {words}");
+            }
             match &answer {
                 Ok(verified) => println!("{}", blocks(verified, runs.as_ref())),
                 Err(why) => println!("REFUSED: {why}"),
@@ -75,13 +94,42 @@ impl Verify {
     }
 }
 
+/// What is to be checked.
+struct Subject {
+    gains: Gains,
+    study: Option<Study>,
+    /// What was found of the record that they are from.
+    record: Option<String>,
+}
+
+impl Verify {
+    fn subject(&self) -> Result<Subject, Failure> {
+        if let Some(folder) = &self.run {
+            let kept = Kept::read(&folder.join(TRACE))?;
+            kept.figures_hold(folder)?;
+            let own = kept.gains.study_sha256 == kept.study.sha256;
+            let words = format!(
+                "every file is the one that the run left, and its figures follow from its trace: {}",
+                table::verdict(&kept.seen.metrics, None)
+            );
+            let study = own.then_some(*kept.study);
+            return Ok(Subject { gains: kept.gains, study, record: Some(words) });
+        }
+        let path = self.gains.as_deref().unwrap_or(Path::new(""));
+        let gains = Gains::from_json(&files::read(path)?).map_err(|e| Failure::at(path, e))?;
+        let read = |path: &PathBuf| Study::read(path).map_err(|e| Failure::study(&e));
+        let study = self.study.as_ref().map(read).transpose()?;
+        Ok(Subject { gains, study, record: None })
+    }
+}
+
 /// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
 fn again(
     mut verified: Verified,
     gains: &Gains,
     certificate: &Certificate,
     study: &Study,
-) -> Result<Result<(Verified, Option<Kept>), Refutation>, Failure> {
+) -> Result<Result<(Verified, Option<Runs>), Refutation>, Failure> {
     let checked = certificate.derive(gains, study).and_then(|derived| {
         verified.derived = derived;
         verified.tube = derived_tube(gains, certificate, study)?;
@@ -129,7 +177,7 @@ fn spinner() -> ProgressBar {
 }
 
 /// The three blocks, and what a study says of the second.
-fn blocks(verified: &Verified, runs: Option<&Kept>) -> String {
+fn blocks(verified: &Verified, runs: Option<&Runs>) -> String {
     let line = |one: &Statement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
@@ -157,7 +205,7 @@ fn blocks(verified: &Verified, runs: Option<&Kept>) -> String {
 }
 
 /// What the second derivation and the drawn worlds say of the tube.
-fn again_lines(tube: &TubeAgain, runs: Option<&Kept>) -> Vec<String> {
+fn again_lines(tube: &TubeAgain, runs: Option<&Runs>) -> Vec<String> {
     let joint = |own: &JointBeside| {
         let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
         let rest = if own.confirmed() {

@@ -272,3 +272,88 @@ fn files_have_the_mode_of_any_other_file() {
         assert_eq!(mode(name), mode("plain"), "{name}");
     }
 }
+
+/// A study whose robot is a file elsewhere, and the record of it.
+fn with_a_robot_file(name: &str) -> PathBuf {
+    let folder = folder(name);
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    fs::create_dir_all(folder.join("arms/below")).unwrap();
+    let toml = fs::read_to_string(robots.join("planar3r.toml")).unwrap();
+    let toml = toml.replace("\"planar3r.urdf\"", "\"below/planar3r.urdf\"");
+    fs::write(folder.join("arms/planar3r.toml"), toml).unwrap();
+    fs::copy(robots.join("planar3r.urdf"), folder.join("arms/below/planar3r.urdf")).unwrap();
+    let study = small("elsewhere", 0.3, 5.0)
+        .replace("name = \"planar3r\"", "file = \"../arms/planar3r.toml\"");
+    fs::write(folder.join("studies/elsewhere.toml"), study).unwrap();
+    let run = phihat(&folder, &["run", "studies/elsewhere.toml", "--out", "out"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    folder
+}
+
+#[test]
+fn a_record_holds_what_its_study_names_and_can_be_moved() {
+    let folder = with_a_robot_file("records-inputs");
+    let page = fs::read(folder.join("out/report.html")).unwrap();
+    fs::remove_dir_all(folder.join("arms")).unwrap();
+    fs::rename(folder.join("out"), folder.join("moved")).unwrap();
+    let again = phihat(&folder, &["report", "moved/trace.csv"]);
+    assert_eq!(again.code, 0, "{}", again.err);
+    assert!(fs::read(folder.join("moved/report.html")).unwrap() == page, "another page");
+    let urdf = folder.join("moved/inputs/below/planar3r.urdf");
+    let text = fs::read_to_string(&urdf).unwrap();
+    fs::write(&urdf, text.replacen("mass value=\"", "mass value=\"1", 1)).unwrap();
+    let told = refusal(&folder, "moved/trace.csv");
+    assert!(
+        told.contains("inputs/below/planar3r.urdf: is not the file that the run left"),
+        "{told}"
+    );
+}
+
+#[test]
+fn inputs_of_an_older_run_do_not_stay_in_the_record() {
+    let folder = with_a_robot_file("records-older-inputs");
+    fs::write(folder.join("plain.toml"), small("plain", 0.3, 5.0)).unwrap();
+    assert_eq!(phihat(&folder, &["run", "plain.toml", "--out", "out"]).code, 0);
+    let left = files_of(&folder.join("out"));
+    assert!(!left.keys().any(|name| name.starts_with("inputs")), "{:?}", left.keys());
+}
+
+#[test]
+fn a_record_may_name_no_file_outside_of_it() {
+    let folder = two_records("records-outside");
+    let run = fs::read_to_string(folder.join("a/run.json")).unwrap();
+    let sum = sha256(&mut fs::read(folder.join("b.toml")).unwrap().as_slice()).unwrap();
+    let run = run.replacen("\"files\": {", &format!("\"files\": {{ \"../b.toml\": \"{sum}\","), 1);
+    fs::write(folder.join("a/run.json"), run).unwrap();
+    let told = refusal(&folder, "a/trace.csv");
+    assert!(told.contains("names \"../b.toml\", which is no file of a record"), "{told}");
+}
+
+#[test]
+fn verify_takes_a_record_and_refuses_what_does_not_follow_from_its_trace() {
+    let folder = two_records("records-verified");
+    let good = phihat(&folder, &["verify", "--run", "a"]);
+    assert_eq!(good.code, 0, "{}", good.err);
+    assert!(good.out.contains("its figures follow from its trace"), "{}", good.out);
+    // A forger who makes the hashes fit.
+    let path = folder.join("a/metrics.json");
+    let own = fs::read_to_string(&path).unwrap();
+    let place = own.find("\"error_max_rad\": ").unwrap() + "\"error_max_rad\": ".len();
+    let forged =
+        format!("{}1e-9{}", &own[..place], &own[own[place..].find(',').unwrap() + place..]);
+    let sum = |text: &str| sha256(&mut text.as_bytes()).unwrap();
+    let run = fs::read_to_string(folder.join("a/run.json")).unwrap();
+    fs::write(folder.join("a/run.json"), run.replace(&sum(&own), &sum(&forged))).unwrap();
+    fs::write(&path, forged).unwrap();
+    let bad = phihat(&folder, &["verify", "--run", "a"]);
+    assert_eq!(bad.code, 2, "{}", bad.out);
+    assert!(
+        bad.err.contains("a/metrics.json: does not say what follows from the trace"),
+        "{}",
+        bad.err
+    );
+    let missing = phihat(&folder, &["verify", "--run", "nowhere"]);
+    assert_eq!(missing.code, 2);
+    assert!(missing.err.contains("run.json: is missing"), "{}", missing.err);
+    assert_eq!(phihat(&folder, &["verify"]).code, 2, "gains or a record");
+}

@@ -34,7 +34,7 @@ mod _phihat {
     #[pymodule_export]
     use super::run::Trace;
     #[pymodule_export]
-    use super::run::{compare, design, faults, reproduce, simulate};
+    use super::run::{compare, design, faults, recorded, reproduce, simulate};
     #[pymodule_export]
     use super::study::study_document;
     #[pymodule_export]

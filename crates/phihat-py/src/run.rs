@@ -47,6 +47,14 @@ pub(crate) fn simulate(
     Ok(Trace { done, trace })
 }
 
+/// Reads the record of a run.
+#[pyfunction]
+pub(crate) fn recorded(py: Python<'_>, folder: PathBuf) -> PyResult<Trace> {
+    let read = py.detach(|| phihat_cli::recorded(&folder));
+    let (done, trace) = read.map_err(|e| failure::failed(py, &e))?;
+    Ok(Trace { done, trace })
+}
+
 /// Runs a fault matrix with the arguments of `phihat faults`; its answer, as in faults.json.
 #[pyfunction]
 pub(crate) fn faults(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {

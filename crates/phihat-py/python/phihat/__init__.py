@@ -26,7 +26,7 @@ from ._errors import (
 from ._phihat import Controller, Gains, Robot, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
-from .study import Study, compare, design, faults, report, reproduce, robots, simulate, verify
+from .study import Study, compare, design, faults, read_run, report, reproduce, robots, simulate, verify
 from .trace import Trace
 
 __version__ = _version()
@@ -51,6 +51,7 @@ __all__ = [
     "crosscheck",
     "design",
     "faults",
+    "read_run",
     "report",
     "reproduce",
     "robots",

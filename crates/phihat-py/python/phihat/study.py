@@ -58,6 +58,18 @@ def simulate(
     return Trace(_phihat.simulate(path, document, name, gains, uncertified))
 
 
+def read_run(folder: str | os.PathLike[str]) -> Trace:
+    """Read the record of a run, as ``phihat run`` and :meth:`Trace.write` leave it.
+
+    Args:
+        folder: where ``run.json`` and ``trace.csv`` are.
+
+    Raises:
+        Error: a file is missing, or is not the one that the run left.
+    """
+    return Trace(_phihat.recorded(folder))
+
+
 def faults(
     *studies: str | os.PathLike[str],
     orders: Sequence[int] = (1, 2),
