@@ -144,6 +144,28 @@ fn what_a_document_says_of_itself_fits_together() {
 }
 
 #[test]
+fn what_is_proved_of_the_range_holds_the_range() {
+    fn proved(g: &mut Gains, low: f64, high: f64) {
+        let arm = &mut claims(g).arm;
+        let (low, high) = (low * arm.low, high * arm.high);
+        arm.searched.as_mut().unwrap().proved =
+            Some(phihat_certificate::Proved { low, high, cells: 1 });
+    }
+    let list: [Forgery; 6] = [
+        ("0 < proved.low", |g| proved(g, 0.0, 1.1)),
+        ("holds the witness", |g| proved(g, -1.0, 1.1)),
+        ("holds the witness", |g| proved(g, f64::NAN, 1.1)),
+        ("holds the witness", |g| proved(g, 1.0 + 1e-8, 1.1)),
+        ("holds the witness", |g| proved(g, 0.9, 1.0 - 1e-8)),
+        ("holds the witness", |g| proved(g, 0.9, f64::INFINITY)),
+    ];
+    stopped(&list, verify);
+    let mut gains = honest();
+    proved(&mut gains, 0.9, 1.1);
+    verify(&gains).unwrap();
+}
+
+#[test]
 fn claims_are_about_the_arms_whole_range() {
     let list: [Forgery; 17] = [
         // Each by itself is true, and claims less than the arm needs.
