@@ -35,10 +35,19 @@ fn gamma(law: &Law, k_tilde: f64) -> f64 {
     1.0 / (law.a_top() - k_tilde).sqrt()
 }
 
+/// An edited claim, its `γ` those of its `K̃`.
+fn stated(found: &Attenuation, law: &Law, edit: &dyn Fn(&mut Attenuation)) -> Attenuation {
+    let mut other = found.clone();
+    edit(&mut other);
+    other.gamma_diagonal = other.diagonal.map(|i| gamma(law, i.low));
+    other.gamma_return_difference = other.return_difference.map(|k| gamma(law, k));
+    other
+}
+
 #[test]
 fn levels_of_attenuation_are_neither_lower_nor_higher_than_they_are() {
     let mut passed = Passed::default();
-    let (mut with, mut without, mut above) = (0, 0, 0);
+    let (mut with, mut without) = (0, 0);
     for law in laws() {
         let about = format!("{law:?}");
         let verify = |a: &Attenuation| a.verify(&law);
@@ -55,13 +64,7 @@ fn levels_of_attenuation_are_neither_lower_nor_higher_than_they_are() {
                 ("blocked at no frequency", |a| a.blocking_w = Some(-1.0)),
             ],
         );
-        let at = |edit: &dyn Fn(&mut Attenuation)| {
-            let mut other = found.clone();
-            edit(&mut other);
-            other.gamma_diagonal = other.diagonal.map(|i| gamma(&law, i.low));
-            other.gamma_return_difference = other.return_difference.map(|k| gamma(&law, k));
-            verify(&other)
-        };
+        let at = |edit: &dyn Fn(&mut Attenuation)| verify(&stated(&found, &law, edit));
         if let Some(own) = found.diagonal {
             with += 1;
             let step = BEYOND * (own.high - own.low);
@@ -83,6 +86,19 @@ fn levels_of_attenuation_are_neither_lower_nor_higher_than_they_are() {
             let some = phihat_certificate::Interval { low: 0.3 * top, high: 0.9 * top };
             passed.refused(&about, &at(&|a| a.diagonal = Some(some)));
         }
+    }
+    assert!(with > 0 && without > 0, "{with} {without}");
+    passed.none(25);
+}
+
+#[test]
+fn levels_of_the_return_difference_are_neither_lower_nor_higher_than_they_are() {
+    let mut passed = Passed::default();
+    let mut above = 0;
+    for law in laws() {
+        let about = format!("{law:?}");
+        let found = Attenuation::of(&law).unwrap();
+        let at = |edit: &dyn Fn(&mut Attenuation)| stated(&found, &law, edit).verify(&law);
         let least = found.return_difference;
         if let Some(least) = least.filter(|k| *k > 0.0) {
             above += 1;
@@ -99,8 +115,8 @@ fn levels_of_attenuation_are_neither_lower_nor_higher_than_they_are() {
             passed.refused(&about, &at(&|a| a.blocking_w = Some(1.0)));
         }
     }
-    assert!(with > 0 && without > 0 && above > 0, "{with} {without} {above}");
-    passed.none(40);
+    assert!(above > 0);
+    passed.none(10);
 }
 
 #[test]

@@ -2,9 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests: small whole numbers")]
 
 use phihat_certificate::{
-    Attenuation, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Motion, Moving, NotCounted,
-    PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, Refutation, TorqueNoise,
+    Attenuation, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Matrix, Motion, Moving,
+    NotCounted, PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, Refutation, TorqueNoise,
 };
+
+/// An edit, and a part of the inequality that has to stop it.
+type Edit<C> = (&'static str, fn(&mut C));
 
 fn document() -> Gains {
     Gains::from_json(include_str!("forged/two_joints.json")).unwrap()
@@ -134,7 +137,7 @@ fn an_arm_measured_in_other_units_is_the_same_arm() {
 fn the_bound_of_a_steady_error_is_the_tubes_or_the_joints_own() {
     let mut certificate = document().certificate.unwrap();
     let bound = certificate.error_bound(1).unwrap();
-    assert_eq!((bound.error_rad, bound.velocity_error_rad_s), (0.002325, 0.06874));
+    assert_eq!((bound.error_rad, bound.velocity_error_rad_s), (2.325e-3, 0.06874));
     assert_eq!(certificate.error_bound(2), None);
     certificate.tube = None;
     assert_eq!(certificate.error_bound(1), None);
@@ -195,8 +198,7 @@ fn stability_while_moving_is_claimed_in_numbers_that_make_sense() {
     faster.rate_per_s *= 1.1;
     faster.delta = faster.step(model.period_s).0;
     assert!(faster.verify(record, model).is_err());
-    type Edit = (&'static str, fn(&mut Moving));
-    let edits: [Edit; 21] = [
+    let edits: [Edit<Moving>; 21] = [
         ("δ = rate", |m| m.delta *= 1.0 + 1e-8),
         ("δ = rate", |m| m.delta *= 1.0 - 1e-8),
         ("δ = rate", |m| m.rate_per_s *= 1.0 + 1e-8),
@@ -252,8 +254,7 @@ fn a_quadratic_form_is_one_of_the_loops_size() {
     let (slow, fast) = (claims.varying.clone().unwrap(), claims.sampled_varying.clone().unwrap());
     slow.verify(record).unwrap();
     fast.verify(record, model).unwrap();
-    type Form = Vec<Vec<f64>>;
-    let edits: [(&str, fn(&mut Form)); 8] = [
+    let edits: [Edit<Matrix>; 8] = [
         ("P = Pᵀ", |p| p[1][0] *= 1.0 + f64::EPSILON),
         ("P = Pᵀ", |p| p[0][0] = f64::NAN),
         ("P = Pᵀ", |p| (p[0][1], p[1][0]) = (f64::INFINITY, f64::INFINITY)),
