@@ -421,6 +421,23 @@ fn what_the_study_says_is_what_the_file_says() {
 }
 
 #[test]
+fn a_wrong_eigenvalue_is_told_with_the_right_one() {
+    let study = study();
+    let own = honest().certificate.unwrap().arm;
+    for (low, right) in [(true, own.low), (false, own.high)] {
+        let mut gains = honest();
+        let searched = claims(&mut gains).arm.searched.as_mut().unwrap();
+        let end = if low { &mut searched.low } else { &mut searched.high };
+        end.eigenvalue *= 1.01;
+        let why = gains.certificate.as_ref().unwrap().derive(&gains, &study).unwrap_err();
+        assert!(
+            (why.left - 1.01 * right).abs() < 1e-12 && (why.right - right).abs() < 1e-9,
+            "{why}"
+        );
+    }
+}
+
+#[test]
 fn what_the_study_says_is_what_the_tube_says() {
     let study = study();
     let list: [Forgery; 8] = [

@@ -212,3 +212,44 @@ fn both_derivations_find_nearly_the_same_tube() {
         }
     }
 }
+
+#[test]
+fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
+    let own = both(&payloads_and_friction()[0].text).1;
+    // All of it about its middles: widths go with the share, largest errors hardly.
+    let narrowed = |share: f64| {
+        let mut tube = own.clone();
+        for joint in &mut tube.joints {
+            for (low, high) in [
+                (&mut joint.error_low_rad, &mut joint.error_high_rad),
+                (&mut joint.velocity_low_rad_s, &mut joint.velocity_high_rad_s),
+            ] {
+                for (low, high) in low.iter_mut().zip(high) {
+                    let (middle, half) = (0.5 * (*low + *high), 0.5 * (*high - *low));
+                    (*low, *high) = (middle - share * half, middle + share * half);
+                }
+            }
+        }
+        phihat_certificate::tube::beside(&tube, &own)
+    };
+    for times in [1.0, 1.45, 1.55, 30.0] {
+        for joint in narrowed(1.0 / times).unwrap() {
+            assert!((joint.tighter - times).abs() < 1e-9, "{times}: {joint:?}");
+            assert_eq!(joint.confirmed(), times < 1.5);
+        }
+    }
+    assert!(narrowed(1.0 / 99.0).is_ok() && narrowed(1.0 / 101.0).is_err());
+    // And by each figure alone.
+    let figures: [fn(&mut TubeJoint) -> &mut f64; 4] = [
+        |j| &mut j.error_max_rad,
+        |j| &mut j.velocity_error_max_rad_s,
+        |j| &mut j.torque_max_nm,
+        |j| &mut j.torque_step_max_nm,
+    ];
+    for of in figures {
+        let mut tube = own.clone();
+        *of(&mut tube.joints[1]) /= 7.0;
+        let told = phihat_certificate::tube::beside(&tube, &own).unwrap();
+        assert!((told[1].tighter - 7.0).abs() < 1e-9 && (told[0].tighter - 1.0).abs() < 1e-9);
+    }
+}
