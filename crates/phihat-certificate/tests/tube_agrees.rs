@@ -4,7 +4,7 @@
 
 mod support;
 
-use phihat_certificate::tube::{Inputs, Law, derive};
+use phihat_certificate::tube::{Inputs, Law, Reference, derive};
 use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
@@ -251,5 +251,18 @@ fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
         *of(&mut tube.joints[1]) /= 7.0;
         let told = phihat_certificate::tube::beside(&tube, &own).unwrap();
         assert!((told[1].tighter - 7.0).abs() < 1e-9 && (told[0].tighter - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_reference_is_sampled_through_the_run_and_once_more() {
+    let study = read(&payloads_and_friction()[0].text);
+    // 0.8 s at 500 Hz, of a motion that tells its time.
+    let own = Reference::of(&study, |t| vec![[t, 2.0, 3.0], [-t, -2.0, -3.0]]);
+    assert_eq!([own.q.len(), own.dq.len(), own.ddq.len()], [401; 3]);
+    for (k, row) in own.q.iter().enumerate() {
+        let t = 2e-3 * k as f64;
+        assert!((row[0] - t).abs() < 1e-12 && (row[1] + t).abs() < 1e-12, "{k}");
+        assert!((own.dq[k][1] + 2.0).abs() < 1e-12 && (own.ddq[k][0] - 3.0).abs() < 1e-12);
     }
 }
