@@ -105,6 +105,29 @@ fn behind_a_governor_a_motion_settles_where_it_can_stop() {
     }
 }
 
+#[test]
+fn a_reference_counts_as_shaped_where_the_one_in_force_is_another() {
+    let motion = MotionLimits { velocity: 1.0, acceleration: 4.0, jerk: 60.0 };
+    let joint = JointOptions { motion: Some(motion), ..JointOptions::default() };
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), joint, &Options::new(T_NS));
+    let m = Measurement::default();
+    joint.hold(m, Reference::default());
+    let (mut shaped, mut passed) = (0, 0);
+    for k in 0..3000_u32 {
+        // A rest, a jump, and a motion that starts gently where the jump has ended.
+        let t = f64::from(k) * T;
+        let jump = if t < 0.1 { 0.0 } else { 0.2 };
+        let s = 2.0 * (t - 1.5).max(0.0);
+        let q = jump + 0.05 * (s - s.sin());
+        let asked = Reference { q, dq: 0.1 * (1.0 - s.cos()), ddq: 0.2 * s.sin() };
+        let told = joint.step(ModeRequest::Track, m, asked).report.events;
+        let other = *joint.state.joints[0].reference() != asked;
+        assert_eq!(told.contains(Events::SHAPED), other, "at {t} s");
+        (shaped, passed) = (shaped + u32::from(other), passed + u32::from(!other));
+    }
+    assert!(shaped > 100 && passed > 500, "{shaped} {passed}");
+}
+
 /// What is left at `s` of a torque that fades: the cubic that is flat at both ends.
 fn left(s: f64) -> f64 {
     if s < 1.0 { 1.0 - s * s * (3.0 - 2.0 * s) } else { 0.0 }

@@ -10,13 +10,15 @@ mod joint;
 use arm::{Dice, FIRST, SECOND};
 use joint::{INERTIA, Joint, T, T_NS, gains};
 use phihat::{
-    Events, Fault, JointOptions, JointRange, Limits, Measurement, Mode, ModeRequest, Options,
-    Reference, SupervisorState,
+    Command, Events, Fault, JointOptions, JointRange, Limits, Measurement, Mode, ModeRequest,
+    Options, Reference, SupervisorState,
 };
 
 const KP: f64 = 400.0;
 const KD: f64 = 40.0;
 const RANGE: JointRange = JointRange { lower: -0.8, upper: 1.2, soft: 0.1, braking: 8.0 };
+/// How far a reference may go: a quarter of the soft zone from the ends.
+const ENDS: [f64; 2] = [RANGE.lower + 0.25 * RANGE.soft, RANGE.upper - 0.25 * RANGE.soft];
 
 /// A joint with this range that tracks; a reference is blended within a sample.
 fn tracking(a: &[f64], rate: Option<f64>) -> Joint {
@@ -59,7 +61,8 @@ fn ceiling(room: f64, outward: f64, phi_hat: f64, last: f64, rate: f64) -> Optio
         return None;
     }
     let v = (2.0 * RANGE.braking * left.max(0.0)).sqrt();
-    let braking = if speed < v { RANGE.braking * speed.max(0.0) / v } else { RANGE.braking };
+    // As much of the braking as the motion is fast; inward nothing.
+    let braking = if speed > 0.0 { RANGE.braking * (speed / v).min(1.0) } else { 0.0 };
     let bound = phi_hat + INERTIA * (KD * (v - speed) - braking);
     Some(if room > 0.0 { bound } else { bound.min(0.0) })
 }
@@ -67,15 +70,15 @@ fn ceiling(room: f64, outward: f64, phi_hat: f64, last: f64, rate: f64) -> Optio
 #[test]
 fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     let (mut capped, mut free, mut beyond) = ([0; 2], 0, [0; 2]);
-    for rate in [None, Some(2e2), Some(2e3), Some(2e4), Some(2e5)] {
+    for limit in [None, Some(2e2), Some(2e3), Some(2e4), Some(2e5)] {
         let mut dice = Dice(60);
-        let mut joint = tracking(SECOND, rate);
-        let step = rate.map_or(f64::INFINITY, |rate| rate * T);
+        let mut joint = tracking(SECOND, limit);
+        let rate = limit.unwrap_or(f64::INFINITY);
+        let step = rate * T;
         let mut m = Measurement::default();
         for k in 0..6000 {
             if k % 500 == 0 {
-                joint = tracking(SECOND, rate);
-                m = Measurement::default();
+                (joint, m) = (tracking(SECOND, limit), Measurement::default());
             }
             // Often near an end; now and then somewhere else. In the last part of each block the arm is stopped, and
             // may be beyond.
@@ -93,18 +96,16 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
             }
             m.tau_applied = dice.within(-20.0, 20.0);
             let r = Reference { q: dice.within(-3.0, 3.0), dq: dice.within(-2.0, 2.0), ddq: 0.0 };
-            let before = joint.state.joints[0];
+            let last = joint.state.joints[0].tau();
             let mode = if stopped { ModeRequest::Stop } else { ModeRequest::Track };
             let answer = joint.step(mode, m, r);
-            let (command, last) = (answer.commands[0], before.tau());
-            let phi_hat = command.phi_hat;
+            let Command { tau, phi_hat, .. } = answer.commands[0];
             let demand = if stopped {
                 phi_hat - 0.5 * INERTIA * KD * m.dq
             } else {
                 let at = joint.state.joints[0].reference();
                 phi_hat + INERTIA * (at.ddq - KD * (m.dq - at.dq) - KP * (m.q - at.q))
             };
-            let rate = rate.unwrap_or(f64::INFINITY);
             let (above, below) = (RANGE.upper - m.q, m.q - RANGE.lower);
             let upper = ceiling(above, m.dq, phi_hat, last, rate).filter(|c| demand > *c);
             let lower = ceiling(below, -m.dq, -phi_hat, -last, rate).filter(|c| -demand > *c);
@@ -112,17 +113,20 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
             let limited = last + (wanted - last).clamp(-step, step);
             let tolerance = 1e-5 * (1.0 + wanted.abs());
             assert!(
-                (command.tau - limited).abs() < tolerance,
-                "{m:?}: {} against {limited}, {upper:?} {lower:?} of {demand}, {rate} N·m/s {phi_hat} {last} {k} {:?}",
-                command.tau,
+                (tau - limited).abs() < tolerance,
+                "{m:?}: {tau} against {limited}, {upper:?} {lower:?} of {demand}, {rate} N·m/s {phi_hat} {last} {k} {:?}",
                 answer.report
             );
             for (side, (cap, room)) in [(upper, above), (lower, below)].into_iter().enumerate() {
                 capped[side] += u32::from(cap.is_some());
                 beyond[side] += u32::from(cap.is_some() && room <= 0.0);
             }
-            free += u32::from(upper.or(lower).is_none());
-            assert!(upper.or(lower).is_none() || answer.report.events.contains(Events::RANGE));
+            // Told where a torque was capped or the reference kept, and nowhere else.
+            let kept = !stopped && (r.q > ENDS[1] || r.q < ENDS[0]);
+            let told = answer.report.events.contains(Events::RANGE);
+            let limits = upper.or(lower).is_some();
+            free += u32::from(!limits);
+            assert_eq!(told, kept || limits, "{m:?} {r:?} {upper:?} {lower:?}");
         }
     }
     println!("capped {capped:?}, beyond the end {beyond:?}, free {free}");
@@ -154,18 +158,17 @@ fn a_hard_limit_is_where_it_is_said() {
 
 #[test]
 fn a_reference_is_kept_a_quarter_of_the_soft_zone_from_the_end() {
-    let ends = [RANGE.lower + 0.25 * RANGE.soft, RANGE.upper - 0.25 * RANGE.soft];
     for (q, kept) in [
-        (ends[1] + 1e-9, Some(ends[1])),
-        (RANGE.upper, Some(ends[1])),
-        (50.0, Some(ends[1])),
-        (ends[1], None),
-        (ends[0], None),
-        (ends[1] - 1e-9, None),
+        (ENDS[1] + 1e-9, Some(ENDS[1])),
+        (RANGE.upper, Some(ENDS[1])),
+        (50.0, Some(ENDS[1])),
+        (ENDS[1], None),
+        (ENDS[0], None),
+        (ENDS[1] - 1e-9, None),
         (0.0, None),
-        (ends[0] + 1e-9, None),
-        (ends[0] - 1e-9, Some(ends[0])),
-        (-50.0, Some(ends[0])),
+        (ENDS[0] + 1e-9, None),
+        (ENDS[0] - 1e-9, Some(ENDS[0])),
+        (-50.0, Some(ENDS[0])),
     ] {
         let mut joint = tracking(SECOND, None);
         let asked = Reference { q, dq: 0.3, ddq: 0.1 };
@@ -175,7 +178,7 @@ fn a_reference_is_kept_a_quarter_of_the_soft_zone_from_the_end() {
         let is = *joint.state.joints[0].reference();
         assert!((is.q - want.q).abs() < 1e-12, "{is:?} against {want:?}");
         assert!((is.dq - want.dq).abs() < 1e-12 && (is.ddq - want.ddq).abs() < 1e-12, "{is:?}");
-        assert!(kept.is_none() || told.events.contains(Events::RANGE));
+        assert_eq!(told.events.contains(Events::RANGE), kept.is_some(), "{q}");
     }
 }
 

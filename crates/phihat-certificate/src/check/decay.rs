@@ -329,3 +329,146 @@ impl Run {
         values.iter().map(|value| value.abs()).sum::<f64>() + cut
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Decay, Layout, Loop, Output, Outside, Run, Seen};
+    use crate::extremes::Extremes as _;
+    use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+
+    fn loops() -> Vec<Loop> {
+        let record = JointRecord {
+            name: String::new(),
+            inertia_kg_m2: 1.0,
+            kp_per_s2: 400.0,
+            kd_per_s: 40.0,
+            a: vec![900.0, 60.0],
+        };
+        let model = |form, velocity, drive_bandwidth_hz| LoopModel {
+            period_s: 2e-3,
+            delay_samples: 1,
+            sample_delay_samples: 1,
+            torque: LoopTorque::Applied,
+            velocity,
+            velocity_filter_hz: Some(90.0),
+            form,
+            drive_bandwidth_hz,
+        };
+        [
+            model(LoopForm::Observer, LoopVelocity::Differenced, Some(150.0)),
+            model(LoopForm::Literal, LoopVelocity::Measured, None),
+        ]
+        .map(|model| Loop::new(&record, &model, 1.3))
+        .to_vec()
+    }
+
+    /// `C(j + p, p)`.
+    fn choose(j: usize, p: usize) -> f64 {
+        (1..=p).map(|i| (j + i) as f64 / i as f64).product()
+    }
+
+    #[test]
+    fn what_is_left_is_bounded_by_blocks_that_shrink() -> Result<(), crate::Refutation> {
+        for of in loops() {
+            let decay = Decay::of("", &of)?;
+            let layout = Layout::of(&of);
+            let n = layout.len();
+            // Every signal alone, sample by sample, for a block; and what the whole block makes of them.
+            let block = (0..1_u32 << 21).take_while(|j| f64::from(*j) < decay.block).count();
+            let mut sums = [[0.0; 4]; 3];
+            let mut rows = vec![0.0; n];
+            for column in 0..n {
+                let mut x = layout.unit(column);
+                for j in 0..block {
+                    let (next, u) = of.step(&x, &Outside::default());
+                    for (sums, y) in sums.iter_mut().zip([x.q, x.v, u]) {
+                        for (p, sum) in sums.iter_mut().enumerate() {
+                            *sum += choose(j, p) * y.abs();
+                        }
+                    }
+                    x = next;
+                }
+                for (row, value) in rows.iter_mut().zip(layout.read(&x)) {
+                    *row += value.abs();
+                }
+            }
+            let near = |own: f64, want: f64| (own - want).abs() <= 1e-9 * want;
+            let rho = rows.into_iter().largest();
+            assert!(near(decay.rho, rho) && rho < 0.5 && block.is_multiple_of(16), "{rho} {block}");
+            // Σ ρ^b (1 + bK)^p for p = 0, 1, 2, 3, by what is known of Σ b^p ρ^b.
+            let (k, left): (f64, f64) = (decay.block, 1.0 - rho);
+            let powers = [
+                1.0 / left,
+                rho / left.powi(2),
+                rho * (1.0 + rho) / left.powi(3),
+                rho * (1.0 + 4.0 * rho + rho * rho) / left.powi(4),
+            ];
+            let blocks = [
+                powers[0],
+                powers[0] + k * powers[1],
+                powers[0] + 2.0 * k * powers[1] + k * k * powers[2],
+                powers[0] + 3.0 * k * powers[1] + 3.0 * k * k * powers[2] + k.powi(3) * powers[3],
+            ];
+            let rest = decay.rest(0.7);
+            for i in 0..3 {
+                for p in 0..4 {
+                    assert!(near(decay.sums[i][p], sums[i][p]), "{i} {p}");
+                    assert!(near(rest[i][p], 0.7 * blocks[p] * sums[i][p]), "{i} {p}");
+                }
+            }
+            // What a long run still does is less; and a run ends where hardly anything is left.
+            let start = layout.unit(0);
+            let run = decay.run(&of, &start);
+            let whole = decay.rest(layout.size(&start));
+            for (i, output) in [Output::Error, Output::Velocity, Output::Torque].iter().enumerate()
+            {
+                for p in 0..4 {
+                    let own: f64 =
+                        run.of(*output).enumerate().map(|(j, y)| choose(j, p) * y.abs()).sum();
+                    assert!(own <= whole[i][p], "{i} {p}");
+                }
+                assert!(run.left(*output)[0] < 1e-12 * run.sum(*output));
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_sum_of_all_that_is_to_come_counts_what_was_cut() {
+        let seen = [3.0, -1.0, 2.0, -0.5].map(|e| Seen { e, de: -2.0 * e, u: 0.0 });
+        let run = Run {
+            seen: seen.to_vec(),
+            rest: [[1.0, 10.0, 100.0, 1000.0], [2.0, 0.0, 0.0, 0.0], [0.0; 4]],
+        };
+        let near = |own: f64, want: f64| (own - want).abs() < 1e-9;
+        assert!(near(run.sum(Output::Error), 6.5 + 1.0));
+        assert!(near(run.sum(Output::Velocity), 13.0 + 2.0));
+        // To come after each: 0.5, 1.5, −0.5, 0; then 1, −0.5, 0, 0. Cut: y_{N+j} counts C(N+j, p) times, N = 4.
+        assert!(near(run.summed(Output::Error, 0), 6.5 + 1.0));
+        assert!(near(run.summed(Output::Error, 1), 2.5 + 10.0 + 4.0));
+        assert!(near(run.summed(Output::Error, 2), 1.5 + 100.0 + 4.0 * 10.0 + 6.0));
+        assert!(near(run.summed(Output::Velocity, 1), 5.0 + 8.0));
+        assert_eq!(run.of(Output::Velocity).next_back(), Some(1.0));
+    }
+
+    #[test]
+    fn a_fixed_point_stays() {
+        for of in loops() {
+            let layout = Layout::of(&of);
+            let outside = Outside { phi: 0.7, ..Outside::default() };
+            let at = layout.fixed_point(&of, &outside);
+            let (next, _) = of.step(&at, &outside);
+            let moved = next.minus(&at);
+            assert!(layout.size(&moved) < 1e-9 * layout.size(&at));
+            // φ held for ever is borne: no error is left.
+            assert!(at.q.abs() < 1e-12 && at.v.abs() < 1e-12, "{at:?}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_grows_does_not_forget() {
+        let mut of = loops().remove(0);
+        of.mu = 1e-3;
+        assert!(Decay::of("", &of).is_err());
+    }
+}

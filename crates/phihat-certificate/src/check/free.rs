@@ -336,3 +336,153 @@ fn rows(x: &Square, n: usize) -> f64 {
     let most = sums.largest();
     if most.is_nan() { f64::INFINITY } else { most }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Free, MOST, Z, apply, dot};
+    use crate::{Law, Refutation};
+
+    fn laws() -> [Law; 3] {
+        [
+            Law { kp: 400.0, kd: 20.0, a: vec![60.0] },
+            Law { kp: 100.0, kd: 30.0, a: vec![6400.0, 130.0] },
+            Law { kp: 90.0, kd: 25.0, a: vec![27e3, 2700.0, 90.0] },
+        ]
+    }
+
+    /// The loop's own derivative: `z_i' = z_{i+1}`, the last from the characteristic polynomial.
+    fn slope(free: &Free, z: &Z) -> Z {
+        let n = free.len();
+        let mut out = [0.0; MOST];
+        out[..n - 1].copy_from_slice(&z[1..n]);
+        out[n - 1] = -dot(&free.kappa, &z[..n]);
+        out
+    }
+
+    /// Runge and Kutta's step.
+    fn stepped(free: &Free, z: &Z, h: f64) -> Z {
+        let add = |k: &Z, share: f64| core::array::from_fn(|i| z[i] + share * h * k[i]);
+        let k1 = slope(free, z);
+        let k2 = slope(free, &add(&k1, 0.5));
+        let k3 = slope(free, &add(&k2, 0.5));
+        let k4 = slope(free, &add(&k3, 1.0));
+        core::array::from_fn(|i| z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    }
+
+    #[test]
+    fn areas_are_those_of_the_loop_let_go() -> Result<(), Refutation> {
+        for law in laws() {
+            for mu in [0.9, 1.3] {
+                let free = Free::new("", &law, mu)?;
+                let n = free.len();
+                // σ^n = K_p a_0/μ.
+                let sigma = (law.kp * law.a[0] / mu).powf(1.0 / n as f64);
+                assert!((free.sigma - sigma).abs() < 1e-12 * sigma && n == law.order() + 2);
+                let rows: Vec<Vec<f64>> = (0..4_u8)
+                    .map(|turn| {
+                        let entry = |i: usize| (1.7 * f64::from(turn) + 2.3 * i as f64).sin();
+                        (0..n).map(entry).collect()
+                    })
+                    .collect();
+                let mut z = [0.0; MOST];
+                z[n - 1] = 1.0;
+                let (h, mut sums) = (5e-4, [0.0; 4]);
+                for _ in 0..400_000 {
+                    let next = stepped(&free, &z, h);
+                    for (sum, c) in sums.iter_mut().zip(&rows) {
+                        let (a, b) = (dot(c, &z[..n]), dot(c, &next[..n]));
+                        *sum += h * super::super::integral::of_line(a, b);
+                    }
+                    z = next;
+                    if z.iter().all(|value| value.abs() < 1e-14) {
+                        break;
+                    }
+                }
+                for (gain, sum) in free.areas(&rows).iter().zip(sums) {
+                    let own = sum / sigma;
+                    assert!((gain.lower - own).abs() < 2e-6 * own, "{gain:?} {own} {law:?}");
+                    assert!((gain.upper - own).abs() < 2e-6 * own, "{gain:?} {own} {law:?}");
+                    let room = (gain.upper - gain.lower) / gain.upper;
+                    assert!((1e-9..1e-7).contains(&room), "{room}");
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn steps_and_their_halves_are_the_loop_s() -> Result<(), Refutation> {
+        for law in laws() {
+            let free = Free::new("", &law, 1.0)?;
+            let n = free.len();
+            let mut z = [0.0; MOST];
+            for (i, value) in z.iter_mut().enumerate().take(n) {
+                *value = 0.3 + (i as f64).sin();
+            }
+            for (k, power) in free.powers.iter().enumerate().take(4) {
+                let h = free.step / f64::from(1_u32 << k);
+                let (own, want) = (apply(power, &z), stepped(&free, &z, h));
+                assert!((0..n).all(|i| (own[i] - want[i]).abs() < 1e-9), "{k} {law:?}");
+            }
+            // ∫cᵀz is dᵀz, so dᵀ z' = cᵀz.
+            let c: Vec<f64> = (0..n).map(|i| 1.0 - 0.4 * i as f64).collect();
+            let (d, there) = (free.integral(&c), slope(&free, &z));
+            assert!((dot(&d, &there[..n]) - dot(&c, &z[..n])).abs() < 1e-12);
+            assert!((dot(&free.times_a(&c), &z[..n]) - dot(&c, &there[..n])).abs() < 1e-12);
+            // The part of ë that is no impulse, and what a unit of each signal is.
+            let scale = (0..n).map(|i| (i + 1..n).fold(free.unit(i), |unit, _| unit * free.sigma));
+            assert!(scale.into_iter().all(|own| (own - 1.0).abs() < 1e-12));
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_loop_that_does_not_decay_has_no_areas() {
+        // m = 1: (a + K_d)(K_p + aK_d) > μ a K_p, by Routh.
+        let law = Law { kp: 400.0, kd: 20.0, a: vec![60.0] };
+        let most = 80.0 * (400.0 + 1200.0) / (60.0 * 400.0);
+        assert!(
+            Free::new("", &law, 0.99 * most).is_ok() && Free::new("", &law, 1.01 * most).is_err()
+        );
+        for mu in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Free::new("", &law, mu).is_err(), "{mu}");
+        }
+    }
+
+    #[test]
+    fn the_norm_s_integral_is_a_sum_of_many_steps() -> Result<(), Refutation> {
+        let law = &laws()[0];
+        let free = Free::new("", law, 1.0)?;
+        let n = free.len();
+        // Columns of e^{At}, each signal in its own unit.
+        let mut columns: Vec<Z> =
+            (0..n).map(|j| core::array::from_fn(|i| f64::from(u8::from(i == j)))).collect();
+        let size = |columns: &[Z]| {
+            let mut sum = 0.0;
+            for (j, column) in columns.iter().enumerate() {
+                for (i, value) in column.iter().enumerate().take(n) {
+                    sum += (value * free.unit(i) / free.unit(j)).powi(2);
+                }
+            }
+            f64::sqrt(sum)
+        };
+        let (h, mut sum) = (2e-3, 0.0);
+        let mut before = size(&columns);
+        for _ in 0..200_000 {
+            for column in &mut columns {
+                *column = stepped(&free, column, h);
+            }
+            let after = size(&columns);
+            sum += 0.5 * h * (before + after);
+            before = after;
+            if before < 1e-9 {
+                break;
+            }
+        }
+        let own = free.norm_in_ladder_units();
+        let want = sum / free.sigma;
+        assert!((own.lower - want).abs() < 1e-3 * want && (own.upper - want).abs() < 1e-3 * want);
+        assert!(own.lower < own.upper);
+        Ok(())
+    }
+}

@@ -12,3 +12,6 @@ pub(crate) mod plausible;
 pub(crate) mod polynomial;
 pub(crate) mod returns;
 pub(crate) mod sample;
+
+#[cfg(test)]
+mod tests;

@@ -303,3 +303,86 @@ fn at_most(inequality: &str, left: f64, right: f64) -> Result<(), Refutation> {
 fn refuse(inequality: &str, left: f64, right: f64) -> Refutation {
     Refutation { claim: CLAIM.to_owned(), inequality: inequality.to_owned(), left, right }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::alpha::alpha;
+    use super::{absolute_mean, inverse, off_chord};
+    use crate::check::estimator;
+    use crate::extremes::Extremes as _;
+    use crate::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+
+    #[test]
+    fn a_line_s_mean_size_is_its_area() {
+        let same = |own: f64, want: f64| (own - want).abs() < 1e-15;
+        assert!(same(absolute_mean(1.0, 3.0), 2.0) && same(absolute_mean(-1.0, -3.0), 2.0));
+        // Triangles of 3/4 · 3/2 and 1/4 · 1/2.
+        assert!(same(absolute_mean(3.0, -1.0), 1.25) && same(absolute_mean(-1.0, 3.0), 1.25));
+        assert!(same(absolute_mean(0.0, -2.0), 1.0) && same(absolute_mean(0.0, 0.0), 0.0));
+    }
+
+    #[test]
+    fn a_drive_is_off_its_chord_by_what_a_search_finds() {
+        let model = |hz: Option<f64>| LoopModel {
+            period_s: 1e-3,
+            delay_samples: 0,
+            sample_delay_samples: 0,
+            torque: LoopTorque::Applied,
+            velocity: LoopVelocity::Measured,
+            velocity_filter_hz: None,
+            form: LoopForm::Observer,
+            drive_bandwidth_hz: hz,
+        };
+        for hz in [5.0, 150.0, 900.0] {
+            let x = core::f64::consts::TAU * hz * 1e-3;
+            let way = |s: f64| (1.0 - (-x * s).exp()) / (1.0 - (-x).exp()) - s;
+            let most = (0..=10_000).map(|k| way(f64::from(k) / 1e4)).largest();
+            assert!((off_chord(&model(Some(hz))) - most).abs() < 1e-7, "{hz}");
+        }
+        assert!(off_chord(&model(None)).abs() < 1e-300);
+    }
+
+    #[test]
+    fn an_inertia_is_inverted_where_it_is_one() -> Result<(), crate::Refutation> {
+        let full = vec![vec![2.0, 0.7, 0.2], vec![0.7, 0.9, 0.15], vec![0.2, 0.15, 0.1]];
+        let own = inverse(&full, 3)?;
+        for i in 0..3 {
+            for j in 0..3 {
+                let entry: f64 = (0..3).map(|k| own[i][k] * full[k][j]).sum();
+                let unit = f64::from(u8::from(i == j));
+                assert!((entry - unit).abs() < 1e-13, "{i} {j}");
+            }
+        }
+        let two = |m: [f64; 4]| inverse(&vec![vec![m[0], m[1]], vec![m[2], m[3]]], 2);
+        assert!(two([4.0, 1.0, 1.0, 1.0]).is_ok());
+        let told = |m: [f64; 4]| two(m).err().map(|why| why.inequality);
+        let uneven = told([4.0, 1.0, 1.0 + 1e-8, 1.0]);
+        assert_eq!(uneven.as_deref(), Some("M(q) is symmetric"));
+        for edge in [1.0, -1.0] {
+            assert!(two([4.0, edge * (2.0 - 1e-9), edge * (2.0 - 1e-9), 1.0]).is_ok());
+            let beyond = told([4.0, edge * (2.0 + 1e-9), edge * (2.0 + 1e-9), 1.0]);
+            assert_eq!(beyond.as_deref(), Some("M(q) is positive definite"));
+        }
+        assert!(two([-4.0, 0.0, 0.0, 1.0]).is_err() && two([4.0, 0.0, 0.0, 0.0]).is_err());
+        assert!(inverse(&full, 2).is_err() && inverse(&vec![vec![1.0, 0.0]], 1).is_err());
+        Ok(())
+    }
+
+    #[test]
+    fn two_ways_give_the_estimator_the_same_coefficients() {
+        for period in [1e-4, 1e-3, 2e-2] {
+            for a in [&[60.0][..], &[3600.0, 100.0], &[27e3, 2700.0, 90.0], &[8e5, 1e5, 5e3, 120.0]]
+            {
+                let m = a.len();
+                let mut other = estimator::sampled(a, period);
+                for (i, b) in other.iter_mut().enumerate() {
+                    *b /= (i..m).fold(1.0, |power, _| power * period);
+                }
+                other.reverse();
+                for (own, want) in alpha(a, period).iter().zip(&other) {
+                    assert!((own - want).abs() < 1e-9 * want.abs(), "{a:?} {period}");
+                }
+            }
+        }
+    }
+}

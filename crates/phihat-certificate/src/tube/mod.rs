@@ -33,6 +33,8 @@ mod number;
 mod scope;
 mod shapes;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
 pub use document::derive;

@@ -1,0 +1,337 @@
+//! The arithmetic of the checks against closed forms and sums. Wrong if a disc lost a member, a polynomial below zero counted
+//! as one above, or a matrix that is not definite passed.
+
+use core::f64::consts::PI;
+
+use super::agree::agrees;
+use super::complex::{Complex, Disc, horner};
+use super::definite::{definite, definite_within};
+use super::estimator;
+use super::integral::{of_line, of_parabola};
+use super::plausible::{at_most, enough, gains, model, ratios};
+use super::polynomial::{not_negative, product, squared, value};
+use super::returns::{Drive, literal};
+use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+
+/// Numbers in [−1, 1] that look random.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        2.0 * ((self.0 >> 33) as f64 / f64::from(1_u32 << 31)) - 1.0
+    }
+
+    fn disc(&mut self) -> Disc {
+        Disc::new(Complex::new(self.roll(), self.roll()), self.roll().abs())
+    }
+
+    /// A member of a disc, half of them on its edge.
+    fn member(&mut self, of: Disc) -> Complex {
+        let far = if self.roll() > 0.0 { 1.0 } else { self.roll().abs() };
+        let turn = PI * self.roll();
+        of.centre + Complex::new(turn.cos(), turn.sin()).times(far * of.radius)
+    }
+}
+
+fn holds(disc: Disc, x: Complex) -> bool {
+    (x - disc.centre).size() <= disc.radius * (1.0 + 1e-15)
+}
+
+#[test]
+fn discs_hold_what_their_members_make() {
+    let mut dice = Dice(1);
+    for _ in 0..2000 {
+        let (a, b) = (dice.disc(), dice.disc());
+        let (x, y) = (dice.member(a), dice.member(b));
+        let factor = 3.0 * dice.roll();
+        assert!(holds(a + b, x + y) && holds(a * b, x * y), "{a:?} {b:?}");
+        assert!(holds(a.times(factor), x.times(factor)) && holds(a.power(3), x * x * x));
+        assert!(a.least() <= x.size() && x.size() <= a.most());
+        let p = [dice.roll(), dice.roll(), dice.roll()];
+        let own = Complex::new(p[0], 0.0) + x.times(p[1]) + (x * x).times(p[2]);
+        assert!(holds(horner(&p, a), own), "{p:?} {a:?}");
+        let half = a.half_angle();
+        let turned = x.over(a.centre).angle().abs();
+        assert!(turned <= half, "{turned} {half} {a:?}");
+        let back = x.over(y) * y;
+        assert!((back - x).size() < 1e-12 * (1.0 + 1.0 / y.size()));
+    }
+}
+
+#[test]
+fn discs_are_no_larger_than_they_have_to_be() {
+    let (a, b) = (Disc::new(Complex::new(3.0, 4.0), 0.5), Disc::new(Complex::new(0.0, -2.0), 0.25));
+    let near = |own: f64, want: f64| (own - want).abs() < 1e-13 * want.abs();
+    assert!(near((a + b).radius, 0.75));
+    assert!(near((a * b).radius, 5.0 * 0.25 + 2.0 * 0.5 + 0.5 * 0.25));
+    assert!(near(a.times(-3.0).radius, 1.5));
+    assert!(near(a.most(), 5.5) && near(a.least(), 4.5));
+    assert!(near(a.half_angle(), 0.1_f64.asin()));
+    assert!(Disc::new(Complex::new(0.0, 1.0), 1.0).half_angle().is_infinite());
+    // What is exact gets room for a rounding, and hardly more.
+    let exact = Disc::new(Complex::new(3.0, 4.0), 0.0);
+    for made in [exact + exact, exact * exact, exact.times(7.0)] {
+        let share = made.radius / made.centre.size();
+        assert!((f64::EPSILON..1e-14).contains(&share), "{share}");
+    }
+    assert!(exact.most() > 5.0 && exact.least() < 5.0);
+    let one = Complex::new(3.0, 4.0);
+    let same = |x: Complex, re: f64, im: f64| (x - Complex::new(re, im)).size() < 1e-14;
+    assert!(same(one * Complex::new(2.0, -1.0), 10.0, 5.0) && same(one.conjugate(), 3.0, -4.0));
+    assert!(same(one.over(Complex::new(0.0, 2.0)), 2.0, -1.5) && same(-one, -3.0, -4.0));
+    assert!(near(Complex::new(-1.0, 1.0).angle(), 0.75 * PI));
+}
+
+#[test]
+fn a_polynomial_above_zero_is_told_from_one_below() {
+    // (w − a)² + e, times w, times (w + 1)², scaled in w and in size.
+    for a in [1e-6, 0.3, 1.0, 7.0, 1e6] {
+        for scale in [1e-9, 1.0, 1e9] {
+            for room in [1e-2, 1e-6] {
+                let square = |e: f64| vec![a * a * (1.0 + e), -2.0 * a, 1.0];
+                let others = [
+                    vec![scale],
+                    vec![0.0, 0.0, scale],
+                    product(&[1.0, 1.0 / a], &[scale, 0.5 * scale / a]),
+                ];
+                for other in others {
+                    assert!(not_negative(&product(&square(room), &other)), "{a} {scale} {room}");
+                    assert!(!not_negative(&product(&square(-room), &other)), "{a} {scale} {room}");
+                }
+            }
+        }
+    }
+    // Of degree 6, with three valleys at different depths.
+    let valleys = |depth: f64| {
+        let p = [1.0, 2.0, 3.0].map(|r| vec![r * r + 1e-4, -2.0 * r, 1.0]);
+        let mut all = product(&product(&p[0], &p[1]), &p[2]);
+        all[0] -= depth;
+        all
+    };
+    assert!(not_negative(&valleys(0.0)));
+    // At 2 the product is 1e-4 (1 + 1e-4)², at 1 and 3 about 4e-4: less by 2e-4 it is below zero in the middle only.
+    assert!(not_negative(&valleys(0.9e-4)) && !not_negative(&valleys(1.1e-4)));
+    assert!(not_negative(&[]) && not_negative(&[0.0, 0.0]) && not_negative(&[0.0, 2.0]));
+    assert!(!not_negative(&[-1e-30, 1.0]) && !not_negative(&[1.0, 0.0, -1e-30]));
+    assert!(!not_negative(&[0.0, -1.0, 1.0]) && not_negative(&[1.0, -1.0, 1.0]));
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(!not_negative(&[1.0, bad]) && !not_negative(&[bad, 1.0]));
+    }
+}
+
+#[test]
+fn squares_of_magnitudes_are_those_of_the_response() {
+    let mut dice = Dice(5);
+    for length in 1..=7_usize {
+        let p: Vec<f64> = (0..length).map(|_| dice.roll()).collect();
+        for w in [0.0, 0.4, 1.0, 2.5] {
+            let jw = Disc::new(Complex::new(0.0, w), 0.0);
+            let size = horner(&p, jw).centre.size();
+            assert!((value(&squared(&p), w * w) - size * size).abs() < 1e-12 * (1.0 + size * size));
+        }
+    }
+    assert_eq!(product(&[1.0, 1.0], &[-1.0, 1.0]), [-1.0, 0.0, 1.0]);
+}
+
+#[test]
+fn a_matrix_is_definite_up_to_its_edge() {
+    let checked = |x: &[&[f64]]| {
+        let x = x.iter().map(|row| row.to_vec()).collect();
+        definite("claim", "X ≻ 0", &x).is_ok()
+    };
+    for (a, b) in [(1.0, 1.0), (4.0, 1e-6), (1e8, 3.0)] {
+        let edge = f64::sqrt(a * b);
+        for sign in [1.0, -1.0] {
+            let [inside, outside] = [1.0 - 1e-9, 1.0 + 1e-9].map(|share| sign * edge * share);
+            assert!(checked(&[&[a, inside], &[inside, b]]), "{a} {b}");
+            assert!(!checked(&[&[a, outside], &[outside, b]]), "{a} {b}");
+        }
+    }
+    // 2 − 1 1 … : the last pivot is t − 2/3.
+    let chain = |t: f64| checked(&[&[2.0, -1.0, 0.0], &[-1.0, 2.0, -1.0], &[0.0, -1.0, t]]);
+    assert!(chain(2.0 / 3.0 + 1e-9) && !chain(2.0 / 3.0 - 1e-9));
+    // Full: 1 on the diagonal, c beside it, definite for −1/2 < c < 1.
+    let full = |c: f64| checked(&[&[1.0, c, c], &[c, 1.0, c], &[c, c, 1.0]]);
+    assert!(full(-0.5 + 1e-9) && !full(-0.5 - 1e-9) && full(1.0 - 1e-9) && !full(1.0));
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(!checked(&[&[bad, 0.0], &[0.0, 1.0]]) && !checked(&[&[1.0, 0.0], &[0.0, bad]]));
+    }
+    assert!(!checked(&[&[1.0, f64::NAN], &[f64::NAN, 1.0]]));
+    // Room is taken off a diagonal of ones.
+    let within = |c: f64, room: f64| {
+        definite_within("claim", "X ≻ 0", &vec![vec![9.0, 9.0 * c], vec![9.0 * c, 9.0]], room)
+            .is_ok()
+    };
+    assert!(within(0.89, 0.1) && !within(0.91, 0.1) && within(0.91, 0.05));
+}
+
+/// `∫_0^1 |p|` by many middles.
+fn area(p: impl Fn(f64) -> f64) -> f64 {
+    let n = 20_000_u32;
+    (0..n).map(|k| p((f64::from(k) + 0.5) / f64::from(n)).abs()).sum::<f64>() / f64::from(n)
+}
+
+#[test]
+fn mean_sizes_are_areas() {
+    let mut dice = Dice(9);
+    for _ in 0..200 {
+        let [a, m, b] = [0; 3].map(|_| dice.roll());
+        let own = of_line(a, b);
+        assert!((own - area(|u| a + (b - a) * u)).abs() < 1e-6, "{a} {b}");
+        let parabola = |u: f64| {
+            a * (1.0 - u) * (1.0 - 2.0 * u) + 4.0 * m * u * (1.0 - u) + b * u * (2.0 * u - 1.0)
+        };
+        let own = of_parabola(a, m, b);
+        assert!((own - area(parabola)).abs() < 1e-6, "{a} {m} {b}");
+    }
+    let same = |own: f64, want: f64| (own - want).abs() < 1e-14;
+    assert!(same(of_line(3.0, -1.0), 1.25) && same(of_line(-1.0, -2.0), 1.5));
+    assert!(same(of_line(0.0, 0.0), 0.0) && same(of_line(0.0, -4.0), 2.0));
+    // A line, a parabola that touches zero, one with both zeros inside: u² − u + 3/16 from 1/4 to 3/4.
+    assert!(
+        same(of_parabola(3.0, 1.0, -1.0), 1.25) && same(of_parabola(0.25, 0.0, 0.25), 1.0 / 12.0)
+    );
+    assert!(same(of_parabola(0.1875, -0.0625, 0.1875), 1.0 / 16.0));
+    assert!(same(of_parabola(0.0, 0.0, 0.0), 0.0) && same(of_parabola(2.0, 2.0, 2.0), 2.0));
+}
+
+#[test]
+fn sampled_estimators_have_the_exact_images_of_their_roots() {
+    // Roots −r and pairs −r ± jr: images e^{sT} − 1.
+    for rate in [3.0, 80.0, 900.0_f64] {
+        for period in [2e-4, 2e-3] {
+            let real = |r: f64| (vec![r, 1.0], vec![-(-r * period).exp_m1(), 1.0]);
+            let pair = |r: f64| {
+                let (size, turn) = ((-r * period).exp(), r * period);
+                let (re, im) = (size * turn.cos() - 1.0, size * turn.sin());
+                (vec![2.0 * r * r, 2.0 * r, 1.0], vec![re * re + im * im, -2.0 * re, 1.0])
+            };
+            let parts = [
+                vec![real(rate)],
+                vec![real(rate), real(0.4 * rate)],
+                vec![pair(rate)],
+                vec![pair(rate), real(1.7 * rate)],
+                vec![pair(rate), pair(0.5 * rate)],
+            ];
+            for part in parts {
+                let (a, b) = part.iter().fold((vec![1.0], vec![1.0]), |(a, b), one| {
+                    (product(&a, &one.0), product(&b, &one.1))
+                });
+                let m = a.len() - 1;
+                let own = estimator::sampled(&a[..m], period);
+                assert_eq!(own.len(), m);
+                for (own, want) in own.iter().zip(&b) {
+                    assert!(
+                        (own - want).abs() < 1e-10 * want.abs(),
+                        "{a:?} {period}: {own} {want}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+fn plain() -> LoopModel {
+    LoopModel {
+        period_s: 1e-3,
+        delay_samples: 0,
+        sample_delay_samples: 0,
+        torque: LoopTorque::Applied,
+        velocity: LoopVelocity::Measured,
+        velocity_filter_hz: None,
+        form: LoopForm::Observer,
+        drive_bandwidth_hz: None,
+    }
+}
+
+#[test]
+fn a_drive_is_the_integral_of_its_decay() -> Result<(), &'static str> {
+    // On both sides of where the series ends, and far beyond.
+    for hz in [0.1, 4.0, 4.7, 4.8, 5.0, 150.0, 800.0] {
+        for period in [1e-3, 4e-3] {
+            let model = LoopModel { period_s: period, drive_bandwidth_hz: Some(hz), ..plain() };
+            let own = Drive::of(&model).ok_or("a drive")?;
+            let w = 2.0 * PI * hz;
+            // Simpson, fine.
+            let n = 2000_u32;
+            let simpson = |f: &dyn Fn(f64) -> f64| {
+                let at = |k: u32| f(period * f64::from(k) / f64::from(n));
+                let inner: f64 = (1..n).map(|k| if k % 2 == 0 { 2.0 } else { 4.0 } * at(k)).sum();
+                (at(0) + inner + at(n)) * period / f64::from(3 * n)
+            };
+            let near = |own: f64, want: f64| (own - want).abs() < 1e-8 * want.abs();
+            assert!(near(own.lost, 1.0 - (-w * period).exp()), "{hz}");
+            assert!(near(own.mean, simpson(&|t| (-w * t).exp()) / period), "{hz}");
+            assert!(near(own.double, simpson(&|t| (period - t) * (-w * t).exp())), "{hz}");
+        }
+    }
+    assert!(Drive::of(&plain()).is_none());
+    Ok(())
+}
+
+#[test]
+fn the_literal_laws_factors_are_those_of_the_product() {
+    let record = JointRecord {
+        name: String::new(),
+        inertia_kg_m2: 1.0,
+        kp_per_s2: 5.0,
+        kd_per_s: 3.0,
+        a: vec![7.0, 2.0],
+    };
+    assert_eq!(literal(&record), product(&[7.0, 2.0], &[5.0, 3.0, 1.0]));
+}
+
+#[test]
+fn numbers_that_make_no_sense_are_refused() {
+    assert!(at_most("", "", 1.0, 1.0).is_ok() && at_most("", "", 1.0, 0.9).is_err());
+    assert!(at_most("", "", f64::NAN, 1.0).is_err() && at_most("", "", 1.0, f64::NAN).is_err());
+    assert!(enough("", "", 1.0, 1.0 - 9e-9).is_ok() && enough("", "", 1.0, 1.0 - 2e-8).is_err());
+    let agree = |a: f64, b: f64| agrees("", "", (a, b), 1e-3).is_ok();
+    assert!(agree(1000.0, 1001.0) && agree(1001.0, 1000.0) && !agree(1000.0, 1001.1));
+    assert!(!agree(1.0, -1.0) && agree(0.0, 0.0) && agree(-2.0, -2.0) && !agree(0.0, 1e-9));
+    assert!(!agree(f64::NAN, 1.0) && !agree(f64::INFINITY, f64::INFINITY));
+
+    let mu = |list: &[f64]| ratios("", list).is_ok();
+    assert!(mu(&[1.0]) && mu(&vec![1.0; 1000]) && !mu(&[]) && !mu(&vec![1.0; 1001]));
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(!mu(&[1.0, bad]), "{bad}");
+    }
+    let runs = |change: &dyn Fn(&mut LoopModel)| {
+        let mut own = plain();
+        change(&mut own);
+        model("", &own).is_ok()
+    };
+    assert_eq!(phihat::DELAY_MAX, 8);
+    let most = 8;
+    assert!(
+        runs(&|_| ())
+            && runs(&|m| m.delay_samples = most)
+            && !runs(&|m| m.delay_samples = most + 1)
+    );
+    assert!(
+        runs(&|m| m.sample_delay_samples = most) && !runs(&|m| m.sample_delay_samples = most + 1)
+    );
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(!runs(&|m| m.period_s = bad) && !runs(&|m| m.velocity_filter_hz = Some(bad)));
+        assert!(!runs(&|m| m.drive_bandwidth_hz = Some(bad)));
+    }
+    let of = |change: &dyn Fn(&mut JointRecord)| {
+        let mut own = JointRecord {
+            name: String::new(),
+            inertia_kg_m2: 1.0,
+            kp_per_s2: 5.0,
+            kd_per_s: 3.0,
+            a: vec![7.0; 4],
+        };
+        change(&mut own);
+        gains("", &own).is_ok()
+    };
+    assert!(of(&|_| ()) && of(&|r| r.a = vec![1.0]) && !of(&|r| r.a = vec![]));
+    assert!(!of(&|r| r.a = vec![1.0; 5]));
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(!of(&|r| r.inertia_kg_m2 = bad) && !of(&|r| r.kp_per_s2 = bad));
+        assert!(!of(&|r| r.kd_per_s = bad) && !of(&|r| r.a[2] = bad));
+    }
+}

@@ -1,0 +1,268 @@
+//! Two derivations of a tube that share no code, of the same studies: nearly the same tube.
+//! Wrong if one of them forgot something that acts, counted it twice, or took it for much larger than it is.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
+
+mod support;
+
+use phihat_certificate::tube::{Inputs, Law, Reference, derive};
+use phihat_certificate::{Tube, TubeJoint};
+use phihat_design::requested_gains;
+use phihat_design::tube::{Desired, tube};
+use phihat_sim::Motion;
+use support::{read, reference};
+
+const PLANAR: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\nkp_per_s2 = 1200.0\n\
+                      kd_per_s = 70.0\na = [40.0]\ninertia_kg_m2 = [0.5, 0.25]\n[loop]\nrate_hz = 500.0\n\
+                      delay_samples = 1\n";
+const SINES: &str = "[reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.8]\nfade_in_s = 0.3\n[[reference.sine]]\n\
+                     amplitude_rad = [0.2, 0.15]\nfrequency_hz = [1.0, 1.5]\nphase_rad = [0.7, 0.2]\n";
+
+/// Both tubes of a study.
+fn both(text: &str) -> (Tube, Tube) {
+    let study = read(text);
+    let gains = requested_gains(&study).unwrap();
+    let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
+    let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
+    let first = tube(&study, &gains, &desired).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let laws: Vec<Law> = gains.joints.iter().map(Law::from).collect();
+    let (low, high) = &study.design.coulomb;
+    let inputs = Inputs {
+        study: &study,
+        joints: &laws,
+        velocity_filter_hz: study.sensor.velocity_filter_hz,
+        reference: &reference(&study),
+        payload: Some(&study.design.payload),
+        coulomb: (low, high),
+        bin_s: first.bin_s,
+    };
+    let second = derive(&inputs, &|_| ()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let settle = first.settle_s;
+    (first, second.steady_from(settle))
+}
+
+/// Least and largest ratio of widths, their mean, and how far middles are apart, as a share of the width.
+fn beside(first: (&[f64], &[f64]), second: (&[f64], &[f64])) -> [f64; 4] {
+    let (mut least, mut most, mut sum, mut off) = (f64::INFINITY, 0.0_f64, 0.0, 0.0_f64);
+    let n = first.0.len();
+    for k in 0..n {
+        let width = first.1[k] - first.0[k];
+        let ratio = (second.1[k] - second.0[k]) / width;
+        (least, most, sum) = (least.min(ratio), most.max(ratio), sum + ratio);
+        let apart = 0.5 * (second.1[k] + second.0[k] - first.1[k] - first.0[k]);
+        off = off.max(apart.abs() / width);
+    }
+    [least, most, sum / n as f64, off]
+}
+
+fn figures(first: &TubeJoint, second: &TubeJoint) -> [f64; 4] {
+    [
+        second.error_max_rad / first.error_max_rad,
+        second.velocity_error_max_rad_s / first.velocity_error_max_rad_s,
+        second.torque_max_nm / first.torque_max_nm,
+        second.torque_step_max_nm / first.torque_step_max_nm,
+    ]
+}
+
+/// A study, and how much of the first tube's mean width the second has, of `e` and of `ė`.
+struct Case {
+    name: &'static str,
+    text: String,
+    share: [f64; 2],
+}
+
+const DIFFERENCED: &str =
+    "[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n";
+const MEASURED: &str = "[sensor]\nencoder_bits = 18\nvelocity = \"measured\"\n";
+const HEAD: &str = "duration_s = 0.8\n[spec]\nsettle_s = 0.4\n";
+const WORLD: &str = "[world]\nfriction = \"none\"\nsubsteps = 4\n";
+
+fn payload(kg: f64) -> String {
+    format!("[design]\npayload_max_kg = {kg}\n")
+}
+
+/// The same sensor with so many bits.
+fn bits(count: u32) -> String {
+    DIFFERENCED.replace("18", &count.to_string())
+}
+
+fn case(name: &'static str, share: [f64; 2], text: String) -> Case {
+    Case { name, text, share }
+}
+
+/// What acts on the arm, one after the other.
+fn payloads_and_friction() -> Vec<Case> {
+    vec![
+        case(
+            "dry and viscous friction, a payload",
+            [0.92, 0.80],
+            format!(
+                "{HEAD}{PLANAR}{}coulomb_min_nm = 0.05\n{DIFFERENCED}{WORLD}coulomb_extra_nm = 0.1\n\
+                 viscous_extra_nm_s_rad = 0.3\npayload = {{ mass_kg = 0.2 }}\n{SINES}",
+                payload(0.2)
+            ),
+        ),
+        case(
+            "a payload alone, and a fine encoder",
+            [0.97, 1.05],
+            format!(
+                "{HEAD}{PLANAR}{}{}{WORLD}payload = {{ mass_kg = 0.4 }}\n{SINES}",
+                payload(0.4),
+                bits(26)
+            ),
+        ),
+        case(
+            "a coarse encoder alone",
+            [0.85, 0.825],
+            format!("{HEAD}{PLANAR}{}{WORLD}{SINES}", bits(15)),
+        ),
+        case(
+            "dry friction alone, of a level that is not known",
+            [0.78, 0.59],
+            format!(
+                "{HEAD}{PLANAR}[design]\ncoulomb_min_nm = 0.1\n{}{WORLD}coulomb_extra_nm = 0.3\n{SINES}",
+                bits(26)
+            ),
+        ),
+        case(
+            "viscous friction alone",
+            [0.99, 0.99],
+            format!("{HEAD}{PLANAR}{}{WORLD}viscous_extra_nm_s_rad = 2.0\n{SINES}", bits(26)),
+        ),
+    ]
+}
+
+fn other_loops_and_worlds() -> Vec<Case> {
+    let second = PLANAR.replace("[40.0]", "[900.0, 60.0]");
+    vec![
+        case(
+            "measured velocity, drives, told what was demanded",
+            [0.89, 0.79],
+            format!(
+                "{HEAD}{PLANAR}{MEASURED}torque = \"demanded\"\n{WORLD}coulomb_extra_nm = 0.1\n\
+                 drive_bandwidth_hz = [80.0, 120.0]\n{SINES}"
+            ),
+        ),
+        case(
+            "measured velocity, drives, told what acted",
+            [0.98, 0.97],
+            format!("{HEAD}{PLANAR}{MEASURED}{WORLD}drive_bandwidth_hz = [80.0, 120.0]\n{SINES}"),
+        ),
+        case(
+            "second order, no filter",
+            [0.925, 0.85],
+            format!(
+                "{HEAD}{second}[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n{WORLD}\
+                 coulomb_extra_nm = 0.05\n{SINES}"
+            ),
+        ),
+        case(
+            "a push, from rest",
+            [0.79, 0.865],
+            format!(
+                "{HEAD}{PLANAR}{DIFFERENCED}[world]\nfriction = \"none\"\nsubsteps = 4\n[[world.push]]\n\
+                 joint = \"joint2\"\ntorque_nm = 2.0\nstart_s = 0.2\nduration_s = 0.1\n[reference]\n\
+                 kind = \"hold\"\nq_rad = [0.4, 1.2]\n"
+            ),
+        ),
+        case(
+            "a robot that adds gravity and friction, and reads with a bias",
+            [0.81, 0.80],
+            format!(
+                "{HEAD}{PLANAR}{DIFFERENCED}position_bias_rad = 1e-4\n[profile]\nname = \"robot\"\n\
+                 adds_gravity = true\nadds_friction = 0.6\nfirst_torque_max_nm = 100.0\n[world]\n\
+                 friction = \"robot\"\nsubsteps = 4\n{SINES}"
+            ),
+        ),
+        case(
+            "the literal law",
+            [0.89, 0.82],
+            format!("{HEAD}{PLANAR}form = \"literal\"\n{DIFFERENCED}{WORLD}{SINES}"),
+        ),
+    ]
+}
+
+#[test]
+fn both_derivations_find_nearly_the_same_tube() {
+    for Case { name, text, share } in
+        payloads_and_friction().into_iter().chain(other_loops_and_worlds())
+    {
+        let (first, second) = both(&text);
+        assert_eq!(first.joints.len(), second.joints.len());
+        for (a, b) in first.joints.iter().zip(&second.joints) {
+            let sides = [
+                beside(
+                    (&a.error_low_rad, &a.error_high_rad),
+                    (&b.error_low_rad, &b.error_high_rad),
+                ),
+                beside(
+                    (&a.velocity_low_rad_s, &a.velocity_high_rad_s),
+                    (&b.velocity_low_rad_s, &b.velocity_high_rad_s),
+                ),
+            ];
+            let [e, v] = sides;
+            println!("{name}: {e:.3?} {v:.3?} {:.3?}", figures(a, b));
+            for ([least, most, mean, off], share) in [(e, share[0]), (v, share[1])] {
+                assert!((mean - share).abs() < 0.06, "{name}: {mean} of the width, not {share}");
+                assert!(least > 0.1 && most < 3.1 && off < 0.18, "{name}: {least} {most} {off}");
+            }
+            let [error, _, torque, _] = figures(a, b);
+            let push = name.starts_with("a push");
+            let near = |x: f64| (0.9..1.01).contains(&x) || push && (0.5..1.01).contains(&x);
+            assert!(near(error) && near(torque), "{name}: {error} {torque}");
+        }
+    }
+}
+
+#[test]
+fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
+    let own = both(&payloads_and_friction()[0].text).1;
+    // All of it about its middles: widths go with the share, largest errors hardly.
+    let narrowed = |share: f64| {
+        let mut tube = own.clone();
+        for joint in &mut tube.joints {
+            for (low, high) in [
+                (&mut joint.error_low_rad, &mut joint.error_high_rad),
+                (&mut joint.velocity_low_rad_s, &mut joint.velocity_high_rad_s),
+            ] {
+                for (low, high) in low.iter_mut().zip(high) {
+                    let (middle, half) = (0.5 * (*low + *high), 0.5 * (*high - *low));
+                    (*low, *high) = (middle - share * half, middle + share * half);
+                }
+            }
+        }
+        phihat_certificate::tube::beside(&tube, &own)
+    };
+    for times in [1.0, 1.45, 1.55, 30.0] {
+        for joint in narrowed(1.0 / times).unwrap() {
+            assert!((joint.tighter - times).abs() < 1e-9, "{times}: {joint:?}");
+            assert_eq!(joint.confirmed(), times < 1.5);
+        }
+    }
+    assert!(narrowed(1.0 / 99.0).is_ok() && narrowed(1.0 / 101.0).is_err());
+    // And by each figure alone.
+    let figures: [fn(&mut TubeJoint) -> &mut f64; 4] = [
+        |j| &mut j.error_max_rad,
+        |j| &mut j.velocity_error_max_rad_s,
+        |j| &mut j.torque_max_nm,
+        |j| &mut j.torque_step_max_nm,
+    ];
+    for of in figures {
+        let mut tube = own.clone();
+        *of(&mut tube.joints[1]) /= 7.0;
+        let told = phihat_certificate::tube::beside(&tube, &own).unwrap();
+        assert!((told[1].tighter - 7.0).abs() < 1e-9 && (told[0].tighter - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_reference_is_sampled_through_the_run_and_once_more() {
+    let study = read(&payloads_and_friction()[0].text);
+    // 0.8 s at 500 Hz, of a motion that tells its time.
+    let own = Reference::of(&study, |t| vec![[t, 2.0, 3.0], [-t, -2.0, -3.0]]);
+    assert_eq!([own.q.len(), own.dq.len(), own.ddq.len()], [401; 3]);
+    for (k, row) in own.q.iter().enumerate() {
+        let t = 2e-3 * k as f64;
+        assert!((row[0] - t).abs() < 1e-12 && (row[1] + t).abs() < 1e-12, "{k}");
+        assert!((own.dq[k][1] + 2.0).abs() < 1e-12 && (own.ddq[k][0] - 3.0).abs() < 1e-12);
+    }
+}
