@@ -70,6 +70,49 @@ fn a_run_inside_stays_inside_to_the_very_edge() {
 }
 
 #[test]
+fn a_sample_that_is_missing_is_outside() {
+    for column in 0..3 {
+        let mut run = run();
+        run.columns[1][column].truncate(60);
+        let (joint, _, t_s, value, _) = left(&run).unwrap();
+        assert_eq!(
+            (joint.as_str(), t_s, value.is_nan()),
+            ("joint2", 0.06, true),
+            "column {column}"
+        );
+    }
+}
+
+#[test]
+fn blocks_leave_a_tube_where_the_whole_run_does() {
+    let mut run = run();
+    // A step of the torque from one block to the next, a limit that acts, and an error that is larger later.
+    run.columns[0][2][40] = 90.0;
+    run.columns[0][0][90] = 7e-3;
+    run.limited = 3;
+    let of = |from: usize, to: usize, limited_samples| {
+        run.columns.each_ref().map(|[e, de, tau]| JointRun {
+            e: &e[from..to],
+            de: &de[from..to],
+            tau_command: &tau[from..to],
+            limited_samples,
+        })
+    };
+    let tube = tube();
+    let whole = tube.kept_by(&run.t_ns, &of(0, 100, 3)).unwrap();
+    assert!(whole.left.is_some());
+    for block in [1, 7, 20, 40, 99] {
+        let mut watch = tube.watch(2).unwrap();
+        for from in (0..100).step_by(block) {
+            let to = (from + block).min(100);
+            let limited = if from == 0 { 3 } else { 0 };
+            watch.block(&tube, &run.t_ns[from..to], &of(from, to, limited));
+        }
+        assert_eq!(watch.kept(&tube), whole, "blocks of {block}");
+    }
+}
+
+#[test]
 fn a_sample_is_held_against_its_own_bin() {
     // 0.29 s is 29 bins of 0.01 s, though 0.29/0.01 is below that in floating point.
     assert_eq!(tube().bin_of(290_000_000), 29);

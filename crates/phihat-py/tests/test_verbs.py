@@ -191,3 +191,17 @@ def test_the_command_comes_with_the_package(tmp_path: Path) -> None:
     missing = subprocess.run([*call, "simulate", str(tmp_path / "none.toml")], capture_output=True, text=True)
     assert missing.returncode == 2 and "none.toml" in missing.stderr
     assert subprocess.run([*call, "--help"], capture_output=True).returncode == 0
+
+
+def test_a_record_is_read_back_to_the_last_bit_or_refused(trace: phihat.Trace, tmp_path: Path) -> None:
+    folder = tmp_path / "record"
+    trace.write(folder)
+    again = phihat.read_run(folder)
+    assert again.metrics == trace.metrics and again.joint_names == trace.joint_names
+    for name in ("q", "e", "tau_command", "phi_hat"):
+        assert np.array_equal(again[name], trace[name])
+    again.gains.verify()
+    assert again.within_spec == trace.within_spec
+    (folder / "gains.json").write_text("{}")
+    with pytest.raises(phihat.Error, match="is not the file that the run left"):
+        phihat.read_run(folder)
