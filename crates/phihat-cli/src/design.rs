@@ -51,7 +51,7 @@ enum Method {
 
 impl Design {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let mut study = Study::read(&self.study).map_err(|e| Failure::study(&e))?;
+        let mut study = knowledge::read(&self.study)?;
         if let Some(method) = self.method {
             study.design.method = match method {
                 Method::Ours => DesignMethod::Ours,

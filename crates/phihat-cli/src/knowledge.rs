@@ -14,6 +14,11 @@ use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
 use crate::failure::Failure;
 use crate::files;
 
+/// Reads a study.
+pub(crate) fn read(path: &Path) -> Result<Box<Study>, Failure> {
+    Study::read(path).map(Box::new).map_err(|e| Failure::study(&e))
+}
+
 /// How often the allowed error is doubled to find gains for a first simulation.
 const DOUBLINGS: u32 = 12;
 

@@ -74,7 +74,7 @@ pub struct Done {
 impl RunArguments {
     /// Reads and checks everything; nothing is written before all of it fits.
     pub(crate) fn open(&self) -> Result<(Session, PathBuf), Failure> {
-        let study = Box::new(Study::read(&self.study).map_err(|e| Failure::study(&e))?);
+        let study = knowledge::read(&self.study)?;
         let gains = match &self.gains {
             Some(file) => {
                 let gains = Gains::from_json(&files::read(file)?);

@@ -15,7 +15,7 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::kept::{Kept, TRACE};
 use crate::worlds::Kept as Runs;
-use crate::{files, table, worlds};
+use crate::{files, knowledge, table, worlds};
 
 /// Check every claim of a certificate again, from the gains alone.
 ///
@@ -97,7 +97,7 @@ impl Verify {
 /// What is to be checked.
 struct Subject {
     gains: Gains,
-    study: Option<Study>,
+    study: Option<Box<Study>>,
     /// What was found of the record that they are from.
     record: Option<String>,
 }
@@ -112,13 +112,12 @@ impl Verify {
                 "every file is the one that the run left, and its figures follow from its trace: {}",
                 table::verdict(&kept.seen.metrics, None)
             );
-            let study = own.then_some(*kept.study);
+            let study = own.then_some(kept.study);
             return Ok(Subject { gains: kept.gains, study, record: Some(words) });
         }
         let path = self.gains.as_deref().unwrap_or(Path::new(""));
         let gains = Gains::from_json(&files::read(path)?).map_err(|e| Failure::at(path, e))?;
-        let read = |path: &PathBuf| Study::read(path).map_err(|e| Failure::study(&e));
-        let study = self.study.as_ref().map(read).transpose()?;
+        let study = self.study.as_deref().map(knowledge::read).transpose()?;
         Ok(Subject { gains, study, record: None })
     }
 }
