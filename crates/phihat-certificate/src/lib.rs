@@ -10,6 +10,8 @@ mod certificate;
 mod check;
 mod coupled;
 mod derive;
+#[cfg(test)]
+mod dice;
 pub mod extremes;
 mod gains;
 mod iss;

@@ -2,69 +2,23 @@
 //! Wrong if both sides had the same mistake.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
+#[path = "support/loops.rs"]
+mod loops;
+
+use loops::{every_model, record};
 use phihat_certificate::{
-    InertiaWindow, JointRecord, LargestStep, LoopForm, LoopModel, LoopTorque, LoopVelocity,
-    Margins, ReadingError, ReferenceError, SampledPeaks, SampledVarying, TorqueNoise,
-    VaryingWindow,
+    InertiaWindow, LargestStep, Margins, ReadingError, ReferenceError, SampledPeaks,
+    SampledVarying, TorqueNoise, VaryingWindow,
 };
 use phihat_design::prelude::*;
-
-/// All poles at `w`.
-fn estimator(order: usize, w: f64) -> Vec<f64> {
-    match order {
-        1 => vec![w],
-        2 => vec![w * w, 2.0 * w],
-        3 => vec![w * w * w, 3.0 * w * w, 3.0 * w],
-        _ => vec![w.powi(4), 4.0 * w.powi(3), 6.0 * w * w, 4.0 * w],
-    }
-}
-
-fn record(order: usize) -> JointRecord {
-    JointRecord {
-        name: "joint".into(),
-        inertia_kg_m2: 0.7,
-        kp_per_s2: 150.0,
-        kd_per_s: 25.0,
-        a: estimator(order, 30.0),
-    }
-}
-
-fn every_model() -> Vec<LoopModel> {
-    let mut models = Vec::new();
-    for form in [LoopForm::Observer, LoopForm::Literal] {
-        for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
-            for velocity_filter_hz in [None, Some(90.0)] {
-                for (drive_bandwidth_hz, torque) in [
-                    (None, LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Demanded),
-                ] {
-                    for delay_samples in [0, 2] {
-                        models.push(LoopModel {
-                            period_s: 1e-3,
-                            delay_samples,
-                            velocity,
-                            velocity_filter_hz,
-                            form,
-                            drive_bandwidth_hz,
-                            sample_delay_samples: delay_samples / 2,
-                            torque,
-                        });
-                    }
-                }
-            }
-        }
-    }
-    models
-}
 
 #[test]
 fn every_claim_about_the_sampled_loop_is_proved_by_other_means() {
     let mut worst = Vec::new();
-    for (index, model) in every_model().into_iter().enumerate() {
+    for (index, model) in every_model(1e-3).into_iter().enumerate() {
         // A third of all, every order with every setting.
         for order in (1..=4).filter(|order| (index + order) % 3 == 0) {
-            let gains = record(order);
+            let gains = record(order, 30.0);
             let Ok(window) = InertiaWindow::find(&gains, &model) else { continue };
             let range = (window.low.max(0.4) * 1.2, window.high.min(4.0) / 1.2);
             if range.0 >= range.1 {

@@ -4,61 +4,23 @@
 
 #[path = "support/edits.rs"]
 mod edits;
+#[path = "support/loops.rs"]
+mod loops;
 
 use edits::{Edit, Passed};
+use loops::{every_model, record};
 use phihat_certificate::{
-    CoupledGains, FrozenPosture, InertiaWindow, JointRecord, LargestStep, LoopForm, LoopModel,
-    LoopTorque, LoopVelocity, Margins, Matrix, Moving, ReadingError, ReferenceError, SampledPeaks,
-    TorqueNoise,
+    CoupledGains, FrozenPosture, InertiaWindow, JointRecord, LargestStep, LoopModel, Margins,
+    Matrix, Moving, ReadingError, ReferenceError, SampledPeaks, TorqueNoise,
 };
 use phihat_design::prelude::*;
 
 /// How far beyond what was found, relative.
 const BEYOND: f64 = 1e-3;
 
-/// Estimators of order 1 to 4 with all poles at `w`.
-fn record(order: usize, w: f64) -> JointRecord {
-    let a = match order {
-        1 => vec![w],
-        2 => vec![w * w, 2.0 * w],
-        3 => vec![w.powi(3), 3.0 * w * w, 3.0 * w],
-        _ => vec![w.powi(4), 4.0 * w.powi(3), 6.0 * w * w, 4.0 * w],
-    };
-    JointRecord { name: "joint".into(), inertia_kg_m2: 0.7, kp_per_s2: 150.0, kd_per_s: 25.0, a }
-}
-
-fn every_model() -> Vec<LoopModel> {
-    let mut models = Vec::new();
-    for form in [LoopForm::Observer, LoopForm::Literal] {
-        for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
-            for velocity_filter_hz in [None, Some(90.0)] {
-                for (drive_bandwidth_hz, torque) in [
-                    (None, LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Demanded),
-                ] {
-                    for delay_samples in [0, 2] {
-                        models.push(LoopModel {
-                            period_s: 2e-3,
-                            delay_samples,
-                            velocity,
-                            velocity_filter_hz,
-                            form,
-                            drive_bandwidth_hz,
-                            sample_delay_samples: delay_samples / 2,
-                            torque,
-                        });
-                    }
-                }
-            }
-        }
-    }
-    models
-}
-
 /// A fifth of all models, every setting among them and the orders in turn, with their windows.
 fn loops() -> Vec<(JointRecord, LoopModel, InertiaWindow)> {
-    let models = every_model().into_iter().enumerate().step_by(5);
+    let models = every_model(2e-3).into_iter().enumerate().step_by(5);
     let with_order = |(index, model): (usize, LoopModel)| {
         let gains = record(index % 4 + 1, 25.0);
         let window = InertiaWindow::find(&gains, &model).ok()?;

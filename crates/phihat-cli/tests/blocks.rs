@@ -10,37 +10,16 @@ use std::path::Path;
 use phihat_cli::Session;
 use phihat_study::Study;
 use serde_json::json;
-use support::{files_of, folder, interrupted, json as run};
-
-/// Longer than a block, under a supervisor, and with a tube.
-const STUDY: &str = r#"duration_s = 6.0
-[robot]
-name = "planar3r"
-locked = { joint2 = 0.5, joint3 = 0.5 }
-[spec]
-error_max_rad = 4e-3
-[design]
-settling_time_s = 0.2
-[loop]
-torque_rate_max_nm_s = "none"
-[sensor]
-encoder_bits = 18
-[reference]
-kind = "sines"
-center_rad = [0.0]
-fade_in_s = 0.5
-[[reference.sine]]
-amplitude_rad = [0.2]
-frequency_hz = [0.5]
-phase_rad = [0.0]
-"#;
+use support::{files_of, folder, interrupted, json as run, swing};
 
 #[test]
 fn the_page_of_blocks_is_the_page_of_the_whole() {
     let folder = folder("blocks");
-    fs::write(folder.join("swing.toml"), STUDY).unwrap();
+    // Longer than a block, and with a tube.
+    let text = swing(6.0);
+    fs::write(folder.join("swing.toml"), &text).unwrap();
     run(&folder, &["run", "swing.toml", "--out", "out", "--json"]);
-    let study = Study::from_text(STUDY, "swing.toml", &folder).unwrap();
+    let study = Study::from_text(&text, "swing.toml", &folder).unwrap();
     let session = Session::new(Box::new(study), Path::new("swing.toml"), None, false).unwrap();
     let (done, trace) = session.run(|_| ());
     assert!(trace.len() > phihat_sim::BLOCK && done.tube.is_some());
@@ -51,7 +30,6 @@ fn the_page_of_blocks_is_the_page_of_the_whole() {
     assert!(fs::read(folder.join("out/trace.csv")).unwrap() == csv, "the traces differ");
     let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
     let whole = phihat_report::page(&done.record());
-    // The command differs by where its results go.
     assert!(page == whole, "the pages differ: {} and {} bytes", page.len(), whole.len());
 }
 

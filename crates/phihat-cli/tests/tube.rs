@@ -8,30 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json as data};
-use support::{folder, json, phihat};
-
-/// One joint that swings; half a second is enough to settle.
-const STUDY: &str = r#"duration_s = 2.0
-[robot]
-name = "planar3r"
-locked = { joint2 = 0.5, joint3 = 0.5 }
-[spec]
-error_max_rad = 4e-3
-[design]
-settling_time_s = 0.2
-[loop]
-torque_rate_max_nm_s = "none"
-[sensor]
-encoder_bits = 18
-[reference]
-kind = "sines"
-center_rad = [0.0]
-fade_in_s = 0.5
-[[reference.sine]]
-amplitude_rad = [0.2]
-frequency_hz = [0.5]
-phase_rad = [0.0]
-"#;
+use support::{folder, json, phihat, swing};
 
 /// A tube of 20 bins: wide for half a second, then of a given half width.
 fn tube(error: f64) -> Value {
@@ -53,7 +30,7 @@ fn tube(error: f64) -> Value {
 
 /// Designs the study, and puts a tube into its certificate.
 fn designed(folder: &Path, tube: &Value) {
-    fs::write(folder.join("swing.toml"), STUDY).unwrap();
+    fs::write(folder.join("swing.toml"), swing(2.0)).unwrap();
     let answer = phihat(folder, &["design", "swing.toml", "--out", "swing.json"]);
     assert_eq!(answer.code, 0, "{}{}", answer.out, answer.err);
     let path = folder.join("swing.json");
@@ -113,7 +90,7 @@ fn a_broken_promise_is_red_and_ends_with_one() {
 fn a_tube_is_no_promise_for_another_study() {
     let folder = folder("tube-other");
     designed(&folder, &tube(1e-6));
-    fs::write(folder.join("other.toml"), STUDY.replace("0.2", "0.19")).unwrap();
+    fs::write(folder.join("other.toml"), swing(2.0).replace("0.2", "0.19")).unwrap();
     let answer = phihat(&folder, &["run", "other.toml", "--gains", "swing.json"]);
     assert_eq!(answer.code, 0, "{}", answer.out);
     assert!(answer.out.contains("no promise for this run: it was made for another study"));
@@ -123,7 +100,7 @@ fn a_tube_is_no_promise_for_another_study() {
 #[test]
 fn a_limit_that_acts_is_told_though_the_run_is_within_spec() {
     let folder = folder("limited");
-    let study = STUDY
+    let study = &swing(2.0)
         .replace("encoder_bits = 18", "encoder_bits = 12")
         .replace("4e-3", "0.5")
         .replace("[design]\nsettling_time_s = 0.2", "[gains]\ninertia_kg_m2 = 1.0\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 40.0")

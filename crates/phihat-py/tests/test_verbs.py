@@ -195,7 +195,7 @@ def test_the_command_comes_with_the_package(tmp_path: Path) -> None:
 
 def test_a_record_is_read_back_to_the_last_bit_or_refused(trace: phihat.Trace, tmp_path: Path) -> None:
     folder = tmp_path / "record"
-    trace.write(folder)
+    trace.save(folder)
     again = phihat.read_run(folder)
     assert again.metrics == trace.metrics and again.joint_names == trace.joint_names
     for name in ("q", "e", "tau_command", "phi_hat"):

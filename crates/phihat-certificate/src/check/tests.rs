@@ -11,18 +11,10 @@ use super::integral::{of_line, of_parabola};
 use super::plausible::{at_most, enough, gains, model, ratios};
 use super::polynomial::{not_negative, product, squared, value};
 use super::returns::{Drive, literal};
+use crate::dice::Dice;
 use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 
-/// Numbers in [−1, 1] that look random.
-struct Dice(u64);
-
 impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * ((self.0 >> 33) as f64 / f64::from(1_u32 << 31)) - 1.0
-    }
-
     fn disc(&mut self) -> Disc {
         Disc::new(Complex::new(self.roll(), self.roll()), self.roll().abs())
     }

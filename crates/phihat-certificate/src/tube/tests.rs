@@ -4,19 +4,12 @@
 use phihat_model::Sigmoid;
 use phihat_study::{PayloadSet, Study, StudyError};
 
+use crate::dice::Dice;
+
 use super::number::{Ball, Number, Tangent};
 use super::scope::{Dry, PayloadSlice, Refusal, Smooth, counted, smooth};
 
-/// Numbers in [−1, 1] that look random.
-struct Dice(u64);
-
 impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * ((self.0 >> 33) as f64 / f64::from(1_u32 << 31)) - 1.0
-    }
-
     fn ball(&mut self) -> Ball {
         Ball { m: 2.0 * self.roll(), r: 0.3 * self.roll().abs() }
     }

@@ -127,3 +127,30 @@ pub(crate) fn small(title: &str, amplitude_rad: f64, bandwidth_rad_s: f64) -> St
          phase_rad = 0.0\n"
     )
 }
+
+/// A study of one joint that swings, its gains left to the design; half a second is enough to settle.
+pub(crate) fn swing(duration_s: f64) -> String {
+    format!(
+        r#"duration_s = {duration_s:?}
+[robot]
+name = "planar3r"
+locked = {{ joint2 = 0.5, joint3 = 0.5 }}
+[spec]
+error_max_rad = 4e-3
+[design]
+settling_time_s = 0.2
+[loop]
+torque_rate_max_nm_s = "none"
+[sensor]
+encoder_bits = 18
+[reference]
+kind = "sines"
+center_rad = [0.0]
+fade_in_s = 0.5
+[[reference.sine]]
+amplitude_rad = [0.2]
+frequency_hz = [0.5]
+phase_rad = [0.0]
+"#
+    )
+}

@@ -59,7 +59,7 @@ def simulate(
 
 
 def read_run(folder: str | os.PathLike[str]) -> Trace:
-    """Read the record of a run, as ``phihat run`` and :meth:`Trace.write` leave it.
+    """Read the record of a run, as ``phihat run`` and :meth:`Trace.save` leave it.
 
     Args:
         folder: where ``run.json`` and ``trace.csv`` are.
@@ -67,7 +67,7 @@ def read_run(folder: str | os.PathLike[str]) -> Trace:
     Raises:
         Error: a file is missing, or is not the one that the run left.
     """
-    return Trace(_phihat.recorded(folder))
+    return Trace(_phihat.recorded(os.fspath(folder)))
 
 
 def faults(
