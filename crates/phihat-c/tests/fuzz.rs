@@ -12,6 +12,7 @@ use phihat_c::{
     phihat_controller_joints, phihat_controller_reset, phihat_controller_resume,
     phihat_controller_update, phihat_error, phihat_joint, phihat_sample,
 };
+use phihat_fuzz::{Choices, drawn};
 use support::TORQUE;
 
 const N: usize = 3;
@@ -34,62 +35,52 @@ const VALUES: [f64; 16] = [
     400.0,
 ];
 
-struct Choices<'a>(&'a [u8]);
+/// One time in sixteen the unlikely.
+fn seldom(choices: &mut Choices<'_>) -> bool {
+    choices.byte_or_0() % 16 == 15
+}
 
-impl Choices<'_> {
-    fn byte(&mut self) -> Option<usize> {
-        let (first, rest) = self.0.split_first()?;
-        self.0 = rest;
-        Some(usize::from(*first))
-    }
+fn number(choices: &mut Choices<'_>) -> f64 {
+    let byte = choices.byte_or_0();
+    if byte % 8 == 7 { VALUES[byte / 8 % 16] } else { byte as f64 / 128.0 - 1.0 }
+}
 
-    /// One time in sixteen the unlikely.
-    fn seldom(&mut self) -> bool {
-        self.byte().unwrap_or(0) % 16 == 15
-    }
-
-    fn number(&mut self) -> f64 {
-        let byte = self.byte().unwrap_or(0);
-        if byte % 8 == 7 { VALUES[byte / 8 % 16] } else { byte as f64 / 128.0 - 1.0 }
-    }
-
-    fn or<T>(&mut self, usual: T, unlikely: T) -> T {
-        if self.seldom() { unlikely } else { usual }
-    }
+fn or<T>(choices: &mut Choices<'_>, usual: T, unlikely: T) -> T {
+    if seldom(choices) { unlikely } else { usual }
 }
 
 fn joint(choices: &mut Choices<'_>) -> phihat_joint {
     let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..support::joint() };
-    if choices.seldom() {
-        match choices.byte().unwrap_or(0) % 8 {
-            0 => joint.inertia_kg_m2 = choices.number(),
-            1 => joint.kp_per_s2 = choices.number(),
-            2 => joint.kd_per_s = choices.number(),
-            3 => joint.a[choices.byte().unwrap_or(0) % 4] = choices.number(),
-            4 => joint.order = u32::try_from(choices.byte().unwrap_or(0)).unwrap_or(0),
-            5 => joint.form = u32::try_from(choices.byte().unwrap_or(0)).unwrap_or(0),
-            6 => joint.torque_rate_max_nm_s = choices.number(),
-            _ => joint.size = choices.byte().unwrap_or(0),
+    if seldom(choices) {
+        match choices.byte_or_0() % 8 {
+            0 => joint.inertia_kg_m2 = number(choices),
+            1 => joint.kp_per_s2 = number(choices),
+            2 => joint.kd_per_s = number(choices),
+            3 => joint.a[choices.byte_or_0() % 4] = number(choices),
+            4 => joint.order = u32::try_from(choices.byte_or_0()).unwrap_or(0),
+            5 => joint.form = u32::try_from(choices.byte_or_0()).unwrap_or(0),
+            6 => joint.torque_rate_max_nm_s = number(choices),
+            _ => joint.size = choices.byte_or_0(),
         }
     }
     joint
 }
 
 fn played(bytes: &[u8]) {
-    let mut choices = Choices(bytes);
+    let mut choices = Choices::of(bytes);
     let joints = [(); N].map(|()| joint(&mut choices));
     let mut error = phihat_error {
-        size: choices.or(size_of::<phihat_error>(), 3),
+        size: or(&mut choices, size_of::<phihat_error>(), 3),
         joint: 0,
         value: 0.0,
         member: [1; 32],
         text: [1; 192],
     };
-    let period = if choices.seldom() { choices.number() } else { 1e-3 };
+    let period = if seldom(&mut choices) { number(&mut choices) } else { 1e-3 };
     let mut controller = null_mut();
-    let list = choices.or(joints.as_ptr(), null());
-    let count = choices.or(N, 0);
-    let error_at = choices.or(&raw mut error, null_mut());
+    let list = or(&mut choices, joints.as_ptr(), null());
+    let count = or(&mut choices, N, 0);
+    let error_at = or(&mut choices, &raw mut error, null_mut());
     // SAFETY: null, or to living values, as many as counted.
     let made =
         unsafe { phihat_controller_create(list, count, period, &raw mut controller, error_at) };
@@ -104,11 +95,11 @@ fn played(bytes: &[u8]) {
 /// One call on a living handle or a null one.
 fn called(controller: *mut phihat_controller, call: usize, choices: &mut Choices<'_>) {
     let alive = !controller.is_null();
-    let columns: [[f64; N]; 6] = [(); 6].map(|()| [(); N].map(|()| choices.number()));
-    let column = |choices: &mut Choices<'_>, k: usize| choices.or(columns[k].as_ptr(), null());
+    let columns: [[f64; N]; 6] = [(); 6].map(|()| [(); N].map(|()| number(choices)));
+    let column = |choices: &mut Choices<'_>, k: usize| or(choices, columns[k].as_ptr(), null());
     let sample = phihat_sample {
-        size: choices.or(size_of::<phihat_sample>(), 8),
-        joints: choices.or(N, N - 1),
+        size: or(choices, size_of::<phihat_sample>(), 8),
+        joints: or(choices, N, N - 1),
         q: column(choices, 0),
         dq: column(choices, 1),
         tau_applied: column(choices, 2),
@@ -116,12 +107,12 @@ fn called(controller: *mut phihat_controller, call: usize, choices: &mut Choices
         dq_des: column(choices, 4),
         ddq_des: column(choices, 5),
     };
-    let sample_at = choices.or(&raw const sample, null());
+    let sample_at = or(choices, &raw const sample, null());
     // Not a torque that anything of ours would write.
     let mut tau = [-1234.5; N];
     let command = phihat_command {
-        size: choices.or(size_of::<phihat_command>(), 0),
-        joints: choices.or(N, N + 1),
+        size: or(choices, size_of::<phihat_command>(), 0),
+        joints: or(choices, N, N + 1),
         tau: tau.as_mut_ptr(),
         phi_hat: null_mut(),
         flags: null_mut(),
@@ -154,5 +145,5 @@ fn called(controller: *mut phihat_controller, call: usize, choices: &mut Choices
 
 #[test]
 fn no_call_panics_or_writes_what_is_no_torque() {
-    phihat_fuzz::drawn(512, played).unwrap();
+    drawn(512, played).unwrap();
 }

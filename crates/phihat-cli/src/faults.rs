@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::record::Session;
-use crate::{files, interrupt};
+use crate::{files, interrupt, knowledge};
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
@@ -134,7 +134,7 @@ impl Faults {
         }
         match self.studies.as_slice() {
             [one] => {
-                let study = Study::read(one).map_err(|e| Failure::study(&e))?;
+                let study = knowledge::read(one)?;
                 Ok(Path::new("out").join(study.name).join("faults"))
             }
             _ => Ok(Path::new("out").join("faults")),

@@ -9,8 +9,8 @@ use crate::record::RunArguments;
 
 /// Take a study through gains, the closed loop and a report.
 ///
-/// Writes report.html, static figures, trace.csv, metrics.json, gains.json, run.json and a copy of the
-/// study to out/STUDY/.
+/// Writes report.html, static figures, trace.csv, metrics.json, gains.json, run.json and copies of the study and of the
+/// files it names to out/STUDY/.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat run studies/panda.toml")]
 pub(crate) struct Run {

@@ -9,7 +9,7 @@ use crate::record::RunArguments;
 
 /// Run a study's closed loop: trace and metrics, no report.
 ///
-/// Writes trace.csv, metrics.json, gains.json, run.json and a copy of the study to out/STUDY/.
+/// Writes trace.csv, metrics.json, gains.json, run.json and copies of the study and of the files it names to out/STUDY/.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat simulate studies/first.toml --json")]
 pub(crate) struct Simulate {

@@ -15,6 +15,7 @@ mod samples;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+pub use choices::Choices;
 pub use drawn::drawn;
 pub use mutate::mutated;
 pub use readers::{gains, journal, reference_csv, robot_file, study, trace, urdf};

@@ -14,4 +14,4 @@ pub(crate) mod returns;
 pub(crate) mod sample;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

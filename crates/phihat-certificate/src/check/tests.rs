@@ -225,7 +225,8 @@ fn sampled_estimators_have_the_exact_images_of_their_roots() {
     }
 }
 
-fn plain() -> LoopModel {
+/// A loop without delay, filter or drive.
+pub(crate) fn plain() -> LoopModel {
     LoopModel {
         period_s: 1e-3,
         delay_samples: 0,

@@ -308,9 +308,10 @@ fn refuse(inequality: &str, left: f64, right: f64) -> Refutation {
 mod tests {
     use super::super::alpha::alpha;
     use super::{absolute_mean, inverse, off_chord};
+    use crate::LoopModel;
     use crate::check::estimator;
+    use crate::check::tests::plain;
     use crate::extremes::Extremes as _;
-    use crate::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 
     #[test]
     fn a_line_s_mean_size_is_its_area() {
@@ -323,16 +324,7 @@ mod tests {
 
     #[test]
     fn a_drive_is_off_its_chord_by_what_a_search_finds() {
-        let model = |hz: Option<f64>| LoopModel {
-            period_s: 1e-3,
-            delay_samples: 0,
-            sample_delay_samples: 0,
-            torque: LoopTorque::Applied,
-            velocity: LoopVelocity::Measured,
-            velocity_filter_hz: None,
-            form: LoopForm::Observer,
-            drive_bandwidth_hz: hz,
-        };
+        let model = |hz| LoopModel { drive_bandwidth_hz: hz, ..plain() };
         for hz in [5.0, 150.0, 900.0] {
             let x = core::f64::consts::TAU * hz * 1e-3;
             let way = |s: f64| (1.0 - (-x * s).exp()) / (1.0 - (-x).exp()) - s;

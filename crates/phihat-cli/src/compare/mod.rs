@@ -10,11 +10,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use phihat_baselines::RIVALS;
 use phihat_campaign::Journal;
 use phihat_campaign::compare::{CompareError, Comparison, Extent, Fate, Plan, WORLDS};
-use phihat_study::Study;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::{files, interrupt};
+use crate::{files, interrupt, knowledge};
 
 mod list;
 mod table;
@@ -148,7 +147,7 @@ impl Compare {
         }
         match self.studies.as_slice() {
             [one] => {
-                let study = Study::read(one).map_err(|e| Failure::study(&e))?;
+                let study = knowledge::read(one)?;
                 Ok(Path::new("out").join(study.name).join("compare"))
             }
             _ => Ok(Path::new("out").join("compare")),
