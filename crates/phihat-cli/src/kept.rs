@@ -83,6 +83,8 @@ impl Kept {
         let mut study = study.map_err(|e| Failure::study(&e))?;
         let gains = folder.join("gains.json");
         let gains = Gains::from_json(&files::read(&gains)?).map_err(|e| Failure::at(&gains, e))?;
+        // A study is called as its file was when it ran.
+        study.name.clone_from(&run.study);
         settle(&mut study, &gains);
         let mut seen = Seen::new(&study, &gains);
         Trace::read_csv_in(files::open(trace)?, &study, block, |block| {

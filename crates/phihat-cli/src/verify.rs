@@ -107,6 +107,9 @@ impl Verify {
         if let Some(folder) = &self.run {
             let kept = Kept::read(&folder.join(TRACE))?;
             kept.figures_hold(folder)?;
+            if let Some(tube) = kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {
+                return Err(Failure::at(&folder.join(TRACE), tube.sentence()).infeasible());
+            }
             let own = kept.gains.study_sha256 == kept.study.sha256;
             let words = format!(
                 "every file is the one that the run left, and its figures follow from its trace: {}",

@@ -119,3 +119,18 @@ fn a_limit_that_acts_is_told_though_the_run_is_within_spec() {
     let samples = figures["metrics"]["joints"][0]["rate_limited_steady_samples"].as_u64().unwrap();
     assert!(share > 0.0 && (share * 1000.0 - samples as f64).abs() < 1e-6, "{share} {samples}");
 }
+
+#[test]
+fn the_record_of_a_designed_run_is_verified_as_its_gains_and_study_are() {
+    let folder = folder("tube-record");
+    fs::write(folder.join("swing.toml"), swing(2.0)).unwrap();
+    assert_eq!(phihat(&folder, &["run", "swing.toml", "--out", "out"]).code, 0);
+    let alone = phihat(&folder, &["verify", "out/gains.json", "--study", "swing.toml"]);
+    let record = phihat(&folder, &["verify", "--run", "out"]);
+    assert_eq!((alone.code, record.code), (0, 0), "{}{}", record.out, record.err);
+    assert!(
+        record.out.starts_with("RECORD\n") && record.out.ends_with(&alone.out),
+        "{}",
+        record.out
+    );
+}
