@@ -1,4 +1,4 @@
-//! The project's chores: `cargo xtask test | attack | mutants | bench | bless`.
+//! The project's chores: `cargo xtask test | attack | fuzz | mutants | twice | bench | bless`.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
@@ -14,6 +14,7 @@ mod mutants;
 mod rivals;
 mod rules;
 mod test;
+mod twice;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,7 @@ const USAGE: &str = "usage:
   cargo xtask mutants [--shard K/N] [FILE …]
                                changes the core in one place at a time and counts what no test notices (hours; K from 0);
                                files of phihat-certificate: its mutants
+  cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
@@ -45,6 +47,9 @@ fn main() -> ExitCode {
             test::cargo(&test::root(), &bench)
         }
         Some((verb, rest)) if verb == "mutants" => mutants::run(&test::root(), rest),
+        Some((verb, rest)) if verb == "twice" => {
+            twice::run(&test::root(), rest.first().map(String::as_str))
+        }
         Some((verb, rest)) if verb == "attack" => attack::run(&test::root(), rest),
         Some((verb, rest)) if verb == "fuzz" => fuzz::run(&test::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),

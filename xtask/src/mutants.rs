@@ -3,11 +3,41 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::test::cargo;
+
 /// Crates that are measured, and the least share of viable mutants that their tests have to kill \[%\].
 const BARS: [(&str, f64); 2] = [("phihat", 95.0), ("phihat-certificate", 90.0)];
 
 const INSTALL: &str = "cargo-mutants is missing; `cargo install cargo-mutants --locked` installs it, and \
                        `cargo install cargo-nextest --locked` what stops at the first failure";
+
+/// The part of the core's mutants that one commit tries, one in so many: six or seven of them.
+const ROTATION: u32 = 250;
+
+/// What a handful has to reach \[%\]: three survivors of six fail, which chance brings once in 2,000 commits where 97 % are killed.
+const LEAST_OF_A_HANDFUL: f64 = 60.0;
+
+/// Tries a handful of the core's mutants, others at every commit; installs what it needs.
+pub(crate) fn rotate(root: &Path) -> Result<(), String> {
+    let tools = root.join("target/tools");
+    if !is_there("mutants") {
+        println!("installing cargo-mutants");
+        let folder = tools.display().to_string();
+        let what = ["install", "cargo-mutants", "--version", "27.1.0", "--locked", "--debug"];
+        cargo(root, &[&what[..], &["--quiet", "--root", &folder]].concat())?;
+    }
+    let shard = format!("{}/{ROTATION}", turn(root) % ROTATION);
+    println!("shard {shard}");
+    try_out(root, "phihat", &["--shard", &shard], LEAST_OF_A_HANDFUL)
+}
+
+/// A number that changes with the commit.
+fn turn(root: &Path) -> u32 {
+    let head =
+        Command::new("git").args(["rev-parse", "--short=7", "HEAD"]).current_dir(root).output();
+    let text = head.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    text.ok().and_then(|text| u32::from_str_radix(text.trim().get(..7)?, 16).ok()).unwrap_or(0)
+}
 
 /// Runs the mutants of files, of a shard, or all: of the core, or of the crate that the files are in.
 pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
@@ -33,16 +63,30 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
         _ => return Err("files of the sources of phihat, or of phihat-certificate".to_owned()),
     };
 
+    let mut chosen: Vec<&str> = files.iter().flat_map(|file| ["--file", *file]).collect();
+    chosen.extend(shard.iter().flat_map(|shard| ["--shard", *shard]));
+    try_out(root, name, &chosen, bar)
+}
+
+/// Tries the chosen mutants of a crate, and holds the share that is killed against a bar.
+fn try_out(root: &Path, name: &str, chosen: &[&str], bar: f64) -> Result<(), String> {
     let out = root.join("target/mutants");
     let out_text = out.display().to_string();
     std::fs::create_dir_all(&out).map_err(|e| format!("{out_text}: {e}"))?;
     let mut all = vec!["mutants", "--package", name, "--output", &out_text, "--no-shuffle"];
     all.extend(["--jobs", "1", "--sharding", "round-robin"]);
     all.extend(["--test-tool", if is_there("nextest") { "nextest" } else { "cargo" }]);
-    all.extend(files.iter().flat_map(|file| ["--file", file]));
-    all.extend(shard.iter().flat_map(|shard| ["--shard", shard]));
+    all.extend(chosen);
+    let tools = root.join("target/tools/bin");
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(std::iter::once(tools).chain(std::env::split_paths(&path)));
     // It fails where one survives; what counts is the share.
-    Command::new("cargo").args(&all).current_dir(root).status().map_err(|e| e.to_string())?;
+    Command::new("cargo")
+        .args(&all)
+        .env("PATH", path.map_err(|e| e.to_string())?)
+        .current_dir(root)
+        .status()
+        .map_err(|e| e.to_string())?;
     judge(&out.join("mutants.out/outcomes.json"), name, bar)
 }
 

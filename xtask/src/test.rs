@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::{attack, bindings, bless, instructions, rules};
+use crate::{attack, bindings, bless, instructions, mutants, rules, twice};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 18] = [
+const STEPS: [Step; 20] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -38,6 +38,8 @@ const STEPS: [Step; 18] = [
     ("the paper's reproduction is what the repository keeps", bless::reproduced),
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
+    ("two builds, one library", |root| twice::run(root, Some("phihat-c"))),
+    ("some mutants of the core", mutants::rotate),
     ("Python", bindings::python),
 ];
 
