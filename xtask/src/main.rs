@@ -3,6 +3,7 @@
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
 
+mod arrows;
 mod attack;
 mod bench;
 mod bindings;
@@ -28,6 +29,7 @@ const USAGE: &str = "usage:
                                changes the core in one place at a time and counts what no test notices (hours; K from 0);
                                files of phihat-certificate: its mutants
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
+  cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
+        Some((verb, _)) if verb == "arrows" => arrows::bless(&test::root()),
         Some((verb, _)) if verb == "table1" => bless::comparison(&test::root()),
         Some((verb, _)) if verb == "rivals" => rivals::run(&test::root()),
         Some((verb, rest)) if verb == "soak" => {

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::instructions::{build, collected};
 
 /// Where the comparison reads them.
-const FILE: &str = "crates/phihat-campaign/src/compare/instructions.toml";
+const FILE: &str = "crates/phihat-compare/src/instructions.toml";
 
 /// Arms that are counted on.
 const ROBOTS: [&str; 2] = ["planar3r", "panda"];
@@ -17,7 +17,7 @@ const UPDATES: (u32, u32) = (50, 250);
 
 /// Counts every rival on every arm.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
-    let program = build(root, "phihat-baselines")?;
+    let program = build(root, "phihat-rivals")?;
     let listed = Command::new(&program).arg("list").output().map_err(|e| e.to_string())?;
     let mut text = "# Instructions per update with default gains, counted by callgrind: `cargo xtask rivals`\n\
                     # makes this file again.\n"

@@ -1,86 +1,10 @@
 //! House rules that a machine can check: arrows between crates, forbidden words, the bare core.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::dependencies;
-
-/// The arrows of ARCHITECTURE.md: which crates of ours a crate may use.
-const ARROWS: [(&str, &[&str]); 15] = [
-    ("phihat", &[]),
-    ("phihat-model", &[]),
-    ("phihat-study", &["phihat-model"]),
-    ("phihat-certificate", &["phihat", "phihat-model", "phihat-study"]),
-    ("phihat-design", &["phihat", "phihat-certificate", "phihat-model", "phihat-study"]),
-    ("phihat-sim", &["phihat", "phihat-model", "phihat-study"]),
-    ("phihat-baselines", &["phihat", "phihat-model"]),
-    (
-        "phihat-campaign",
-        &[
-            "phihat",
-            "phihat-baselines",
-            "phihat-design",
-            "phihat-model",
-            "phihat-sim",
-            "phihat-study",
-        ],
-    ),
-    ("phihat-report", &["phihat-baselines", "phihat-campaign", "phihat-design", "phihat-sim"]),
-    (
-        "phihat-cli",
-        &[
-            "phihat",
-            "phihat-baselines",
-            "phihat-campaign",
-            "phihat-certificate",
-            "phihat-design",
-            "phihat-model",
-            "phihat-report",
-            "phihat-sim",
-            "phihat-study",
-        ],
-    ),
-    ("phihat-c", &["phihat"]),
-    (
-        "phihat-py",
-        &[
-            "phihat",
-            "phihat-cli",
-            "phihat-design",
-            "phihat-model",
-            "phihat-report",
-            "phihat-sim",
-            "phihat-study",
-        ],
-    ),
-    (
-        "phihat-attack",
-        &[
-            "phihat",
-            "phihat-campaign",
-            "phihat-certificate",
-            "phihat-cli",
-            "phihat-design",
-            "phihat-model",
-            "phihat-sim",
-            "phihat-study",
-        ],
-    ),
-    (
-        "phihat-fuzz",
-        &[
-            "phihat",
-            "phihat-campaign",
-            "phihat-certificate",
-            "phihat-model",
-            "phihat-sim",
-            "phihat-study",
-        ],
-    ),
-    ("xtask", &[]),
-];
+use crate::{arrows, dependencies};
 
 /// Words that do not belong into the project, and what does.
 const WORDS: [(&str, &str); 4] = [
@@ -131,9 +55,15 @@ const WRITERS: [&str; 6] = [
     "fs::remove_file(",
     "fs::create_dir",
 ];
-const WRITING: [&str; 2] = ["crates/phihat-campaign/src/", "crates/phihat-cli/src/"];
+const WRITING: [&str; 5] = [
+    "crates/phihat-session/src/",
+    "crates/phihat-campaign/src/",
+    "crates/phihat-compare/src/",
+    "crates/phihat-paper/src/",
+    "crates/phihat-cli/src/",
+];
 const DISK: [&str; 2] =
-    ["crates/phihat-campaign/src/disk/", "crates/phihat-campaign/src/journal.rs"];
+    ["crates/phihat-session/src/disk/", "crates/phihat-campaign/src/journal.rs"];
 
 /// Lines of a file of results' writers that go past the one way to the disk; its tests may.
 fn past_the_disk(name: &str, text: &str) -> Vec<String> {
@@ -145,14 +75,14 @@ fn past_the_disk(name: &str, text: &str) -> Vec<String> {
     let writes = code.filter(|(_, line)| WRITERS.iter().any(|word| line.contains(word)));
     writes
         .map(|(k, line)| {
-            format!("{name}:{}: {}; write by phihat_campaign::disk", k + 1, line.trim())
+            format!("{name}:{}: {}; write by phihat_session::disk", k + 1, line.trim())
         })
         .collect()
 }
 
 /// Checks arrows, words, folds, writers, and that every crate but the C binding forbids `unsafe`.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
-    let mut wrong = arrows(root)?;
+    let mut wrong = arrows::wrong(root)?;
     wrong.extend(dependencies::wrong(root)?);
     let mut counts = [0_usize; COUNTED.len()];
     for file in sources(root)? {
@@ -196,36 +126,6 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         }
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
-}
-
-/// Every arrow that the table does not allow, and a core that depends on anything.
-fn arrows(root: &Path) -> Result<Vec<String>, String> {
-    let output = Command::new("cargo")
-        .args(["metadata", "--format-version", "1", "--no-deps"])
-        .current_dir(root)
-        .output()
-        .map_err(|e| e.to_string())?;
-    let metadata: serde_json::Value =
-        serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
-    let allowed: BTreeMap<_, _> = ARROWS.into_iter().collect();
-    let mut wrong = Vec::new();
-    for package in metadata["packages"].as_array().into_iter().flatten() {
-        let name = package["name"].as_str().unwrap_or_default();
-        let Some(may) = allowed.get(name) else {
-            wrong.push(format!("crate {name} is not in ARCHITECTURE.md's table of arrows"));
-            continue;
-        };
-        for dependency in package["dependencies"].as_array().into_iter().flatten() {
-            let on = dependency["name"].as_str().unwrap_or_default();
-            let normal = dependency["kind"].is_null();
-            if normal && name == "phihat" {
-                wrong.push(format!("phihat depends on {on}; the core depends on nothing"));
-            } else if normal && allowed.contains_key(on) && !may.contains(&on) {
-                wrong.push(format!("{name} uses {on}; ARCHITECTURE.md's table has no such arrow"));
-            }
-        }
-    }
-    Ok(wrong)
 }
 
 fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {

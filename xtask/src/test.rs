@@ -133,7 +133,8 @@ fn browser(root: &Path) -> Result<(), String> {
     // Made up, with everything that the page can show; and the paper's, where it was made.
     let made_up = root.join("target/reproduction-page").display().to_string();
     let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];
-    cargo(root, &[&demo[..], &[&made_up, "reproduction"]].concat())?;
+    let paper = ["run", "--quiet", "-p", "phihat-paper", "--example", "demo", "--"];
+    cargo(root, &[&paper[..], &[&made_up]].concat())?;
     let mut arguments = vec!["check.mjs".to_owned(), "--reproduction".to_owned()];
     arguments.push(format!("{made_up}/page.html"));
     let fresh = root.join("target/reproduction/report.html");

@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 
 use phihat_model::{JointKind, Robot, RobotError};
 
-use phihat_campaign::Dice;
+use phihat_session::Dice;
 
 /// An arm as its user has it.
 #[derive(Debug, Clone)]
@@ -269,7 +269,7 @@ fn toml(dice: &mut Dice, parts: &[Part], rotor: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::Arm;
-    use phihat_campaign::Dice;
+    use phihat_session::Dice;
 
     #[test]
     fn every_chain_is_read() {

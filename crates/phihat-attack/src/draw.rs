@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 use core::fmt::Write as _;
 
-use phihat_campaign::Dice;
 use phihat_model::{JointKind, Robot, RobotError, Workspace};
+use phihat_session::Dice;
 
 use crate::arm::Arm;
 use crate::draft::{Draft, Load, Scope, World};

@@ -28,4 +28,4 @@ pub use summary::Summary;
 pub use trial::{Ended, Record, Trial, Verdict, judged, run};
 pub use vary::worlds;
 
-pub use phihat_campaign::Dice;
+pub use phihat_session::Dice;

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use phihat::{Form, JointDesign, JointGains};
-use phihat_campaign::Dice;
-use phihat_cli::designed;
 use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_session::Dice;
+use phihat_session::designed;
 use phihat_sim::{Outcome, SimError, Simulation};
 use phihat_study::{LawForm, Study};
 use serde::{Deserialize, Serialize};
@@ -42,7 +42,6 @@ pub fn judged(study: &Study, path: &Path) -> Verdict {
     let gains = match designed(study, path) {
         Ok(Designed::Designed(gains)) => gains,
         Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
-        Ok(_) => return Verdict::NotProved("an outcome that is not known".to_owned()),
         Err(why) => return Verdict::NotProved(format!("design: {why}")),
     };
     let read = gains.to_json().and_then(|text| Gains::from_json(&text));

@@ -1,6 +1,6 @@
 //! The worlds in which one study is run: extreme ones, and some drawn from its scope.
 
-use phihat_campaign::Dice;
+use phihat_session::Dice;
 
 use crate::draft::{Load, Scope, World};
 

@@ -113,7 +113,7 @@ fn d_postures() {
 
 fn covers_postures(name: &str) -> bool {
     let (study, path) = study(name);
-    let gains = match phihat_cli::designed(&study, &path) {
+    let gains = match phihat_session::designed(&study, &path) {
         Ok(Outcome::Designed(gains)) => gains,
         other => {
             println!("{name}: no gains: {other:?}");
@@ -188,7 +188,7 @@ type Edit = (&'static str, fn(&mut Value));
 #[test]
 fn e_an_edited_file_is_refused() {
     let (study, path) = study("a_planar3r_friction");
-    let Ok(Outcome::Designed(gains)) = phihat_cli::designed(&study, &path) else {
+    let Ok(Outcome::Designed(gains)) = phihat_session::designed(&study, &path) else {
         panic!("no gains");
     };
     let original: Value = serde_json::from_str(&gains.to_json().unwrap()).unwrap();

@@ -302,7 +302,6 @@ fn fault_text(fault: Fault) -> &'static core::ffi::CStr {
         Fault::Oscillation => c"oscillation",
         Fault::Actuation => c"actuation",
         Fault::NotFinite => c"not-finite",
-        _ => c"fault",
     }
 }
 
@@ -318,7 +317,6 @@ fn denial_text(why: Denial) -> &'static core::ffi::CStr {
         Denial::NotFresh => c"not-fresh",
         Denial::NotAtRest => c"not-at-rest",
         Denial::StartMismatch => c"start-mismatch",
-        _ => c"refused",
     }
 }
 

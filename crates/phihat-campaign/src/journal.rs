@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use thiserror::Error;
 
-use crate::disk::{self, Operation, strike, sync_folder};
-use crate::hash::short_hash;
+use phihat_session::disk::{self, Operation, strike, sync_folder};
+use phihat_session::{Watch, short_hash};
 
 /// An append-only file of JSON lines, each with a checksum, open for one process at a time.
 ///
@@ -26,7 +26,6 @@ pub struct Journal {
 
 /// Why a journal cannot be used.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum JournalError {
     /// Reading, writing or locking failed.
     #[error("{}: {what}: {error}", path.display())]
@@ -78,7 +77,27 @@ impl Journal {
         Self::read(path, Self::locked(path)?)
     }
 
-    /// The same, emptied of what it held. One that another process has open is left as it is.
+    /// Opens the journal of a campaign, or begins one, in a folder that is made where it is missing; says which of its lines
+    /// cannot be used. No other process writes to its folder while it is open.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open), and where the folder cannot be made.
+    pub fn in_folder(
+        path: &Path,
+        fresh: bool,
+        watch: &mut dyn Watch,
+    ) -> Result<Self, JournalError> {
+        let folder = disk::folder_of(path);
+        disk::make_folder(folder).map_err(|error| io(folder, "cannot be made", error))?;
+        let journal = if fresh { Self::afresh(path) } else { Self::open(path) }?;
+        if let Some(damage) = journal.damage() {
+            watch.warn(&format!("{}: {damage}", path.display()));
+        }
+        Ok(journal)
+    }
+
+    /// Opens a journal, or begins one, emptied of what it held. One that another process has open is left as it is.
     ///
     /// # Errors
     ///

@@ -61,7 +61,6 @@ pub struct Gains {
 
 /// Why a gains document cannot be used.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum GainsError {
     /// Not JSON, or not of this shape.
     #[error("{}", plain(&.0.to_string()))]

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use phihat_campaign::phi_along;
 use phihat_certificate::{Gains, Refutation};
 use phihat_design::{Arm, Outcome, design};
+use phihat_session::phi_along;
 use phihat_sim::Demand;
 use phihat_study::Study;
 use serde_json::{Value, json};

@@ -5,15 +5,15 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use phihat_design::{Arm, Gains, Infeasible, Outcome, ProofProgress};
 use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
+use phihat_session::{Advice, are_of_a_run, arm, designed_for, files, read};
+
 use crate::failure::Failure;
-use crate::kept::are_of_a_run;
-use crate::knowledge::Advice;
-use crate::{files, knowledge, table};
+use crate::shown::spinner;
+use crate::table;
 
 /// Find gains that keep a study's specification, and prove what can be proved about them.
 ///
@@ -51,15 +51,15 @@ enum Method {
 
 impl Design {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let mut study = knowledge::read(&self.study)?;
+        let mut study = read(&self.study)?;
         if let Some(method) = self.method {
             study.design.method = match method {
                 Method::Ours => DesignMethod::Ours,
                 Method::Paper => DesignMethod::Paper,
             };
         }
-        let arm = knowledge::arm(&study, &self.study)?;
-        match knowledge::designed(&study, &arm, &self.study, Advice::Changes)? {
+        let arm = arm(&study, &self.study)?;
+        match designed_for(&study, &arm, &self.study, Advice::Changes)? {
             Outcome::Designed(mut gains) => {
                 if let Some(seconds) = self.prove_range {
                     prove_range(&mut gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
@@ -67,7 +67,6 @@ impl Design {
                 self.write(&study, &gains)
             }
             Outcome::Infeasible(no) => Ok(self.refuse(&no)),
-            _ => Err(Failure::plain("an outcome that this version does not know")),
         }
     }
 
@@ -100,7 +99,7 @@ impl Design {
         if self.json {
             println!("{:#}", json!({ "outcome": "infeasible", "reason": no }));
         } else {
-            println!("{}", table::infeasible(no));
+            println!("{}", no);
         }
         ExitCode::from(1)
     }
@@ -112,10 +111,7 @@ const FACTORS: [f64; 3] = [1.5, 1.25, 1.1];
 /// Proves the range of the arm's inertia, as far as it comes in a time.
 fn prove_range(gains: &mut Gains, arm: &Arm, time: Duration) {
     let Some(certificate) = &mut gains.certificate else { return };
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} · {elapsed}") {
-        bar.set_style(style);
-    }
+    let bar = spinner();
     for factor in FACTORS {
         let proof = arm.prove(&certificate.arm, factor, &mut |progress: ProofProgress| {
             if progress.cells.is_multiple_of(256) {
@@ -138,13 +134,4 @@ fn prove_range(gains: &mut Gains, arm: &Arm, time: Duration) {
         }
     }
     bar.finish_and_clear();
-}
-
-/// Designs gains for a study, from what it knows of its arm and of `φ`.
-///
-/// # Errors
-///
-/// [`Failure`]: the design cannot begin. That no gains exist is an [`Outcome`], without changes that would help.
-pub fn designed(study: &Study, path: &Path) -> Result<Outcome, Failure> {
-    knowledge::designed(study, &knowledge::arm(study, path)?, path, Advice::Clauses)
 }

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use phihat_design::Gains;
 use phihat_design::export::{Target, export};
 use serde_json::json;
 
+use phihat_session::{files, read_gains};
+
 use crate::failure::Failure;
-use crate::files;
 
 /// Write gains for ROS 2, C or a table, with what the target lacks and what is claimed of it instead.
 ///
@@ -43,8 +43,7 @@ enum Format {
 
 impl Export {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let text = files::read(&self.gains)?;
-        let gains = Gains::from_json(&text).map_err(|e| Failure::at(&self.gains, e))?;
+        let gains = read_gains(&self.gains)?;
         let target = match self.format {
             Format::Ros => Target::Ros,
             Format::CHeader => Target::CHeader,

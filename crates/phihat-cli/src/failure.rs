@@ -4,12 +4,17 @@ use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
+use phihat_campaign::faults::FaultsError;
+use phihat_compare::{CompareError, WORLDS};
 use phihat_model::input::plain;
+use phihat_paper::ReproduceError;
+use phihat_rivals::RIVALS;
+use phihat_session::SessionError;
 use serde_json::json;
 
 /// One line for people, or several where a source line is shown.
 #[derive(Debug)]
-pub struct Failure {
+pub(crate) struct Failure {
     text: String,
     code: u8,
 }
@@ -26,11 +31,6 @@ impl Failure {
         Self::rendered(format!("error: {}: {why}", path.display()))
     }
 
-    /// About a study, with the line it concerns.
-    pub(crate) fn study(error: &phihat_study::StudyError) -> Self {
-        Self::rendered(error.render())
-    }
-
     /// Laid out already, `error:` included.
     pub(crate) fn rendered(text: impl Into<String>) -> Self {
         Self { text: plain(&text.into()), code: 2 }
@@ -39,11 +39,6 @@ impl Failure {
     /// About anything else.
     pub(crate) fn plain(why: impl fmt::Display) -> Self {
         Self::rendered(format!("error: {why}"))
-    }
-
-    /// The input is fine, and nothing keeps what it asks for.
-    pub(crate) fn infeasible(self) -> Self {
-        Self { code: 1, ..self }
     }
 
     /// Tells it, as one JSON document on standard output too where that was asked for.
@@ -55,4 +50,65 @@ impl Failure {
         eprintln!("{self}");
         ExitCode::from(self.code)
     }
+}
+
+impl From<SessionError> for Failure {
+    fn from(why: SessionError) -> Self {
+        let answered = why.is_answer();
+        let failure = match &why {
+            // Laid out with its line already.
+            SessionError::Study(_) => Self::rendered(why.to_string()),
+            _ => Self::plain(&why),
+        };
+        if answered { Self { code: 1, ..failure } } else { failure }
+    }
+}
+
+impl From<FaultsError> for Failure {
+    fn from(why: FaultsError) -> Self {
+        match why {
+            FaultsError::Study(_) => Self::rendered(why.to_string()),
+            FaultsError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
+impl From<ReproduceError> for Failure {
+    fn from(why: ReproduceError) -> Self {
+        match why {
+            ReproduceError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
+impl From<CompareError> for Failure {
+    /// A name that there is not comes with the nearest one that there is.
+    fn from(why: CompareError) -> Self {
+        match why {
+            CompareError::Rival(id) => Self::plain(format!(
+                "there is no rival `{id}`{}; `phihat compare --list` lists them",
+                hint(&id, RIVALS.iter().map(|entry| entry.card.id))
+            )),
+            CompareError::World(name) => {
+                let worlds = || WORLDS.iter().map(|world| world.name);
+                let (hint, all) = (hint(&name, worlds()), worlds().collect::<Vec<_>>());
+                Self::plain(format!(
+                    "there is no world `{name}`{hint}; there are {}",
+                    all.join(", ")
+                ))
+            }
+            CompareError::Study(_) => Self::rendered(why.to_string()),
+            CompareError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
+/// The known name closest to another, if it is close.
+fn hint<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let scored = known.map(|known| (strsim::jaro_winkler(name, known), known));
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(score, _)| *score > 0.6);
+    best.map_or_else(String::new, |(_, known)| format!(", did you mean `{known}`?"))
 }

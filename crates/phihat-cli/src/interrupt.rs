@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 use indicatif::ProgressBar;
-use phihat_campaign::disk::discard;
+use phihat_session::disk::discard;
 
 /// What a shell expects of a program that the user stopped.
 const STOPPED: i32 = 130;
@@ -30,14 +30,10 @@ pub(crate) fn is_ours() {
     COMMAND.store(true, Ordering::Relaxed);
 }
 
-/// From here on Ctrl-C clears the bar, says this, and ends the program.
+/// From here on Ctrl-C clears the bar, removes files that are worth nothing unless they are finished, says this, and ends
+/// the program.
 ///
 /// In another program, and where the system takes no handler, Ctrl-C does what it does there.
-pub(crate) fn says(bar: &ProgressBar, words: String) {
-    removes(bar, words, Vec::new());
-}
-
-/// The same, and removes files that are worth nothing unless they are finished.
 pub(crate) fn removes(bar: &ProgressBar, words: String, unfinished: Vec<PathBuf>) {
     if !COMMAND.load(Ordering::Relaxed) {
         return;

@@ -1,6 +1,5 @@
-//! The `phihat` command as a library: the binary, and the Python package, are made of it.
-//!
-//! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run and its record.
+//! The `phihat` command: arguments in, tables and exit codes out. What it does is in [`phihat_session`], and in the crates of
+//! the campaigns.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::print_stdout,
@@ -13,21 +12,15 @@ mod design;
 mod export;
 mod failure;
 mod faults;
-mod files;
 mod interrupt;
-mod kept;
-mod knowledge;
 mod png;
-mod record;
 mod report;
 mod reproduce;
 mod robots;
 mod run;
-mod simulate;
+mod shown;
 mod table;
-mod tubed;
 mod verify;
-mod worlds;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -35,14 +28,7 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
-pub use crate::compare::comparison;
-pub use crate::design::designed;
-pub use crate::failure::Failure;
-pub use crate::faults::fault_matrix;
-pub use crate::kept::recorded;
-pub use crate::record::{Done, Session};
-pub use crate::report::write_report;
-pub use crate::reproduce::reproduction;
+use crate::failure::Failure;
 
 /// Control a robot arm by torque, without a model of it, and see the evidence.
 ///
@@ -68,7 +54,7 @@ enum Verb {
     Design(design::Design),
     Verify(verify::Verify),
     Export(export::Export),
-    Simulate(simulate::Simulate),
+    Simulate(run::Simulate),
     Faults(faults::Faults),
     Compare(compare::Compare),
     Report(report::Report),

@@ -1,11 +1,35 @@
-//! `phihat run`: the whole way, from a study to evidence.
+//! `phihat run` and `phihat simulate`: from a study to evidence.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use phihat_report::limits_acted;
+use phihat_session::{Done, RunOptions, stopped};
+use serde_json::json;
 
 use crate::failure::Failure;
-use crate::record::RunArguments;
+use crate::shown::Shown;
+use crate::table;
+
+/// What `run` and `simulate` are told.
+#[derive(Debug, Args)]
+struct RunArguments {
+    /// The study file (TOML).
+    study: PathBuf,
+    /// Use these gains (a gains.json) in place of those the study states.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
+    /// Folder for the results [default: out/STUDY].
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
+    #[arg(long)]
+    uncertified: bool,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
 
 /// Take a study through gains, the closed loop and a report.
 ///
@@ -18,11 +42,79 @@ pub(crate) struct Run {
     arguments: RunArguments,
 }
 
+/// Run a study's closed loop: trace and metrics, no report.
+///
+/// Writes trace.csv, metrics.json, gains.json, run.json and copies of the study and of the files it names to out/STUDY/.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  phihat simulate studies/first.toml --json")]
+pub(crate) struct Simulate {
+    #[command(flatten)]
+    arguments: RunArguments,
+}
+
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let (session, folder) = self.arguments.open()?;
-        let page = folder.join("report.html");
-        let done = session.simulate(&folder, Some(&page))?;
-        Ok(done.print(self.arguments.json, &folder, Some(&page)))
+        self.arguments.execute(true)
     }
+}
+
+impl Simulate {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        self.arguments.execute(false)
+    }
+}
+
+const BAR: &str = "simulating {wide_bar} {percent:>3} % · {elapsed} of about {duration}";
+const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
+
+impl RunArguments {
+    fn execute(&self, with_page: bool) -> Result<ExitCode, Failure> {
+        let options = RunOptions {
+            study: self.study.clone(),
+            gains: self.gains.clone(),
+            out: self.out.clone(),
+            uncertified: self.uncertified,
+        };
+        let (session, folder) = options.open()?;
+        let page = with_page.then(|| folder.join("report.html"));
+        let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
+        let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
+        Ok(tell(&done, self.json, &folder, page.as_deref()))
+    }
+}
+
+/// Tells what came out; the exit code says whether it is within spec.
+fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
+    let diverged = done.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
+    let stopped_at = done.abort.as_ref().map(
+        |a| json!({ "t_s": a.t, "interface": a.interface, "joint": a.joint, "reason": a.reason }),
+    );
+    if as_json {
+        let document = json!({
+            "study": done.study.name,
+            "folder": folder,
+            "report": report,
+            "diverged": diverged,
+            "stopped": stopped_at,
+            "verdict": done.verdict(),
+            "limited": limits_acted(&done.metrics),
+            "metrics": done.figures(),
+        });
+        println!("{document:#}");
+    } else {
+        println!("{} · {}", done.study.name, done.study.title);
+        println!("{}", table::metrics(&done.metrics));
+        if let Some(run) = &done.tube {
+            println!("{}", table::tube(run));
+        }
+        match &done.abort {
+            Some(abort) => println!("{}", stopped(abort)),
+            None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
+        }
+        match report {
+            Some(page) => println!("report: {}", page.display()),
+            None => println!("trace: {}", folder.join("trace.csv").display()),
+        }
+    }
+    if done.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

@@ -1,21 +1,18 @@
 //! `phihat verify`: every claim about a set of gains, checked again.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use phihat_certificate::tube::{JointBeside, Reference};
-use phihat_certificate::{Certificate, Refutation, TubeAgain};
-use phihat_design::{Gains, Statement, Verified};
-use phihat_sim::Motion;
-use phihat_study::Study;
+use phihat_certificate::tube::JointBeside;
+use phihat_certificate::{Statement, TubeAgain, Verified};
+use phihat_session::{Checked, DrawnRuns, Stage, WORLDS, verify};
+use phihat_sim::Metrics;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::kept::{Kept, TRACE};
-use crate::worlds::Kept as Runs;
-use crate::{files, knowledge, table, worlds};
+use crate::shown::spinner;
+use crate::table;
 
 /// Check every claim of a certificate again, from the gains alone.
 ///
@@ -47,36 +44,31 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let Subject { gains, study, record } = self.subject()?;
-        let Some(certificate) = &gains.certificate else {
-            let Some(words) = record else {
-                let path = self.gains.as_deref().unwrap_or(Path::new(""));
-                return Err(Failure::at(path, "these gains carry no certificate"));
-            };
-            if self.json {
-                println!("{:#}", json!({ "holds": true, "refuted": null, "record": words }));
-            } else {
-                println!(
-                    "RECORD\n  {words}\nits gains carry no certificate: nothing is claimed about them"
-                );
-            }
+        let checked = match (&self.run, &self.gains) {
+            (Some(folder), _) => Checked::Record(folder),
+            (None, Some(gains)) => Checked::Gains { gains, study: self.study.as_deref() },
+            (None, None) => return Err(Failure::plain("give a gains document, or --run FOLDER")),
+        };
+        let bar = spinner();
+        let found = verify(checked, &|stage| {
+            bar.set_message(match stage {
+                Stage::Tube(share) => format!("tube, second derivation: {:.0} %", 100.0 * share),
+                Stage::Worlds(done) => format!("worlds of the study: {done} of {WORLDS} run"),
+            });
+            bar.tick();
+        });
+        bar.finish_and_clear();
+        let found = found?;
+        let record = found.record.as_ref().map(record_words);
+        let Some(claims) = &found.claims else {
+            self.tell_bare_record(&record.unwrap_or_default());
             return Ok(ExitCode::SUCCESS);
         };
-        let mut runs = None;
-        let answer = match (certificate.verified(&gains), &study) {
-            (Ok(verified), Some(study)) => {
-                again(verified, &gains, certificate, study)?.map(|(verified, kept)| {
-                    runs = kept;
-                    verified
-                })
-            }
-            (answer, _) => answer,
-        };
         if self.json {
-            let holds = answer.is_ok();
-            let document = match &answer {
+            let holds = claims.is_ok();
+            let document = match claims {
                 Ok(verified) => {
-                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": runs, "record": record })
+                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record })
                 }
                 Err(why) => json!({ "holds": holds, "refuted": why, "record": record }),
             };
@@ -85,101 +77,36 @@ impl Verify {
             if let Some(words) = &record {
                 println!("RECORD\n  {words}");
             }
-            match &answer {
-                Ok(verified) => println!("{}", blocks(verified, runs.as_ref())),
+            match claims {
+                Ok(verified) => println!("{}", blocks(verified, found.runs.as_ref())),
                 Err(why) => println!("REFUSED: {why}"),
             }
         }
-        Ok(if answer.is_ok() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+        Ok(if claims.is_ok() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
-}
 
-/// What is to be checked.
-struct Subject {
-    gains: Gains,
-    study: Option<Box<Study>>,
-    /// What was found of the record that they are from.
-    record: Option<String>,
-}
-
-impl Verify {
-    fn subject(&self) -> Result<Subject, Failure> {
-        if let Some(folder) = &self.run {
-            let kept = Kept::read(&folder.join(TRACE))?;
-            kept.figures_hold(folder)?;
-            if let Some(tube) = kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {
-                return Err(Failure::at(&folder.join(TRACE), tube.sentence()).infeasible());
-            }
-            let own = kept.gains.study_sha256 == kept.study.sha256;
-            let words = format!(
-                "every file is the one that the run left, and its figures follow from its trace: {}",
-                table::verdict(&kept.seen.metrics, None)
+    /// A record whose gains carry no certificate.
+    fn tell_bare_record(&self, words: &str) {
+        if self.json {
+            println!("{:#}", json!({ "holds": true, "refuted": null, "record": words }));
+        } else {
+            println!(
+                "RECORD\n  {words}\nits gains carry no certificate: nothing is claimed about them"
             );
-            let study = own.then_some(kept.study);
-            return Ok(Subject { gains: kept.gains, study, record: Some(words) });
         }
-        let path = self.gains.as_deref().unwrap_or(Path::new(""));
-        let gains = Gains::from_json(&files::read(path)?).map_err(|e| Failure::at(path, e))?;
-        let study = self.study.as_deref().map(knowledge::read).transpose()?;
-        Ok(Subject { gains, study, record: None })
     }
 }
 
-/// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
-fn again(
-    mut verified: Verified,
-    gains: &Gains,
-    certificate: &Certificate,
-    study: &Study,
-) -> Result<Result<(Verified, Option<Runs>), Refutation>, Failure> {
-    let checked = certificate.derive(gains, study).and_then(|derived| {
-        verified.derived = derived;
-        verified.tube = derived_tube(gains, certificate, study)?;
-        Ok(verified)
-    });
-    let verified = match checked {
-        Ok(verified) => verified,
-        Err(why) => return Ok(Err(why)),
-    };
-    let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
-    let bar = spinner();
-    let runs = worlds::runs(study, gains, tube, &|done| {
-        bar.set_message(format!("worlds of the study: {done} of {} run", worlds::WORLDS));
-        bar.tick();
-    });
-    bar.finish_and_clear();
-    Ok(runs?.map(|kept| (verified, Some(kept))))
-}
-
-fn derived_tube(
-    gains: &Gains,
-    certificate: &Certificate,
-    study: &Study,
-) -> Result<Option<TubeAgain>, Refutation> {
-    let Ok(motion) = Motion::new(&study.reference, &study.robot, study.duration) else {
-        return Ok(None);
-    };
-    let n = study.robot.joints.len();
-    let reference = Reference::of(study, |t| (0..n).map(|i| motion.at(i, t)).collect());
-    let bar = spinner();
-    let told = certificate.derive_tube(gains, (study, &reference), &|share| {
-        bar.set_message(format!("tube, second derivation: {:.0} %", 100.0 * share));
-        bar.tick();
-    });
-    bar.finish_and_clear();
-    told
-}
-
-fn spinner() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} · {elapsed}") {
-        bar.set_style(style);
-    }
-    bar
+/// What was found of a record.
+fn record_words(metrics: &Metrics) -> String {
+    format!(
+        "every file is the one that the run left, and its figures follow from its trace: {}",
+        table::verdict(metrics, None)
+    )
 }
 
 /// The three blocks, and what a study says of the second.
-fn blocks(verified: &Verified, runs: Option<&Runs>) -> String {
+fn blocks(verified: &Verified, runs: Option<&DrawnRuns>) -> String {
     let line = |one: &Statement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
@@ -207,7 +134,7 @@ fn blocks(verified: &Verified, runs: Option<&Runs>) -> String {
 }
 
 /// What the second derivation and the drawn worlds say of the tube.
-fn again_lines(tube: &TubeAgain, runs: Option<&Runs>) -> Vec<String> {
+fn again_lines(tube: &TubeAgain, runs: Option<&DrawnRuns>) -> Vec<String> {
     let joint = |own: &JointBeside| {
         let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
         let rest = if own.confirmed() {

@@ -7,7 +7,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use phihat_cli::Session;
+use phihat_session::Session;
 use phihat_study::Study;
 use serde_json::json;
 use support::{files_of, folder, interrupted, json as run, swing};

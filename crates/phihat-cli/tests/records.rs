@@ -7,8 +7,9 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phihat_campaign::disk::Lock;
-use phihat_campaign::{Journal, sha256};
+use phihat_campaign::Journal;
+use phihat_session::disk::Lock;
+use phihat_session::sha256;
 use support::{files_of, folder, phihat, small};
 
 /// A folder with two studies that differ, and the record of each under its name.

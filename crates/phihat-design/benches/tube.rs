@@ -6,9 +6,9 @@
 
 use std::time::Instant;
 
-use phihat_campaign::phi_along;
 use phihat_design::tube::{Desired, tube};
 use phihat_design::{Arm, Gains, Outcome, design};
+use phihat_session::phi_along;
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
 

@@ -64,7 +64,6 @@ fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
         LawRequest::Coefficients { kp, kd, a } => (kp[joint], kd[joint], a.clone()),
         // `LawRequest` may grow; a kind this version does not know yields no estimator, which the
         // controller refuses by name.
-        _ => (f64::NAN, f64::NAN, Vec::new()),
     }
 }
 

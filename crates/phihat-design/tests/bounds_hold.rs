@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::phi_along;
 use phihat_design::prelude::*;
 use phihat_design::{Arm, Certificate, Gains, NotCounted, Outcome, design, requested_gains};
+use phihat_session::phi_along;
 use phihat_sim::{Demand, Metrics, Simulation};
 use phihat_study::{LawForm, Study};
 

@@ -4,10 +4,10 @@
 
 use std::time::Instant;
 
-use phihat_campaign::phi_along;
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;
 use phihat_design::{Arm, CoupledGains, Outcome, design};
+use phihat_session::phi_along;
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
 

@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use phihat::Form;
-use phihat_campaign::phi_along;
 use phihat_design::{Alternative, Arm, Gains, Outcome, arm_inside_window, design};
+use phihat_session::phi_along;
 use phihat_sim::{Demand, Metrics, Simulation};
 use phihat_study::Study;
 
@@ -134,7 +134,6 @@ fn the_robots_own_rule_is_a_clause_and_is_kept() {
         Outcome::Infeasible(no) => {
             assert!(no.clauses.iter().any(|c| c.key == "profile.torque_rate_max_nm_s"), "{no:?}");
         }
-        _ => panic!("another outcome"),
     }
     study.interface.profile.torque_rate_max = Some(rule / 100.0);
     let Outcome::Infeasible(no) = designed(&study) else { panic!("too quiet to be possible") };

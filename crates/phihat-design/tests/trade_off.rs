@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use phihat_campaign::phi_along;
 use phihat_design::{Arm, Gains, Outcome, TradeOff, design};
+use phihat_session::phi_along;
 use phihat_sim::Demand;
 use phihat_study::Study;
 

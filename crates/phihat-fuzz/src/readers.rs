@@ -46,7 +46,7 @@ pub fn study(bytes: &[u8]) {
 ///
 /// A promise is broken.
 pub fn robot_file(bytes: &[u8]) {
-    const URDF: &str = include_str!("../../../robots/planar3r.urdf");
+    const URDF: &str = include_str!("../../phihat-model/robots/planar3r.urdf");
     let Ok(text) = core::str::from_utf8(bytes) else { return };
     let read = Robot::from_text(URDF, Some(text), "fuzz.toml");
     checked(read);

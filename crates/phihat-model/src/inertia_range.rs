@@ -4,7 +4,6 @@ use crate::{Joint, Robot, Workspace};
 
 /// Range of the mass matrix over sampled postures, armature included.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct InertiaRange {
     /// Smallest `M_ii` \[kg·m²\] per joint.
     pub min: Vec<f64>,

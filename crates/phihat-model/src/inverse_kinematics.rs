@@ -8,7 +8,6 @@ use crate::{Model, Workspace};
 
 /// Where a frame shall be, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum Target {
     /// Origin \[m\] only; orientation as it comes.
     Position([f64; 3]),
@@ -37,7 +36,6 @@ impl Default for IkOptions {
 
 /// Why no joint positions were found.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
 pub enum IkError {
     /// The best posture found misses the target: perhaps out of reach.
     #[error(

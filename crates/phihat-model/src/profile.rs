@@ -51,10 +51,10 @@ pub struct Profile {
 }
 
 const FILES: [(&str, &str); 4] = [
-    ("ideal", include_str!("../../../robots/profiles/ideal.toml")),
-    ("franka", include_str!("../../../robots/profiles/franka.toml")),
-    ("ur", include_str!("../../../robots/profiles/ur.toml")),
-    ("kuka_fri", include_str!("../../../robots/profiles/kuka_fri.toml")),
+    ("ideal", include_str!("../robots/profiles/ideal.toml")),
+    ("franka", include_str!("../robots/profiles/franka.toml")),
+    ("ur", include_str!("../robots/profiles/ur.toml")),
+    ("kuka_fri", include_str!("../robots/profiles/kuka_fri.toml")),
 ];
 
 impl Profile {

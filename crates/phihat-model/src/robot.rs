@@ -9,7 +9,6 @@ use crate::{Model, extras, input, urdf};
 
 /// A robot as its files describe it.
 #[derive(Debug, Clone)]
-#[non_exhaustive]
 pub struct Robot {
     /// Name: short, as used in file names.
     pub name: String,
@@ -39,7 +38,6 @@ pub struct Robot {
 
 /// A joint that moves.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct Joint {
     /// Name.
     pub name: String,
@@ -106,8 +104,8 @@ macro_rules! arms {
         const NAMES: &[&str] = &[$($name),*];
         const ARMS: &[(&str, &str, &str)] = &[$((
             $name,
-            include_str!(concat!("../../../robots/", $name, ".urdf")),
-            include_str!(concat!("../../../robots/", $name, ".toml")),
+            include_str!(concat!("../robots/", $name, ".urdf")),
+            include_str!(concat!("../robots/", $name, ".toml")),
         )),*];
     };
 }

@@ -54,7 +54,7 @@ fn files_are_read_from_disk_by_their_path() {
     assert!(matches!(missing, RobotError::Read { .. }) && missing.to_string().contains("ur6.toml"));
 }
 
-const URDF: &str = include_str!("../../../robots/planar3r.urdf");
+const URDF: &str = include_str!("../robots/planar3r.urdf");
 
 fn toml(tail: &str) -> String {
     format!(

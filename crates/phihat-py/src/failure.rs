@@ -1,7 +1,8 @@
 //! Errors of the Rust half as exceptions of `phihat._errors`, with what they carry.
 
 use phihat_design::{GainsError, Infeasible};
-use phihat_model::RobotError;
+use phihat_model::{RobotError, input};
+use phihat_session::SessionError;
 use phihat_study::StudyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -93,9 +94,18 @@ pub(crate) fn gains(py: Python<'_>, error: &GainsError) -> PyErr {
     fill().map_or_else(|why: PyErr| why, |()| raise(py, "GainsError", &error.to_string(), &carried))
 }
 
-/// What the command would print before it ends with exit code 2.
-pub(crate) fn failed(py: Python<'_>, failure: &phihat_cli::Failure) -> PyErr {
-    let text = failure.to_string();
+/// Why a study cannot be taken further.
+pub(crate) fn session(py: Python<'_>, error: &SessionError) -> PyErr {
+    match error {
+        SessionError::Study(why) => study(py, why),
+        SessionError::Infeasible { no, .. } => infeasible(py, no),
+        other => plain(py, "Error", &input::plain(&other.to_string())),
+    }
+}
+
+/// Why a campaign, a comparison or a reproduction cannot be done.
+pub(crate) fn campaign(py: Python<'_>, error: impl core::fmt::Display) -> PyErr {
+    let text = input::plain(&error.to_string());
     plain(py, "Error", text.strip_prefix("error: ").unwrap_or(&text))
 }
 

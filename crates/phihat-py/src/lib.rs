@@ -16,15 +16,11 @@ mod run;
 mod study;
 mod supervisor;
 
-use std::process::ExitCode;
-
 use pyo3::prelude::*;
 
 /// The compiled half of the package `phihat`.
 #[pymodule]
 mod _phihat {
-    #[pymodule_export]
-    use super::command;
     #[pymodule_export]
     use super::controller::Controller;
     #[pymodule_export]
@@ -34,7 +30,7 @@ mod _phihat {
     #[pymodule_export]
     use super::run::Trace;
     #[pymodule_export]
-    use super::run::{compare, design, faults, recorded, reproduce, simulate};
+    use super::run::{compare, design, faults, recorded, report, reproduce, simulate};
     #[pymodule_export]
     use super::study::study_document;
     #[pymodule_export]
@@ -47,11 +43,4 @@ mod _phihat {
 #[pyfunction]
 fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
-}
-
-/// The `phihat` command with these arguments, the program's name first; its exit code.
-#[pyfunction]
-fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {
-    let code = py.detach(|| phihat_cli::run(arguments.into_iter().map(Into::into)));
-    (0..=u8::MAX).find(|n| code == ExitCode::from(*n)).unwrap_or(2)
 }

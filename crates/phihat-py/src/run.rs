@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
-use phihat_cli::{Done, Session};
+use phihat_campaign::faults::FaultsOptions;
+use phihat_compare::CompareOptions;
 use phihat_design::Outcome;
+use phihat_paper::ReproduceOptions;
+use phihat_session::{Done, Session, SessionError};
 use phihat_sim::JointTrace;
 use pyo3::prelude::*;
 
@@ -21,11 +24,10 @@ pub(crate) fn design(
     name: &str,
 ) -> PyResult<Gains> {
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
-    let outcome = py.detach(|| phihat_cli::designed(&study, &origin));
-    match outcome.map_err(|e| failure::failed(py, &e))? {
+    let outcome = py.detach(|| phihat_session::designed(&study, &origin));
+    match outcome.map_err(|e| failure::session(py, &e))? {
         Outcome::Designed(gains) => Ok(Gains { inner: *gains }),
         Outcome::Infeasible(no) => Err(failure::infeasible(py, &no)),
-        _ => Err(failure::internal(py, "an outcome that this version does not know")),
     }
 }
 
@@ -43,40 +45,85 @@ pub(crate) fn simulate(
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
     let given = gains.map(|gains| (gains.inner.clone(), Path::new("gains.json")));
     let run = || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
-    let (done, trace) = py.detach(run).map_err(|e: phihat_cli::Failure| failure::failed(py, &e))?;
+    let (done, trace) = py.detach(run).map_err(|e: SessionError| failure::session(py, &e))?;
     Ok(Trace { done, trace })
 }
 
 /// Reads the record of a run.
 #[pyfunction]
 pub(crate) fn recorded(py: Python<'_>, folder: PathBuf) -> PyResult<Trace> {
-    let read = py.detach(|| phihat_cli::recorded(&folder));
-    let (done, trace) = read.map_err(|e| failure::failed(py, &e))?;
+    let read = py.detach(|| phihat_session::recorded(&folder));
+    let (done, trace) = read.map_err(|e| failure::session(py, &e))?;
     Ok(Trace { done, trace })
 }
 
-/// Runs a fault matrix with the arguments of `phihat faults`; its answer, as in faults.json.
+/// Makes the page of a recorded trace again.
 #[pyfunction]
-pub(crate) fn faults(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
-    let run = || phihat_cli::fault_matrix(arguments.into_iter().map(Into::into));
-    let summary = py.detach(run).map_err(|e| failure::failed(py, &e))?;
-    json::to_python(py, &summary)
+pub(crate) fn report(py: Python<'_>, trace: PathBuf, page: PathBuf) -> PyResult<()> {
+    let made = py.detach(|| phihat_session::report_again(&trace, &page));
+    made.map(|_| ()).map_err(|e| failure::session(py, &e))
 }
 
-/// Compares rivals with the arguments of `phihat compare`; its answer, as in compare.json.
-#[pyfunction]
-pub(crate) fn compare(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
-    let run = || phihat_cli::comparison(arguments.into_iter().map(Into::into));
-    let comparison = py.detach(run).map_err(|e| failure::failed(py, &e))?;
-    json::to_python(py, &comparison)
+/// What a fault matrix is told: the keyword arguments of `phihat.faults`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct FaultsAsked {
+    studies: Vec<PathBuf>,
+    orders: Vec<usize>,
+    seeds: u16,
+    quick: bool,
+    only: Option<String>,
+    threads: Option<u16>,
+    out: Option<PathBuf>,
 }
 
-/// Reproduces the paper with the arguments of `phihat reproduce`; its answer, as in reproduction.json.
+/// Runs a fault matrix; its answer, as in faults.json.
 #[pyfunction]
-pub(crate) fn reproduce(py: Python<'_>, arguments: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
-    let run = || phihat_cli::reproduction(arguments.into_iter().map(Into::into));
-    let reproduction = py.detach(run).map_err(|e| failure::failed(py, &e))?;
-    json::to_python(py, &reproduction)
+pub(crate) fn faults(py: Python<'_>, asked: FaultsAsked) -> PyResult<Bound<'_, PyAny>> {
+    let FaultsAsked { studies, orders, seeds, quick, only, threads, out } = asked;
+    let options =
+        FaultsOptions { studies, orders, seeds, quick, only, threads, out, ..Default::default() };
+    let answer = py.detach(|| options.run(&mut ())).map_err(|e| failure::campaign(py, e))?;
+    json::to_python(py, &answer.summary)
+}
+
+/// What a comparison is told: the keyword arguments of `phihat.compare`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct CompareAsked {
+    studies: Vec<PathBuf>,
+    only: Vec<String>,
+    worlds: Vec<String>,
+    seeds: Option<u16>,
+    quick: bool,
+    fresh: bool,
+    threads: Option<u16>,
+    out: Option<PathBuf>,
+}
+
+/// Compares rivals; the answer, as in compare.json.
+#[pyfunction]
+pub(crate) fn compare(py: Python<'_>, asked: CompareAsked) -> PyResult<Bound<'_, PyAny>> {
+    let CompareAsked { studies, only, worlds, seeds, quick, fresh, threads, out } = asked;
+    let options = CompareOptions { studies, only, worlds, quick, seeds, fresh, threads, out };
+    let answer = py.detach(|| options.run(&mut ())).map_err(|e| failure::campaign(py, e))?;
+    json::to_python(py, &answer.comparison)
+}
+
+/// Reproduces the paper; the answer, as in reproduction.json.
+#[pyfunction]
+#[pyo3(signature = (only, quick, threads, out))]
+pub(crate) fn reproduce(
+    py: Python<'_>,
+    only: Option<String>,
+    quick: bool,
+    threads: Option<u16>,
+    out: Option<PathBuf>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let default = ReproduceOptions::default();
+    let options = ReproduceOptions { quick, only, threads, out: out.unwrap_or(default.out) };
+    let answer = py.detach(|| options.run(None, &mut ())).map_err(|e| failure::campaign(py, e))?;
+    json::to_python(py, &answer.reproduction)
 }
 
 /// The record of a run.
@@ -187,12 +234,12 @@ impl Trace {
     }
     /// Writes study, gains, origin, metrics and trace into a folder.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| self.done.write(&self.trace, &folder)).map_err(|e| failure::failed(py, &e))
+        py.detach(|| self.done.write(&self.trace, &folder)).map_err(|e| failure::session(py, &e))
     }
     /// Writes the report's page, and its figures beside it.
     fn write_report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let written = py.detach(|| phihat_cli::write_report(&self.done.record(), &path));
-        written.map(|_| ()).map_err(|e| failure::failed(py, &e))
+        let written = py.detach(|| phihat_session::write_report(&self.done.record(), &path));
+        written.map(|_| ()).map_err(|e| failure::session(py, &e))
     }
 }
 

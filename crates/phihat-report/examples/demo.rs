@@ -2,7 +2,7 @@
 //! breaks its bounds; or one page per hostile name, to be attacked with.
 //!
 //! `cargo run -p phihat-report --example demo -- FOLDER [JOINTS [SAMPLES]]`
-//! `cargo run -p phihat-report --example demo -- FOLDER diverged|hostile|reproduction`
+//! `cargo run -p phihat-report --example demo -- FOLDER diverged|hostile`
 
 use std::error::Error;
 use std::fs::{create_dir_all, write};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[path = "../tests/support/mod.rs"]
 mod support;
-use support::{Fixture, reproduction};
+use support::Fixture;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
@@ -19,9 +19,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let first = words.next();
     if first.as_deref() == Some("hostile") {
         return hostile(&folder);
-    }
-    if first.as_deref() == Some("reproduction") {
-        return reproduced(&folder);
     }
     if first.as_deref() == Some("diverged") {
         return show(&folder, &diverged());
@@ -34,15 +31,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn show(folder: &Path, fixture: &Fixture) -> Result<(), Box<dyn Error>> {
     write(folder.join("page.html"), phihat_report::page(&fixture.record()))?;
     for figure in phihat_report::figures(&fixture.record()) {
-        write(folder.join(figure.name).with_extension("svg"), figure.svg)?;
-    }
-    Ok(())
-}
-
-fn reproduced(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let whole = reproduction::reproduction();
-    write(folder.join("page.html"), phihat_report::reproduction_page(&whole))?;
-    for figure in phihat_report::reproduction_figures(&whole) {
         write(folder.join(figure.name).with_extension("svg"), figure.svg)?;
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use phihat_design::{Tube, TubeJoint};
 
-use crate::number::rounded;
+use crate::kit::number::rounded;
 
 /// Steps kept of a tube: what is drawn is never narrower than the tube.
 const STEPS_MAX: usize = 400;

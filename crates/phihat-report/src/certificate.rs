@@ -2,16 +2,14 @@
 
 use crate::coupled::coupled;
 use crate::figure::claim_figures;
-use crate::number::{number, stated};
+use crate::kit::MILLI;
+use crate::kit::number::{number, stated};
+use crate::kit::text::line;
 use crate::record::Record;
-use crate::text::line;
 use crate::tube::tube;
 use maud::{Markup, PreEscaped, html};
 use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;
-
-/// Thousandths, for reading: mrad, mrad/s.
-const MILLI: f64 = 1e3;
 
 /// The certificate's claims, or nothing where there is none.
 pub(crate) fn certificate(record: &Record<'_>) -> Markup {

@@ -276,7 +276,7 @@ fn chart(run: &Seen<'_>, kind: &'static Kind, drawn: Vec<Drawn>) -> Chart {
         let band = |tube: &Tube, ends| Some(Band::of(tube, tube.joints.get(j)?, ends, kind.scale));
         let tube = run.tube.zip(kind.tube);
         Panel {
-            joint: crate::text::line(name),
+            joint: crate::kit::text::line(name),
             drawn,
             bound: bound.map(|bound| kind.scale * bound),
             tube: tube.and_then(|(tube, ends)| band(tube, ends)),

@@ -3,11 +3,9 @@
 use maud::{Markup, html};
 use phihat_design::{Certificate, CoupledGains};
 
-use crate::number::number;
-use crate::text::line;
-
-/// Thousandths, for reading.
-const MILLI: f64 = 1e3;
+use crate::kit::MILLI;
+use crate::kit::number::number;
+use crate::kit::text::line;
 
 /// The coupled gains, or nothing where there are none.
 pub(crate) fn coupled(certificate: &Certificate) -> Markup {

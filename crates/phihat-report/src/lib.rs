@@ -17,35 +17,27 @@
 mod band;
 mod certificate;
 mod chart;
-mod comparison;
 mod coupled;
 mod drawing;
-mod faults;
 mod figure;
+pub mod kit;
 mod limited;
-mod number;
 mod page;
 mod payload;
 mod policy;
 mod record;
-mod reproduction;
 mod sections;
 mod stretches;
 mod supervision;
 mod table;
-mod text;
 mod tube;
 mod verdict;
 
-pub use comparison::{
-    Beaten, DEFAULTS, Loss, NOT_TUNED, Trial, UNITS, comparison_page, comparison_table, losses,
-    main_world, model_free, model_free_in_full, trial_page,
-};
 pub use drawing::Drawing;
-pub use faults::faults_page;
-pub use figure::{FIGURES, Figure, figures, reproduction_figures};
+pub use figure::{FIGURES, figures, run_figures};
+pub use kit::sheet::Figure;
 pub use limited::limits_acted;
 pub use page::page;
-pub use record::{Record, RunInfo};
-pub use reproduction::reproduction_page;
+pub use record::{Record, RunInfo, Seen};
+pub use table::{torque, tracking};
 pub use tube::{TubeRun, TubeSeen};

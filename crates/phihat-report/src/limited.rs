@@ -2,8 +2,8 @@
 
 use phihat_sim::{JointMetrics, Metrics};
 
-use crate::number::{percent, stated};
-use crate::text::line;
+use crate::kit::number::{percent, stated};
+use crate::kit::text::line;
 
 /// Joints named for each limit; the others are counted.
 const NAMED: usize = 3;

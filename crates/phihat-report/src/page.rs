@@ -3,15 +3,16 @@
 use crate::certificate::certificate;
 use crate::chart::DRAWABLE_MAX;
 use crate::figure::run_figures;
-use crate::number::stated;
+use crate::kit::document;
+use crate::kit::number::stated;
+use crate::kit::text::line;
 use crate::payload::{buckets, payload};
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;
-use crate::text::line;
 use crate::verdict::{Verdict, verdict};
 use crate::{sections, table};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 /// The self-contained page of a record.
 ///
@@ -24,42 +25,27 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 /// # }
 /// ```
 pub fn page(record: &Record<'_>) -> String {
-    let title = format!("{} – phihat", line(&record.run.study));
-    let markup = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy" content=(content_policy());
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                meta name="referrer" content="no-referrer";
-                title { (title) }
-                style { (PreEscaped(style())) }
-            }
-            body {
-                main {
-                    (heading(record))
-                    (warnings(record))
-                    h2 id="figures" { "Figures per joint" }
-                    (table::tracking(record.metrics))
-                    (table::torque(record.metrics))
-                    (plots(record))
-                    (supervision(&record.drawing.course))
-                    (sections::gains(record.gains))
-                    (certificate(record))
-                    (sections::world(record))
-                    (sections::study(record))
-                    (sections::origin(record))
-                    (sections::not_claimed(record.gains.certificate.is_some()))
-                }
-                script type="application/json" id="record" { (PreEscaped(payload(record))) }
-                script { (PreEscaped(PLOT_SCRIPT)) }
-                script { (PreEscaped(PAGE_SCRIPT)) }
-            }
+    let body = html! {
+        main {
+            (heading(record))
+            (warnings(record))
+            h2 id="figures" { "Figures per joint" }
+            (table::tracking(record.metrics))
+            (table::torque(record.metrics))
+            (plots(record))
+            (supervision(&record.drawing.course))
+            (sections::gains(record.gains))
+            (certificate(record))
+            (sections::world(record))
+            (sections::study(record))
+            (sections::origin(record))
+            (sections::not_claimed(record.gains.certificate.is_some()))
         }
+        script type="application/json" id="record" { (PreEscaped(payload(record))) }
+        script { (PreEscaped(PLOT_SCRIPT)) }
+        script { (PreEscaped(PAGE_SCRIPT)) }
     };
-    markup.into_string()
+    document(&line(&record.run.study), &content_policy(), &style(), &body)
 }
 
 fn heading(record: &Record<'_>) -> Markup {

@@ -1,7 +1,7 @@
 //! The page's data: every chart, decimated, as JSON that cannot leave its script element.
 
 use crate::chart::{Chart, Curve, Plane, charts};
-use crate::number::rounded;
+use crate::kit::number::rounded;
 use crate::record::Record;
 use crate::verdict::worst_joint;
 use serde::Serialize;

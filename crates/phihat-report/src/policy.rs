@@ -10,32 +10,12 @@ const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
 /// Our script.
 pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
-const FAULTS_STYLE: &str = include_str!("../assets/faults.css");
-const REPRODUCTION_STYLE: &str = include_str!("../assets/reproduction.css");
-/// What sorts the tables of a comparison.
-pub(crate) const COMPARISON_SCRIPT: &str = include_str!("../assets/comparison.js");
-const COMPARISON_STYLE: &str = include_str!("../assets/comparison.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
 /// The one style sheet.
 pub(crate) fn style() -> String {
     format!("{PLOT_STYLE}\n{PAGE_STYLE}")
-}
-
-/// The style sheet of a fault matrix.
-pub(crate) fn faults_style() -> String {
-    format!("{PAGE_STYLE}\n{FAULTS_STYLE}")
-}
-
-/// The style sheet of a reproduction.
-pub(crate) fn reproduction_style() -> String {
-    format!("{PAGE_STYLE}\n{REPRODUCTION_STYLE}")
-}
-
-/// The style sheet of a comparison.
-pub(crate) fn comparison_style() -> String {
-    format!("{PAGE_STYLE}\n{COMPARISON_STYLE}")
 }
 
 /// A page with one script of ours: it and the style sheet run by hash, nothing else does.

@@ -26,8 +26,10 @@ pub struct Record<'a> {
 
 /// What was seen of a run, whatever law drove it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub struct Seen<'a> {
+    /// What is drawn of it.
     pub drawing: &'a Drawing,
+    /// Its figures.
     pub metrics: &'a Metrics,
     /// The tube that was promised for it.
     pub tube: Option<&'a Tube>,

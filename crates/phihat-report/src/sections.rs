@@ -1,9 +1,9 @@
 //! What stands below the plots: gains, loop and world, study, origin, limits of the claim.
 
-use crate::number::stated;
+use crate::kit::number::stated;
+use crate::kit::text::{line, visible};
 use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
-use crate::text::{line, visible};
 use maud::{Markup, html};
 use phihat_design::Gains;
 

@@ -1,6 +1,6 @@
 //! What the supervisor did, moment by moment.
 
-use crate::number::stated;
+use crate::kit::number::stated;
 use maud::{Markup, html};
 use phihat_sim::Trace;
 

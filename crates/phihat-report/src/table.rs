@@ -1,13 +1,14 @@
 //! The figures per joint, each beside its bound.
 
-use crate::number::{number, percent, stated};
-use crate::text::line;
-use crate::verdict::{CLAUSES, Clause, MILLI, excess, share};
+use crate::kit::MILLI;
+use crate::kit::number::{number, percent, stated};
+use crate::kit::text::line;
+use crate::verdict::{CLAUSES, Clause, excess, share};
 use maud::{Markup, html};
 use phihat_sim::{JointMetrics, Metrics};
 
 /// Whether the spec holds, joint by joint.
-pub(crate) fn tracking(metrics: &Metrics) -> Markup {
+pub fn tracking(metrics: &Metrics) -> Markup {
     let steady = format!("steady: from {} s on", stated(metrics.settle_s));
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: tracking per joint" {
@@ -33,7 +34,7 @@ pub(crate) fn tracking(metrics: &Metrics) -> Markup {
 }
 
 /// What the torque and the estimate did, joint by joint.
-pub(crate) fn torque(metrics: &Metrics) -> Markup {
+pub fn torque(metrics: &Metrics) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: torque per joint" {
             table {

@@ -5,12 +5,10 @@ use phihat_design::{Certificate, Gains, JointRun, Left, Tube, TubeKept, TubeWatc
 use phihat_sim::{JointTrace, Trace};
 use serde::Serialize;
 
-use crate::number::{number, stated};
+use crate::kit::MILLI;
+use crate::kit::number::{number, stated};
+use crate::kit::text::line;
 use crate::record::Record;
-use crate::text::line;
-
-/// From rad to mrad.
-const MILLI: f64 = 1e3;
 
 /// A run against its tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]

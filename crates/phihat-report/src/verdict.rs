@@ -1,8 +1,9 @@
 //! Did it hold, and by how much: every stated bound against what was measured.
 
+use crate::kit::MILLI;
+use crate::kit::number::{number, percent, stated};
+use crate::kit::text::line;
 use crate::limited::limits_acted;
-use crate::number::{number, percent, stated};
-use crate::text::line;
 use crate::tube::TubeRun;
 use phihat_sim::{JointMetrics, Metrics};
 
@@ -35,9 +36,6 @@ pub(crate) const CLAUSES: [Clause; 3] = [
         bound: |j| j.velocity_error_spec_rad_s,
     },
 ];
-
-/// From rad to mrad.
-pub(crate) const MILLI: f64 = 1e3;
 
 /// What the spec says of a run.
 #[derive(Debug, Clone, PartialEq)]

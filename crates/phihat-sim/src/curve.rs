@@ -90,8 +90,6 @@ impl Shape {
                 Self::Circle { center: *center, u, v }
             }
             Curve::Spline { points } => Self::closed_spline(points),
-            // A curve this version does not know is a point; the study refuses it before.
-            _ => Self::Circle { center: [0.0; 3], u: [0.0; 3], v: [0.0; 3] },
         }
     }
 

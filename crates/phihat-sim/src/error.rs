@@ -4,7 +4,6 @@ use thiserror::Error;
 
 /// A study that reads well, yet cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
 pub enum SimError {
     /// Gains and robot disagree.
     #[error("the gains are for {gains} joints, the robot has {robot}")]

@@ -43,7 +43,6 @@ impl Motion {
                 let (t, q) = curve::joint_samples(reference, robot, duration)?;
                 Path::Splines(per_joint(&t, &q))
             }
-            _ => return Err(SimError::UnknownReference),
         };
         Ok(Self { path })
     }

@@ -10,7 +10,6 @@ use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 
 /// Why a trace file cannot be read.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum TraceError {
     /// The file is not CSV, or reading failed.
     #[error("{0}")]

@@ -8,7 +8,6 @@ const WINDOW: usize = 96;
 
 /// What kind of thing is wrong; the message has the particulars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum StudyErrorKind {
     /// A file could not be opened or read.
     Unreadable,

@@ -36,7 +36,6 @@ macro_rules! kinds {
     ($($kind:ident $word:literal, $joint:literal, $unit:literal, $bounds:expr, $default:expr, $doc:literal;)*) => {
         /// What can go wrong.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        #[non_exhaustive]
         pub enum FaultKind {
             $(#[doc = $doc] $kind,)*
         }

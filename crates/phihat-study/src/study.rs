@@ -164,7 +164,6 @@ pub struct GainsRequest {
 
 /// Two ways of stating a law.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum LawRequest {
     /// By bandwidth and damping: `K_p = ω²`, `K_d = 2ζω`, estimator poles at `estimator_bandwidth`.
     Bandwidths {
@@ -461,7 +460,6 @@ pub struct Start {
 
 /// `[reference]`: what the arm shall do; every kind is C².
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Reference {
     /// `q_d = center + w(t) Σ amplitude sin(2π frequency t + phase)`, faded in over `fade_in`.
     Sines {
@@ -516,7 +514,6 @@ pub struct Sine {
 
 /// A closed curve in space.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Curve {
     /// A circle.
     Circle {

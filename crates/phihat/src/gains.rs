@@ -212,7 +212,6 @@ impl JointDesign<'_> {
 
 /// Names a gain in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Gain {
     /// `M̄`.
     Inertia,
@@ -258,7 +257,6 @@ impl fmt::Display for Gain {
 
 /// Why a design is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum GainError {
     /// A gain is zero, negative, infinite or NaN.
     NotPositive {

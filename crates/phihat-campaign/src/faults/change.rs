@@ -1,5 +1,6 @@
 //! From a fault of the table to the study of a run.
 
+use phihat_session::{append, set};
 use toml::{Table, Value};
 
 use super::catalogue::{Effect, Fault, Lasts, On, Size};
@@ -109,32 +110,4 @@ fn value(size: Size, level: f64, sign: f64, units: Units) -> Option<Value> {
     #[allow(clippy::cast_possible_truncation, reason = "small whole numbers of the table")]
     let whole = number as i64;
     Some(if size == Size::Whole { whole.into() } else { number.into() })
-}
-
-/// Appends to a list of sections.
-fn append(table: &mut Table, path: &[&str], section: Table) {
-    let Some((key, above)) = path.split_last() else { return };
-    let Some(at) = inner(table, above) else { return };
-    let list = at.entry((*key).to_owned()).or_insert_with(|| Value::Array(Vec::new()));
-    if let Value::Array(list) = list {
-        list.push(Value::Table(section));
-    }
-}
-
-/// Sets a key, making the sections it stands in.
-pub(crate) fn set(table: &mut Table, path: &[&str], value: Value) {
-    let Some((key, above)) = path.split_last() else { return };
-    if let Some(at) = inner(table, above) {
-        at.insert((*key).to_owned(), value);
-    }
-}
-
-/// A section, made where it is not there.
-fn inner<'a>(table: &'a mut Table, path: &[&str]) -> Option<&'a mut Table> {
-    let mut at = table;
-    for section in path {
-        let entry = at.entry((*section).to_owned()).or_insert_with(|| Value::Table(Table::new()));
-        at = entry.as_table_mut()?;
-    }
-    Some(at)
 }

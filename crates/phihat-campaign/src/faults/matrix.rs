@@ -1,19 +1,21 @@
 //! The matrix: arms × orders × faults × severities × seeds.
 
+use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use phihat::Form;
 use phihat_design::{Gains, GainsError};
 use phihat_sim::{Motion, SimError, Simulation};
-use phihat_study::{LawForm, Study};
+use phihat_study::{LawForm, Study, StudyError};
 use thiserror::Error;
 use toml::Table;
 
 use super::case::{Case, CaseName};
 use super::catalogue::{Effect, FAULTS, SEVERITIES};
-use super::change::{Draw, Units, change, set};
-use crate::hash::{share, short_hash};
+use super::change::{Draw, Units, change};
+use crate::journal::JournalError;
+use phihat_session::{SessionError, set, share, short_hash};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
 const EDITION: &str = "faults 1";
@@ -53,26 +55,59 @@ pub struct Matrix {
     pub cases: Vec<Case>,
 }
 
-/// Why a matrix cannot be made.
+/// Why a matrix cannot be made, run or written.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum FaultsError {
     /// A study cannot be read, or not with the fault in it.
-    #[error("{0}")]
-    Study(String),
+    #[error("{}", .0.render())]
+    Study(Box<StudyError>),
     /// A study does not fit a fault matrix.
     #[error("{}: {why}", path.display())]
     Unfit {
         /// The study.
         path: PathBuf,
         /// Why.
-        why: String,
+        why: Box<dyn Error + Send + Sync>,
+    },
+    /// There are no gains of an order.
+    #[error("{}: order {order}: {why}", path.display())]
+    NoGains {
+        /// The study.
+        path: PathBuf,
+        /// The order.
+        order: usize,
+        /// Why.
+        why: Box<SessionError>,
     },
     /// No run has such a name.
     #[error(
         "no run's name contains `{0}`; names are ARM/mORDER/FAULT/SEVERITY/SEED, as in panda/m2/freeze/3/1"
     )]
     Nothing(String),
+    /// No estimator has such an order.
+    #[error("--orders {0}: orders are 1 to {max}", max = phihat::ORDER_MAX)]
+    Order(usize),
+    /// More traces than are kept: runs, and how many there may be.
+    #[error("--trace: {0} runs; choose {1} at most with --only")]
+    TooManyTraces(usize, usize),
+    /// A run that is kept whole cannot begin, or a result not be written.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// The journal cannot be used.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// Gains cannot be written.
+    #[error(transparent)]
+    Gains(#[from] GainsError),
+    /// The answer cannot be written.
+    #[error("{0}")]
+    Answer(serde_json::Error),
+}
+
+impl From<StudyError> for FaultsError {
+    fn from(why: StudyError) -> Self {
+        Self::Study(Box::new(why))
+    }
 }
 
 /// Why a run cannot begin.
@@ -84,8 +119,8 @@ pub(crate) enum RunError {
     Sim(#[from] SimError),
 }
 
-/// How the gains of a study are found that may run on its arm; the error is for people.
-pub type Choose<'a> = &'a dyn Fn(&Study, &Path) -> Result<Gains, String>;
+/// How the gains of a study are found that may run on its arm.
+pub type Choose<'a> = &'a dyn Fn(&Study, &Path) -> Result<Gains, SessionError>;
 
 impl Matrix {
     /// Reads the studies and finds the gains of every arm and order: those kept in `cache` if they were made
@@ -104,7 +139,7 @@ impl Matrix {
         for path in studies {
             let arm = Arm::read(path, &extent.orders, cache, choose)?;
             if arms.iter().any(|other: &Arm| other.name == arm.name) {
-                let why = "another study of the matrix has the same name".to_owned();
+                let why = "another study of the matrix has the same name".into();
                 return Err(FaultsError::Unfit { path: path.clone(), why });
             }
             arms.push(arm);
@@ -255,19 +290,20 @@ impl Arm {
         cache: &Path,
         choose: Choose<'_>,
     ) -> Result<Self, FaultsError> {
-        let plain = Study::read(path).map_err(|e| FaultsError::Study(e.render()))?;
-        let unfit = |why: String| FaultsError::Unfit { path: path.to_owned(), why };
+        let plain = Study::read(path)?;
+        let unfit =
+            |why: Box<dyn Error + Send + Sync>| FaultsError::Unfit { path: path.to_owned(), why };
         if plain.control.torque_max.is_none() {
             let why = "a fault matrix needs torque limits: state loop.torque_max_nm";
-            return Err(unfit(why.to_owned()));
+            return Err(unfit(why.into()));
         }
         if !plain.faults.is_empty() {
             let why = "the study has faults of its own: the matrix adds its own, one at a time";
-            return Err(unfit(why.to_owned()));
+            return Err(unfit(why.into()));
         }
-        let table: Table = plain.text.parse().map_err(|e: toml::de::Error| unfit(e.to_string()))?;
+        let table: Table = plain.text.parse().map_err(|e: toml::de::Error| unfit(e.into()))?;
         let motion = Motion::new(&plain.reference, &plain.robot, plain.duration);
-        let motion = motion.map_err(|e| unfit(e.to_string()))?;
+        let motion = motion.map_err(|e| unfit(e.into()))?;
         let mut arm = Self {
             start: (0..plain.robot.joints.len()).map(|i| motion.at(i, 0.0)[0]).collect(),
             name: plain.name,
@@ -281,9 +317,10 @@ impl Arm {
             let kept = cache.join(format!("{}-m{order}.json", arm.name));
             let gains = match cached(&kept, &study) {
                 Some(gains) => gains,
-                None => {
-                    choose(&study, path).map_err(|why| unfit(format!("order {order}: {why}")))?
-                }
+                None => choose(&study, path).map_err(|why| {
+                    let (path, why) = (path.to_owned(), Box::new(why));
+                    FaultsError::NoGains { path, order, why }
+                })?,
             };
             arm.orders.push((order, study, gains));
         }
@@ -311,8 +348,7 @@ fn period(study: &Study) -> f64 {
 
 fn read(text: &str, path: &Path) -> Result<Study, FaultsError> {
     let origin = path.display().to_string();
-    Study::from_text(text, &origin, path.parent().unwrap_or(Path::new("")))
-        .map_err(|e| FaultsError::Study(e.render()))
+    Ok(Study::from_text(text, &origin, path.parent().unwrap_or(Path::new("")))?)
 }
 
 /// Gains made from this very study.

@@ -9,13 +9,14 @@ mod catalogue;
 mod cell;
 mod change;
 mod matrix;
+mod options;
 mod summary;
 
 pub use case::{Case, CaseName};
 pub use catalogue::{Bar, End, FAULTS, Fault, SEVERITIES};
 pub use cell::{BRAKE_S, Cell, STOP_SAMPLES};
-pub(crate) use change::set;
 pub use matrix::{Arm, Choose, Extent, FaultsError, Matrix};
+pub use options::{FaultsAnswer, FaultsOptions, JOURNAL, results_of, threads};
 pub use summary::{
     ArmRecord, EXCURSION_SHARE, FORMAT, FaultRecord, Miss, RunRecord, Summary, Totals,
 };

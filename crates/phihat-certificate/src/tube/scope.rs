@@ -10,7 +10,6 @@ use crate::NotCounted;
 
 /// Why there is no tube: one variant per reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Refusal {
     /// Something in the study acts that the derivation does not know.
     #[error("the tube does not count {what}")]

@@ -2,12 +2,12 @@
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ContentArrangement, Table};
-use phihat_baselines::{Entry, RIVALS, rival as find};
-use phihat_campaign::compare::{CompareError, Mark, RivalRecord};
+use phihat_compare::{
+    CompareError, DEFAULTS, Mark, NOT_TUNED, RivalRecord, UNITS, model_free_in_full,
+};
 
-use phihat_report::{DEFAULTS, NOT_TUNED, UNITS, model_free_in_full};
+use phihat_rivals::{Entry, RIVALS, rival as find};
 
-use super::unusable;
 use crate::failure::Failure;
 
 /// Columns of the tables.
@@ -41,7 +41,7 @@ pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
 
 /// Prints one card.
 pub(super) fn rival(id: &str, as_json: bool) -> Result<(), Failure> {
-    let entry = find(id).ok_or_else(|| unusable(&CompareError::Rival(id.to_owned())))?;
+    let entry = find(id).ok_or_else(|| CompareError::Rival(id.to_owned()))?;
     let rival = record(entry);
     if as_json {
         println!("{}", serde_json::to_string_pretty(&rival).map_err(Failure::plain)?);

@@ -2,21 +2,21 @@
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
-use phihat_campaign::compare::{Comparison, GainsKind, Row};
+use phihat_compare::{Comparison, GainsKind, Row};
 use serde_json::json;
 
 /// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.
 pub(super) fn overview(comparison: &Comparison) -> String {
-    let world = phihat_report::main_world(comparison).unwrap_or_default();
+    let world = phihat_compare::main_world(comparison).unwrap_or_default();
     let mut text = Vec::new();
     for arm in &comparison.arms {
         text.push(format!("{}, world `{world}`, gains tuned; * is the best of a column", arm.name));
-        text.push(table(&phihat_report::comparison_table(comparison, &arm.name, world)));
+        text.push(table(&phihat_compare::comparison_table(comparison, &arm.name, world)));
     }
     let refused = comparison.rows.iter().filter_map(|row| Some((row, row.refused.as_ref()?)));
     text.extend(refused.map(|(row, why)| format!("{} on {}: {why}", row.rival, row.arm)));
     let mut beaten: Vec<(String, Vec<&str>)> = Vec::new();
-    for loss in phihat_report::losses(comparison) {
+    for loss in phihat_compare::losses(comparison) {
         match beaten.iter_mut().find(|(ours, _)| *ours == loss.ours) {
             Some((_, columns)) => columns.push(loss.column),
             None => beaten.push((loss.ours, vec![loss.column])),

@@ -2,8 +2,7 @@
 
 use comfy_table::Table;
 use phihat_design::{
-    Certificate, ErrorBound, Gains, Infeasible, JointCertificate, LeftOut, NotCounted, Settle,
-    SettleFrom,
+    Certificate, ErrorBound, Gains, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
 };
 
 use super::coupled::coupled;
@@ -183,28 +182,4 @@ fn law(joint: &JointCertificate) -> String {
         },
     );
     [optimal, paper, varying].join("\n")
-}
-
-/// Why no gains keep every clause.
-pub(crate) fn infeasible(no: &Infeasible) -> String {
-    let mut lines = vec![format!(
-        "NO GAINS keep every clause: {} laws tried, with up to three nominal inertias each; {} keep the \
-         stability window and margin",
-        no.tried, no.stable
-    )];
-    for clause in &no.clauses {
-        let joint = clause.joint.as_ref().map_or_else(String::new, |j| format!(" on {j}"));
-        let possible = clause.possible.map_or_else(
-            || "no value alone makes it possible".to_owned(),
-            |value| format!("{value:.3e} is possible while all others stand"),
-        );
-        lines.push(format!("  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted));
-    }
-    for other in &no.alternatives {
-        lines.push(format!(
-            "  or {} = {}: then there are gains, of order {}",
-            other.key, other.value, other.order
-        ));
-    }
-    lines.join("\n")
 }

@@ -2,7 +2,7 @@
 
 use comfy_table::Table;
 use phihat_report::{TubeRun, limits_acted};
-use phihat_sim::{Abort, Divergence, JointMetrics, Metrics};
+use phihat_sim::{Divergence, JointMetrics, Metrics};
 
 use super::{MILLI, align, plain_table};
 
@@ -176,13 +176,4 @@ pub(crate) fn tube(run: &TubeRun) -> String {
         Some(_) => format!("{table}\n({steady})\nOUTSIDE ITS TUBE: {sentence}"),
         None => format!("{table}\n({steady}) {sentence}"),
     }
-}
-
-/// One sentence.
-pub(crate) fn abort(abort: &Abort) -> String {
-    let on = abort.joint.as_ref().map_or_else(String::new, |joint| format!(" on {joint}"));
-    format!(
-        "STOPPED by the robot ({}) at t = {:.3} s{on}: {}",
-        abort.interface, abort.t, abort.reason
-    )
 }

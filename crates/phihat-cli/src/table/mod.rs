@@ -4,15 +4,13 @@ mod coupled;
 mod design;
 mod metrics;
 mod robots;
-mod world;
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
-pub(crate) use design::{certificate, gains, infeasible, not_counted};
-pub(crate) use metrics::{abort, metrics, tube, verdict};
+pub(crate) use design::{certificate, gains, not_counted};
+pub(crate) use metrics::{metrics, tube, verdict};
 pub(crate) use robots::{joints, robots};
-pub(crate) use world::world;
 
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.
 const MILLI: f64 = 1e3;

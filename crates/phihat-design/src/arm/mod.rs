@@ -20,7 +20,6 @@ use postures::{Postures, scaled};
 
 /// Why the range cannot be found.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
 pub enum ArmError {
     /// The payload cannot be attached.
     #[error("payload: {0}")]

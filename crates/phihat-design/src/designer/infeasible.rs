@@ -1,5 +1,7 @@
 //! Why no gains keep every clause, and what would be possible.
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::advice::Alternative;
@@ -17,6 +19,33 @@ pub struct Infeasible {
     pub tried: u32,
     /// Of these, each with up to three nominal inertias, how many keep window and modulus margin.
     pub stable: u32,
+}
+
+impl fmt::Display for Infeasible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "NO GAINS keep every clause: {} laws tried, with up to three nominal inertias each; {} keep the \
+             stability window and margin",
+            self.tried, self.stable
+        )?;
+        for clause in &self.clauses {
+            let joint = clause.joint.as_ref().map_or_else(String::new, |j| format!(" on {j}"));
+            let possible = clause.possible.map_or_else(
+                || "no value alone makes it possible".to_owned(),
+                |value| format!("{value:.3e} is possible while all others stand"),
+            );
+            write!(f, "\n  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted)?;
+        }
+        for other in &self.alternatives {
+            write!(
+                f,
+                "\n  or {} = {}: then there are gains, of order {}",
+                other.key, other.value, other.order
+            )?;
+        }
+        Ok(())
+    }
 }
 
 /// The search's estimates are up to 2 % low.

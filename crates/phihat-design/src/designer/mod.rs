@@ -29,7 +29,6 @@ pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
 
 /// What a design came to.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Outcome {
     /// Gains with their certificate: by our method they keep every clause; by the paper's the certificate says
     /// what holds.
@@ -40,7 +39,6 @@ pub enum Outcome {
 
 /// Why a design cannot begin.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum DesignError {
     /// The study does not say which error is allowed.
     #[error("spec.error_max_rad is missing: a design needs the largest error you can live with")]

@@ -31,7 +31,6 @@ pub enum Target {
 
 /// Why gains cannot be exported.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum ExportError {
     /// Not gains that the core runs.
     #[error("{0}")]

@@ -90,7 +90,6 @@ impl Desired {
 
 /// Why there is no tube.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
 pub enum TubeRefusal {
     /// The linear loop does not have this part of the study.
     #[error("`{0}` is not in the loop that a tube is about")]

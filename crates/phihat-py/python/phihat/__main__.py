@@ -1,19 +1,25 @@
-"""``python -m phihat``: the ``phihat`` command."""
+"""``python -m phihat crosscheck STUDY``: a study in MuJoCo too, beside phihat's simulator."""
 
 from __future__ import annotations
 
 import sys
 
-from . import _phihat
+COMMAND = """\
+python -m phihat crosscheck STUDY   runs a study in MuJoCo too and compares
+
+The phihat command is a program of its own: `cargo install --path crates/phihat-cli` installs it. What it does, this package
+does by functions: phihat.design, verify, simulate, report, faults, compare, reproduce."""
 
 
 def main() -> int:
-    """Run the command with the process's arguments; returns its exit code."""
+    """Run the cross-check with the process's arguments; returns its exit code."""
     if sys.argv[1:2] == ["crosscheck"]:
         from ._crosscheck import main as crosscheck
 
         return crosscheck(sys.argv[2:])
-    return _phihat.command(["phihat", *sys.argv[1:]])
+    asked = sys.argv[1:] in ([], ["-h"], ["--help"])
+    print(COMMAND, file=sys.stdout if asked else sys.stderr)
+    return 0 if asked else 2
 
 
 if __name__ == "__main__":

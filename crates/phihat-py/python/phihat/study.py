@@ -96,10 +96,8 @@ def faults(
     Raises:
         Error: an argument or a study cannot be used, or a result not be written.
     """
-    arguments = [os.fspath(study) for study in studies]
-    arguments += [f"--orders={','.join(map(str, orders))}", f"--seeds={seeds}"]
-    arguments += _options(quick=quick, only=only, threads=threads, out=out)
-    return _phihat.faults(arguments)
+    asked = {"studies": studies, "orders": list(orders), "seeds": seeds, "quick": quick}
+    return _phihat.faults({**asked, "only": only, "threads": threads, "out": out})
 
 
 def compare(
@@ -131,10 +129,8 @@ def compare(
     Raises:
         Error: an argument or a study cannot be used, or a result not be written.
     """
-    arguments = [os.fspath(study) for study in studies]
-    chosen = {"only": ",".join(only) or None, "worlds": ",".join(worlds) or None, "seeds": seeds}
-    arguments += _options(**chosen, quick=quick, fresh=fresh, threads=threads, out=out)
-    return _phihat.compare(arguments)
+    asked = {"studies": studies, "only": list(only), "worlds": list(worlds), "seeds": seeds}
+    return _phihat.compare({**asked, "quick": quick, "fresh": fresh, "threads": threads, "out": out})
 
 
 def reproduce(
@@ -157,14 +153,7 @@ def reproduce(
     Raises:
         Error: an argument cannot be used, or a result not be written.
     """
-    return _phihat.reproduce(_options(only=only, quick=quick, threads=threads, out=out))
-
-
-def _options(**given: str | int | os.PathLike[str] | None) -> list[str]:
-    """Options of the command: switches that are on, and values that are given."""
-    switches = [f"--{key}" for key, value in given.items() if value is True]
-    values = {key: value for key, value in given.items() if value is not None and not isinstance(value, bool)}
-    return switches + [f"--{key}={os.fspath(v) if isinstance(v, os.PathLike) else v}" for key, v in values.items()]
+    return _phihat.reproduce(only, quick, threads, out)
 
 
 def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
@@ -179,11 +168,13 @@ def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
 
 
 def report(trace: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:
-    """Make the report of a recorded ``trace.csv`` again; returns its path."""
+    """Make the report of a recorded ``trace.csv`` again; returns its path.
+
+    Raises:
+        Error: the files beside the trace are not of one run, or the page cannot be written.
+    """
     page = Path(path) if path is not None else Path(trace).with_name("report.html")
-    code = _phihat.command(["phihat", "report", os.fspath(trace), "--out", str(page)])
-    if code != 0:
-        raise ArgumentError(f"trace: {os.fspath(trace)}: no report; the reason is on stderr", field="trace")
+    _phihat.report(os.fspath(trace), os.fspath(page))
     return page
 
 

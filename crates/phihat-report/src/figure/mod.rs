@@ -1,39 +1,19 @@
 //! Static figures: every chart as small multiples, for paper.
 
 use crate::chart::{Chart, Plane, charts};
+use crate::kit::sheet::{Area, Figure, HEADER, TEXT, TITLE, WIDTH, accessible};
+use crate::kit::text::short;
 use crate::record::{Record, Seen};
 use crate::stretches::Row;
-use crate::text::short;
 use panel::{Ink, draw_panel};
 use plotters::prelude::*;
 
 mod axis;
 mod claims;
 mod panel;
-mod reproduction;
 
 pub(crate) use claims::claim_figures;
-pub(crate) use reproduction::draw as reproduction_figure;
-pub use reproduction::reproduction_figures;
 
-/// One figure of a record.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Figure {
-    /// File stem: `tracking`, `error`, …
-    pub name: String,
-    /// What it shows.
-    pub title: String,
-    /// The figure, made for 16 cm of width.
-    pub svg: String,
-}
-
-/// Pixels per centimetre on paper: the backend draws on whole pixels, so they are small.
-const PIXELS_PER_CM: u32 = 160;
-const WIDTH: u32 = 16 * PIXELS_PER_CM;
-const HEADER: u32 = 110;
-/// Height of text: 7.5 points on paper, after the backend's own scale.
-const TEXT: u32 = 52;
-const TITLE: u32 = 62;
 /// Stretches kept per panel: two pixels each where a panel has half the width.
 pub(crate) const BUCKETS: usize = 220;
 
@@ -59,7 +39,7 @@ pub fn figures(record: &Record<'_>) -> Vec<Figure> {
 }
 
 /// The figures of the run, in the order of the page.
-pub(crate) fn run_figures(record: &Seen<'_>) -> Vec<Figure> {
+pub fn run_figures(record: &Seen<'_>) -> Vec<Figure> {
     let settle_s = record.metrics.settle_s;
     let mut figures = vec![];
     for chart in charts(record) {
@@ -115,7 +95,6 @@ struct View {
     rows: fn(&crate::drawing::Drawn) -> &Vec<Row>,
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;
 
 fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), view: &View) -> Drawn<'a> {
@@ -166,13 +145,4 @@ fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
 fn dashed(svg: &str) -> String {
     svg.replace(r##"stroke="#D55E00""##, r##"stroke="#D55E00" stroke-dasharray="28 14""##)
         .replace(r##"stroke="#5A5A5B""##, r##"stroke="#5A5A5B" stroke-dasharray="12 10""##)
-}
-
-/// Names the figure for those who do not see it, and gives it its size on paper.
-fn accessible(svg: &str, title: &str, (width, height): (u32, u32)) -> String {
-    let centimetres = |pixels: u32| f64::from(pixels) / f64::from(PIXELS_PER_CM);
-    let drawn = format!(r#"<svg width="{width}" height="{height}""#);
-    let (w, h) = (centimetres(width), centimetres(height));
-    let shown = format!(r#"<svg role="img" aria-label="{title}" width="{w}cm" height="{h}cm""#);
-    svg.replacen(&drawn, &shown, 1)
 }

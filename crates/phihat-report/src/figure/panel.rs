@@ -1,10 +1,11 @@
 //! One joint's panel of a static figure.
 
-use super::axis::{extent, strokes};
+use super::axis::strokes;
 use super::{Area, BOUND_INK, Drawn, INKS, TEXT, TUBE_INK};
 use crate::band::Band;
 use crate::chart::{Kind, Plane};
-use crate::number::{number, tick};
+use crate::kit::number::{number, tick};
+use crate::kit::sheet::extent;
 use plotters::chart::ChartContext;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;

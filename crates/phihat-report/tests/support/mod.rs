@@ -3,7 +3,6 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 pub(crate) mod hostile;
-pub(crate) mod reproduction;
 
 use phihat_design::{Gains, JointRecord};
 use phihat_report::{Drawing, Record, RunInfo, TubeSeen};

@@ -90,7 +90,6 @@ pub enum Action {
 
 /// Why a request is not granted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Refusal {
     /// Arm first.
     NotArmed,

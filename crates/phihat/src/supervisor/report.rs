@@ -105,7 +105,6 @@ impl BitOrAssign for Events {
 
 /// Why the arm stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Fault {
     /// Too many samples in a row were missed.
     LinkLost,

@@ -22,7 +22,6 @@ pub struct ProofProgress {
 
 /// Why a range was not proved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Unproved {
     /// It was stopped.
     #[error("stopped after {} cells, {:.1} % of the postures done", .0.cells, 100.0 * .0.done)]

@@ -10,11 +10,10 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::{
-    Area, BOUND_INK, Figure, INKS, TEXT, WIDTH_I, decades, legend, log_ticks, mesh, sheet, told,
-};
-use crate::number::number;
-use crate::text::short;
+use super::{BOUND_INK, INKS, WIDTH_I, decades, legend, mesh, sheet, told};
+use crate::kit::number::number;
+use crate::kit::sheet::{Area, Figure, TEXT, log_ticks};
+use crate::kit::text::short;
 
 /// Where the curves begin \[Hz\], and how many points they have.
 const LOWEST: f64 = 0.1;

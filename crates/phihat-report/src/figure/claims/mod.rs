@@ -3,7 +3,8 @@
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-use super::{Area, BOUND_INK, Figure, HEADER, TEXT, TITLE, WIDTH, accessible, dashed};
+use super::{BOUND_INK, dashed};
+use crate::kit::sheet::{Area, Figure, HEADER, TEXT, TITLE, WIDTH, accessible};
 use crate::record::Record;
 
 mod bode;
@@ -101,7 +102,7 @@ where
 fn plain(value: f64) -> String {
     let size = value.abs();
     if size < f64::MIN_POSITIVE || (1e-3..1e5).contains(&size) {
-        crate::number::stated(value)
+        crate::kit::number::stated(value)
     } else {
         let text = format!("{value:.0e}");
         text.replace("1e", "10^")
@@ -113,16 +114,4 @@ fn decades(values: impl Iterator<Item = f64>, widen: f64) -> Option<std::ops::Ra
     let usable = values.filter(|v| v.is_finite() && *v > 0.0);
     let (low, high) = usable.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
     (low <= high).then(|| low / widen..high * widen)
-}
-
-/// Ticks of a logarithmic axis: 1, 2, 5 where it is short, else whole decades, at most some eight.
-pub(super) fn log_ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
-    let whole = |value: f64| format!("{value:.0}").parse::<i32>().unwrap_or(0);
-    let (first, last) = (whole(range.start.log10().floor()), whole(range.end.log10().ceil()));
-    let short = range.end.log10() - range.start.log10() < 2.5;
-    let (digits, step): (&[f64], i32) =
-        if short { (&[1.0, 2.0, 5.0], 1) } else { (&[1.0], (last - first + 7) / 8) };
-    let powers = (first..=last).filter(|power| power.rem_euclid(step) == 0);
-    let ticks = powers.flat_map(|power| digits.iter().map(move |d| d * 10.0_f64.powi(power)));
-    ticks.filter(|tick| range.contains(tick)).collect()
 }

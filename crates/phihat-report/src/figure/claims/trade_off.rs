@@ -4,9 +4,8 @@ use phihat_design::TradeOff;
 
 use plotters::prelude::*;
 
-use super::{
-    BOUND_INK, Figure, INKS, TEXT, WIDTH_I, decades, legend, log_ticks, mesh, sheet, told,
-};
+use super::{BOUND_INK, INKS, WIDTH_I, decades, legend, mesh, sheet, told};
+use crate::kit::sheet::{Figure, TEXT, log_ticks};
 
 pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
     let drawn: Vec<&TradeOff> = points

@@ -6,7 +6,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::{Area, Figure, INKS, TEXT, WIDTH_I, decades, legend, plain, sheet, told};
-use crate::text::short;
+use crate::kit::text::short;
 
 /// Height of a joint's row.
 const ROW: u32 = 110;

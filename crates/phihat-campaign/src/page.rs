@@ -1,0 +1,221 @@
+//! The page of a fault matrix: a heat map, and every run with the command that repeats it.
+
+use crate::faults::{Bar, End, FaultRecord, Miss, RunRecord, Summary};
+use maud::{Markup, html};
+
+use phihat_report::kit::MILLI;
+use phihat_report::kit::Page;
+use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::text::line;
+
+/// The self-contained page of a fault matrix. `command` is the one that made it, without `--only`.
+pub fn faults_page(summary: &Summary, command: &str) -> String {
+    let arms: Vec<_> = summary.arms.iter().map(|arm| line(&arm.name)).collect();
+    let title = format!("Fault matrix: {}", arms.join(", "));
+    let main = html! {
+        header {
+            h1 { (title) }
+            p.byline { "phihat " (line(&summary.phihat_version)) " · " (summary.totals.runs) " runs · simulated" }
+            (verdict(summary))
+        }
+        (heat_map(summary))
+        h2 id="runs" { "Every run" }
+        p { "Each line's command repeats that very run and keeps its study, trace and report." }
+        @for fault in &summary.faults { (runs(summary, fault, command)) }
+        (not_claimed())
+    };
+    Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+}
+
+fn verdict(summary: &Summary) -> Markup {
+    let totals = &summary.totals;
+    let class = if totals.good { "verdict within" } else { "verdict outside" };
+    let lines = [
+        ("panicked or could not be run", totals.panicked),
+        ("were not finite or diverged", totals.not_finite),
+        ("told a drive more than a torque or rate limit", totals.beyond_limits),
+        (
+            "stopped before anything was wrong, or more than 3 samples after the reason",
+            totals.bad_stops,
+        ),
+        ("stopped where they should go on, the other way round, or late", totals.wrong_ends),
+        ("went beyond their excursion's bar", totals.beyond_excursion),
+    ];
+    html! { div class=(class) {
+        p { strong { (totals.kept) " of " (totals.runs) " runs kept every bar." } }
+        ul { @for (what, count) in lines { li { (count) " " (what) } } }
+    } }
+}
+
+/// Arm and order, in the order of the runs.
+fn columns(summary: &Summary) -> Vec<(&str, usize)> {
+    let mut columns: Vec<(&str, usize)> = Vec::new();
+    for run in &summary.runs {
+        if !columns.contains(&(run.arm.as_str(), run.order)) {
+            columns.push((&run.arm, run.order));
+        }
+    }
+    columns
+}
+
+fn heat_map(summary: &Summary) -> Markup {
+    let columns = columns(summary);
+    html! {
+        h2 id="map" { "Heat map" }
+        p.key {
+            "Worst excursion over the seeds, in mrad, against its bar: "
+            span.h0 { "to 25 %" } span.h1 { "to 50 %" } span.h2 { "to 75 %" } span.h3 { "to 100 %" }
+            span.hmissed { "▲ beyond" } span.hbroken { "✗ something else missed" }
+            span.hlisted { "no bar: listed" }
+        }
+        div.scroll tabindex="0" role="region" aria-label="Table: heat map of faults" {
+            table.map {
+                thead { tr {
+                    th scope="col" { "fault" }
+                    th scope="col" { "severity" }
+                    @for (arm, order) in &columns { th scope="col" { (line(arm)) br; "m = " (order) } }
+                } }
+                tbody { @for fault in &summary.faults { @for severity in 1..=fault.levels.len() {
+                    tr.first[severity == 1] {
+                        th scope="row" { (line(&fault.row)) " " (line(&fault.name)) }
+                        th.what scope="row" { (level(fault, severity)) }
+                        @for (arm, order) in &columns {
+                            (cell(summary, fault, severity, (arm, *order)))
+                        }
+                    }
+                } } }
+            }
+        }
+    }
+}
+
+fn level(fault: &FaultRecord, severity: usize) -> String {
+    let level = fault.levels.get(severity - 1).copied().unwrap_or(f64::NAN);
+    format!("{} {}", stated(level), line(&fault.unit)).trim_end().to_owned()
+}
+
+fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usize)) -> Markup {
+    let of = |run: &&RunRecord| {
+        run.fault == fault.name && run.severity == severity && (run.arm.as_str(), run.order) == at
+    };
+    let runs: Vec<_> = summary.runs.iter().filter(of).collect();
+    let Some(first) = runs.first() else { return html! { td { "–" } } };
+    let worst = runs.iter().filter_map(|run| run.cell()).map(|cell| cell.excursion_rad);
+    let worst = worst.fold(0.0, f64::max);
+    let bar = fault.bars.get(severity - 1);
+    let missed = || runs.iter().flat_map(|run| &run.missed);
+    let (class, mark) = if missed().any(|miss| *miss != Miss::Excursion) {
+        ("hbroken", "✗ ")
+    } else if missed().next().is_some() {
+        ("hmissed", "▲ ")
+    } else {
+        (shade(worst, bar), "")
+    };
+    let stopped = runs.iter().filter_map(|run| run.cell()).filter(|c| c.stopped.is_some()).count();
+    html! { td class=(class) { a href=(format!("#{}", anchor(&first.name))) {
+        (mark) (number(MILLI * worst))
+        span.note { @if stopped == 0 { "goes on" } @else { (stopped) " of " (runs.len()) " stop" } }
+    } } }
+}
+
+fn shade(excursion: f64, bar: Option<&Bar>) -> &'static str {
+    match bar.and_then(|bar| bar.excursion_rad) {
+        None => "hlisted",
+        Some(most) if excursion <= 0.25 * most => "h0",
+        Some(most) if excursion <= 0.5 * most => "h1",
+        Some(most) if excursion <= 0.75 * most => "h2",
+        Some(_) => "h3",
+    }
+}
+
+/// A run's name as the target of a link.
+fn anchor(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
+}
+
+fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
+    let of = || summary.runs.iter().filter(|run| run.fault == fault.name);
+    html! {
+        h3 { (line(&fault.row)) " · " (line(&fault.name)) }
+        p { (line(&fault.what)) ": " (levels(fault)) ". " (bars(fault)) }
+        div.scroll.runs tabindex="0" role="region" aria-label=(format!("Table: runs of {}", line(&fault.name))) {
+            table {
+                thead { tr {
+                    th scope="col" { "run" }
+                    th scope="col" { "onset " span.unit { "[s]" } }
+                    th scope="col" { "joint" }
+                    th scope="col" { "noticed " span.unit { "[ms]" } }
+                    th scope="col" { "stopped " span.unit { "[ms]" } }
+                    th scope="col" { "stop after reason " span.unit { "[samples]" } }
+                    th scope="col" { "excursion " span.unit { "[mrad]" } }
+                    th scope="col" { "error at the end " span.unit { "[mrad]" } }
+                    th scope="col" { "bars" }
+                    th scope="col" { "command" }
+                } }
+                tbody { @for run in of() { (row(run, command)) } }
+            }
+        }
+    }
+}
+
+fn row(run: &RunRecord, command: &str) -> Markup {
+    let missed: Vec<_> = run.missed.iter().map(|miss| miss.words()).collect();
+    let show = |value: fn(&crate::faults::Cell) -> f64| {
+        run.cell().map_or("–".to_owned(), |cell| number(value(cell)))
+    };
+    html! { tr id=(anchor(&run.name)) {
+        th scope="row" { (line(&run.name)) }
+        td { (show(|cell| cell.onset_s)) }
+        td { (run.cell().map_or(String::new(), |cell| line(&cell.joint))) }
+        td { (event(run.cell().and_then(|cell| cell.noticed.as_ref()))) }
+        td { (event(run.cell().and_then(|cell| cell.stopped.as_ref()))) }
+        td { (run.cell().and_then(|cell| cell.stop_delay).map_or("–".to_owned(), |n| n.to_string())) }
+        td { (show(|cell| MILLI * cell.excursion_rad)) }
+        td { (show(|cell| MILLI * cell.error_end_rad)) }
+        td.outside[!missed.is_empty()] {
+            @if missed.is_empty() { "kept" } @else { (missed.join(", ")) }
+            @if let Some(why) = run.cell().and_then(|cell| cell.refused.as_deref()) { " " (line(why)) }
+            @if let crate::Ended::Panicked(why) = &run.ended { " " (line(why)) }
+        }
+        td { code { (line(command)) " --only " (line(&run.name)) " --trace" } }
+    } }
+}
+
+/// When something happened after the onset, and what.
+fn event(event: Option<&(String, f64)>) -> Markup {
+    html! {
+        @if let Some((what, ms)) = event { (number(*ms)) span.note { (line(what)) } } @else { "–" }
+    }
+}
+
+fn levels(fault: &FaultRecord) -> String {
+    let levels: Vec<_> = fault.levels.iter().map(|level| stated(*level)).collect();
+    format!("{} {}", levels.join(", "), line(&fault.unit)).trim_end().to_owned()
+}
+
+fn bars(fault: &FaultRecord) -> String {
+    let bar = |bar: &Bar| {
+        let end = match bar.end {
+            End::Following => "goes on",
+            End::Stopped => "stops",
+            End::Either => "goes on or stops",
+        };
+        let excursion =
+            bar.excursion_rad.map(|most| format!(", within {} mrad", stated(MILLI * most)));
+        let noticed = bar.noticed_ms.map(|most| format!(", after {} ms at most", stated(most)));
+        format!("{end}{}{}", noticed.unwrap_or_default(), excursion.unwrap_or_default())
+    };
+    let bars: Vec<_> = fault.bars.iter().map(bar).collect();
+    format!("Bars, mild to severe: {}.", bars.join("; "))
+}
+
+fn not_claimed() -> Markup {
+    html! {
+        h2 { "Not claimed" }
+        p {
+            "Every run is simulated, with one fault at a time. The bars are this project's. This is research "
+            "software, not a safety function: it replaces no emergency stop, protective stop, limits and risk "
+            "assessment."
+        }
+    }
+}

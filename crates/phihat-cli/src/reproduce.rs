@@ -1,0 +1,172 @@
+//! `phihat reproduce`: the paper's statements, computed again, each with a verdict.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
+use phihat_paper::{
+    Kept, Origin, Paint, ReproduceOptions, Reproduction, Statement, Verdict, only_help,
+};
+use phihat_session::files;
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::png;
+use crate::shown::Shown;
+
+const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
+
+/// Reproduce the paper: every statement, figure and table, with a verdict.
+///
+/// Writes reproduction.json, report.html, figures/ and studies/ to --out. A statement that does not hold is an
+/// answer, not a failure.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit code 0: every part ran; 1: with --against, something differs.\n\nExamples:\n  \
+    phihat reproduce\n  \
+    phihat reproduce --only \"fig. 9\"\n  \
+    phihat reproduce --against docs/reproduction/reproduction.json"
+)]
+pub(crate) struct Reproduce {
+    /// Coarser maps and sweeps.
+    #[arg(long)]
+    quick: bool,
+    #[arg(long, value_name = "TEXT", help = only_help())]
+    only: Option<String>,
+    /// A reproduction.json to agree with: verdicts, and numbers within their tolerance.
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
+    against: Option<PathBuf>,
+    /// Parts at a time [default: one per core].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Folder for the results.
+    #[arg(long, value_name = "FOLDER", default_value = "out/reproduction")]
+    out: PathBuf,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Reproduce {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let kept = self.kept()?;
+        let options = ReproduceOptions {
+            quick: self.quick,
+            only: self.only.clone(),
+            threads: self.threads,
+            out: self.out.clone(),
+        };
+        let painter = png::Painter::new();
+        let with = painter.as_ref().ok();
+        let paint = with.map(|painter| move |svg: &str| painter.paint(svg));
+        let mut shown = Shown::bar(BAR, INTERRUPTED.to_owned());
+        let answer = options.run(paint.as_ref().map(|paint| paint as Paint<'_>), &mut shown)?;
+        let reproduction = &answer.reproduction;
+        let differs = kept.map(|kept| kept.disagreements(reproduction));
+        if self.json {
+            println!("{:#}", self.document(reproduction, differs.as_deref()));
+        } else {
+            println!("{}", overview(reproduction));
+            if let Some(lines) = &differs {
+                println!("{}", comparison(lines));
+            }
+            println!("report: {}", answer.page.display());
+        }
+        if let Some(why) = painter.as_ref().err().or(answer.no_pictures.as_ref()) {
+            eprintln!("{why}");
+        }
+        let same = differs.is_none_or(|lines| lines.is_empty());
+        Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    fn kept(&self) -> Result<Option<Kept>, Failure> {
+        let read = |path: &PathBuf| {
+            Kept::from_json(&files::read(path)?).map_err(|why| Failure::at(path, why))
+        };
+        self.against.as_ref().map(read).transpose()
+    }
+
+    fn document(
+        &self,
+        reproduction: &Reproduction,
+        differs: Option<&[String]>,
+    ) -> serde_json::Value {
+        let statements: Vec<_> = statements(reproduction)
+            .map(|s| {
+                json!({
+                    "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
+                    "verdict": s.verdict, "why": s.why, "numbers": s.numbers,
+                })
+            })
+            .collect();
+        let count = |verdict| reproduction.of(Origin::Paper, verdict).count();
+        json!({
+            "folder": self.out,
+            "report": self.out.join("report.html"),
+            "quick": reproduction.quick,
+            "counts": {
+                "reproduced": count(Verdict::Reproduced),
+                "with_correction": count(Verdict::WithCorrection),
+                "not_reproducible": count(Verdict::NotReproducible),
+            },
+            "not_counted": {
+                "again": reproduction.count(Origin::Again),
+                "ours": reproduction.count(Origin::Ours),
+            },
+            "statements": statements,
+            "differs": differs,
+        })
+    }
+}
+
+fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
+    reproduction.sections.iter().flat_map(|section| &section.statements)
+}
+
+/// One line per statement, section by section, and the counts.
+fn overview(reproduction: &Reproduction) -> String {
+    let mut text = Vec::new();
+    for section in reproduction.sections.iter().filter(|s| !s.statements.is_empty()) {
+        let mut table = Table::new();
+        table.load_style(UTF8_BORDERS_ONLY);
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_width(WIDTH);
+        table.set_header(["place", "what is stated", "paper", "ours", "verdict"]);
+        for s in &section.statements {
+            let verdict = format!("{} {}", s.verdict.sign(), s.verdict.words());
+            table.add_row([&s.place, &s.claim, &s.paper, &s.ours, &verdict]);
+        }
+        for (place, most) in [(0, 14), (2, 26), (3, 30), (4, 18)] {
+            if let Some(column) = table.column_mut(place) {
+                column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(most)));
+            }
+        }
+        text.push(format!("{}\n{table}", section.title));
+    }
+    let counts = Verdict::ALL.map(|verdict| {
+        let count = reproduction.of(Origin::Paper, verdict).count();
+        format!("{} {count} {}", verdict.sign(), verdict.words())
+    });
+    text.push(format!(
+        "of the paper: {}; not counted: {} looked at once more, {} findings of this project",
+        counts.join(" · "),
+        reproduction.count(Origin::Again),
+        reproduction.count(Origin::Ours)
+    ));
+    text.join("\n")
+}
+
+/// A reproduction keeps nothing on its way.
+const INTERRUPTED: &str = "nothing was written, and the reproduction begins anew when it is run again; --only TEXT does a part of it, --quick a coarser one";
+
+/// Columns of the table.
+const WIDTH: u16 = 120;
+
+fn comparison(lines: &[String]) -> String {
+    if lines.is_empty() {
+        return "agrees with what it was held against".to_owned();
+    }
+    format!("differs from what it was held against:\n  {}", lines.join("\n  "))
+}

@@ -1,0 +1,63 @@
+//! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
+
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use phihat_session::Watch;
+
+use crate::interrupt;
+
+/// A progress bar that looks on.
+pub(crate) struct Shown {
+    bar: ProgressBar,
+    /// What Ctrl-C says while results are on their way.
+    words: String,
+}
+
+impl Shown {
+    /// A bar of this look; it is seen from the first progress on.
+    pub(crate) fn bar(template: &str, words: String) -> Self {
+        let bar = ProgressBar::new(0);
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        Self { bar, words }
+    }
+}
+
+impl Watch for Shown {
+    fn progress(&mut self, done: u64, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(done);
+    }
+
+    fn resumed(&mut self, _: u64) {
+        self.bar.reset_eta();
+    }
+
+    fn step(&mut self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    fn warn(&mut self, line: &str) {
+        self.bar.suspend(|| eprintln!("{line}"));
+    }
+
+    fn begun(&mut self, unfinished: &[PathBuf]) {
+        interrupt::removes(&self.bar, self.words.clone(), unfinished.to_owned());
+    }
+
+    fn ended(&mut self) {
+        interrupt::done();
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A spinner for work whose end is not known, with how long it has been at it.
+pub(crate) fn spinner() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} · {elapsed}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,145 @@
+//! A rival in the simulator's loop, and what it may know of a study's arm.
+
+use std::sync::{Arc, OnceLock};
+
+use phihat_model::ModelError;
+use phihat_rivals::{All, Curve, Running, Supply};
+use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
+use phihat_study::{Reference, Study};
+
+/// A rival that the simulator can drive with.
+#[derive(Debug)]
+pub struct Adapter {
+    rival: Box<dyn Running>,
+    measured: [Vec<f64>; 3],
+    wanted: [Vec<f64>; 3],
+    clipped: Vec<bool>,
+    broken: Broken,
+}
+
+/// When \[s\] and at which joint a rival first gave a torque that is no number.
+pub(crate) type Broken = Arc<OnceLock<(f64, usize)>>;
+
+impl Adapter {
+    /// Puts a rival for `joints` joints behind the simulator's seam.
+    pub fn new(rival: Box<dyn Running>, joints: usize) -> Box<Self> {
+        Self::watched(rival, joints, Broken::default())
+    }
+
+    /// The same, and `broken` is told.
+    pub(crate) fn watched(rival: Box<dyn Running>, joints: usize, broken: Broken) -> Box<Self> {
+        let zero = || vec![0.0; joints];
+        Box::new(Self {
+            rival,
+            measured: [zero(), zero(), zero()],
+            wanted: [zero(), zero(), zero()],
+            clipped: vec![false; joints],
+            broken,
+        })
+    }
+}
+
+impl Driver for Adapter {
+    fn drive(&mut self, moment: &Moment<'_>, tau: &mut [f64]) {
+        for (i, (measured, wanted)) in
+            moment.sample.joints.iter().zip(moment.references).enumerate()
+        {
+            let columns = [measured.q, measured.dq, measured.tau_applied];
+            for (column, value) in self.measured.iter_mut().zip(columns) {
+                column[i] = value;
+            }
+            for (column, value) in self.wanted.iter_mut().zip([wanted.q, wanted.dq, wanted.ddq]) {
+                column[i] = value;
+            }
+            let status = moment.last[i].status;
+            self.clipped[i] = status.saturated || status.rate_limited;
+        }
+        let [q, dq, acted] = &self.measured;
+        let [q_d, dq_d, ddq_d] = &self.wanted;
+        let all = All { q, dq, tau: acted, clipped: &self.clipped, q_d, dq_d, ddq_d };
+        self.rival.update(&all, tau);
+        if let Some(joint) = tau.iter().position(|tau| !tau.is_finite()) {
+            // Only the first counts.
+            self.broken.get_or_init(|| (moment.t, joint));
+        }
+    }
+}
+
+/// What a rival can be told of a study's arm: `inertia` \[kg·m²\] per joint; the arm's own model under the
+/// study's gravity with links `masses` times as heavy, no load in its hand, and viscous friction.
+///
+/// # Errors
+///
+/// [`ModelError`] when `masses` is not above 0 and finite.
+pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, ModelError> {
+    let robot = &study.robot;
+    let model = robot.plant_model().with_gravity(study.world.gravity);
+    let viscous = robot.joints.iter().map(|joint| joint.friction.viscous);
+    let extra = &study.world.extra_viscous;
+    let known = |(i, v): (usize, f64)| extra[i] + if study.world.robot_friction { v } else { 0.0 };
+    Ok(Supply {
+        inertia: inertia.to_vec(),
+        model: model.with_masses_times(masses)?,
+        viscous: viscous.enumerate().map(known).collect(),
+        torque_max: study.control.torque_max.clone(),
+        task_period: period(&study.reference),
+        tip: robot.tip.clone(),
+        orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
+        designed: Err("no gains were designed for this arm".to_owned()),
+    })
+}
+
+/// One turn of a study's reference, after its start.
+#[derive(Debug)]
+struct Turn {
+    motion: PlannedMotion,
+    start: f64,
+    period: f64,
+}
+
+impl Turn {
+    fn of(study: &Study) -> Option<Self> {
+        let period = period(&study.reference)?;
+        let start = match &study.reference {
+            Reference::Sines { fade_in, .. } | Reference::Cartesian { fade_in, .. } => *fade_in,
+            _ => 0.0,
+        };
+        let duration = start + 2.0 * period;
+        let motion = PlannedMotion::new(&study.reference, &study.robot, duration).ok()?;
+        Some(Self { motion, start, period })
+    }
+}
+
+impl Curve for Turn {
+    fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        // The middle of two turns: away from both ends of the motion.
+        let t = self.start + 0.5 * self.period + theta.rem_euclid(self.period);
+        for joint in 0..q.len() {
+            [q[joint], dq[joint], ddq[joint]] = self.motion.at(joint, t);
+        }
+    }
+
+    fn period(&self) -> f64 {
+        self.period
+    }
+}
+
+/// Longest common period that is looked for \[s\].
+const PERIOD_MAX: f64 = 60.0;
+
+/// The period of a study's reference \[s\], where it has one: that of a Cartesian curve, or the smallest that
+/// all its sines share.
+fn period(reference: &Reference) -> Option<f64> {
+    match reference {
+        Reference::Cartesian { period, .. } => Some(*period),
+        Reference::Sines { terms, .. } => {
+            let frequencies = || terms.iter().flat_map(|term| &term.frequency);
+            let slowest = frequencies().copied().fold(f64::INFINITY, f64::min);
+            let whole = |turns: f64| (turns - turns.round()).abs() < 1e-9;
+            let shared = |t: &f64| frequencies().all(|f| whole(f * t));
+            let turns = (1_u32..1000).map(|k| f64::from(k) / slowest);
+            turns.take_while(|t| *t <= PERIOD_MAX).find(shared)
+        }
+        _ => None,
+    }
+}

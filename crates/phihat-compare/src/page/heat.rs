@@ -1,0 +1,79 @@
+//! The robustness map of an arm: law by world, a symbol and a number in every cell.
+
+use crate::{ArmRecord, Cell, Comparison, GainsKind, Row};
+use maud::{Markup, html};
+
+use super::words::is_designed;
+use super::{anchor, fate, fate_in_full, named, two_digits, unrest};
+use phihat_report::kit::text::line;
+
+/// Largest error over the specification up to which a cell has each shade.
+const SHADES: [(f64, &str); 3] = [(1.0, "r0"), (3.0, "r1"), (10.0, "r2")];
+
+pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    html! {
+        h3 { "Robustness" }
+        p.key {
+            "Largest |e| over the specification's, worst of all motions and joints: "
+            span.r0 { "✓ up to 1: kept" } span.r1 { "to 3" } span.r2 { "to 10" } span.r3 { "beyond" }
+            span.rlost { "▲ did not follow" } span.rgone { "✗ diverged" } span.rgone { "⊘ not a number" }
+            span.rnone { "– does not apply" }
+            span { "≈ it followed, with torque noise beyond the cap of the tuning or at its torque limits" }
+            " Large: tuned gains. Small: the default ones."
+        }
+        div.scroll tabindex="0" role="region" aria-label=(format!("Table: robustness on {}", line(&arm.name))) {
+            table.map {
+                thead { tr {
+                    th scope="col" { "law" }
+                    @for world in &comparison.worlds { th scope="col" { (line(&world.name)) } }
+                } }
+                tbody { @for row in comparison.rows_of(&arm.name) { tr {
+                    th scope="row" { (named(comparison, row)) }
+                    @for world in &comparison.worlds { (place(comparison, row, &world.name)) }
+                } } }
+            }
+        }
+    }
+}
+
+fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
+    let tuned = row.cell(world, GainsKind::Tuned);
+    let designed = is_designed(comparison.rival(&row.rival));
+    let default = row.cell(world, GainsKind::Default).filter(|_| !designed);
+    let Some(tuned) = tuned else {
+        let why = row.refused.as_deref().unwrap_or("not run");
+        return html! { td.rnone { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };
+    };
+    let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
+    html! { td class=(class(tuned)) { a href=(target) title=(fate_in_full(&tuned.fate)) {
+        (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
+        @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison, default).is_some() { " ≈" } } }
+        @if designed { span.note { "designed" } }
+    } } }
+}
+
+/// Error over specification.
+fn ratio(cell: &Cell) -> Option<f64> {
+    cell.worst.as_ref().map(|figures| figures.error_over_spec).filter(|ratio| ratio.is_finite())
+}
+
+fn class(cell: &Cell) -> &'static str {
+    if !cell.fate.followed() {
+        return if cell.fate.badness() == 1 { "rlost" } else { "rgone" };
+    }
+    let ratio = ratio(cell).unwrap_or(f64::INFINITY);
+    SHADES.iter().find(|(most, _)| ratio <= *most).map_or("r3", |(_, class)| class)
+}
+
+/// Symbol and number, or symbol and word.
+fn mark(cell: &Cell) -> String {
+    let symbol = fate(&cell.fate).0;
+    match ratio(cell) {
+        Some(ratio) if cell.fate.followed() => {
+            let kept = if ratio <= 1.0 { "✓ " } else { "" };
+            format!("{kept}{}", two_digits(ratio))
+        }
+        Some(ratio) if cell.fate.badness() == 1 => format!("{symbol} {}", two_digits(ratio)),
+        _ => symbol.to_owned(),
+    }
+}

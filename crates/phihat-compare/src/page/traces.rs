@@ -1,0 +1,154 @@
+//! Behind every figure: each cell with its fate, its figures, its trace, and the command that makes it again.
+
+use core::fmt::Write as _;
+
+use crate::{Cell, Comparison, Figures, GainsKind, Row, Sketch};
+use maud::{Markup, html};
+
+use super::words::{gains, is_designed};
+use super::{anchor, fate_in_full, title};
+use phihat_report::kit::MILLI;
+use phihat_report::kit::number::number;
+use phihat_report::kit::text::line;
+
+/// Size of a sketch in its own units.
+const WIDE: f64 = 240.0;
+const HIGH: f64 = 48.0;
+
+/// Slices drawn of a sketch.
+const SLICES: usize = 120;
+
+pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
+    html! {
+        h2 id="traces" { "Every cell and its trace" }
+        p {
+            "Of the joint with the largest error, on the study's own motion: error e and commanded torque τ over the whole run, smallest and "
+            "largest in equal slices of time. The command makes that very run again, with its study, every signal of every joint, and a report."
+        }
+        @for arm in &comparison.arms {
+            h3 { (line(&arm.name)) }
+            @for row in comparison.rows_of(&arm.name) { (row_part(comparison, row, command)) }
+        }
+    }
+}
+
+fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
+    let id = anchor("row", &format!("{}-{}", row.arm, row.rival));
+    let label = format!("Table: cells of {} on {}", title(comparison, &row.rival), line(&row.arm));
+    let designed = is_designed(comparison.rival(&row.rival));
+    // The same gains twice.
+    let again = |cell: &&Cell| designed && cell.gains == GainsKind::Default;
+    let cells = || row.cells.iter().filter(|cell| !again(cell));
+    html! { details.cells id=(id) {
+        summary {
+            (title(comparison, &row.rival))
+            @if row.refused.is_some() { span.note { " does not apply" } }
+        }
+        @if let Some(why) = &row.refused {
+            p { "Does not apply: " (line(why)) }
+        } @else {
+            div.scroll.runs tabindex="0" role="region" aria-label=(label) { table {
+                thead { tr {
+                    th scope="col" { "world, gains" }
+                    th scope="col" { "what became of it" }
+                    th scope="col" { "rms error" br; "largest " span.unit { "[mrad]" } }
+                    th scope="col" { "effort " span.unit { "[% of limit]" } br; "chatter " span.unit { "[N·m]" } }
+                    th scope="col" { "× exact" }
+                    th scope="col" { "limit met " span.unit { "[% of samples]" } }
+                    th scope="col" { "recovery " span.unit { "[s]" } }
+                    th scope="col" { "bound " span.unit { "[mrad]" } }
+                    th scope="col" { "e(t)" }
+                    th scope="col" { "τ(t)" }
+                    th scope="col" { "command" }
+                } }
+                tbody { @for cell in cells() { (cell_line(cell, designed, command)) } }
+            } }
+        }
+    } }
+}
+
+fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
+    let kind = if designed { "designed" } else { gains(cell.gains) };
+    let figure = |of: fn(&Figures) -> Option<f64>| {
+        let value = cell.worst.as_ref().and_then(of);
+        value.map_or_else(|| "–".to_owned(), number)
+    };
+    let followed = cell.fate.followed();
+    html! { tr {
+        th scope="row" { (line(&cell.world)) " " span.note { (kind) } }
+        td.outside[!followed] { (fate_in_full(&cell.fate)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
+        td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_max_rad))) }
+        td { (figure(|f| Some(100.0 * f.effort))) br; (figure(|f| Some(f.chatter_nm))) }
+        td { (figure(|f| f.chatter_over_exact)) }
+        td { (figure(|f| Some(100.0 * f.saturated))) }
+        td { (figure(|f| f.recovery_s)) }
+        td { (figure(|f| f.bound_rad.map(|bound| MILLI * bound))) }
+        @match &cell.sketch {
+            None => { td { "–" } td { "–" } }
+            Some(sketch) => {
+                td.sketch { (curve(sketch, &sketch.e_rad, MILLI, "mrad", "e")) }
+                td.sketch { (curve(sketch, &sketch.tau_nm, 1.0, "N·m", "τ")) }
+            }
+        }
+        td { @if let Some(run) = cell.runs.first() { code { (line(command)) " --trace " (line(&run.name)) } } }
+    } }
+}
+
+/// How many of the runs followed.
+fn kept(cell: &Cell) -> String {
+    let followed = cell.runs.iter().filter(|run| run.fate.followed()).count();
+    format!("{followed} of {} motions followed", cell.runs.len())
+}
+
+/// The band between the smallest and the largest of every slice, and what its edges are.
+fn curve(sketch: &Sketch, slices: &[[f32; 2]], scale: f64, unit: &str, symbol: &str) -> Markup {
+    let band = thinned(slices);
+    let finite = || band.iter().flatten().copied().filter(|value| value.is_finite());
+    let (low, high) = finite().fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    let joint = line(&sketch.joint);
+    let end = number(sketch.end_s);
+    let (bottom, top) = (number(scale * low), number(scale * high));
+    let label = format!("{symbol} of {joint} from 0 to {end} s, {bottom} to {top} {unit}");
+    let y = |value: f64| {
+        let share = if high > low { (high - value) / (high - low) } else { 0.5 };
+        2.0 + (HIGH - 4.0) * share
+    };
+    html! {
+        svg role="img" aria-label=(label) viewBox=(format!("0 0 {WIDE} {HIGH}")) {
+            path.zero d=(format!("M0 {0:.1}H{WIDE}", y(0.0))) {}
+            path.band d=(path(&band, y)) {}
+        }
+        span.note { (bottom) " … " (top) " " (unit) " · " (joint) " · " (end) " s" }
+    }
+}
+
+/// At most [`SLICES`], each the hull of those that it stands for.
+fn thinned(slices: &[[f32; 2]]) -> Vec<[f64; 2]> {
+    let size = slices.len().div_ceil(SLICES).max(1);
+    let hull = |group: &[[f32; 2]]| {
+        let fold = |of: fn(f64, f64) -> f64, place: usize| {
+            group.iter().map(|slice| f64::from(slice[place])).reduce(of).unwrap_or(f64::NAN)
+        };
+        [fold(f64::min, 0), fold(f64::max, 1)]
+    };
+    slices.chunks(size).map(hull).collect()
+}
+
+/// A stroke from the lowest to the highest of every slice, and on to the next; slices that are not finite are gaps.
+fn path(band: &[[f64; 2]], y: impl Fn(f64) -> f64) -> String {
+    let step = WIDE / band.len().max(1) as f64;
+    let mut d = String::new();
+    let mut begun = false;
+    for (k, [low, high]) in band.iter().enumerate() {
+        if !(low.is_finite() && high.is_finite()) {
+            begun = false;
+            continue;
+        }
+        let x = (k as f64 + 0.5) * step;
+        let letter = if begun { 'L' } else { 'M' };
+        // Writing to a string cannot fail.
+        let _ = write!(d, "{letter}{x:.0} {:.1}V{:.1}", y(*low), y(*high));
+        begun = true;
+    }
+    d
+}

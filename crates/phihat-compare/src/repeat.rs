@@ -1,0 +1,92 @@
+//! One run of a comparison again, with everything it leaves.
+
+use std::path::{Path, PathBuf};
+
+use phihat_report::Drawing;
+use phihat_session::disk::Whole;
+use phihat_sim::{Metrics, Outcome};
+use serde_json::json;
+
+use crate::ground::CompareError;
+use crate::page::{Trial, trial_page};
+use crate::plan::Plan;
+use crate::record::Comparison;
+
+/// A run that was repeated, with everything that it left.
+#[derive(Debug)]
+pub struct Repeated {
+    /// Where its files are.
+    pub folder: PathBuf,
+    /// Why it ended before its time.
+    pub ended: Option<String>,
+    /// Its figures.
+    pub metrics: Metrics,
+}
+
+/// What a run leaves, in the order in which it is written.
+pub(crate) fn results(folder: &Path, name: &str) -> [PathBuf; 4] {
+    let folder = folder.join("runs").join(name);
+    ["study.toml", "metrics.json", "trace.csv", "report.html"].map(|name| folder.join(name))
+}
+
+/// Runs it, and writes study, trace, metrics and report to `FOLDER/runs/NAME/`.
+pub(crate) fn keep(
+    plan: &Plan,
+    comparison: &Comparison,
+    name: &str,
+    folder: &Path,
+    command: &str,
+) -> Result<Repeated, CompareError> {
+    let (study, outcome) = plan.repeat(comparison, name)?;
+    let metrics = Metrics::of(&outcome.trace, &study);
+    let results = results(folder, name);
+    let folder = folder.join("runs").join(name);
+    let ended = ended(&outcome);
+    let page = trial_page(&Trial {
+        name,
+        law: comparison.rivals.first().map_or("", |rival| &rival.title),
+        gains: &gains(comparison, name),
+        ended: ended.as_deref(),
+        study: &study.text,
+        drawing: &Drawing::of(&outcome.trace, metrics.settle_s),
+        metrics: &metrics,
+        command,
+    });
+    let figures = format!("{:#}\n", json!(metrics));
+    let mut whole = Whole::in_locked_folder();
+    // Nothing says of these files which run they are of: no older one may stand beside a new one.
+    for path in &results {
+        whole.remove(path.clone());
+    }
+    let [text, data, trace, html] = &results;
+    let added = whole
+        .add(text, study.text.as_bytes())
+        .and_then(|_| whole.add(data, figures.as_bytes()))
+        .and_then(|_| whole.add_with(trace, |file| outcome.trace.write_csv(file)))
+        .and_then(|_| whole.add(html, page.as_bytes()));
+    added.and_then(|_| whole.commit())?;
+    Ok(Repeated { folder, ended, metrics })
+}
+
+/// The scalars that the run had: name, value, unit.
+fn gains(comparison: &Comparison, name: &str) -> Vec<(String, f64, String)> {
+    let (Some(rival), Some(row)) = (comparison.rivals.first(), comparison.rows.first()) else {
+        return Vec::new();
+    };
+    let Some(tuning) = &row.tuning else { return Vec::new() };
+    let tuned = name.split('/').nth(3) == Some("tuned");
+    let values = if tuned { &tuning.tuned } else { &tuning.default };
+    let with = |(scalar, value): (&crate::record::ScalarRecord, &f64)| {
+        (scalar.name.clone(), *value, scalar.unit.clone())
+    };
+    rival.scalars.iter().zip(values).map(with).collect()
+}
+
+/// Why the run ended before its time.
+fn ended(outcome: &Outcome) -> Option<String> {
+    let diverged = outcome.divergence.as_ref().map(|d| {
+        format!("The arm diverged at {} s, joint {}, and the run was stopped.", d.t, d.joint)
+    });
+    let stopped = outcome.abort.as_ref();
+    diverged.or_else(|| stopped.map(|a| format!("The robot stopped at {} s: {}.", a.t, a.reason)))
+}

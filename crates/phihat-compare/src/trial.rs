@@ -1,0 +1,117 @@
+//! One rival, one choice of gains, one study: a run.
+
+use std::sync::Arc;
+
+use phihat_rivals::{Entry, Knows, Orbit, Refusal, Supply, Tuning};
+use phihat_sim::{Outcome, SimError, Simulation, Trace};
+use phihat_study::Study;
+use thiserror::Error;
+
+use super::adapter::{Adapter, Broken};
+use super::ground::Ground;
+
+/// Link masses of the nominal model over the arm's.
+pub const NOMINAL_MASSES: f64 = 0.8;
+
+/// Why a run cannot begin.
+#[derive(Debug, Error)]
+pub(crate) enum TrialError {
+    #[error("{0}")]
+    Refused(#[from] Refusal),
+    #[error("{0}")]
+    Sim(#[from] SimError),
+    #[error("the nominal model cannot be made: {0}")]
+    Model(#[from] phihat_model::ModelError),
+}
+
+/// What a run leaves, and when and at which joint the rival's torque was no number, if it was.
+#[derive(Debug)]
+pub(crate) struct Trial {
+    pub(crate) outcome: Outcome,
+    pub(crate) broken: Option<(f64, usize)>,
+}
+
+/// Runs a rival.
+///
+/// # Errors
+///
+/// [`TrialError`]: the rival does not apply to this arm or task, or the study cannot be simulated.
+pub(crate) fn run(
+    ground: &Ground,
+    entry: &Entry,
+    values: &[f64],
+    study: &Study,
+) -> Result<Trial, TrialError> {
+    let period = study.control.period_ns as f64 * 1e-9;
+    let tuning = Tuning::new(values, &ground.units, period)?;
+    let supply = ground.supply(entry, study)?;
+    let rival = entry.build(&tuning, &supply)?;
+    let broken = Broken::default();
+    let driver = Adapter::watched(rival, ground.joints(), Arc::clone(&broken));
+    let mut outcome = Simulation::driven(study, driver, &ground.units)?.run(|_| ());
+    if untimed(entry) {
+        transversal(&mut outcome.trace, &supply)?;
+    }
+    Ok(Trial { outcome, broken: broken.get().copied() })
+}
+
+/// Whether a rival follows a path without a time table: it is then judged by its distance to the path.
+pub(crate) fn untimed(entry: &Entry) -> bool {
+    entry.needs.orbit && entry.needs.derivatives == 0
+}
+
+/// Puts the deviation from the nearest place on the path in the place of the error.
+fn transversal(trace: &mut Trace, supply: &Supply) -> Result<(), Refusal> {
+    let mut orbit = Orbit::of(supply)?;
+    let mut theta: Option<f64> = None;
+    let mut q = vec![0.0; trace.joints.len()];
+    for k in 0..trace.len() {
+        for (q, joint) in q.iter_mut().zip(&trace.joints) {
+            *q = joint.q[k];
+        }
+        let from = theta.unwrap_or_else(|| orbit.search(&q));
+        theta = Some(orbit.project(&q, from));
+        for (joint, place) in trace.joints.iter_mut().zip(orbit.place()[0]) {
+            joint.e[k] = joint.q[k] - place;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
+
+    use super::super::adapter::supply;
+    use super::{NOMINAL_MASSES, Study, Trace, transversal};
+
+    /// Late by a fifth of a second, and beside the path by a little: the first does not count, the second does.
+    #[test]
+    fn distance_to_the_path_does_not_count_being_late() {
+        let text = "duration_s = 12.0\n[robot]\nname = \"planar3r\"\n[gains]\nbandwidth_rad_s = 20.0\n\
+            estimator_bandwidth_rad_s = 60.0\ninertia_kg_m2 = 0.4\n[reference]\nkind = \"sines\"\n\
+            center = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\n\
+            frequency_hz = [0.2, 0.4, 0.2]\nphase_rad = [0.0, 1.0, 2.0]\n";
+        let study = Study::from_text(text, "late.toml", std::path::Path::new(".")).unwrap();
+        let supply = supply(&study, &[0.4; 3], NOMINAL_MASSES).unwrap();
+        let motion = phihat_sim::Motion::new(&study.reference, &study.robot, 12.0).unwrap();
+        let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let mut trace = Trace::new(&names, 1_000_000, 12_000);
+        for k in 0..5000_u32 {
+            let t = 3.0 + 1e-3 * f64::from(k);
+            let q: Vec<_> = (0..3).map(|i| motion.at(i, t - 0.2)[0]).collect();
+            trace.t_ns.push(u64::from(k) * 1_000_000);
+            for (i, joint) in trace.joints.iter_mut().enumerate() {
+                joint.q.push(q[i] + if i == 1 { 1e-3 } else { 0.0 });
+                joint.e.push(q[i] - motion.at(i, t)[0]);
+            }
+        }
+        let size = |trace: &Trace| {
+            trace.joints.iter().flat_map(|joint| &joint.e).fold(0.0_f64, |m, e| m.max(e.abs()))
+        };
+        assert!(size(&trace) > 0.05);
+        transversal(&mut trace, &supply).unwrap();
+        let off = size(&trace);
+        assert!(off > 0.3e-3 && off <= 1e-3 + 1e-9, "{off}");
+    }
+}

@@ -1,0 +1,162 @@
+//! The paper's statements on the arm as predicates of runs: decided here for every arm alike.
+
+use phihat_study::LawForm;
+
+use super::run::Run;
+use super::runs::Runs;
+use super::studies::Setting;
+use crate::Verdict;
+
+/// (48) and (49) as one ladder: |∬e| \[rad·s²\], |∫e| \[rad·s\], |e| \[rad\], |ė| \[rad/s\].
+/// (48) has no ∬e.
+pub(crate) const BOUNDS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
+
+/// Torques that differ by less than this share of the largest count as one curve.
+const ONE_CURVE: f64 = 0.01;
+
+/// Whether (48) or (49), whichever is for the setting, holds in the steady part: all its quantities, of either form alike.
+pub(crate) fn keeps_bounds(run: &Run, setting: Setting) -> bool {
+    let first = usize::from(setting == Setting::First);
+    run.steady().is_some_and(|steady| {
+        steady.iter().zip(BOUNDS).skip(first).all(|(value, bound)| *value <= bound)
+    })
+}
+
+/// Whether joint 2 overshoots more in the first run.
+pub(crate) fn peaks_more(second: &Run, first: &Run) -> bool {
+    second.overshoot(1) > first.overshoot(1)
+}
+
+/// Whether less mismatch is left in the first run.
+pub(crate) fn estimates_better(second: &Run, first: &Run) -> bool {
+    !second.diverged() && !first.diverged() && second.mismatch()[1] < first.mismatch()[1]
+}
+
+/// Largest difference of two runs' torques in the steady part, over the largest torque there.
+pub(crate) fn torque_difference(a: &Run, b: &Run) -> Option<f64> {
+    if a.diverged() || b.diverged() {
+        return None;
+    }
+    let from = a.steady_from();
+    let (mut apart, mut most) = (0.0_f64, 0.0_f64);
+    for (one, other) in a.joints().iter().zip(b.joints()) {
+        for (x, y) in one.tau_applied.iter().zip(&other.tau_applied).skip(from) {
+            apart = apart.max((x - y).abs());
+            most = most.max(x.abs());
+        }
+    }
+    Some(apart / most)
+}
+
+/// Whether two runs' torques are one curve in the steady part.
+pub(crate) fn same_torque(a: &Run, b: &Run) -> bool {
+    torque_difference(a, b).is_some_and(|share| share < ONE_CURVE)
+}
+
+/// A statement on settings: whether it holds for a setting in a form.
+pub(crate) type Holds = fn(&Runs, Setting, LawForm) -> Result<bool, String>;
+
+/// A statement that is decided on every surrogate.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    /// In words.
+    pub(crate) says: &'static str,
+    /// Whether it is about (48) or (49).
+    pub(crate) bounds: bool,
+    /// The settings it is about.
+    pub(crate) settings: &'static [Setting],
+    /// Whether it holds.
+    pub(crate) holds: Holds,
+}
+
+/// What the simulations are said to show.
+pub(crate) const SIMULATED: &[Claim] = &[
+    Claim {
+        says: "m = 2 overshoots more than m = 1 (Figs. 5, 6)",
+        bounds: false,
+        settings: &Setting::SECOND,
+        holds: |runs, setting, form| {
+            Ok(peaks_more(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+        },
+    },
+    Claim {
+        says: "the error keeps (48), (49) (Fig. 7)",
+        bounds: true,
+        settings: &Setting::ALL,
+        holds: keeps,
+    },
+    Claim {
+        says: "m = 2 leaves less mismatch than m = 1 (Fig. 8)",
+        bounds: false,
+        settings: &Setting::SECOND,
+        holds: |runs, setting, form| {
+            Ok(estimates_better(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+        },
+    },
+    Claim {
+        says: "torques of m = 1 and 2 are one curve (50)",
+        bounds: false,
+        settings: &Setting::SECOND,
+        holds: |runs, setting, form| {
+            Ok(same_torque(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+        },
+    },
+];
+
+/// What the experiments are said to show, order by order: of the printed form they depend on it.
+pub(crate) const EXPERIMENTED: &[Claim] = &[
+    Claim {
+        says: "the arm settles in spite of saturation, m = 1 (Figs. 9, 10)",
+        bounds: false,
+        settings: &[Setting::First],
+        holds: settles,
+    },
+    Claim {
+        says: "the arm settles in spite of saturation, m = 2 (Figs. 9, 10)",
+        bounds: false,
+        settings: &Setting::SECOND,
+        holds: settles,
+    },
+    Claim {
+        says: "the error keeps (48) on the second turn, m = 1 (Fig. 11)",
+        bounds: true,
+        settings: &[Setting::First],
+        holds: keeps,
+    },
+    Claim {
+        says: "the error keeps (49) on the second turn, m = 2 (Fig. 11)",
+        bounds: true,
+        settings: &Setting::SECOND,
+        holds: keeps,
+    },
+];
+
+/// Places in [`EXPERIMENTED`]: the arm settles, by order.
+pub(crate) const SETTLES: [usize; 2] = [0, 1];
+/// Places in [`EXPERIMENTED`]: (48), (49).
+pub(crate) const KEEPS: [usize; 2] = [2, 3];
+
+fn settles(runs: &Runs, setting: Setting, form: LawForm) -> Result<bool, String> {
+    Ok(runs.get(setting, form)?.settled_at().is_some())
+}
+
+fn keeps(runs: &Runs, setting: Setting, form: LawForm) -> Result<bool, String> {
+    Ok(keeps_bounds(runs.get(setting, form)?, setting))
+}
+
+impl Claim {
+    /// Whether it holds for every setting in a form.
+    pub(crate) fn everywhere(&self, runs: &Runs, form: LawForm) -> Result<bool, String> {
+        let each = self.settings.iter().map(|setting| (self.holds)(runs, *setting, form));
+        each.collect::<Result<Vec<_>, _>>().map(|all| all.into_iter().all(|holds| holds))
+    }
+}
+
+/// The verdict on something that holds as printed, or with the observer form only, or not at all.
+pub(crate) fn verdict(as_printed: bool, corrected: bool) -> Verdict {
+    match (as_printed, corrected) {
+        (true, _) => Verdict::Reproduced,
+        (false, true) => Verdict::WithCorrection,
+        (false, false) => Verdict::NotReproducible,
+    }
+}

@@ -1,0 +1,105 @@
+//! The part that experiments: Figs. 9 to 11.
+
+use phihat_study::{LawForm, Study};
+
+use super::run::Run;
+use super::runs::{Runs, form_name};
+use super::studies::{Kind, Setting, Studies, path_of};
+use super::transient::SHOWN_S;
+use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
+use crate::compose::{axis, curve, figure, lines, rests_on, section};
+use crate::{Extent, Figure, Panel, Part};
+
+/// Samples from one point of a drawn path to the next.
+const STRIDE: usize = 8;
+
+/// Figs. 9 to 11, on the surrogate arm and on others.
+///
+/// # Errors
+///
+/// A study that cannot be read or simulated.
+pub fn experiment(
+    studies: &Studies,
+    extent: Extent,
+    progress: &dyn Fn(f64),
+) -> Result<Part, String> {
+    let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
+    progress(0.03);
+    let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
+    progress(0.06);
+    let swept = saturation::sweep(studies, extent, &|share| progress(0.06 + 0.24 * share))?;
+    let varied = surrogates::experimented(studies, extent, &|share| progress(0.3 + 0.7 * share))?;
+    let text = "The paper names torque saturation as the difference to its simulations and prints no \
+                limit. Ours is 50 N·m on every joint, with friction, encoders, drives and a delay; the \
+                second turn counts as the steady part. Whether the printed form gets there hangs on what is not \
+                printed: a statement that fails here is left open, not refuted, and says under which other \
+                assumption it holds.";
+    let mut section = section(
+        "figures-9-to-11",
+        "Figs. 9 to 11: the experiments on the three-joint arm",
+        &[text],
+    );
+    section.statements.extend([
+        saturation::long_transient(&limited_runs, &free, &swept)?,
+        saturation::in_phi(&limited_runs, &free, &swept, &varied)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First], Some(&varied))?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND, Some(&varied))?,
+        phi_hat::to_zero(&limited_runs, &free)?,
+    ]);
+    section.tables.push(steady::steady_table(&limited_runs, steady::EXPERIMENTED));
+    section.figures.extend([
+        transient::joint_figure(
+            "fig-09",
+            "Fig. 9: joint 2 under a torque limit",
+            &limited_runs,
+            3.0,
+        )?,
+        tip_figure(&limited_runs)?,
+        errors::errors_figure("fig-11", "Fig. 11: errors under a torque limit", &limited_runs)?,
+        saturation::limit_figure(&swept),
+    ]);
+    let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Experiment, *s)).collect();
+    rests_on(&mut section, assumptions::EXPERIMENT, &paths);
+    let mut part = Part { assumptions: assumptions::all(), sections: vec![section] };
+    part.sections.push(varied.section(Kind::Experiment, &paths));
+    varied.tell(&mut part.assumptions);
+    Ok(part)
+}
+
+fn unlimited(mut study: Study) -> Study {
+    study.control.torque_max = None;
+    study
+}
+
+fn tip_figure(runs: &Runs) -> Result<Figure, String> {
+    // What does not settle is drawn for as long as the paper shows its joint.
+    let shown = |run: &Run| {
+        let samples = run.outcome.trace.len();
+        if run.settled_at().is_some() { samples } else { run.outcome.trace.index_at(SHOWN_S) }
+    };
+    let panel = |form: LawForm| -> Result<_, String> {
+        let tips = |setting: Setting| -> Result<_, String> {
+            let run = runs.get(setting, form)?;
+            let tips = run.tips(STRIDE)?;
+            Ok((tips, shown(run).div_ceil(STRIDE)))
+        };
+        let ((first, first_shown), (second, second_shown)) =
+            (tips(Setting::First)?, tips(Setting::H3)?);
+        let series = vec![
+            curve("desired", first.iter().map(|[_, wanted]| *wanted)),
+            curve("m = 1", first.iter().take(first_shown).map(|[tip, _]| *tip)),
+            curve("m = 2, H3", second.iter().take(second_shown).map(|[tip, _]| *tip)),
+        ];
+        let title = format!("{} form", form_name(form));
+        let panel = lines(&title, (axis("x [m]"), axis("y [m]")), series, Vec::new());
+        Ok(Panel { equal: true, ..panel })
+    };
+    let caption = "The tip under the torque limit of 50 N·m that we assume, two turns; of a run that does \
+                   not settle, the first 1.5 s.";
+    Ok(figure(
+        "fig-10",
+        "Fig. 10: the path under a torque limit",
+        caption,
+        vec![panel(LawForm::Literal)?, panel(LawForm::Observer)?],
+    ))
+}

@@ -1,0 +1,48 @@
+//! The part that simulates: Figs. 4 to 8 and (50).
+
+use super::assumptions;
+use super::runs::Runs;
+use super::studies::{Kind, Setting, Studies, path_of};
+use super::{mismatch, path, steady, surrogates, transient};
+use crate::compose::rests_on;
+use crate::{Extent, Part};
+
+/// Runs of one kind.
+const RUNS: f64 = 8.0;
+
+/// Figs. 4 to 8 and (50), on the surrogate arm and on others.
+///
+/// # Errors
+///
+/// A study that cannot be read or simulated.
+pub fn simulation(
+    studies: &Studies,
+    extent: Extent,
+    progress: &dyn Fn(f64),
+) -> Result<Part, String> {
+    let mut done = 0.0;
+    let runs = Runs::of(
+        studies,
+        Kind::Simulation,
+        |study| study,
+        || {
+            done += 0.1 / RUNS;
+            progress(done);
+        },
+    )?;
+    let mut sections = vec![
+        path::path(&runs)?,
+        transient::transient(&runs, studies)?,
+        steady::simulated(&runs)?,
+        mismatch::mismatch(&runs)?,
+    ];
+    let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Simulation, *s)).collect();
+    for section in &mut sections {
+        rests_on(section, assumptions::SIMULATION, &paths);
+    }
+    let varied = surrogates::simulated(studies, extent, &|share| progress(0.1 + 0.9 * share))?;
+    let mut part = Part { assumptions: assumptions::all(), sections };
+    part.sections.push(varied.section(Kind::Simulation, &paths));
+    varied.tell(&mut part.assumptions);
+    Ok(part)
+}

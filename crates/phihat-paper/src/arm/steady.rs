@@ -1,0 +1,255 @@
+//! Figs. 7 and 11: the errors of the steady part against (48) and (49).
+
+use phihat_design::prelude::*;
+use phihat_design::requested_gains;
+use phihat_design::sampled::{LoopModel, SampledPeaks};
+use phihat_study::LawForm;
+
+use super::claims::{BOUNDS, KEEPS, keeps_bounds, verdict};
+use super::errors::errors_figure;
+use super::run::Run;
+use super::runs::{Runs, form_name};
+use super::studies::Setting;
+use super::surrogates::Varied;
+use crate::compose::{number, section, statement, table, three};
+use crate::{Number, Section, Statement, Table};
+
+/// Tolerance of our own figures on another machine.
+const AGAIN: f64 = 1e-2;
+
+/// What errors count as "much smaller" than a bound.
+const MUCH: f64 = 10.0;
+
+/// Which of the paper's two figures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown {
+    pub(crate) figure: &'static str,
+    pub(crate) id: &'static str,
+    pub(crate) table: &'static str,
+}
+
+/// Fig. 7.
+pub(crate) const SIMULATED: Shown =
+    Shown { figure: "Fig. 7", id: "fig7", table: "steady-simulation" };
+/// Fig. 11.
+pub(crate) const EXPERIMENTED: Shown =
+    Shown { figure: "Fig. 11", id: "fig11", table: "steady-experiment" };
+
+/// Fig. 7: the bounds, and how much smaller the errors are.
+pub(crate) fn simulated(runs: &Runs) -> Result<Section, String> {
+    let text = "The bounds of (48), for m = 1: |∫e| ≤ 10⁻³ rad·s, |e| ≤ 10⁻² rad, |ė| ≤ 10⁻¹ rad/s; of \
+                (49), for m = 2, the same and |∬e| ≤ 10⁻⁴ rad·s². They are looked at after the 1.5 s of \
+                the transient, with integrals counted from there on in either form.";
+    let mut section = section("figure-7", "Fig. 7: errors in the steady part, simulation", &[text]);
+    section.statements.push(kept(runs, SIMULATED, &[Setting::First], None)?);
+    section.statements.push(kept(runs, SIMULATED, &Setting::SECOND, None)?);
+    section.statements.push(margin(runs)?);
+    section.tables.push(steady_table(runs, SIMULATED));
+    section.figures.push(errors_figure("fig-07", "Fig. 7: errors in simulation", runs)?);
+    Ok(section)
+}
+
+/// The quantities of (48) and (49) with their units, in the order of [`BOUNDS`].
+const LADDER: [(&str, &str); 4] = [("∬e", "rad·s²"), ("∫e", "rad·s"), ("e", "rad"), ("ė", "rad/s")];
+
+/// Whether the bounds of some settings are kept, by either form, integrals counted alike.
+///
+/// What fails in an experiment is open, whatever the observer form does: `varied` tells on what it hangs.
+pub(crate) fn kept(
+    runs: &Runs,
+    shown: Shown,
+    settings: &[Setting],
+    varied: Option<&Varied>,
+) -> Result<Statement, String> {
+    let order = if settings == [Setting::First] { 1 } else { 2 };
+    let all = |form: LawForm| -> Result<bool, String> {
+        let kept = settings.iter().map(|s| Ok(keeps_bounds(runs.get(*s, form)?, *s)));
+        Ok(kept.collect::<Result<Vec<_>, String>>()?.into_iter().all(|kept| kept))
+    };
+    let (printed, observer) = (all(LawForm::Literal)?, all(LawForm::Observer)?);
+    let worst = |form: LawForm, of: fn(&Run) -> Option<[f64; 4]>| -> Result<_, String> {
+        let mut worst = [0.0_f64; 4];
+        for setting in settings {
+            let Some(steady) = of(runs.get(*setting, form)?) else { return Ok(None) };
+            worst = core::array::from_fn(|i| worst[i].max(steady[i]));
+        }
+        Ok::<_, String>(Some(worst))
+    };
+    let both = [worst(LawForm::Literal, Run::steady)?, worst(LawForm::Observer, Run::steady)?];
+    let own = worst(LawForm::Literal, Run::since_start)?;
+    let claim = KEEPS[order - 1];
+    let mut numbers = ladder_numbers(order, both, own);
+    let open = varied.map(|varied| {
+        numbers.extend(varied.counts(claim, "it holds"));
+        varied.depends(claim)
+    });
+    let verdict = verdict(printed, observer && varied.is_none());
+    Ok(statement(
+        [
+            &format!("{}-m{order}", shown.id),
+            shown.figure,
+            &format!("With m = {order} the errors of the steady part keep ({}).", 47 + order),
+            if order == 1 {
+                "(10⁻³, 10⁻², 10⁻¹)"
+            } else {
+                "(10⁻⁴, 10⁻³, 10⁻², 10⁻¹)"
+            },
+        ],
+        verdict,
+        (
+            format!(
+                "printed form: {}; observer form: {}",
+                as_words(order, both[0]),
+                as_words(order, both[1])
+            ),
+            why([printed, observer], order, own, open),
+        ),
+        numbers,
+    ))
+}
+
+/// The quantities that (48) or (49) bounds.
+fn first_of(order: usize) -> usize {
+    2_usize.saturating_sub(order)
+}
+
+fn ladder_numbers(order: usize, both: [Option<[f64; 4]>; 2], own: Option<[f64; 4]>) -> Vec<Number> {
+    let names = ["printed form", "observer form"];
+    let mut numbers = Vec::new();
+    for (form, worst) in names.into_iter().zip(both) {
+        for (i, (what, unit)) in LADDER.into_iter().enumerate().skip(first_of(order)) {
+            let name = format!("largest |{what}| of the steady part, m = {order}, {form}");
+            numbers.push(number(&name, unit, worst.map(|worst| worst[i]), AGAIN));
+        }
+    }
+    for (i, (what, unit)) in LADDER.into_iter().enumerate().take(2).skip(first_of(order)) {
+        let name =
+            format!("the same of |{what}| since the first sample, m = {order}, printed form");
+        numbers.push(number(&name, unit, own.map(|own| own[i]), AGAIN));
+    }
+    numbers
+}
+
+fn why(
+    [printed, observer]: [bool; 2],
+    order: usize,
+    own: Option<[f64; 4]>,
+    open: Option<String>,
+) -> String {
+    let verdict = match (printed, observer) {
+        (true, true) => "Both forms keep them.",
+        (true, false) => {
+            "The printed form keeps them; the observer form, with the same gains, does not."
+        }
+        (false, true) => {
+            "The printed form does not keep them; the observer form, fed with the torque that acted, does."
+        }
+        (false, false) if order == 2 => {
+            "Neither form keeps them here. The observer form has no integral of the error to bring back: its ∬e \
+             goes on with whatever ∫e it is left with."
+        }
+        (false, false) => "Neither form keeps them with these gains on this arm.",
+    };
+    let counted =
+        "Integrals are counted from the beginning of the steady part, in both forms alike";
+    let own = own.filter(|_| printed).map_or(String::new(), |own| {
+        let states = LADDER.iter().zip(own).take(2).skip(first_of(order));
+        let states = states.map(|((what, _), value)| format!("|{what}| {}", three(Some(value))));
+        let states: Vec<String> = states.collect();
+        format!(
+            "; those that the printed form has carried since the first sample are {}",
+            states.join(", ")
+        )
+    });
+    let open = open.map_or(String::new(), |open| {
+        let left = if printed {
+            "It holds under the assumed limit, start, path and friction."
+        } else {
+            "So it is open, not refuted: the paper reports it measured, and prints neither torque limit, path, start nor friction."
+        };
+        format!(" {left} {open}")
+    });
+    format!("{verdict} {counted}{own}.{}", open.trim_end().to_owned())
+}
+
+fn as_words(order: usize, worst: Option<[f64; 4]>) -> String {
+    worst.map_or("diverged".to_owned(), |worst| {
+        let words = LADDER.iter().zip(worst).skip(first_of(order));
+        let words = words.map(|((what, _), value)| format!("|{what}| {}", three(Some(value))));
+        words.collect::<Vec<_>>().join(", ")
+    })
+}
+
+/// "The maximum error is much smaller than the threshold", and what would have been promised.
+fn margin(runs: &Runs) -> Result<Statement, String> {
+    let run = runs.get(Setting::First, LawForm::Literal)?;
+    let most = |setting: &Setting| {
+        Ok(runs.get(*setting, LawForm::Literal)?.steady().map(|steady| steady[2]))
+    };
+    let errors: Vec<Option<f64>> = Setting::ALL.iter().map(most).collect::<Result<_, String>>()?;
+    let worst = errors
+        .iter()
+        .copied()
+        .collect::<Option<Vec<f64>>>()
+        .map(|e| e.into_iter().fold(0.0, f64::max));
+    let share = worst.map(|worst| BOUNDS[2] / worst);
+    let promised = error_bound(run)?;
+    let much = share.is_some_and(|share| share >= MUCH);
+    Ok(statement(
+        [
+            "fig7-margin",
+            "Sec. VII-A",
+            "The largest error is much smaller than its bound of 0.01 rad.",
+            "in words",
+        ],
+        verdict(much, false),
+        (
+            format!("{} rad at most, bound/measured = {}", three(worst), three(share)),
+            format!(
+                "The path is slow and |φ| is {} N·m at most. The peak-to-peak gain of the sampled loop at \
+                 μ = 1 promises |e| ≤ {} rad for such a φ at m = 1.",
+                three(Some(run.phi_max())),
+                three(Some(promised))
+            ),
+        ),
+        vec![
+            number("largest |e| of the steady part", "rad", worst, AGAIN),
+            number("largest |φ| of the steady part, m = 1", "N·m", run.phi_max(), AGAIN),
+            number("bound on |e| from |φ|, m = 1", "rad", promised, AGAIN),
+        ],
+    ))
+}
+
+/// What a run's largest φ can do to `e` \[rad\], by the peak-to-peak gain of its sampled loop.
+pub(crate) fn error_bound(run: &Run) -> Result<f64, String> {
+    let gains = requested_gains(&run.study).ok_or("the study states no gains")?;
+    let record = gains.joints.first().ok_or("the robot has no joint")?;
+    let peaks = SampledPeaks::at(record, &LoopModel::from_study(&run.study, 0), 1.0);
+    let peaks = peaks.map_err(|why| why.to_string())?;
+    Ok(peaks.jump[1] * run.phi_max() / record.inertia_kg_m2)
+}
+
+/// The ladder of every run.
+pub(crate) fn steady_table(runs: &Runs, shown: Shown) -> Table {
+    let row = |(setting, form, run): (Setting, LawForm, &Run)| {
+        let mut row = vec![setting.label().to_owned(), form_name(form).to_owned()];
+        match run.steady() {
+            Some(steady) => row.extend(steady.iter().enumerate().map(|(i, value)| {
+                let judged = i >= usize::from(setting == Setting::First);
+                if judged { three(Some(*value)) } else { "not in (48)".to_owned() }
+            })),
+            None => row.extend(["diverged", "", "", ""].map(str::to_owned)),
+        }
+        let bounds = if setting == Setting::First { "(48)" } else { "(49)" };
+        let kept = if keeps_bounds(run, setting) { "yes" } else { "no" };
+        row.push(format!("{bounds}: {kept}"));
+        row
+    };
+    let columns =
+        ["gains", "form", "|∬e| [rad·s²]", "|∫e| [rad·s]", "|e| [rad]", "|ė| [rad/s]", "kept"];
+    let title = format!(
+        "Largest errors of the steady part, integrals counted from its beginning, {}",
+        shown.figure
+    );
+    table(shown.table, &title, &columns, runs.iter().map(row).collect())
+}

@@ -1,0 +1,127 @@
+//! The page of the reproduction: every statement of the paper with its verdict, and what it rests on.
+
+use crate::{Reproduction, Section, Statement, Table, Verdict};
+use maud::{Markup, PreEscaped, html};
+
+use crate::figure::draw as reproduction_figure;
+use phihat_report::kit::text::{line, prose};
+use phihat_report::kit::{Page, anchor};
+
+mod overview;
+mod statement;
+
+/// The paper.
+const PAPER: &str = "R. Hayat, M. Leibold, M. Buss, “Robust-Adaptive Controller Design for Robot Manipulators Using \
+                     the H∞ Approach”, IEEE Access, 2018";
+
+/// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
+/// made of styles.
+pub fn reproduction_page(reproduction: &Reproduction) -> String {
+    let main = html! {
+        (overview::header(reproduction))
+        (overview::choice())
+        (overview::overview(reproduction))
+        (overview::assumptions(reproduction))
+        @for section in &reproduction.sections { (part(section)) }
+        (again(reproduction))
+        (not_claimed())
+    };
+    Page { title: "The paper, reproduced", style: include_str!("reproduction.css"), script: None }
+        .document(&main)
+}
+
+/// Every statement, in the order of the page.
+fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
+    reproduction.sections.iter().flat_map(|section| &section.statements)
+}
+
+/// A verdict's class in the style sheet.
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Reproduced => "reproduced",
+        Verdict::WithCorrection => "corrected",
+        Verdict::NotReproducible => "not",
+    }
+}
+
+fn part(section: &Section) -> Markup {
+    html! {
+        section.part id=(anchor("section", &section.id)) {
+            h2 { (prose(&section.title)) }
+            @for paragraph in &section.text { p { (prose(paragraph)) } }
+            (statement::table(section))
+            @for figure in &section.figures {
+                figure.claim id=(anchor("figure", &figure.id)) {
+                    div.sheet { (PreEscaped(reproduction_figure(figure).svg)) }
+                    figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
+                }
+            }
+            @for table in &section.tables { (values(table)) }
+        }
+    }
+}
+
+fn values(table: &Table) -> Markup {
+    let title = prose(&table.title);
+    let prosaic: Vec<bool> = (0..table.columns.len()).map(|place| is_text(table, place)).collect();
+    let class = |place: usize| prosaic.get(place).is_some_and(|text| *text).then_some("text");
+    html! {
+        div.scroll id=(anchor("table", &table.id)) tabindex="0" role="region" aria-label=(format!("Table: {title}")) {
+            table {
+                caption { span { (title) } }
+                thead { tr { @for (place, column) in table.columns.iter().enumerate() {
+                    th scope="col" class=[class(place)] { (prose(column)) }
+                } } }
+                tbody { @for row in &table.rows { tr {
+                    @for (place, cell) in row.iter().enumerate() {
+                        @if place == 0 {
+                            th scope="row" { (prose(cell)) }
+                        } @else {
+                            td class=[class(place)] { (prose(cell)) }
+                        }
+                    }
+                } } }
+            }
+        }
+    }
+}
+
+/// Whether a column holds words: most of its cells begin with no figure.
+fn is_text(table: &Table, place: usize) -> bool {
+    let cells = table.rows.iter().filter_map(|row| row.get(place)).map(|cell| cell.trim());
+    let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    let figure = |cell: &&&str| {
+        let rest = cell.trim_start_matches(['−', '-', '+', '±', '<', '>', '≤', '≥', ' ']);
+        let words = cell.split_whitespace().count();
+        **cell == "none" || (rest.starts_with(|c: char| c.is_ascii_digit()) && words <= 4)
+    };
+    2 * cells.iter().filter(figure).count() < cells.len()
+}
+
+fn again(reproduction: &Reproduction) -> Markup {
+    let quick = if reproduction.quick { " --quick" } else { "" };
+    html! {
+        h2 id="again" { "Make it again" }
+        pre tabindex="0" aria-label="command" { code {
+            "phihat reproduce" (quick)
+            @if let Some(only) = &reproduction.only { " --only \"" (line(only)) "\"" }
+        } }
+        p {
+            "It leaves this page, every figure as SVG, every number in reproduction.json, and the studies. A study runs alone: "
+            code { "phihat run studies/paper/NAME.toml" } ". To hold another machine's numbers against these: "
+            code { "phihat reproduce --against reproduction.json" } "."
+        }
+    }
+}
+
+fn not_claimed() -> Markup {
+    html! {
+        h2 id="limits" { "Not claimed" }
+        p {
+            "Everything here is computed or simulated; no arm was moved, and “experiment” means a simulation with the "
+            "faults of a real arm. The paper does not publish its arm, its reference and some of its settings: what stands in "
+            "their place is listed above as an assumption. “Not reproducible” says that a statement does not follow from what is "
+            "printed, or that too little is printed to decide; it does not say that the authors did not measure it."
+        }
+    }
+}

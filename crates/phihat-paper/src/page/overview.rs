@@ -1,0 +1,138 @@
+//! What came of the paper, at a glance: counts, links, assumptions.
+
+use crate::{Origin, Reproduction, Statement, Verdict};
+use maud::{Markup, html};
+
+use super::{PAPER, anchor, class, statements};
+use phihat_report::kit::text::{line, prose};
+
+/// The paper's statements of a verdict: what is counted.
+fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &Statement> {
+    reproduction.of(Origin::Paper, verdict)
+}
+
+pub(super) fn header(reproduction: &Reproduction) -> Markup {
+    let count = reproduction.count(Origin::Paper);
+    let (again, ours) = (reproduction.count(Origin::Again), reproduction.count(Origin::Ours));
+    let correct = of(reproduction, Verdict::Reproduced).count();
+    html! {
+        header {
+            h1 { "The paper, reproduced" }
+            p.byline { (PAPER) }
+            p.byline {
+                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements of the paper · computed and simulated"
+                @if reproduction.quick { " · quick: coarser maps and sweeps" }
+            }
+            @if let Some(only) = &reproduction.only {
+                p.partial { strong { "A part of it only:" } " what was chosen by “" (line(only)) "”." }
+            }
+            div.verdict {
+                p { strong { (correct) " of " (count) " statements of the paper hold as printed." } }
+                ul.counts { @for verdict in Verdict::ALL {
+                    @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+                    li.(class) { span.sign { (sign) } " " (of(reproduction, verdict).count()) " " (word) }
+                } }
+                @if again + ours > 0 {
+                    p { "Not counted: " (again) " statements looked at once more, and " (ours) " findings of this project." }
+                }
+            }
+        }
+    }
+}
+
+/// Which verdicts are shown; styles do the rest.
+pub(super) fn choice() -> Markup {
+    html! {
+        fieldset.choice {
+            legend { "show" }
+            label { input type="radio" name="show" id="show-all" checked; " all" }
+            @for verdict in Verdict::ALL {
+                @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+                label { input type="radio" name="show" id=(format!("show-{class}")); " " (sign) " " (word) }
+            }
+        }
+    }
+}
+
+pub(super) fn overview(reproduction: &Reproduction) -> Markup {
+    html! {
+        h2 id="overview" { "Overview" }
+        div.overview { @for verdict in Verdict::ALL {
+            @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
+            section.group.(class) {
+                h3 { span.sign { (sign) } " " (word) " (" (of(reproduction, verdict).count()) ")" }
+                ul { @for statement in of(reproduction, verdict) { li {
+                    a href=(format!("#{}", anchor("claim", &statement.id))) { (prose(&statement.place)) }
+                    " " (prose(&statement.claim))
+                } } }
+            }
+        } }
+        (beside(reproduction))
+        nav aria-label="sections" {
+            h3 { "Sections" }
+            ol { @for section in &reproduction.sections { li {
+                a href=(format!("#{}", anchor("section", &section.id))) { (prose(&section.title)) }
+                @for verdict in Verdict::ALL {
+                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
+                    @if count > 0 { span.tally { (verdict.sign()) " " (count) } }
+                }
+            } } }
+        }
+    }
+}
+
+/// What is on the page and not counted.
+fn beside(reproduction: &Reproduction) -> Markup {
+    let all = || statements(reproduction).filter(|statement| statement.origin != Origin::Paper);
+    html! { @if all().next().is_some() {
+        h3 { "Not counted" }
+        ul.beside { @for statement in all() { li {
+            span.sign { (statement.verdict.sign()) } " "
+            a href=(format!("#{}", anchor("claim", &statement.id))) { (line(&statement.place)) }
+            " " (line(&statement.claim)) " (" (whose(statement)) ")"
+        } } }
+    } }
+}
+
+/// Why a statement is not counted, in a word; empty for the paper's.
+pub(super) fn whose(statement: &Statement) -> &'static str {
+    match statement.origin {
+        Origin::Paper => "",
+        Origin::Again => "looked at once more",
+        Origin::Ours => "a finding of this project",
+    }
+}
+
+pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
+    let using = |id: &str| {
+        statements(reproduction).filter(|s| s.assumptions.iter().any(|a| a == id)).count()
+    };
+    html! { @if !reproduction.assumptions.is_empty() {
+        h2 id="assumptions" { "Assumptions" }
+        p { "What the paper does not print, what stands in its place, and how much it matters." }
+        div.scroll.words tabindex="0" role="region" aria-label="Table: assumptions" {
+            table {
+                thead { tr {
+                    th scope="col" { "assumption" }
+                    th scope="col" { "missing in the paper" }
+                    th scope="col" { "assumed" }
+                    th scope="col" { "influence" }
+                } }
+                tbody { @for assumption in &reproduction.assumptions {
+                    @let count = using(&assumption.id);
+                    tr id=(anchor("assumption", &assumption.id)) {
+                        th scope="row" {
+                            (line(&assumption.id))
+                            span.note { (count) @if count == 1 { " statement" } @else { " statements" } }
+                        }
+                        td data-label="missing in the paper" { (prose(&assumption.missing)) }
+                        td data-label="assumed" { (prose(&assumption.assumed)) }
+                        td data-label="influence" {
+                            @if assumption.influence.is_empty() { "not varied" } @else { (prose(&assumption.influence)) }
+                        }
+                    }
+                } }
+            }
+        }
+    } }
+}

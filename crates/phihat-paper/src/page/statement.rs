@@ -1,0 +1,95 @@
+//! Statements: the paper's value beside ours, and everything needed to doubt either.
+
+use crate::{Number, Origin, Section, Statement};
+use maud::{Markup, html};
+
+use super::overview::whose;
+use super::{anchor, class};
+use phihat_report::kit::number::{percent, stated};
+use phihat_report::kit::text::{line, prose};
+
+pub(super) fn table(section: &Section) -> Markup {
+    let title = line(&section.title);
+    html! { @if !section.statements.is_empty() {
+        div.scroll.words tabindex="0" role="region" aria-label=(format!("Table: statements of {title}")) {
+            table.statements {
+                thead { tr {
+                    th scope="col" { "place" }
+                    th scope="col" { "what is stated" }
+                    th scope="col" { "paper" }
+                    th scope="col" { "ours" }
+                    th scope="col" { "verdict" }
+                } }
+                tbody { @for statement in &section.statements { (row(statement)) } }
+            }
+        }
+    } }
+}
+
+fn row(statement: &Statement) -> Markup {
+    let (sign, word) = (statement.verdict.sign(), statement.verdict.words());
+    let id = anchor("claim", &statement.id);
+    html! {
+        tr.statement.(class(statement.verdict)).counted[statement.origin == Origin::Paper] id=(id) {
+            th scope="row" {
+                a href=(format!("#{id}")) { (prose(&statement.place)) }
+                @if statement.origin != Origin::Paper { span.note { (whose(statement)) } }
+            }
+            td data-label="what is stated" {
+                (prose(&statement.claim))
+                p.why { (prose(&statement.why)) }
+                (evidence(statement))
+            }
+            td data-label="paper" { (prose(&statement.paper)) }
+            td data-label="ours" { (prose(&statement.ours)) }
+            td.mark data-label="verdict" { span.sign { (sign) } " " (word) }
+        }
+    }
+}
+
+/// Numbers, studies and assumptions behind a statement.
+fn evidence(statement: &Statement) -> Markup {
+    let parts = [
+        (statement.numbers.len(), "number", "numbers"),
+        (statement.studies.len(), "study", "studies"),
+        (statement.assumptions.len(), "assumption", "assumptions"),
+    ];
+    let parts: Vec<_> = parts
+        .iter()
+        .filter(|(count, ..)| *count > 0)
+        .map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many }))
+        .collect();
+    html! { details.evidence {
+        summary { @if parts.is_empty() { "name" } @else { (parts.join(", ")) } }
+        @if !statement.numbers.is_empty() {
+            ul { @for number in &statement.numbers { li { (value(number)) } } }
+        }
+        @if !statement.studies.is_empty() {
+            ul { @for study in &statement.studies { li { code { "phihat run " (line(study)) } } } }
+        }
+        @if !statement.assumptions.is_empty() {
+            p { "Rests on "
+                @for (place, id) in statement.assumptions.iter().enumerate() {
+                    @if place > 0 { ", " }
+                    a href=(format!("#{}", anchor("assumption", id))) { (line(id)) }
+                }
+                "."
+            }
+        }
+        p.id { "In reproduction.json: " code { (line(&statement.id)) } }
+    } }
+}
+
+fn value(number: &Number) -> Markup {
+    html! {
+        (prose(&number.name)) ": "
+        @match number.value {
+            Some(value) => strong { (stated(value)) },
+            None => "none",
+        }
+        @if !number.unit.is_empty() && number.value.is_some() { " " (line(&number.unit)) }
+        @if number.value.is_some() {
+            span.unit { " (agrees within " (percent(number.tolerance, 1.0)) ")" }
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Table 1: its rows as printed, and what of them can be told without a run.
+
+use phihat_rivals::{Entry, RIVALS, Tick, Ticks};
+
+use super::Part;
+use super::compose::{number, words};
+use super::record::{Section, Statement, Table, Verdict};
+use super::said::Said;
+
+/// The references of every row of the table, in its order; the last row is the paper's own law.
+const ROWS: [&[&str]; 13] = [
+    &["[23]"],
+    &["[2]"],
+    &["[25]"],
+    &["[29]"],
+    &["[28]"],
+    &["[26]"],
+    &["[27]"],
+    &["[30]"],
+    &["[22]"],
+    &["[44]"],
+    &["[20]"],
+    &["[5]", "[12]"],
+    &["proposed"],
+];
+
+/// One row: what is printed, and the laws here that stand for it.
+struct Row {
+    name: String,
+    printed: Ticks,
+    laws: Vec<&'static Entry>,
+}
+
+impl Row {
+    fn of(references: &[&str]) -> Result<Self, String> {
+        let name = references.join(", ");
+        let stands = |entry: &&Entry| {
+            entry.card.printed.is_some() && references.contains(&entry.card.reference)
+        };
+        let laws: Vec<_> = RIVALS.iter().filter(stands).collect();
+        let mut printed = laws.iter().filter_map(|entry| entry.card.printed);
+        let first = printed.next().ok_or(format!("Table 1: no law stands for {name}"))?;
+        if printed.any(|other| other != first) {
+            return Err(format!("Table 1: the laws of row {name} bear different marks"));
+        }
+        Ok(Self { name, printed: first, laws })
+    }
+
+    /// Whether the printed mark is right for none, some or all of its laws; `None` for "-".
+    fn right(&self) -> Option<usize> {
+        let says = match self.printed.model_free {
+            Tick::Yes => true,
+            Tick::No => false,
+            Tick::Partly => return None,
+        };
+        Some(self.laws.iter().filter(|entry| entry.needs.model_free() == says).count())
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let Ticks { quantitative, easy, optimal, model_free } = self.printed;
+        let marks = [quantitative, easy, optimal, model_free].map(|tick| match tick {
+            Tick::Yes => "✓",
+            Tick::No => "✗",
+            Tick::Partly => "-",
+        });
+        let here = self.laws.iter().map(|entry| {
+            let word = if entry.needs.model_free() { "no model" } else { "a model" };
+            format!("{}: {word}", entry.card.id)
+        });
+        let here: Vec<_> = here.collect();
+        [self.name.clone()].into_iter().chain(words(&marks)).chain([here.join("; ")]).collect()
+    }
+}
+
+/// What of Table 1 can be told without a run, and where the rest is.
+pub(super) fn table1() -> Result<Part, String> {
+    let rows: Vec<Row> = ROWS.iter().map(|row| Row::of(row)).collect::<Result<_, _>>()?;
+    let columns = [
+        "row",
+        "quantitative",
+        "easy tuning",
+        "optimal",
+        "model free",
+        "what the law here is handed",
+    ];
+    let table = Table {
+        id: "table-1-rows".to_owned(),
+        title: "The rows of Table 1 as printed, \"-\" being \"not completely true or known\""
+            .to_owned(),
+        columns: words(&columns),
+        rows: rows.iter().map(Row::cells).collect(),
+    };
+    let section = Section {
+        id: "table-1".to_owned(),
+        title: "Table 1: the state of the art".to_owned(),
+        text: words(&[
+            "A tick is not a number. `phihat compare studies/table1.toml` runs a law for every row of the table on the same \
+             arms, tuned by the same optimiser, and measures what the ticks of the other three columns stand for: a bound \
+             that was stated before the run and held, the share of gains near the default that work, a certificate that \
+             was checked. Its page has each printed mark beside what was found.",
+        ]),
+        statements: vec![model_free(&rows)],
+        tables: vec![table],
+        figures: Vec::new(),
+    };
+    Ok(Part { assumptions: Vec::new(), sections: vec![section] })
+}
+
+fn model_free(rows: &[Row]) -> Statement {
+    let decided: Vec<_> = rows.iter().filter_map(|row| Some((row, row.right()?))).collect();
+    let wrong: Vec<_> = decided
+        .iter()
+        .filter(|(row, right)| *right < row.laws.len())
+        .map(|(row, _)| *row)
+        .collect();
+    let open: Vec<_> =
+        rows.iter().filter(|row| row.right().is_none()).map(|row| row.name.as_str()).collect();
+    let laws = |row: &&Row| {
+        let says = row.printed.model_free == Tick::Yes;
+        let off = row.laws.iter().filter(|entry| entry.needs.model_free() != says);
+        let off: Vec<_> = off.map(|entry| entry.card.id).collect();
+        format!("{} ({})", row.name, off.join(", "))
+    };
+    let named: Vec<_> = wrong.iter().map(laws).collect();
+    let none = || "none".to_owned();
+    Said {
+        id: "table1-model-free",
+        place: "Table 1, last column",
+        claim: "Which approaches need no model",
+        paper: "13 rows of ✓, ✗ or -",
+    }
+    .found(
+        format!(
+            "{} of {} rows with ✓ or ✗ agree; not, or not for every law of the row: {}; \"-\": {}",
+            decided.len() - wrong.len(),
+            decided.len(),
+            if named.is_empty() { none() } else { named.join("; ") },
+            if open.is_empty() { none() } else { open.join(", ") },
+        ),
+        Verdict::of(wrong.is_empty(), wrong.len() < decided.len()),
+        "Here a law is model-free by its type: it is handed no dynamics and no kinematics. A nominal inertia per joint, and \
+         the range of inertia from which the gains of the paper's law may be designed, are not counted as a model. Row \
+         [5], [12] has one mark for two laws: [12] needs no model, [5] simulates a nominal arm. Where the published law was \
+         not found, the mark is held against the law that stands for it.",
+        vec![
+            number("rows", "", rows.len() as f64, 0.0),
+            number("rows with ✓ or ✗", "", decided.len() as f64, 0.0),
+            number("of these, rows with a law that differs", "", wrong.len() as f64, 0.0),
+        ],
+    )
+}

@@ -1,0 +1,268 @@
+//! Figures of a reproduction show its data. Wrong if a point, a bound or a cell were not where the axes say it is,
+//! a unit of an equal panel not as long on both, or a key or label missing.
+#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the report")]
+
+use phihat_paper::{
+    Bound, Content, Figure, Panel, Reproduction, Section, Series, reproduction_figures,
+};
+use roxmltree::{Document, Node};
+
+mod support;
+use support::{axis, reproduction};
+
+fn drawn(figure: Figure) -> String {
+    let section = Section {
+        id: "s".into(),
+        title: String::new(),
+        text: vec![],
+        statements: vec![],
+        tables: vec![],
+        figures: vec![figure],
+    };
+    let whole = Reproduction { sections: vec![section], ..reproduction() };
+    reproduction_figures(&whole).remove(0).svg
+}
+
+fn figure(panels: Vec<Panel>) -> Figure {
+    Figure { id: "known".into(), title: "Known".into(), caption: String::new(), panels }
+}
+
+fn series(points: Vec<[f64; 2]>, marks: bool) -> Series {
+    Series { label: "curve".into(), points, marks }
+}
+
+fn number(node: &Node<'_, '_>, key: &str) -> f64 {
+    node.attribute(key).unwrap().parse().unwrap()
+}
+
+/// Points of every element of a name and colour.
+fn points(document: &Document<'_>, name: &str, key: &str, colour: &str) -> Vec<Vec<(f64, f64)>> {
+    let found = document.descendants().filter(|n| n.has_tag_name(name));
+    found
+        .filter(|n| n.attribute(key) == Some(colour))
+        .map(|n| {
+            let pair = |p: &str| {
+                let (x, y) = p.split_once(',').unwrap();
+                (x.parse().unwrap(), y.parse().unwrap())
+            };
+            n.attribute("points").unwrap().split_whitespace().map(pair).collect()
+        })
+        .collect()
+}
+
+/// Where the ticks of an axis stand, by what they say: the anchor tells the axis.
+fn ticks(document: &Document<'_>, anchor: &str, key: &str) -> Vec<(f64, f64)> {
+    let found = document.descendants().filter(|n| n.has_tag_name("text"));
+    found
+        .filter(|n| {
+            n.attribute("text-anchor") == Some(anchor) && n.attribute("transform").is_none()
+        })
+        .filter_map(|n| Some((n.text()?.trim().parse().ok()?, number(&n, key))))
+        .collect()
+}
+
+/// From a value to a pixel, by two ticks.
+fn ruler(ticks: &[(f64, f64)], log: bool) -> impl Fn(f64) -> f64 {
+    let to = move |v: f64| if log { v.log10() } else { v };
+    let (a, b) = (ticks[0], *ticks.last().unwrap());
+    let slope = (b.1 - a.1) / (to(b.0) - to(a.0));
+    move |v| a.1 + slope * (to(v) - to(a.0))
+}
+
+const BLUE: &str = "#0072B2";
+
+fn panel(log: bool, equal: bool, content: Content) -> Panel {
+    let title = String::new();
+    Panel { title, x: axis("x [s]", log, None), y: axis("y [m]", log, None), equal, content }
+}
+
+fn lines(series: Vec<Series>, bounds: Vec<Bound>) -> Content {
+    Content::Lines { series, bounds }
+}
+
+#[test]
+fn known_points_land_where_the_ticks_say() {
+    for log in [false, true] {
+        let known = vec![[1.0, 3.0], [20.0, 800.0], [70.0, 5.0], [1000.0, 100.0]];
+        let bound = Bound { label: "bound".into(), value: 50.0, both: false };
+        let svg = drawn(figure(vec![panel(
+            log,
+            false,
+            lines(vec![series(known.clone(), false)], vec![bound]),
+        )]));
+        let document = Document::parse(&svg).unwrap();
+        let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
+        assert!(x.len() >= 3 && y.len() >= 3, "{x:?} {y:?}");
+        let (x, y) = (ruler(&x, log), ruler(&y, log));
+        let curves = points(&document, "polyline", "stroke", BLUE);
+        let curve = curves.iter().find(|c| c.len() == 4).unwrap();
+        for (at, [px, py]) in curve.iter().zip(known) {
+            assert!(
+                (at.0 - x(px)).abs() <= 2.0 && (at.1 - y(py)).abs() <= 2.0,
+                "{at:?} {px} {py} {log}"
+            );
+        }
+        let across = points(&document, "polyline", "stroke", "#5A5A5B");
+        assert!(across.iter().any(|line| line.iter().all(|p| (p.1 - y(50.0)).abs() <= 2.0)));
+    }
+}
+
+#[test]
+fn marks_are_at_their_points_and_nothing_leaves_the_panel() {
+    let inside = vec![[0.0, 0.0], [2.0, 3.0], [10.0, 10.0]];
+    let beyond = [&inside[..], &[[4.0, 40.0], [f64::NAN, 1.0], [-7.0, 2.0]]].concat();
+    let mut known = panel(false, false, lines(vec![series(beyond, true)], vec![]));
+    (known.x.range, known.y.range) = (Some([0.0, 10.0]), Some([0.0, 10.0]));
+    let svg = drawn(figure(vec![known]));
+    let document = Document::parse(&svg).unwrap();
+    let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
+    let (x, y) = (ruler(&x, false), ruler(&y, false));
+    let middle = |corners: &Vec<(f64, f64)>| {
+        let n = corners.len() as f64;
+        (corners.iter().map(|p| p.0).sum::<f64>() / n, corners.iter().map(|p| p.1).sum::<f64>() / n)
+    };
+    let marks: Vec<_> = points(&document, "polygon", "fill", BLUE).iter().map(middle).collect();
+    // The first one stands in the key.
+    assert_eq!(marks.len(), 1 + inside.len());
+    for (at, [px, py]) in marks[1..].iter().zip(inside) {
+        assert!((at.0 - x(px)).abs() <= 2.0 && (at.1 - y(py)).abs() <= 2.0, "{at:?}");
+    }
+}
+
+#[test]
+fn equal_units_are_equally_long() {
+    let wide = vec![[0.0, 0.0], [4.0, 1.0], [0.0, 2.0]];
+    for equal in [true, false] {
+        let svg = drawn(figure(vec![panel(
+            false,
+            equal,
+            lines(vec![series(wide.clone(), false)], vec![]),
+        )]));
+        let document = Document::parse(&svg).unwrap();
+        let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
+        let unit = |at: &dyn Fn(f64) -> f64| (at(1.0) - at(0.0)).abs();
+        let ratio = unit(&ruler(&x, false)) / unit(&ruler(&y, false));
+        assert_eq!((ratio - 1.0).abs() < 0.01, equal, "{ratio}");
+    }
+}
+
+#[test]
+fn cells_of_a_map_are_where_and_what_they_are() {
+    let content = Content::Map {
+        x: vec![10.0, 100.0, 1000.0, 1e4],
+        y: vec![1.0, 2.0, 3.0],
+        cells: vec![vec![0, 0, 1, 1], vec![0, 0, 1, 1], vec![2, 2, 2, 9]],
+        classes: vec!["neither".into(), "ours".into(), "both".into()],
+    };
+    let mut map = panel(false, false, content);
+    map.x.log = true;
+    let svg = drawn(figure(vec![map]));
+    let document = Document::parse(&svg).unwrap();
+    let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
+    let (x, y) = (ruler(&x, true), ruler(&y, false));
+    let half = 10.0_f64.sqrt();
+    // Left, right, top, bottom, in values; the class beyond the list is left white.
+    let right = [
+        (0, [10.0 / half, 100.0 * half, 2.5, 0.5]),
+        (1, [100.0 * half, 1e4 * half, 2.5, 0.5]),
+        (2, [10.0 / half, 1000.0 * half, 3.5, 2.5]),
+    ];
+    for (class, [left, end, top, bottom]) in right {
+        let fill = format!("url(#hatch-known-{class})");
+        let found: Vec<_> = document
+            .descendants()
+            .filter(|n| n.has_tag_name("rect") && n.attribute("fill") == Some(&fill))
+            .collect();
+        // One in the key.
+        assert_eq!(found.len(), 2, "class {class}");
+        let (at_x, at_y) = (number(&found[1], "x"), number(&found[1], "y"));
+        assert!((at_x - x(left)).abs() <= 3.0, "{class}: left");
+        assert!((at_x + number(&found[1], "width") - x(end)).abs() <= 3.0, "{class}: right");
+        assert!((at_y - y(top)).abs() <= 3.0, "{class}: top");
+        assert!((at_y + number(&found[1], "height") - y(bottom)).abs() <= 3.0, "{class}: bottom");
+    }
+    let words: Vec<_> = document
+        .descendants()
+        .filter(Node::is_text)
+        .filter_map(|n| n.text())
+        .map(str::trim)
+        .collect();
+    for (letter, class) in [("A", "neither"), ("B", "ours"), ("C", "both")] {
+        assert_eq!(words.iter().filter(|w| **w == letter).count(), 2, "{letter}: key and map");
+        assert!(words.contains(&class));
+    }
+}
+
+#[test]
+fn curves_differ_by_dashes_and_marks_by_shape() {
+    let whole = reproduction();
+    let svg =
+        |id: &str| reproduction_figures(&whole).into_iter().find(|f| f.name == id).unwrap().svg;
+    let six = svg("fig-13");
+    let document = Document::parse(&six).unwrap();
+    let mut dashes: Vec<_> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("polyline") && n.attribute("stroke-linejoin").is_some())
+        .map(|n| n.attribute("stroke-dasharray").unwrap_or(""))
+        .collect();
+    dashes.sort_unstable();
+    dashes.dedup();
+    assert_eq!(dashes.len(), 6 + 3, "six curves and three bounds: {dashes:?}");
+    assert!(six.contains("off the axis: far 100.0"));
+    let marked = svg("sweep");
+    let document = Document::parse(&marked).unwrap();
+    let mut shapes: Vec<Vec<(i64, i64)>> = Vec::new();
+    for colour in ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"] {
+        let of = points(&document, "polygon", "fill", colour);
+        assert_eq!(of.len(), 1 + 12, "{colour}: key and points");
+        let first = of[0][0];
+        #[allow(clippy::cast_possible_truncation, reason = "whole pixels")]
+        shapes
+            .push(of[0].iter().map(|p| ((p.0 - first.0) as i64, (p.1 - first.1) as i64)).collect());
+    }
+    shapes.sort_unstable();
+    shapes.dedup();
+    assert_eq!(shapes.len(), 6);
+}
+
+#[test]
+fn odd_data_do_not_break_a_figure() {
+    let odd = [
+        lines(vec![], vec![]),
+        lines(vec![series(vec![], false)], vec![]),
+        lines(vec![series(vec![[f64::NAN, f64::INFINITY]; 3], false)], vec![]),
+        lines(vec![series(vec![[1.0, 1e300], [2.0, -1e300]], false)], vec![]),
+        lines(
+            vec![series(vec![[1.0, 2.0]], false); 9],
+            vec![Bound { label: "b".into(), value: f64::NAN, both: true }; 9],
+        ),
+        Content::Map { x: vec![], y: vec![], cells: vec![], classes: vec![] },
+        Content::Map {
+            x: vec![1.0],
+            y: vec![2.0],
+            cells: vec![vec![0]],
+            classes: vec!["one".into()],
+        },
+        Content::Map {
+            x: vec![1.0, 2.0],
+            y: vec![2.0, 3.0],
+            cells: vec![vec![0]],
+            classes: vec!["one".into(); 9],
+        },
+    ];
+    for content in odd {
+        for (log, equal) in [(false, false), (true, false), (false, true), (true, true)] {
+            let svg = drawn(figure(vec![panel(log, equal, content.clone())]));
+            Document::parse(&svg).unwrap();
+            assert!(!svg.contains("could not be drawn"), "{content:?} {log} {equal}");
+        }
+    }
+    let none = drawn(figure(vec![]));
+    assert!(!none.contains("could not be drawn"));
+    let many =
+        vec![
+            panel(false, false, lines(vec![series(vec![[0.0, 1.0], [1.0, 2.0]], false)], vec![]));
+            40
+        ];
+    assert!(!drawn(figure(many)).contains("could not be drawn"));
+}

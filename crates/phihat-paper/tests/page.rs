@@ -1,0 +1,238 @@
+//! The page of a reproduction. Wrong if a statement, number, study or assumption were missing, a count or a link
+//! wrong, if a text could become markup, or if the page could reach for anything.
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+
+use std::collections::BTreeMap;
+
+use base64::Engine as _;
+use phihat_paper::{
+    Content, Origin, Reproduction, Verdict, reproduction_figures, reproduction_page,
+};
+use scraper::{ElementRef, Html, Selector};
+use sha2::{Digest, Sha256};
+
+#[path = "../../phihat-report/tests/support/hostile.rs"]
+mod hostile;
+mod support;
+use hostile::PAYLOADS;
+use support::reproduction;
+
+fn all<'a>(document: &'a Html, selector: &str) -> Vec<ElementRef<'a>> {
+    document.select(&Selector::parse(selector).unwrap()).collect()
+}
+
+/// What is read: without the marks that only keep a line from breaking.
+fn text(node: &ElementRef<'_>) -> String {
+    let all = node.text().collect::<Vec<_>>().join(" ").replace('\u{2060}', "");
+    all.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn page(reproduction: &Reproduction) -> Html {
+    Html::parse_document(&reproduction_page(reproduction))
+}
+
+#[test]
+fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
+    let whole = reproduction();
+    let document = page(&whole);
+    let words = ["✓ reproduced", "◐ with correction", "✗ not reproducible"];
+    for (statement, word) in whole.sections.iter().flat_map(|s| &s.statements).zip(words) {
+        let row = &all(&document, &format!("#claim-{}", statement.id))[0];
+        let cells: Vec<_> =
+            row.select(&Selector::parse("th, td").unwrap()).map(|cell| text(&cell)).collect();
+        assert_eq!(cells[0], statement.place);
+        assert!(cells[1].starts_with(&statement.claim) && cells[1].contains(&statement.why));
+        assert_eq!(cells[2], statement.paper);
+        assert_eq!(cells[3], statement.ours);
+        assert_eq!(cells[4], word);
+        for part in [
+            "largest |e|: 1.93 mrad (agrees within 2.0 %)",
+            "of the printed form: none",
+            "phihat run studies/paper/m1.toml",
+            "Rests on rotor-inertia",
+            &statement.id,
+        ] {
+            assert!(cells[1].replace('\u{a0}', " ").contains(part), "{part}: {}", cells[1]);
+        }
+    }
+    let assumption = text(&all(&document, "#assumption-rotor-inertia")[0]);
+    let it = &whole.assumptions[0];
+    for part in [&it.missing, &it.assumed, &it.influence, "3 statements"] {
+        assert!(assumption.contains(part), "{assumption}");
+    }
+}
+
+#[test]
+fn counts_are_those_of_the_verdicts() {
+    let mut whole = reproduction();
+    whole.sections[0].statements[1].verdict = Verdict::Reproduced;
+    let document = page(&whole);
+    let counts: Vec<_> = all(&document, ".counts li").iter().map(text).collect();
+    assert_eq!(counts, ["✓ 2 reproduced", "◐ 0 with correction", "✗ 1 not reproducible"]);
+    assert!(
+        text(&all(&document, ".verdict")[0])
+            .starts_with("2 of 3 statements of the paper hold as printed.")
+    );
+    let listed = |class: &str| all(&document, &format!(".group.{class} li")).len();
+    assert_eq!([listed("reproduced"), listed("corrected"), listed("not")], [2, 0, 1]);
+}
+
+/// What the paper does not state, or states twice, is on the page and in no count.
+#[test]
+fn findings_of_ours_are_not_counted_among_the_papers() {
+    let mut whole = reproduction();
+    whole.sections[0].statements[0].origin = Origin::Ours;
+    let (ours, id) = (&whole.sections[0].statements[0], whole.sections[0].statements[0].id.clone());
+    let document = page(&whole);
+    let verdict = text(&all(&document, ".verdict")[0]);
+    assert!(verdict.starts_with("0 of 2 statements of the paper hold as printed."), "{verdict}");
+    assert!(verdict.ends_with("0 statements looked at once more, and 1 findings of this project."));
+    let beside = all(&document, ".beside li");
+    assert!(beside.len() == 1 && text(&beside[0]).contains(&ours.claim));
+    let row = text(&all(&document, &format!("#claim-{id} th"))[0]);
+    assert!(row.contains("a finding of this project"), "{row}");
+    assert_eq!(all(&document, ".group.reproduced li").len(), 0);
+}
+
+#[test]
+fn every_link_has_its_target_and_every_id_is_one_of_its_kind() {
+    let document = page(&reproduction());
+    let mut ids: BTreeMap<&str, usize> = BTreeMap::new();
+    for node in all(&document, "[id]") {
+        *ids.entry(node.value().attr("id").unwrap()).or_default() += 1;
+    }
+    assert!(ids.values().all(|count| *count == 1), "{ids:?}");
+    let links = all(&document, "a");
+    assert!(links.len() >= 3 + 3 + 3 + 2);
+    for link in links {
+        let href = link.value().attr("href").unwrap();
+        assert!(ids.contains_key(href.strip_prefix('#').unwrap()), "{href}");
+    }
+}
+
+#[test]
+fn nothing_is_loaded_and_nothing_runs() {
+    let html = reproduction_page(&reproduction());
+    let document = Html::parse_document(&html);
+    let policy = all(&document, "meta[http-equiv=Content-Security-Policy]")[0];
+    let style: String = all(&document, "style")[0].text().collect();
+    let hash = base64::prelude::BASE64_STANDARD.encode(Sha256::digest(&style));
+    assert_eq!(
+        policy.value().attr("content").unwrap(),
+        format!(
+            "default-src 'none'; style-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'"
+        )
+    );
+    assert!(!style.contains("url(") && !style.contains("@import"));
+    for node in all(&document, "*") {
+        let loads = ["script", "link", "img", "iframe", "object", "embed", "base", "image", "use"];
+        assert!(!loads.contains(&node.value().name()), "{}", node.value().name());
+        for (name, value) in node.value().attrs() {
+            let reaches = ["src", "xlink:href", "style", "srcset", "action", "data"];
+            assert!(!reaches.contains(&name) && !name.starts_with("on"), "{name}={value}");
+            assert!(name == "xmlns" || !value.contains("://"), "{name}={value}");
+            assert!(!value.contains("url(") || value.starts_with("url(#hatch-"), "{name}={value}");
+        }
+    }
+    assert_eq!(html, reproduction_page(&reproduction()), "same data, same bytes");
+}
+
+#[test]
+fn a_part_says_so() {
+    let mut part = reproduction();
+    part.only = Some("figures".into());
+    part.quick = true;
+    let words = text(&all(&page(&part), "main")[0]);
+    assert!(words.contains("A part of it only: what was chosen by “figures”"), "{words}");
+    assert!(words.contains("phihat reproduce --quick --only \"figures\""), "{words}");
+    let empty = Reproduction { sections: vec![], assumptions: vec![], ..reproduction() };
+    assert!(text(&all(&page(&empty), "main")[0]).contains("0 of 0 statements"));
+}
+
+/// Puts a text in every place that takes one.
+fn named(name: &str) -> Reproduction {
+    let mut whole = reproduction();
+    let set = |field: &mut String| name.clone_into(field);
+    set(&mut whole.phihat_version);
+    for a in &mut whole.assumptions {
+        [&mut a.missing, &mut a.assumed, &mut a.influence].into_iter().for_each(set);
+    }
+    for section in &mut whole.sections {
+        set(&mut section.title);
+        section.text.iter_mut().for_each(set);
+        for s in &mut section.statements {
+            [&mut s.place, &mut s.claim, &mut s.paper, &mut s.ours, &mut s.why]
+                .into_iter()
+                .for_each(set);
+            s.numbers.iter_mut().map(|n| &mut n.unit).for_each(set);
+            s.studies.iter_mut().for_each(set);
+        }
+        for t in &mut section.tables {
+            set(&mut t.title);
+            t.columns.iter_mut().chain(t.rows.iter_mut().flatten()).for_each(set);
+        }
+        for figure in &mut section.figures {
+            [&mut figure.title, &mut figure.caption].into_iter().for_each(set);
+            for panel in &mut figure.panels {
+                [&mut panel.title, &mut panel.x.label, &mut panel.y.label]
+                    .into_iter()
+                    .for_each(set);
+                match &mut panel.content {
+                    Content::Lines { series, bounds } => {
+                        series.iter_mut().map(|s| &mut s.label).for_each(set);
+                        bounds.iter_mut().map(|b| &mut b.label).for_each(set);
+                    }
+                    Content::Map { classes, .. } => classes.iter_mut().for_each(set),
+                }
+            }
+        }
+    }
+    whole
+}
+
+#[test]
+fn no_text_becomes_markup() {
+    let shape = |whole: &Reproduction| {
+        let document = page(whole);
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        for node in all(&document, "*") {
+            let name = node.value().name();
+            // A text takes more or fewer lines of a figure's key.
+            if !["text", "polyline", "rect", "polygon"].contains(&name) {
+                *counts.entry(name.to_owned()).or_default() += 1;
+            }
+            for (name, value) in node.value().attrs() {
+                assert!(!name.starts_with("on"), "{name}={value}");
+            }
+        }
+        counts
+    };
+    let harmless = shape(&named("arm"));
+    for payload in PAYLOADS {
+        assert_eq!(shape(&named(payload)), harmless, "{payload:?}");
+        for figure in reproduction_figures(&named(payload)) {
+            roxmltree::Document::parse(&figure.svg).unwrap();
+            assert!(!figure.svg.contains("could not be drawn"), "{payload:?}");
+        }
+    }
+}
+
+#[test]
+fn a_column_of_words_is_set_as_words_and_one_of_figures_is_not() {
+    let mut whole = reproduction();
+    let table = &mut whole.sections[1].tables[0];
+    table.columns = ["place", "printed", "largest |e| [rad]"].map(str::to_owned).into();
+    let rows =
+        [["(32)", "2 of the terms are left out of it", "1.2e-3"], ["(39)", "a minus", "none"]];
+    table.rows = rows.iter().map(|row| row.map(str::to_owned).into()).collect();
+    let document = page(&whole);
+    let id = format!("#table-{}", whole.sections[1].tables[0].id);
+    let words = |tag: &str| -> Vec<bool> {
+        let cells = all(&document, &format!("{id} {tag}"));
+        cells.iter().map(|cell| cell.value().classes().any(|class| class == "text")).collect()
+    };
+    assert_eq!(words("tbody td"), [true, false, true, false]);
+    assert_eq!(words("thead th")[1..], [true, false]);
+    // A bar and what it stands around are never parted.
+    assert!(reproduction_page(&whole).contains("largest |\u{2060}e| [rad]"));
+}

@@ -1,0 +1,68 @@
+//! What every page and figure of this project is drawn with: the frame of a document, its content policy, numbers, text
+//! that came from a user, static figures.
+
+pub mod number;
+pub mod sheet;
+pub mod text;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::policy::{scripted_policy, still_policy};
+
+const PAGE_STYLE: &str = include_str!("../../assets/page.css");
+
+/// From SI units to those of a page: rad to mrad, m to mm, s to ms.
+pub const MILLI: f64 = 1e3;
+
+/// The frame of a self-contained page: nothing is loaded from anywhere, its style and its script run by hash.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// The name of the page in a browser; ` – phihat` is added.
+    pub title: &'a str,
+    /// Styles beside those that all pages share (CSS).
+    pub style: &'a str,
+    /// The one script, if there is any (JavaScript).
+    pub script: Option<&'a str>,
+}
+
+impl Page<'_> {
+    /// The page with this body.
+    pub fn document(&self, main: &Markup) -> String {
+        let style = format!("{PAGE_STYLE}\n{}", self.style);
+        let policy = match self.script {
+            Some(script) => scripted_policy(script, &style),
+            None => still_policy(&style),
+        };
+        let body = html! {
+            main { (main) }
+            @if let Some(script) = self.script { script { (PreEscaped(script)) } }
+        };
+        document(self.title, &policy, &style, &body)
+    }
+}
+
+/// A document with its policy, its one style sheet and its body.
+pub(crate) fn document(title: &str, policy: &str, style: &str, body: &Markup) -> String {
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                title { (title) " – phihat" }
+                style { (PreEscaped(style)) }
+            }
+            body { (body) }
+        }
+    };
+    markup.into_string()
+}
+
+/// A name as the target of a link; the kind keeps names of different things apart.
+pub fn anchor(kind: &str, id: &str) -> String {
+    let id = id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    format!("{kind}-{}", id.collect::<String>())
+}

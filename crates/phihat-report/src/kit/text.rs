@@ -1,0 +1,68 @@
+//! Text that came from a user, made visible.
+
+use std::fmt::Write;
+
+/// Writes characters that steer a terminal, a parser or the direction of writing as their code
+/// points, so that a page shows what a file holds and XML can carry it.
+///
+/// Markup is not touched here: escaping is the template's, the serialiser's and the chart's work.
+pub fn visible(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_hidden(c) {
+            // Writing to a string cannot fail.
+            let _ = write!(shown, "⟨U+{:04X}⟩", u32::from(c));
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// Controls but not white space, direction marks, and code points that XML forbids.
+fn is_hidden(c: char) -> bool {
+    let direction =
+        matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let nothing =
+        matches!(c, '\u{200b}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}');
+    direction || nothing || (c.is_control() && !matches!(c, '\n' | '\r' | '\t'))
+}
+
+/// As [`visible`], on one line.
+pub fn line(text: &str) -> String {
+    visible(text).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// As [`line`], with magnitudes kept whole: a browser may break a line after a bar, and `|φ|` would fall apart.
+pub fn prose(text: &str) -> String {
+    let line = line(text);
+    let mut shown = String::with_capacity(line.len());
+    let mut rest = line.chars().peekable();
+    while let Some(c) = rest.next() {
+        shown.push(c);
+        if c == '|' && rest.peek().is_some_and(|next| !next.is_whitespace()) {
+            shown.push('\u{2060}');
+        }
+    }
+    shown
+}
+
+/// At most `limit` characters, for the narrow title of a panel.
+pub fn short(text: &str, limit: usize) -> String {
+    let line = line(text);
+    if line.chars().count() <= limit {
+        return line;
+    }
+    line.chars().take(limit.saturating_sub(1)).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::prose;
+
+    #[test]
+    fn a_magnitude_is_one_word() {
+        assert_eq!(prose("A |φ| and  |ė|/x"), "A |\u{2060}φ| and |\u{2060}ė|\u{2060}/x");
+        assert_eq!(prose("a | b"), "a | b");
+    }
+}

@@ -1,0 +1,195 @@
+//! The record of an earlier run, read back: its files are of one run, or it is refused.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path};
+
+use crate::disk::folder_of;
+use crate::hash::sha256;
+use phihat_design::Gains;
+use phihat_report::{Record, RunInfo};
+use phihat_sim::{BLOCK, Trace};
+use phihat_study::Study;
+use serde::{Deserialize, Serialize};
+
+use crate::error::SessionError;
+use crate::files;
+use crate::record::Done;
+use crate::seen::{Looked, Seen, figures, settle};
+
+/// The file that is moved to its place last and removed first: the record is whole where it is.
+pub(crate) const RUN: &str = "run.json";
+/// The recorded signals of a run, by this name in its folder.
+pub const TRACE: &str = "trace.csv";
+/// What every record has beside it.
+const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
+/// The folder of files that the study names.
+pub(crate) const INPUTS: &str = "inputs";
+/// What a record may have.
+pub(crate) const PARQUET: &str = "trace.parquet";
+
+/// What `run.json` says.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Origin {
+    #[serde(flatten)]
+    pub(crate) run: RunInfo,
+    /// The SHA-256 of every other file of the record, by its name.
+    pub(crate) files: BTreeMap<String, String>,
+}
+
+/// A record whose files belong together.
+#[derive(Debug)]
+pub struct Kept {
+    /// Where the run came from.
+    pub run: RunInfo,
+    /// What was run.
+    pub study: Box<Study>,
+    /// The gains that ran.
+    pub gains: Gains,
+    /// What its trace shows.
+    pub seen: Looked,
+}
+
+impl Kept {
+    /// The record that a page is made from.
+    pub fn record(&self) -> Record<'_> {
+        Record {
+            run: &self.run,
+            study_text: &self.study.text,
+            gains: &self.gains,
+            drawing: &self.seen.drawing,
+            metrics: &self.seen.metrics,
+            tube: self.seen.tube.as_ref(),
+        }
+    }
+
+    /// Whether a file can be the trace of a record: by its name, and that it is there.
+    pub(crate) fn is_named(trace: &Path) -> Result<(), SessionError> {
+        files::open(trace)?;
+        if trace.file_name().is_some_and(|name| name == TRACE) {
+            return Ok(());
+        }
+        Err(SessionError::at(
+            trace,
+            "is not the trace of a run; `phihat run` leaves a trace.csv beside its run.json",
+        ))
+    }
+
+    /// Reads the record that a trace is of.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: a file is missing, or is not the one that the run left.
+    pub fn read(trace: &Path) -> Result<Self, SessionError> {
+        Self::read_in(trace, BLOCK, |_| ())
+    }
+
+    /// The same, the trace handed over in blocks of at most so many samples; they count only if this does not fail.
+    fn read_in(
+        trace: &Path,
+        block: usize,
+        mut each: impl FnMut(&mut Trace),
+    ) -> Result<Self, SessionError> {
+        let folder = folder_of(trace);
+        let Origin { run, files } = origin(folder)?;
+        let again = format!("make the record again: {}", run.command);
+        let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
+        for name in FILES.iter().copied().chain(more) {
+            if !inside(Path::new(name)) {
+                let why = format!("names {name:?}, which is no file of a record");
+                return Err(SessionError::at(&folder.join(RUN), why));
+            }
+            belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
+        }
+        let text = files::read(&folder.join("study.toml"))?;
+        let origin = folder.join("study.toml").display().to_string();
+        let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
+        let mut study = study.map_err(|e| SessionError::from(e))?;
+        let gains = folder.join("gains.json");
+        let gains =
+            Gains::from_json(&files::read(&gains)?).map_err(|e| SessionError::at(&gains, e))?;
+        // A study is called as its file was when it ran.
+        study.name.clone_from(&run.study);
+        settle(&mut study, &gains);
+        let mut seen = Seen::new(&study, &gains);
+        Trace::read_csv_in(files::open(trace)?, &study, block, |block| {
+            seen.block(block);
+            each(block);
+        })
+        .map_err(|e| SessionError::at(trace, e))?;
+        let seen = seen.finish(&study.sha256);
+        Ok(Self { run, study, gains, seen })
+    }
+
+    /// Whether the figures that the record states are those of its trace.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: they are not, or cannot be read.
+    pub(crate) fn figures_hold(&self, folder: &Path) -> Result<(), SessionError> {
+        let path = folder.join("metrics.json");
+        let stated: serde_json::Value =
+            serde_json::from_str(&files::read(&path)?).map_err(|e| SessionError::at(&path, e))?;
+        let found = figures(&self.seen.metrics, self.seen.tube.as_ref());
+        if stated == found {
+            return Ok(());
+        }
+        Err(SessionError::at(&path, "does not say what follows from the trace"))
+    }
+}
+
+/// Reads the record of a run, as `phihat run` leaves it, with every signal of every joint.
+///
+/// # Errors
+///
+/// [`SessionError`]: a file is missing, or is not the one that the run left.
+pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
+    let mut whole = Trace::default();
+    let kept =
+        Kept::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
+    let Kept { run, study, gains, seen: Looked { metrics, drawing, tube } } = kept;
+    let done = Done { study, gains, run, drawing, metrics, tube, divergence: None, abort: None };
+    Ok((done, whole))
+}
+
+/// Whether gains that are to be written to a file take the place of those of a run.
+pub fn are_of_a_run(gains: &Path, text: &str) -> bool {
+    let Ok(Origin { files, .. }) = origin(folder_of(gains)) else { return false };
+    let named = gains.file_name().and_then(|name| files.get(name.to_str()?));
+    named.is_some_and(|sum| sha256(&mut text.as_bytes()).is_ok_and(|new| new != *sum))
+}
+
+fn origin(folder: &Path) -> Result<Origin, SessionError> {
+    let path = folder.join(RUN);
+    if !path.is_file() {
+        let why = "is missing: the files beside it are no whole record; run the study again";
+        return Err(SessionError::at(&path, why));
+    }
+    let text = files::read(&path)?;
+    serde_json::from_str(&text).map_err(|e| {
+        SessionError::at(
+            &path,
+            format!("is not what this version leaves: {e}; run the study again"),
+        )
+    })
+}
+
+/// Whether a name is that of a file in the record's folder, or below it.
+fn inside(name: &Path) -> bool {
+    name.components().all(|part| matches!(part, Component::Normal(_)))
+}
+
+/// Whether a file is the one that the run left.
+fn belongs(path: &Path, expected: Option<&str>, again: &str) -> Result<(), SessionError> {
+    let refuse = |why: String| Err(SessionError::at(path, format!("{why}\n  = help: {again}")));
+    let Some(expected) = expected else { return refuse(format!("is not named in {RUN}")) };
+    if !path.is_file() {
+        return refuse("is missing: the run left it".to_owned());
+    }
+    let found = sha256(&mut files::open(path)?).map_err(|e| SessionError::at(path, e))?;
+    if found == expected {
+        return Ok(());
+    }
+    refuse(format!(
+        "is not the file that the run left: its SHA-256 is {found}, and {RUN} says {expected}"
+    ))
+}

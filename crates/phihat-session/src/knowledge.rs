@@ -1,0 +1,277 @@
+//! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
+
+use std::path::Path;
+
+use crate::along::{arm_along, coupled_along, motion_along, phi_along};
+use crate::typed_phi::typed_phi_holds;
+use phihat::Form;
+use phihat_design::{
+    Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
+    find_moving, search, typed_inertia_holds,
+};
+use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
+use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
+
+use crate::error::SessionError;
+use crate::files;
+
+/// Reads a study.
+///
+/// # Errors
+///
+/// [`SessionError::Study`]
+pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
+    Study::read(path).map(Box::new).map_err(|e| SessionError::from(e))
+}
+
+/// How often the allowed error is doubled to find gains for a first simulation.
+const DOUBLINGS: u32 = 12;
+
+/// The arm, from whatever the study knows it by: description, typed inertia, or a recorded trace.
+///
+/// # Errors
+///
+/// [`SessionError`]: what it is known by cannot be used, or contradicts the description.
+pub fn arm(study: &Study, path: &Path) -> Result<Arm, SessionError> {
+    typed_inertia_holds(study).map_err(|e| SessionError::at(path, e))?;
+    let InertiaSource::Trace(file) = &study.design.inertia else {
+        return arm_along(study).map_err(|e| SessionError::at(path, e));
+    };
+    let trace = recorded(study, file)?;
+    let signals = trace.joints.iter().map(|joint| JointSignals {
+        name: &joint.name,
+        q: &joint.q,
+        dq: &joint.dq,
+        ddq: &joint.ddq,
+        tau: &joint.tau_applied,
+    });
+    let signals: Vec<_> = signals.collect();
+    let estimates = estimate_inertia(&signals, trace.period_ns);
+    estimates.map(|found| Arm::estimated(&found)).map_err(|e| SessionError::at(file, e))
+}
+
+/// What is told of a specification that cannot be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Advice {
+    /// Which clauses are in the way.
+    Clauses,
+    /// And which changes of the loop would make it feasible: a search for each.
+    Changes,
+}
+
+/// Designs gains for a study, from what it knows of its arm and of `φ`; without changes of the loop that would help.
+///
+/// # Errors
+///
+/// [`SessionError`]: the design cannot begin. That no gains exist is an [`Outcome`].
+pub fn designed(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
+    designed_for(study, &arm(study, path)?, path, Advice::Clauses)
+}
+
+/// Designs gains for a study and its arm, with `φ` from the source the study names.
+///
+/// # Errors
+///
+/// As [`designed`].
+pub fn designed_for(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    advice: Advice,
+) -> Result<Outcome, SessionError> {
+    let demand = Demand::along(study).map_err(|e| SessionError::at(path, e))?;
+    let moving = |phi: &dyn Fn(usize, f64) -> Phi, joint: usize, inertia: f64| {
+        let motion = Some(motion_along(&demand, joint));
+        Phi { motion, ..phi(joint, inertia) }
+    };
+    let made = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+        let phi = |joint, inertia| moving(phi, joint, inertia);
+        search(study, arm, &phi).map_err(|e| SessionError::at(path, e))
+    };
+    let make = |asked: &Study| estimated(asked, path, &demand, &made);
+    let mut outcome = crate::tubed::tubed(study, path, &make)?;
+    if let Outcome::Infeasible(no) = &mut outcome
+        && advice == Advice::Changes
+    {
+        let advised = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
+            let phi = |joint, inertia| moving(phi, joint, inertia);
+            let alternatives =
+                alternatives(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
+            Ok(Outcome::Infeasible(Infeasible { alternatives, ..no.clone() }))
+        };
+        if let Outcome::Infeasible(told) = estimated(study, path, &demand, &advised)? {
+            *no = told;
+        }
+    }
+    completed(study, arm, outcome, path)
+}
+
+/// One search, by bounds of joint after joint.
+fn estimated(
+    study: &Study,
+    path: &Path,
+    demand: &Demand,
+    made: Make<'_>,
+) -> Result<Outcome, SessionError> {
+    match &study.design.phi {
+        PhiSource::Typed { rate, jump } => {
+            let typed = made(study, &|joint, _| Phi {
+                basis: PhiBasis::Typed,
+                source: "typed in the study".to_owned(),
+                size_nm: None,
+                rate_nm_s: rate[joint],
+                jump_nm: jump[joint],
+                motion: None,
+            })?;
+            if let Outcome::Designed(gains) = &typed {
+                typed_phi_holds(study, demand, gains).map_err(|e| SessionError::at(path, e))?;
+            }
+            Ok(typed)
+        }
+        PhiSource::Trace(file) => {
+            let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let source = format!("recorded in {name}, times {}", study.design.phi_margin);
+            made(study, &|joint, inertia| {
+                let seen = seen.phi(joint, inertia).times(study.design.phi_margin);
+                bounds(PhiBasis::Trace, &source, seen)
+            })
+        }
+        PhiSource::Simulation => simulated(study, demand, made),
+        PhiSource::Reference => made(study, &|joint, inertia| phi_along(demand, joint, inertia)),
+    }
+}
+
+/// Adds to the gains that were taken what no search needs: how far a push on one joint moves every joint, and how fast the
+/// arm may move.
+fn completed(
+    study: &Study,
+    arm: &Arm,
+    mut outcome: Outcome,
+    path: &Path,
+) -> Result<Outcome, SessionError> {
+    if let Outcome::Designed(gains) = &mut outcome {
+        let coupled = coupled_along(study, gains).map_err(|e| SessionError::at(path, e))?;
+        if let Some(certificate) = &mut gains.certificate {
+            certificate.coupled = coupled;
+        }
+        find_moving(gains, arm);
+    }
+    Ok(outcome)
+}
+
+type Make<'a> = &'a dyn Fn(&Study, &dyn Fn(usize, f64) -> Phi) -> Result<Outcome, SessionError>;
+
+/// `φ` from the closed loop: simulated with gains for `φ` along the reference, designed, simulated again, and
+/// designed once more if the second run asks for more than the first one allowed.
+fn simulated(study: &Study, demand: &Demand, make: Make<'_>) -> Result<Outcome, SessionError> {
+    let margin = study.design.phi_margin;
+    let Some(first) = first_gains(study, demand, make)? else {
+        return make(study, &|joint, inertia| phi_along(demand, joint, inertia));
+    };
+    let mut seen = vec![run(study, &first)?];
+    for round in 1..=2 {
+        let source = format!(
+            "{round} simulation(s) of the closed loop, times {margin}; another run may show more"
+        );
+        let phi = |joint: usize, inertia: f64| {
+            let all = seen.iter().map(|seen| seen.phi(joint, inertia)).reduce(PhiAlong::or);
+            let all = all.unwrap_or(PhiAlong { size: 0.0, rate: 0.0, jump: 0.0 }).times(margin);
+            bounds(PhiBasis::Simulation, &source, all)
+        };
+        let outcome = make(study, &phi)?;
+        let Outcome::Designed(gains) = &outcome else { return Ok(outcome) };
+        let again = run(study, gains)?;
+        let kept = gains.joints.iter().enumerate().all(|(joint, record)| {
+            let (allowed, found) =
+                (phi(joint, record.inertia_kg_m2), again.phi(joint, record.inertia_kg_m2));
+            found.rate <= allowed.rate_nm_s && found.jump <= allowed.jump_nm
+        });
+        if kept {
+            return Ok(outcome);
+        }
+        seen.push(again);
+    }
+    Err(SessionError::other(
+        "two rounds of simulation and design do not agree on φ: raise design.phi_margin, or use design.phi_from = \
+         \"reference\"",
+    ))
+}
+
+/// Gains for a first simulation: for `φ` along the reference, the allowed error doubled until there are some.
+fn first_gains(
+    study: &Study,
+    demand: &Demand,
+    make: Make<'_>,
+) -> Result<Option<Box<Gains>>, SessionError> {
+    let mut easier = study.clone();
+    for _ in 0..DOUBLINGS {
+        let outcome = make(&easier, &|joint, inertia| phi_along(demand, joint, inertia))?;
+        if let Outcome::Designed(gains) = outcome {
+            return Ok(Some(gains));
+        }
+        let spec = &mut easier.spec;
+        let bounds =
+            [&mut spec.error_max, &mut spec.velocity_error_max, &mut spec.error_integral_max];
+        bounds.into_iter().flatten().flatten().for_each(|bound| *bound *= 2.0);
+    }
+    Ok(None)
+}
+
+/// What a run with some gains shows of `φ`.
+fn run(study: &Study, gains: &Gains) -> Result<Observed, SessionError> {
+    let mut study = study.clone();
+    gains.give_filter(&mut study).map_err(SessionError::other)?;
+    let law = gains
+        .joint_gains(&names(&study), study.control.period_ns, form(&study))
+        .map_err(SessionError::other)?;
+    let simulation = Simulation::new(&study, &law).map_err(SessionError::other)?;
+    let outcome = simulation.run(|_| ());
+    if let Some(d) = outcome.divergence {
+        let why = format!("the simulation for φ diverged at t = {} s on joint {}", d.t, d.joint);
+        return Err(SessionError::other(why));
+    }
+    Ok(Observed::of(&outcome.trace, study.spec.settle))
+}
+
+pub(crate) fn names(study: &Study) -> Vec<String> {
+    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+}
+
+pub(crate) fn form(study: &Study) -> Form {
+    match study.control.form {
+        LawForm::Observer => Form::Observer,
+        LawForm::Literal => Form::Literal,
+    }
+}
+
+fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
+    Phi {
+        basis,
+        source: source.to_owned(),
+        size_nm: Some(phi.size),
+        rate_nm_s: phi.rate,
+        jump_nm: phi.jump,
+        motion: None,
+    }
+}
+
+/// A recorded trace of the study's arm.
+fn recorded(study: &Study, file: &Path) -> Result<Trace, SessionError> {
+    let trace =
+        Trace::read_csv(files::open(file)?, study).map_err(|e| SessionError::at(file, e))?;
+    if let Some((t, joint, column)) = trace.not_finite() {
+        let why = format!(
+            "{column} of joint {joint} at {t} s is no number: nothing is designed from such a run"
+        );
+        return Err(SessionError::at(file, why));
+    }
+    if trace.len() < 2 || trace.index_at(study.spec.settle) + 2 > trace.len() {
+        let settle = study.spec.settle;
+        return Err(SessionError::at(
+            file,
+            format!("the trace ends before spec.settle_s = {settle} s"),
+        ));
+    }
+    Ok(trace)
+}

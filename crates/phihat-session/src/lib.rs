@@ -1,0 +1,61 @@
+//! A study taken through gains, a closed loop and its record.
+//!
+//! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a folder;
+//! [`Kept`] such a record, read back. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
+//! package are made of these, as any other program can be.
+//!
+//! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
+//!
+//! # Example
+//!
+//! ```no_run
+//! use phihat_session::RunOptions;
+//!
+//! let options = RunOptions { study: "studies/first.toml".into(), ..RunOptions::default() };
+//! let (session, folder) = options.open()?;
+//! let done = session.simulate(&folder, Some(&folder.join("report.html")), &mut ())?;
+//! println!("{}: {}", done.study.name, done.verdict());
+//! # Ok::<(), phihat_session::SessionError>(())
+//! ```
+//!
+//! # Not claimed
+//!
+//! Runs are simulated: what the study's world does not hold did not act.
+#![forbid(unsafe_code)]
+
+mod along;
+mod dice;
+pub mod disk;
+mod edit;
+mod error;
+pub mod files;
+mod hash;
+mod kept;
+mod knowledge;
+mod page;
+mod record;
+mod seen;
+mod session;
+mod tubed;
+mod typed_phi;
+mod verify;
+mod watch;
+mod words;
+mod worlds;
+
+pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use dice::Dice;
+pub use edit::{append, set};
+pub use error::{SessionError, read_gains};
+pub use hash::{sha256, share, short_hash};
+pub use kept::{Kept, TRACE, are_of_a_run, recorded};
+pub use knowledge::{Advice, arm, designed, designed_for, read};
+pub use page::{report_again, write_report};
+pub use record::Done;
+pub use seen::Looked;
+pub use session::{RunOptions, Session};
+pub use typed_phi::typed_phi_holds;
+pub use verify::{Checked, Stage, Verification, verify};
+pub use watch::Watch;
+pub use words::stopped;
+pub use worlds::{Kept as DrawnRuns, WORLDS};

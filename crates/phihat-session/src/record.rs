@@ -1,0 +1,208 @@
+//! A finished run, and what it leaves in its folder.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use phihat_design::Gains;
+use phihat_report::{Drawing, Record, RunInfo, TubeRun};
+use phihat_sim::{Abort, Divergence, Metrics, Trace, TraceWriter};
+use phihat_study::Study;
+use serde_json::json;
+
+use crate::disk::{DiskError, Lock, Piece, Whole};
+use crate::error::SessionError;
+use crate::files;
+use crate::kept::{INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::page::{add_page, remove_page};
+use crate::seen::figures;
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Done {
+    /// What was run.
+    pub study: Box<Study>,
+    /// The gains that ran.
+    pub gains: Gains,
+    /// Where the run came from.
+    pub run: RunInfo,
+    /// What is drawn of it.
+    pub drawing: Drawing,
+    /// The figures of the run.
+    pub metrics: Metrics,
+    /// The run beside the tube that its gains carry.
+    pub tube: Option<TubeRun>,
+    /// Set when the run diverged and was stopped.
+    pub divergence: Option<Divergence>,
+    /// Set when the robot's torque interface stopped the run.
+    pub abort: Option<Abort>,
+}
+
+/// The trace of a run on its way to the disk.
+pub(crate) struct TraceFiles {
+    whole: Whole,
+    /// Where they are prepared.
+    pub(crate) prepared: Vec<PathBuf>,
+    csv: TraceWriter<Piece>,
+    csv_path: PathBuf,
+    #[cfg(feature = "parquet")]
+    parquet: phihat_sim::ParquetTrace<Piece>,
+    #[cfg(feature = "parquet")]
+    parquet_path: PathBuf,
+}
+
+impl TraceFiles {
+    pub(crate) fn begin(folder: &Path) -> Result<Self, DiskError> {
+        let (mut whole, mut prepared) = (Whole::in_locked_folder(), Vec::new());
+        let mut begin = |path: &Path| {
+            let piece = whole.begin(path)?;
+            prepared.push(piece.prepared_at().to_owned());
+            Ok(piece)
+        };
+        let csv_path = folder.join(TRACE);
+        let csv = TraceWriter::new(begin(&csv_path)?);
+        #[cfg(feature = "parquet")]
+        let parquet_path = folder.join(PARQUET);
+        #[cfg(feature = "parquet")]
+        let parquet = phihat_sim::ParquetTrace::new(begin(&parquet_path)?)
+            .map_err(|why| DiskError::untouched(&parquet_path, why))?;
+        Ok(Self {
+            whole,
+            prepared,
+            csv,
+            csv_path,
+            #[cfg(feature = "parquet")]
+            parquet,
+            #[cfg(feature = "parquet")]
+            parquet_path,
+        })
+    }
+
+    pub(crate) fn block(&mut self, trace: &Trace) -> Result<(), DiskError> {
+        self.csv.block(trace).map_err(|why| DiskError::untouched(&self.csv_path, why))?;
+        #[cfg(feature = "parquet")]
+        self.parquet.block(trace).map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
+        Ok(())
+    }
+
+    /// The files, ready to be moved in, and the SHA-256 of each by its name.
+    fn end(self) -> Result<(Whole, BTreeMap<String, String>), DiskError> {
+        let mut whole = self.whole;
+        let mut files = BTreeMap::new();
+        let csv = self.csv.finish().map_err(|why| DiskError::untouched(&self.csv_path, why))?;
+        files.insert(TRACE.to_owned(), whole.end(csv)?);
+        #[cfg(feature = "parquet")]
+        {
+            let done = self.parquet.finish();
+            let done = done.map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
+            files.insert(PARQUET.to_owned(), whole.end(done)?);
+        }
+        // One that an older run left would stand beside a trace that is not its own.
+        #[cfg(not(feature = "parquet"))]
+        whole.remove(self.csv_path.with_file_name(PARQUET));
+        Ok((whole, files))
+    }
+}
+
+impl Done {
+    /// The record that a report is made from.
+    pub fn record(&self) -> Record<'_> {
+        Record {
+            run: &self.run,
+            study_text: &self.study.text,
+            gains: &self.gains,
+            drawing: &self.drawing,
+            metrics: &self.metrics,
+            tube: self.tube.as_ref(),
+        }
+    }
+
+    /// Writes trace, metrics, gains, origin and study into a folder: a whole record in place of an older one, whose page
+    /// goes.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`], naming the file that cannot be written, or that another process is at work there.
+    pub fn write(&self, trace: &Trace, folder: &Path) -> Result<(), SessionError> {
+        let _held = Lock::take(folder)?;
+        let mut files = TraceFiles::begin(folder)?;
+        files.block(trace)?;
+        self.leave(files, folder, None)
+    }
+
+    /// The same in a folder that is locked, with a page, the trace being on its way.
+    pub(crate) fn leave(
+        &self,
+        trace: TraceFiles,
+        folder: &Path,
+        page: Option<&Path>,
+    ) -> Result<(), SessionError> {
+        let at = |name: &str| folder.join(name);
+        let pretty = |value: &serde_json::Value| format!("{value:#}\n").into_bytes();
+        let (mut whole, mut files) = trace.end()?;
+        let gains = self.gains.to_json()?;
+        for (name, bytes) in [
+            ("study.toml", self.study.text.clone().into_bytes()),
+            ("gains.json", gains.into_bytes()),
+            ("metrics.json", pretty(&self.figures())),
+        ] {
+            let sum = whole.add(&at(name), &bytes)?;
+            files.insert(name.to_owned(), sum);
+        }
+        let inputs = at(INPUTS);
+        for older in files_below(&inputs) {
+            whole.remove(older);
+        }
+        for (name, path) in &self.study.inputs {
+            let mut input = files::open(path)?;
+            let sum =
+                whole.add_with(&inputs.join(name), |file| io::copy(&mut input, file).map(drop));
+            let name = Path::new(INPUTS).join(name).display().to_string();
+            files.insert(name, sum?);
+        }
+        match page {
+            Some(page) => add_page(&mut whole, &self.record(), page)?,
+            None => remove_page(&mut whole, &at("report.html")),
+        }
+        let origin = Origin { run: self.run.clone(), files };
+        whole.add(&at(RUN), &pretty(&json!(origin)))?;
+        Ok(whole.commit()?)
+    }
+
+    /// The figures of the run: its metrics, and under `tube` the run beside the tube that its gains carry.
+    pub fn figures(&self) -> serde_json::Value {
+        figures(&self.metrics, self.tube.as_ref())
+    }
+
+    /// Whether the run came to its end, kept every bound, and no promise about it is broken.
+    pub fn good(&self) -> bool {
+        let ended = self.divergence.is_none() && self.abort.is_none();
+        ended
+            && self.metrics.within_spec
+            && self.tube.as_ref().is_none_or(|run| run.broken().is_none())
+    }
+
+    /// The verdict as one word.
+    pub fn verdict(&self) -> &'static str {
+        if self.tube.as_ref().is_some_and(|run| run.broken().is_some()) {
+            "certificate_broken"
+        } else if self.divergence.is_some() {
+            "diverged"
+        } else if self.abort.is_some() {
+            "stopped"
+        } else if !self.metrics.within_spec {
+            "outside_spec"
+        } else if self.metrics.limited_steady_share > 0.0 {
+            "within_spec_limited"
+        } else {
+            "within_spec"
+        }
+    }
+}
+
+/// Files of a folder and those below it; none where it cannot be read.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let below = |path: PathBuf| if path.is_dir() { files_below(&path) } else { vec![path] };
+    entries.flat_map(|entry| below(entry.path())).collect()
+}

@@ -1,0 +1,73 @@
+//! What is looked at while the record of a run goes by.
+
+use phihat_design::Gains;
+use phihat_report::{Drawing, TubeRun, TubeSeen};
+use phihat_sim::{Measured, Metrics, Trace};
+use phihat_study::Study;
+use serde_json::json;
+
+use crate::knowledge;
+
+/// What is looked at while a record goes by.
+pub(crate) struct Seen<'a> {
+    measured: Measured,
+    drawing: Drawing,
+    tube: Option<TubeSeen<'a>>,
+}
+
+/// Figures, drawing and tube of a run.
+#[derive(Debug)]
+pub struct Looked {
+    /// The figures.
+    pub metrics: Metrics,
+    /// What is drawn of it.
+    pub drawing: Drawing,
+    /// The run beside the tube that its gains carry.
+    pub tube: Option<TubeRun>,
+}
+
+impl<'a> Seen<'a> {
+    pub(crate) fn new(study: &Study, gains: &'a Gains) -> Self {
+        let names = knowledge::names(study);
+        let period_ns = study.control.period_ns;
+        let samples = phihat_sim::samples(study.duration, period_ns);
+        Self {
+            measured: Measured::new(study),
+            tube: TubeSeen::new(gains, names.len()),
+            drawing: Drawing::new(names, period_ns, samples, study.spec.settle),
+        }
+    }
+
+    pub(crate) fn block(&mut self, trace: &Trace) {
+        self.measured.block(trace);
+        self.drawing.block(trace);
+        if let Some(tube) = &mut self.tube {
+            tube.block(trace);
+        }
+    }
+
+    /// In a run of a study with this SHA-256.
+    pub(crate) fn finish(self, study_sha256: &str) -> Looked {
+        let Self { measured, drawing, tube } = self;
+        let tube = tube.map(|tube| tube.run(study_sha256));
+        Looked { metrics: measured.metrics(), drawing, tube }
+    }
+}
+
+/// What metrics.json says.
+pub(crate) fn figures(metrics: &Metrics, tube: Option<&TubeRun>) -> serde_json::Value {
+    let mut figures = json!(metrics);
+    if let Some(run) = tube {
+        figures["tube"] = json!(run);
+    }
+    figures
+}
+
+/// The steady part begins when the certificate of this study says, where the study does not say it.
+pub(crate) fn settle(study: &mut Study, gains: &Gains) {
+    let certificate = gains.certificate.as_ref().filter(|_| gains.study_sha256 == study.sha256);
+    let found = certificate.and_then(|certificate| certificate.settle);
+    if let Some(found) = found.filter(|_| !study.spec.settle_stated) {
+        study.spec.settle = found.settle_s;
+    }
+}

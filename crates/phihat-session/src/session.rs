@@ -1,0 +1,217 @@
+//! One study and its gains, taken through a run.
+
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+
+use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
+use phihat_report::RunInfo;
+use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
+use phihat_study::{LawForm, Study};
+
+use crate::disk::{DiskError, Lock};
+use crate::error::{SessionError, read_gains};
+use crate::knowledge::{self, Advice};
+use crate::record::{Done, TraceFiles};
+use crate::seen::{Looked, Seen, settle};
+use crate::watch::Watch;
+use crate::words;
+
+/// What a run is told.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// The study file (TOML).
+    pub study: PathBuf,
+    /// A gains document in place of those that the study states or leaves to the design.
+    pub gains: Option<PathBuf>,
+    /// Folder for the results; `None`: `out/STUDY`.
+    pub out: Option<PathBuf>,
+    /// Runs gains even where they may not run on this arm; marked in the record.
+    pub uncertified: bool,
+}
+
+impl RunOptions {
+    /// Reads and checks everything; nothing is written before all of it fits. With the folder for the results.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`], as of [`Session::new`].
+    pub fn open(&self) -> Result<(Session, PathBuf), SessionError> {
+        let study = knowledge::read(&self.study)?;
+        let gains = self.gains.as_deref().map(|file| read_gains(file).map(|gains| (gains, file)));
+        let default = || Path::new("out").join(&study.name);
+        let folder = self.out.clone().unwrap_or_else(default);
+        Ok((Session::new(study, &self.study, gains.transpose()?, self.uncertified)?, folder))
+    }
+}
+
+/// How a line begins that says what the robot's torque interface will not bear.
+const FORECAST: &str = "forecast:";
+
+/// A study and its gains, ready to run.
+#[derive(Debug)]
+pub struct Session {
+    study: Box<Study>,
+    gains: Gains,
+    simulation: Box<Simulation>,
+    command: String,
+    warnings: Vec<String>,
+}
+
+impl Session {
+    /// Takes the gains given, with their file's name, else those the study states, else designs them; and
+    /// checks that they may run. `path` stands for the study in messages.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
+    /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
+    pub fn new(
+        mut study: Box<Study>,
+        path: &Path,
+        gains: Option<(Gains, &Path)>,
+        uncertified: bool,
+    ) -> Result<Self, SessionError> {
+        let arm = knowledge::arm(&study, path)?;
+        let mut command = format!("phihat run {}", path.display());
+        let mut source = path;
+        let chosen = match (gains, requested_gains(&study)) {
+            (Some((given, file)), _) => {
+                command = format!("{command} --gains {}", file.display());
+                source = file;
+                given
+            }
+            (None, Some(stated)) => stated,
+            (None, None) => designed_gains(&study, &arm, path)?,
+        };
+        chosen.give_filter(&mut study).map_err(|e| SessionError::at(source, e))?;
+        let law = chosen
+            .joint_gains(
+                &knowledge::names(&study),
+                study.control.period_ns,
+                knowledge::form(&study),
+            )
+            .map_err(|e| SessionError::at(source, e))?;
+        let mut warnings = study.robot.warnings.clone();
+        if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
+            if !uncertified {
+                let (path, why) = (source.to_owned(), Box::new(why));
+                return Err(SessionError::NotArmed { path, why });
+            }
+            command += " --uncertified";
+            warnings.push(format!("run uncertified: {why}"));
+        }
+        settle(&mut study, &chosen);
+        let forecast = phihat_sim::forecast(&study).map_err(|e| SessionError::at(path, e))?;
+        warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
+        let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;
+        let simulation = Box::new(simulation);
+        Ok(Self { study, gains: chosen, simulation, command, warnings })
+    }
+
+    /// The gains chosen.
+    pub fn into_gains(self) -> Gains {
+        self.gains
+    }
+
+    /// Runs the loop and leaves its record, with or without its page; the trace is written as it comes. What the robot's
+    /// torque interface will not bear is said before; no other process writes to the folder meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: another process is at work in the folder, or a file cannot be written.
+    pub fn simulate(
+        self,
+        folder: &Path,
+        page: Option<&Path>,
+        watch: &mut dyn Watch,
+    ) -> Result<Done, SessionError> {
+        let _held = Lock::take(folder)?;
+        self.warnings.iter().filter(|w| w.starts_with(FORECAST)).for_each(|line| watch.warn(line));
+        let mut trace = TraceFiles::begin(folder)?;
+        watch.begun(&trace.prepared);
+        let all = self.simulation.samples();
+        let done = self.stream(
+            BLOCK,
+            |done| watch.progress(done, all),
+            |block| -> Result<(), DiskError> { trace.block(block) },
+        );
+        watch.ended();
+        let done = done?;
+        done.leave(trace, folder, page)?;
+        Ok(done)
+    }
+
+    /// Runs the loop; `progress` is told how many samples are done. With every signal of every joint.
+    pub fn run(self, progress: impl FnMut(u64)) -> (Done, Trace) {
+        let mut whole = Trace::default();
+        let take = |block: &mut Trace| -> Result<(), Infallible> {
+            whole = std::mem::take(block);
+            Ok(())
+        };
+        let Ok(done) = self.stream(usize::MAX, progress, take);
+        (done, whole)
+    }
+
+    /// The same, every signal handed over in blocks of at most so many samples.
+    fn stream<E>(
+        self,
+        block: usize,
+        progress: impl FnMut(u64),
+        mut each: impl FnMut(&mut Trace) -> Result<(), E>,
+    ) -> Result<Done, E> {
+        let Self { study, gains, simulation, command, mut warnings } = self;
+        let mut seen = Seen::new(&study, &gains);
+        let ended = simulation.stream(block, progress, |block| {
+            seen.block(block);
+            each(block)
+        })?;
+        let Looked { metrics, drawing, tube } = seen.finish(&study.sha256);
+        warnings.extend(ended.abort.as_ref().map(words::stopped));
+        let run = run_info(&study, (command, warnings), ended.divergence.as_ref());
+        let (divergence, abort) = (ended.divergence, ended.abort);
+        Ok(Done { study, gains, run, drawing, metrics, tube, divergence, abort })
+    }
+}
+
+/// Gains for a study that leaves them to the design.
+fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
+    match knowledge::designed_for(study, arm, path, Advice::Changes)? {
+        Outcome::Designed(gains) => Ok(*gains),
+        Outcome::Infeasible(no) => {
+            Err(SessionError::Infeasible { path: path.to_owned(), no: Box::new(no) })
+        }
+    }
+}
+
+fn run_info(
+    study: &Study,
+    (command, mut warnings): (String, Vec<String>),
+    divergence: Option<&Divergence>,
+) -> RunInfo {
+    let form = match study.control.form {
+        LawForm::Observer => "observer",
+        LawForm::Literal => "literal",
+    };
+    if let Some(d) = divergence {
+        let place =
+            format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);
+        warnings.push(place);
+    }
+    RunInfo {
+        study: study.name.clone(),
+        title: study.title.clone(),
+        study_sha256: study.sha256.clone(),
+        seed: study.seed,
+        robot: study.robot.name.clone(),
+        robot_description: study.robot.description.clone(),
+        robot_provenance: study.robot.provenance.clone(),
+        phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+        toolchain: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        form: form.to_owned(),
+        rate_hz: 1e9 / study.control.period_ns as f64,
+        delay_samples: study.control.delay_samples,
+        world: words::world(study),
+        command,
+        warnings,
+    }
+}

@@ -1,0 +1,135 @@
+//! Every claim about a set of gains, checked again.
+
+use std::path::{Path, PathBuf};
+
+use phihat_certificate::tube::Reference;
+use phihat_certificate::{Certificate, Refutation, TubeAgain, Verified};
+use phihat_design::Gains;
+use phihat_sim::{Metrics, Motion};
+use phihat_study::Study;
+
+use crate::error::{SessionError, read_gains};
+use crate::kept::{Kept, TRACE};
+use crate::knowledge;
+use crate::worlds::{self, Kept as Runs};
+
+/// What is to be checked.
+#[derive(Debug, Clone, Copy)]
+pub enum Checked<'a> {
+    /// A gains document alone, or derived again from a study as far as it can be.
+    Gains {
+        /// The document.
+        gains: &'a Path,
+        /// The study file.
+        study: Option<&'a Path>,
+    },
+    /// The record of a run: its files, its figures, and its gains against its study.
+    Record(&'a Path),
+}
+
+/// How far a check is that takes long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stage {
+    /// The tube is derived a second time; the share that is done.
+    Tube(f64),
+    /// So many of the drawn worlds were run.
+    Worlds(usize),
+}
+
+/// What a check found.
+#[derive(Debug)]
+pub struct Verification {
+    /// The figures of the run whose record was checked.
+    pub record: Option<Metrics>,
+    /// The claims that hold, or the one that does not; `None`: the gains of a record carry no certificate.
+    pub claims: Option<Result<Verified, Refutation>>,
+    /// Runs in worlds drawn from the study's scope.
+    pub runs: Option<Runs>,
+}
+
+/// Checks every claim about a set of gains; with a study, derives again what the file alone has to be trusted for.
+///
+/// # Errors
+///
+/// [`SessionError`]: a file cannot be used, or a record is not what its run left. That a claim does not hold is an answer.
+pub fn verify(
+    checked: Checked<'_>,
+    stage: &(dyn Fn(Stage) + Sync),
+) -> Result<Verification, SessionError> {
+    let (gains, study, record, path) = match checked {
+        Checked::Gains { gains, study } => {
+            let study = study.map(knowledge::read).transpose()?;
+            (read_gains(gains)?, study, None, gains.to_owned())
+        }
+        Checked::Record(folder) => {
+            let (kept, path) = whole(folder)?;
+            let own = kept.gains.study_sha256 == kept.study.sha256;
+            (kept.gains, own.then_some(kept.study), Some(kept.seen.metrics), path)
+        }
+    };
+    let Some(certificate) = &gains.certificate else {
+        if record.is_some() {
+            return Ok(Verification { record, claims: None, runs: None });
+        }
+        return Err(SessionError::at(&path, "these gains carry no certificate"));
+    };
+    let mut runs = None;
+    let claims = match (certificate.verified(&gains), &study) {
+        (Ok(verified), Some(study)) => {
+            again(verified, (&gains, certificate), study, stage)?.map(|(verified, kept)| {
+                runs = kept;
+                verified
+            })
+        }
+        (claims, _) => claims,
+    };
+    Ok(Verification { record, claims: Some(claims), runs })
+}
+
+/// A record whose files, figures and tube hold.
+fn whole(folder: &Path) -> Result<(Kept, PathBuf), SessionError> {
+    let trace = folder.join(TRACE);
+    let kept = Kept::read(&trace)?;
+    kept.figures_hold(folder)?;
+    match kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {
+        Some(tube) => Err(SessionError::TubeLeft { path: trace, sentence: tube.sentence() }),
+        None => Ok((kept, trace)),
+    }
+}
+
+type Again = Result<(Verified, Option<Runs>), Refutation>;
+
+/// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
+fn again(
+    mut verified: Verified,
+    (gains, certificate): (&Gains, &Certificate),
+    study: &Study,
+    stage: &(dyn Fn(Stage) + Sync),
+) -> Result<Again, SessionError> {
+    let checked = certificate.derive(gains, study).and_then(|derived| {
+        verified.derived = derived;
+        let share = |share| stage(Stage::Tube(share));
+        verified.tube = derived_tube((gains, certificate), study, &share)?;
+        Ok(verified)
+    });
+    let verified = match checked {
+        Ok(verified) => verified,
+        Err(why) => return Ok(Err(why)),
+    };
+    let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
+    let runs = worlds::runs(study, gains, tube, &|done| stage(Stage::Worlds(done)))?;
+    Ok(runs.map(|kept| (verified, Some(kept))))
+}
+
+fn derived_tube(
+    (gains, certificate): (&Gains, &Certificate),
+    study: &Study,
+    share: &(dyn Fn(f64) + Sync),
+) -> Result<Option<TubeAgain>, Refutation> {
+    let Ok(motion) = Motion::new(&study.reference, &study.robot, study.duration) else {
+        return Ok(None);
+    };
+    let n = study.robot.joints.len();
+    let reference = Reference::of(study, |t| (0..n).map(|i| motion.at(i, t)).collect());
+    certificate.derive_tube(gains, (study, &reference), share)
+}
