@@ -19,7 +19,8 @@ use std::process::Command;
 
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 
-use crate::test::cargo;
+use crate::bless::{read, write};
+use crate::test::{cargo, command};
 
 const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";
@@ -123,8 +124,10 @@ fn figures(root: &Path) -> [(PathBuf, PathBuf); 3] {
 /// The page of commands: the help of the program and of each of its verbs.
 fn commands(root: &Path) -> Result<String, String> {
     let help = |words: &[&str]| {
-        let output =
-            Command::new(program(root)?).args(words).output().map_err(|e| e.to_string())?;
+        // As wide as where there is no terminal.
+        let mut command = Command::new(program(root)?);
+        let output = command.args(words).env_remove("COLUMNS").output();
+        let output = output.map_err(|e| e.to_string())?;
         String::from_utf8(output.stdout).map_err(|e| e.to_string())
     };
     let all = help(&["--help"])?;
@@ -323,8 +326,7 @@ fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
                     in_order(&block.text, printed).map(|()| None)
                 }
                 ("python", Part::Python(interpreter)) => {
-                    let command = ["-c", &block.text];
-                    crate::test::command(&folder, interpreter, &command).map(|()| None)
+                    command(&folder, interpreter, &["-c", &block.text]).map(|()| None)
                 }
                 _ => Ok(None),
             }
@@ -402,6 +404,7 @@ fn shell(program: &Path, folder: &Path, block: &Block) -> Result<String, String>
         let output = Command::new("sh")
             .args(["-c", &format!("exec 2>&1\n{line}")])
             .env("PATH", &path)
+            .env_remove("COLUMNS")
             .current_dir(folder)
             .output()
             .map_err(|e| format!("sh cannot be started: {e}"))?;
@@ -445,17 +448,6 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), String> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    }
-    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 #[cfg(test)]
