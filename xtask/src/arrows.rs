@@ -200,17 +200,17 @@ const END: &str = "<!-- end of crates -->";
 
 /// ARCHITECTURE.md's table.
 fn table() -> String {
-    let mut text = "| crate | may use | why it is a crate |\n|---|---|---|\n".to_owned();
-    for (name, may, why) in CRATES {
+    let rows = CRATES.iter().map(|(name, may, why)| {
         let short = |name: &&str| match name.strip_prefix("phihat") {
             Some("") | None => format!("`{name}`"),
             Some(rest) => format!("`{rest}`"),
         };
         let may: Vec<String> = may.iter().map(short).collect();
         let may = if may.is_empty() { "–".to_owned() } else { may.join(", ") };
-        text += &format!("| `{name}` | {may} | {why} |\n");
-    }
-    text
+        format!("| `{name}` | {may} | {why} |\n")
+    });
+    let head = "| crate | may use | why it is a crate |\n|---|---|---|\n".to_owned();
+    std::iter::once(head).chain(rows).collect()
 }
 
 /// The document, cut at its table.

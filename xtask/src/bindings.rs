@@ -1,10 +1,11 @@
 //! phihat outside of Rust: C and C++ programs compiled, run, and watched by sanitizers and valgrind; the Python
-//! package built, installed, and tested.
+//! package built, installed, and tested, with the book's Python.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::book;
 use crate::test::command;
 
 /// What every C and C++ program here is compiled with.
@@ -91,7 +92,7 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
         println!("{example}");
         command(root, &python, &[&example])?;
     }
-    Ok(())
+    book::python(root, &python)
 }
 
 /// Python with all that the tests need, in `target/python`; made again when the list changes.

@@ -4,13 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::book;
 use crate::test::cargo;
 
 /// The README's main job.
-const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda.toml"];
-
-/// Figures of that job which the README shows, in `docs/pictures/`.
-const PICTURES: [&str; 2] = ["error-steady", "unknown-dynamics"];
+const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda_design.toml"];
 
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";
@@ -20,17 +18,13 @@ const KEPT: &str = "docs/reproduction";
 /// What is made to be kept or compared; it stays in the build folder.
 const FRESH: &str = "target/reproduction";
 
-/// Runs the main job and writes its output and pictures, and the paper's reproduction.
+/// Runs the main job and writes its output, the paper's reproduction, and what of the book is made.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     reproduction(root)?;
     let (before, after) = frame(root)?;
     let printed = output(root)?;
     write(&root.join("README.md"), &format!("{before}{OPEN}{printed}{CLOSE}{after}"))?;
-    for name in PICTURES {
-        let svg = read(&root.join(format!("out/panda/figures/{name}.svg")))?;
-        write(&root.join(format!("docs/pictures/panda-{name}.svg")), &svg)?;
-    }
-    Ok(())
+    book::bless(root)
 }
 
 /// Reproduces the paper and keeps data, page and figures.
@@ -71,21 +65,13 @@ pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     })
 }
 
-/// Whether README and pictures are what the program prints and draws now.
+/// Whether the README shows what the program prints now.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let (before, after) = frame(root)?;
     let printed = output(root)?;
-    let stale =
-        |what: &str| format!("{what} is stale: run `cargo xtask bless` and look at the diff");
     if read(&root.join("README.md"))? != format!("{before}{OPEN}{printed}{CLOSE}{after}") {
-        return Err(format!("{}\nprinted now:\n{printed}", stale("README.md")));
-    }
-    for name in PICTURES {
-        let drawn = read(&root.join(format!("out/panda/figures/{name}.svg")))?;
-        let shown = format!("docs/pictures/panda-{name}.svg");
-        if read(&root.join(&shown))? != drawn {
-            return Err(stale(&shown));
-        }
+        let why = "README.md is stale: run `cargo xtask bless` and look at the diff";
+        return Err(format!("{why}\nprinted now:\n{printed}"));
     }
     Ok(())
 }
@@ -110,7 +96,7 @@ fn output(root: &Path) -> Result<String, String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-fn read(path: &Path) -> Result<String, String> {
+pub(crate) fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
@@ -121,7 +107,7 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
     fs::copy(from, to).map(|_| ()).map_err(|e| format!("{}: {e}", from.display()))
 }
 
-fn write(path: &Path, text: &str) -> Result<(), String> {
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), String> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }

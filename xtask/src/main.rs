@@ -8,6 +8,7 @@ mod attack;
 mod bench;
 mod bindings;
 mod bless;
+mod book;
 mod dependencies;
 mod fuzz;
 mod instructions;
@@ -34,14 +35,19 @@ const USAGE: &str = "usage:
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
-  cargo xtask bless            the README's output and pictures, and docs/reproduction, as they are now";
+  cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
+                               as they are now; book: those of the book only";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
-        Some((verb, _)) if verb == "bless" => bless::run(&test::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&test::root()),
+        Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
+            None => bless::run(&test::root()),
+            Some("book") => book::bless(&test::root()),
+            Some(_) => Err(USAGE.to_owned()),
+        },
         Some((verb, _)) if verb == "table1" => bless::comparison(&test::root()),
         Some((verb, _)) if verb == "rivals" => rivals::run(&test::root()),
         Some((verb, rest)) if verb == "soak" => {

@@ -1,0 +1,506 @@
+//! The book in `docs/book`: it builds, its links lead somewhere, and what it shows is what happens.
+//!
+//! Fenced blocks of a page, in order, in a scratch folder of the page's own that has a copy of `studies/`:
+//!
+//! | block | what is done |
+//! |---|---|
+//! | any with `file=NAME` | written to `NAME` |
+//! | `sh` | run line by line; exit code 0, or for its last line as `exit=N` says |
+//! | `text,output` | held against what the `sh` block before it printed: each line in this order; `…` stands for what is left out |
+//! | `python` | run by the step that has built the Python package, [`python`] |
+//! | `sh,not-run` | nothing: a text beside it says why |
+//! | `text` | nothing: a formula, a folder |
+//!
+//! Any other block is an error, so that nothing is shown that nobody ran.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use std::process::Command;
+
+use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
+
+use crate::bless::{read, write};
+use crate::test::{cargo, command};
+
+const SOURCE: &str = "docs/book/src";
+const HTML: &str = "target/book/html";
+const SCRATCH: &str = "target/book/run";
+
+/// The version that is installed where there is none: built from source, as its authors publish it.
+const MDBOOK: &str = "0.5.4";
+
+/// The page that is made from what the program says of itself.
+const COMMANDS: &str = "docs/book/src/reference/commands.md";
+
+/// Figures of the book and of the README: what the page `tutorial` leaves of this study.
+const FIGURES: [&str; 3] = ["error", "inertia-window", "trade-off"];
+const FIGURES_OF: &str = "panda_design";
+
+/// Documents outside of the book whose links are followed too.
+const DOCUMENTS: [&str; 9] = [
+    "README.md",
+    "GLOSSARY.md",
+    "NOTATION.md",
+    "DESIGN.md",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "docs/theory.md",
+    "docs/study.md",
+    "docs/reliability.md",
+];
+
+/// Written at the same time as this list; it goes when they are there.
+const AWAITED: [&str; 2] = ["CONTRIBUTING.md", "examples/rust"];
+
+/// One fenced block of a page.
+#[derive(Debug)]
+struct Block {
+    line: usize,
+    language: String,
+    attributes: Vec<String>,
+    text: String,
+}
+
+impl Block {
+    fn has(&self, attribute: &str) -> bool {
+        self.attributes.iter().any(|a| a == attribute)
+    }
+
+    fn value(&self, key: &str) -> Option<&str> {
+        self.attributes.iter().find_map(|a| a.strip_prefix(key)?.strip_prefix('='))
+    }
+}
+
+/// What of a page is run.
+#[derive(Clone, Copy, PartialEq)]
+enum Part<'a> {
+    Commands,
+    Python(&'a str),
+}
+
+/// Builds the book, follows its links, runs its commands, and holds what is made of the program against the program.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    if read(&root.join(COMMANDS))? != commands(root)? {
+        return Err(stale(COMMANDS));
+    }
+    let pages = build(root)?;
+    links(root, &pages)?;
+    for page in &pages {
+        run(root, page, Part::Commands)?;
+    }
+    for (made, kept) in figures(root) {
+        if read(&made)? != read(&kept)? {
+            return Err(stale(&kept.display().to_string()));
+        }
+    }
+    Ok(())
+}
+
+/// Runs the book's Python with an interpreter that has the package.
+pub(crate) fn python(root: &Path, interpreter: &str) -> Result<(), String> {
+    pages(root)?.iter().try_for_each(|page| run(root, page, Part::Python(interpreter)))
+}
+
+/// Writes what is made of the program: the page of commands, and the figures that the tutorial's runs leave.
+pub(crate) fn bless(root: &Path) -> Result<(), String> {
+    write(&root.join(COMMANDS), &commands(root)?)?;
+    run(root, Path::new("tutorial.md"), Part::Commands)?;
+    figures(root).iter().try_for_each(|(made, kept)| write(kept, &read(made)?))
+}
+
+fn stale(what: &str) -> String {
+    format!("{what} is stale: run `cargo xtask bless book` and look at the diff")
+}
+
+/// Every figure as the tutorial's run has just drawn it, and as it is kept.
+fn figures(root: &Path) -> [(PathBuf, PathBuf); 3] {
+    FIGURES.map(|name| {
+        let made = format!("{SCRATCH}/tutorial/out/{FIGURES_OF}/figures/{name}.svg");
+        let kept = format!("{SOURCE}/figures/{FIGURES_OF}-{name}.svg");
+        (root.join(made), root.join(kept))
+    })
+}
+
+/// The page of commands: the help of the program and of each of its verbs.
+fn commands(root: &Path) -> Result<String, String> {
+    let help = |words: &[&str]| {
+        // As wide as where there is no terminal.
+        let mut command = Command::new(program(root)?);
+        let output = command.args(words).env_remove("COLUMNS").output();
+        let output = output.map_err(|e| e.to_string())?;
+        String::from_utf8(output.stdout).map_err(|e| e.to_string())
+    };
+    let all = help(&["--help"])?;
+    let listed = all.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let listed = listed.take_while(|line| !line.is_empty());
+    let verbs = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let verbs: Vec<_> = verbs.filter(|verb| !verb.is_empty() && *verb != "help").collect();
+    if verbs.is_empty() {
+        return Err("phihat --help lists no verbs".to_owned());
+    }
+    let mut page = String::from(
+        "<!-- made by cargo xtask bless book -->\n\n# Command line\n\nWhat `phihat --help` and \
+         `phihat VERB --help` print. In a clone of the repository, `cargo phihat` stands for `phihat` and builds it \
+         first.\n",
+    );
+    page.push_str(&section("phihat", &all));
+    for verb in verbs {
+        page.push_str(&section(&format!("phihat {verb}"), &help(&[verb, "--help"])?));
+    }
+    Ok(page)
+}
+
+/// A heading and what was printed, as plain text: nothing in it is run.
+fn section(title: &str, printed: &str) -> String {
+    format!("\n## {title}\n\n```text\n{}\n```\n", printed.trim_end())
+}
+
+/// The program that the step "release build" leaves.
+fn program(root: &Path) -> Result<PathBuf, String> {
+    let name = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
+    let path = root.join(&name);
+    if path.is_file() {
+        Ok(path)
+    } else {
+        Err(format!("{name} is not there: cargo build --release -p phihat-cli"))
+    }
+}
+
+/// Builds the page tree and returns the pages in the order of the summary.
+fn build(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let own = root.join(format!("target/tools/bin/mdbook{}", std::env::consts::EXE_SUFFIX));
+    let version = format!("mdbook v{MDBOOK}");
+    let is_it = |program: &Path| {
+        let output = Command::new(program).arg("--version").output();
+        output.is_ok_and(|o| String::from_utf8_lossy(&o.stdout).trim() == version)
+    };
+    let on_path = PathBuf::from("mdbook");
+    let mdbook = if is_it(&on_path) { on_path } else { own };
+    if !is_it(&mdbook) {
+        println!("installing mdbook {MDBOOK} into target/tools");
+        let what = ["install", "mdbook", "--version", MDBOOK, "--locked", "--debug", "--quiet"];
+        let features = ["--no-default-features", "--features", "search"];
+        let place = ["--root", "target/tools", "--target-dir", "target/tools/build"];
+        cargo(root, &[&what[..], &features, &place].concat())?;
+        fs::remove_dir_all(root.join("target/tools/build")).map_err(|e| e.to_string())?;
+    }
+    let output = Command::new(&mdbook)
+        .args(["build", "docs/book", "--dest-dir"])
+        .arg(root.join(HTML))
+        .current_dir(root)
+        .output()
+        .map_err(|e| format!("mdbook cannot be started: {e}"))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    // mdbook goes on after an include that it cannot find.
+    if !output.status.success() || ["ERROR", "WARN"].iter().any(|word| said.contains(word)) {
+        return Err(format!("mdbook:\n{said}"));
+    }
+    pages(root)
+}
+
+/// The pages of the summary, in its order; every Markdown file of the book is among them.
+fn pages(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let summary = read(&root.join(SOURCE).join("SUMMARY.md"))?;
+    let pages: Vec<PathBuf> = targets(&summary).into_iter().map(PathBuf::from).collect();
+    let mut folders = vec![root.join(SOURCE)];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            let name = path.strip_prefix(root.join(SOURCE)).unwrap_or(&path).to_owned();
+            let markdown = path.extension().is_some_and(|e| e == "md");
+            if path.is_dir() {
+                folders.push(path);
+            } else if markdown && name != Path::new("SUMMARY.md") && !pages.contains(&name) {
+                return Err(format!("{}: not in SUMMARY.md", name.display()));
+            }
+        }
+    }
+    Ok(pages)
+}
+
+/// Where a document's links and pictures lead.
+fn targets(markdown: &str) -> Vec<String> {
+    let targets = Parser::new(markdown).filter_map(|event| match event {
+        Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
+            Some(dest_url.into_string())
+        }
+        _ => None,
+    });
+    targets.collect()
+}
+
+/// Every link inside the book leads to a page and an anchor of it, or to a file; those of the documents, to a file.
+fn links(root: &Path, pages: &[PathBuf]) -> Result<(), String> {
+    let mut wrong = Vec::new();
+    let inside = |target: &&String| !target.contains("://") && !target.starts_with("mailto:");
+    for page in pages {
+        let path = root.join(SOURCE).join(page);
+        let text = included(&path)?;
+        for target in targets(&text).iter().filter(inside) {
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let folder = page.parent().unwrap_or(Path::new(""));
+            let file = if file.is_empty() { page.clone() } else { flat(&folder.join(file)) };
+            let found = if file.extension().is_some_and(|e| e == "md") {
+                let html = root.join(HTML).join(file.with_extension("html"));
+                let there = || read(&html).is_ok_and(|h| h.contains(&format!("id=\"{anchor}\"")));
+                pages.contains(&file) && (anchor.is_empty() || there())
+            } else {
+                root.join(SOURCE).join(&file).is_file()
+            };
+            if !found {
+                wrong.push(format!("{}: {target} leads nowhere", page.display()));
+            }
+        }
+    }
+    for document in DOCUMENTS {
+        let path = root.join(document);
+        for target in targets(&read(&path)?).iter().filter(inside) {
+            let file = target.split('#').next().unwrap_or_default();
+            if !path.with_file_name("").join(file).exists() && !AWAITED.contains(&file) {
+                wrong.push(format!("{document}: {target} leads nowhere"));
+            }
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// A page with the documents that it includes whole.
+fn included(page: &Path) -> Result<String, String> {
+    let mut text = String::new();
+    for line in read(page)?.lines() {
+        let name = line.strip_prefix("{{#include ").and_then(|rest| rest.strip_suffix("}}"));
+        match name {
+            Some(name) => text.push_str(&read(&page.with_file_name("").join(name))?),
+            None => text.push_str(line),
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// A relative path without `.` and `..`, as far as that goes.
+fn flat(path: &Path) -> PathBuf {
+    let mut flat = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::ParentDir if flat.pop() => {}
+            Component::CurDir => {}
+            other => flat.push(other),
+        }
+    }
+    flat
+}
+
+/// Runs the blocks of a page in its scratch folder.
+fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
+    let blocks = blocks(&read(&root.join(SOURCE).join(page))?);
+    let wanted = |block: &Block| match part {
+        Part::Commands => block.language == "sh",
+        Part::Python(_) => block.language == "python",
+    };
+    for block in &blocks {
+        understood(block).map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
+    }
+    if !blocks.iter().any(wanted) {
+        return Ok(());
+    }
+    println!("{}", page.display());
+    let folder = root.join(SCRATCH).join(page.with_extension(""));
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    copy(&root.join("studies"), &folder.join("studies"))?;
+    let mut printed = None;
+    for block in &blocks {
+        let done = || -> Result<Option<String>, String> {
+            if let Some(name) = block.value("file") {
+                write(&folder.join(name), &block.text)?;
+            }
+            match (block.language.as_str(), part) {
+                ("sh", Part::Commands) if !block.has("not-run") => {
+                    Ok(Some(shell(&program(root)?, &folder, block)?))
+                }
+                ("text", Part::Commands) if block.has("output") => {
+                    let printed: Option<&String> = printed.as_ref();
+                    let printed = printed.ok_or("no commands stand before this output")?;
+                    in_order(&block.text, printed).map(|()| None)
+                }
+                ("python", Part::Python(interpreter)) => {
+                    command(&folder, interpreter, &["-c", &block.text]).map(|()| None)
+                }
+                _ => Ok(None),
+            }
+        };
+        let what = done().map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
+        printed = what.or(printed);
+    }
+    Ok(())
+}
+
+/// Whether a block is one that something is done with.
+fn understood(block: &Block) -> Result<(), String> {
+    let known = |attribute: &String| match block.language.as_str() {
+        "sh" => attribute == "not-run" || attribute.starts_with("exit="),
+        "text" => attribute == "output",
+        _ => attribute.starts_with("file="),
+    };
+    if let Some(attribute) = block.attributes.iter().find(|attribute| !known(attribute)) {
+        return Err(format!("a block of {} does not know {attribute}", block.language));
+    }
+    let normal =
+        |name: &str| Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
+    if block.value("file").is_some_and(|name| name.is_empty() || !normal(name)) {
+        return Err("a listing's file is inside the page's folder".to_owned());
+    }
+    let run = ["sh", "text", "python"].contains(&block.language.as_str());
+    if run || block.value("file").is_some() {
+        return Ok(());
+    }
+    Err(format!("nothing is done with this block of {:?}: name its file=", block.language))
+}
+
+/// The fenced blocks of a page.
+fn blocks(markdown: &str) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut open: Option<Block> = None;
+    for (event, range) in Parser::new(markdown).into_offset_iter() {
+        match event {
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(info))) => {
+                let mut words = info.split(',').map(|word| word.trim().to_owned());
+                open = Some(Block {
+                    line: markdown[..range.start].matches('\n').count() + 1,
+                    language: words.next().unwrap_or_default(),
+                    attributes: words.collect(),
+                    text: String::new(),
+                });
+            }
+            Event::Text(text) => {
+                if let Some(block) = &mut open {
+                    block.text.push_str(&text);
+                }
+            }
+            Event::End(TagEnd::CodeBlock) => blocks.extend(open.take()),
+            _ => {}
+        }
+    }
+    blocks
+}
+
+/// Runs a block's lines, each with the exit code that it is to have, and returns all that they print.
+fn shell(program: &Path, folder: &Path, block: &Block) -> Result<String, String> {
+    let programs = program.parent().unwrap_or(Path::new("")).to_owned();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(std::iter::once(programs).chain(std::env::split_paths(&path)))
+        .map_err(|e| e.to_string())?;
+    let last: i32 =
+        block.value("exit").map_or(Ok(0), str::parse).map_err(|_| "exit=N, a number")?;
+    let text = block.text.replace("\\\n", " ");
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty()).peekable();
+    let mut printed = String::new();
+    while let Some(line) = lines.next() {
+        let wanted = if lines.peek().is_none() { last } else { 0 };
+        // The alias would build; what it builds is what is on the path.
+        let line = line.replace("cargo phihat ", "phihat ");
+        let output = Command::new("sh")
+            .args(["-c", &format!("exec 2>&1\n{line}")])
+            .env("PATH", &path)
+            .env_remove("COLUMNS")
+            .current_dir(folder)
+            .output()
+            .map_err(|e| format!("sh cannot be started: {e}"))?;
+        let said = String::from_utf8_lossy(&output.stdout);
+        if output.status.code() != Some(wanted) {
+            return Err(format!(
+                "{line}\n{said}{}, and exit code {wanted} is stated",
+                output.status
+            ));
+        }
+        printed.push_str(&said);
+    }
+    Ok(printed)
+}
+
+/// Whether each line that is shown was printed, in this order. `…` alone stands for any lines, at the end of a line for
+/// the rest of it.
+fn in_order(shown: &str, printed: &str) -> Result<(), String> {
+    let mut rest = printed.lines().map(str::trim);
+    for line in shown.lines().map(str::trim).filter(|line| !line.is_empty() && *line != "…") {
+        let is_it = |said: &str| match line.strip_suffix('…') {
+            Some(start) => said.starts_with(start.trim_end()),
+            None => said == line,
+        };
+        if !rest.any(is_it) {
+            return Err(format!("not printed, or not in this order:\n{line}\nprinted:\n{printed}"));
+        }
+    }
+    Ok(())
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    fs::create_dir_all(to).map_err(|e| format!("{}: {e}", to.display()))?;
+    for entry in fs::read_dir(from).map_err(|e| format!("{}: {e}", from.display()))? {
+        let path = entry.map_err(|e| e.to_string())?.path();
+        let place = to.join(path.file_name().unwrap_or_default());
+        if path.is_dir() {
+            copy(&path, &place)?;
+        } else {
+            fs::copy(&path, &place).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{blocks, flat, in_order, understood};
+
+    #[test]
+    fn blocks_are_read_with_what_stands_beside_their_language() {
+        let page =
+            "# A\n\n```toml,file=a.toml\nx = 1\n```\n\n```sh,exit=1\nphihat run a.toml\n```\n";
+        let found = blocks(page);
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[0].value("file"), found[0].line), (Some("a.toml"), 3));
+        assert_eq!(
+            (found[1].value("exit"), found[1].text.as_str()),
+            (Some("1"), "phihat run a.toml\n")
+        );
+    }
+
+    #[test]
+    fn what_nobody_runs_is_refused() {
+        for (fence, fine) in [
+            ("sh", true),
+            ("sh,not-run", true),
+            ("text,output", true),
+            ("toml,file=a.toml", true),
+            ("toml", false),
+            ("rust", false),
+            ("sh,later", false),
+            ("toml,file=../a.toml", false),
+            ("toml,file=/a.toml", false),
+        ] {
+            let found = blocks(&format!("```{fence}\nx\n```\n"));
+            assert_eq!(understood(&found[0]).is_ok(), fine, "{fence}");
+        }
+    }
+
+    #[test]
+    fn output_is_held_against_what_was_printed_line_by_line() {
+        let printed = "a 1\nb 2\nc 3 and more\n";
+        for fine in ["a 1\nb 2\n", "b 2\n…\nc 3 …\n", "a 1\nc 3 and more"] {
+            assert!(in_order(fine, printed).is_ok(), "{fine}");
+        }
+        for not in ["b 2\na 1\n", "a", "a 1\na 1\n", "c 3"] {
+            assert!(in_order(not, printed).is_err(), "{not}");
+        }
+    }
+
+    #[test]
+    fn paths_are_made_flat() {
+        assert_eq!(flat(Path::new("a/../b/./c.md")), Path::new("b/c.md"));
+        assert_eq!(flat(Path::new("../b.md")), Path::new("../b.md"));
+    }
+}
