@@ -123,7 +123,7 @@ impl Refusal {
             }
             GainError::Order { .. } => member.write_str("order"),
             GainError::UnstableEstimator { .. } => member.write_str("a"),
-            _ => Ok(()),
+            GainError::Overflow => Ok(()),
         };
         error
     }

@@ -27,7 +27,7 @@ fn gains(study: &Study) -> Gains {
     let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(study, &Arm::of(study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

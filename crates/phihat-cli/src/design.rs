@@ -99,7 +99,7 @@ impl Design {
         if self.json {
             println!("{:#}", json!({ "outcome": "infeasible", "reason": no }));
         } else {
-            println!("{}", no);
+            println!("{no}");
         }
         ExitCode::from(1)
     }

@@ -48,7 +48,7 @@ fn gains(study: &Study) -> Gains {
     let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(study, &arm, &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        no => panic!("{no:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

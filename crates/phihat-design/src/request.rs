@@ -32,7 +32,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
     };
     let method = match request.law {
         LawRequest::Bandwidths { .. } => "bandwidths stated in the study",
-        _ => "coefficients stated in the study",
+        LawRequest::Coefficients { .. } => "coefficients stated in the study",
     };
     Some(Gains {
         format: FORMAT.to_owned(),

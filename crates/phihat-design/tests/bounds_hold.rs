@@ -30,7 +30,7 @@ fn certified(study: &Study) -> Option<Gains> {
     } else {
         match design(study, &arm, &of).unwrap() {
             Outcome::Designed(gains) => *gains,
-            other => panic!("{}: {other:?}", study.name),
+            Outcome::Infeasible(no) => panic!("{}: {no:?}", study.name),
         }
     };
     if let Some(why) = gains.certificate.as_ref().unwrap().refused() {

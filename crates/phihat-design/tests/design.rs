@@ -43,7 +43,7 @@ fn designed(study: &Study) -> Outcome {
 fn gains(study: &Study) -> Gains {
     match designed(study) {
         Outcome::Designed(gains) => *gains,
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

@@ -39,7 +39,7 @@ fn designed(order: u32, rest: &str) -> Gains {
     let study = study(order, rest);
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

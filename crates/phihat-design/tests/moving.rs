@@ -268,7 +268,7 @@ fn designed() -> Gains {
             find_moving(&mut gains, &arm);
             *gains
         }
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

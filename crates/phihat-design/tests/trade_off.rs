@@ -26,7 +26,7 @@ fn designed(error: f64, encoder: &str) -> Gains {
     let phi = |joint, inertia| phi_along(&demand, joint, inertia);
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

@@ -35,7 +35,7 @@ fn designed() -> Gains {
     };
     match design(&study, &Arm::of(&study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        other => panic!("{other:?}"),
+        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 

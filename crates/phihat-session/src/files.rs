@@ -12,6 +12,10 @@ use crate::error::SessionError;
 /// Whether every one of these files can be written: asked before what takes long, and nothing stays of the question.
 ///
 /// Folders that there are not yet are not made; the nearest that there is has to take a file.
+///
+/// # Errors
+///
+/// [`SessionError::File`], naming the file or the folder that is in the way.
 pub fn check_writable<'a>(all: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), SessionError> {
     for path in all {
         if path.is_dir() {
@@ -40,6 +44,10 @@ fn exists(path: &Path) -> bool {
 }
 
 /// Writes a file alone, at once or not at all.
+///
+/// # Errors
+///
+/// [`SessionError::Disk`]
 pub fn write(path: &Path, text: &str) -> Result<(), SessionError> {
     let held = Lock::take_if_used(folder_of(path))?;
     let mut whole = Whole::where_held(held.as_ref());
@@ -48,6 +56,10 @@ pub fn write(path: &Path, text: &str) -> Result<(), SessionError> {
 }
 
 /// Writes files that belong together, the last one last, in a folder that the caller keeps others out of.
+///
+/// # Errors
+///
+/// [`SessionError::Disk`]
 pub fn write_locked(all: &[(PathBuf, Vec<u8>)]) -> Result<(), SessionError> {
     let mut whole = Whole::in_locked_folder();
     for (path, bytes) in all {
@@ -57,12 +69,20 @@ pub fn write_locked(all: &[(PathBuf, Vec<u8>)]) -> Result<(), SessionError> {
 }
 
 /// Reads a text file.
+///
+/// # Errors
+///
+/// [`SessionError::File`]
 pub fn read(path: &Path) -> Result<String, SessionError> {
     input::text(path, input::DOCUMENT_MAX)
         .map_err(|e| SessionError::at(path, format!("cannot be read: {e}")))
 }
 
 /// Opens a file for reading.
+///
+/// # Errors
+///
+/// [`SessionError::File`]
 pub fn open(path: &Path) -> Result<BufReader<File>, SessionError> {
     let file = input::open(path);
     file.map(BufReader::new).map_err(|e| SessionError::at(path, format!("cannot be read: {e}")))

@@ -103,7 +103,7 @@ impl Kept {
         let text = files::read(&folder.join("study.toml"))?;
         let origin = folder.join("study.toml").display().to_string();
         let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
-        let mut study = study.map_err(|e| SessionError::from(e))?;
+        let mut study = study?;
         let gains = folder.join("gains.json");
         let gains =
             Gains::from_json(&files::read(&gains)?).map_err(|e| SessionError::at(&gains, e))?;

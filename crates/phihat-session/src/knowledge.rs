@@ -21,7 +21,7 @@ use crate::files;
 ///
 /// [`SessionError::Study`]
 pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
-    Study::read(path).map(Box::new).map_err(|e| SessionError::from(e))
+    Ok(Study::read(path).map(Box::new)?)
 }
 
 /// How often the allowed error is doubled to find gains for a first simulation.

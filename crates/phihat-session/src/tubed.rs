@@ -83,7 +83,7 @@ pub(crate) fn tubed(study: &Study, path: &Path, make: Make<'_>) -> Result<Outcom
     // What no search finds for the specification itself is infeasible, and says why.
     Ok(match make(study)? {
         Outcome::Designed(_) => Outcome::Designed(closest),
-        infeasible => infeasible,
+        Outcome::Infeasible(no) => Outcome::Infeasible(no),
     })
 }
 

@@ -51,6 +51,10 @@ impl Lock {
 }
 
 /// Whether an open file is locked now; `false` where another process has it.
+///
+/// # Errors
+///
+/// What the system says.
 pub fn locked(file: &File, path: &Path) -> io::Result<bool> {
     strike(Operation::Lock, path)?;
     match file.try_lock() {

@@ -398,6 +398,10 @@ fn sweep(folder: &Path) -> io::Result<()> {
 }
 
 /// Asks the disk to keep what a folder lists; where folders cannot be synced there is nothing to ask.
+///
+/// # Errors
+///
+/// What the system says.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     strike(Operation::Sync, folder)?;
     if cfg!(not(unix)) {

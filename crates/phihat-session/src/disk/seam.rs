@@ -41,6 +41,10 @@ pub fn strike(_operation: Operation, _path: &Path) -> io::Result<()> {
 pub use armed::strike;
 
 /// Writes all bytes.
+///
+/// # Errors
+///
+/// What the system says.
 pub fn write_all(file: &mut File, path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(debug_assertions)]
     if armed::is_next() {
@@ -78,6 +82,10 @@ mod armed {
     }
 
     /// Whether an operation may go on.
+    ///
+    /// # Errors
+    ///
+    /// The strike that was asked for.
     #[allow(clippy::print_stderr, reason = "the test reads whether it struck, and what")]
     pub fn strike(operation: Operation, path: &Path) -> io::Result<()> {
         let Some((how, from)) = &*PLAN else { return Ok(()) };
