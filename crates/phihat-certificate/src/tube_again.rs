@@ -1,6 +1,6 @@
 //! The tube of a file, derived again from the study by the second method.
 
-use phihat_study::Study;
+use phihat_study::{Spec, Study};
 use serde::Serialize;
 
 use crate::check::agree::agrees;
@@ -51,7 +51,7 @@ impl Certificate {
             }
         };
         let joints = tube::beside(claimed, &own)?;
-        let first_only = first_only(study, claimed, &own);
+        let first_only = first_only(&study.spec, claimed, &own);
         Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
     }
 
@@ -105,8 +105,7 @@ impl Certificate {
 }
 
 /// Clauses that one tube keeps and the other does not.
-fn first_only(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
-    let spec = &study.spec;
+fn first_only(spec: &Spec, claimed: &Tube, own: &Tube) -> Vec<String> {
     let integral = |tube: &Tube, i: usize| -> f64 {
         let joint = &tube.joints[i];
         let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
@@ -134,3 +133,64 @@ fn first_only(study: &Study, claimed: &Tube, own: &Tube) -> Vec<String> {
 
 /// Key of a clause, its limits, and what a tube says of a joint.
 type Clause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);
+
+#[cfg(test)]
+mod tests {
+    use phihat_study::Spec;
+
+    use super::{Tube, first_only};
+    use crate::{PayloadSet, TubeJoint};
+
+    /// One joint, ten bins of 0.1 s, at this error throughout.
+    fn tube(error_rad: f64) -> Tube {
+        let joint = TubeJoint {
+            name: "joint1".to_owned(),
+            error_low_rad: vec![-0.5 * error_rad; 10],
+            error_high_rad: vec![error_rad; 10],
+            velocity_low_rad_s: vec![0.0; 10],
+            velocity_high_rad_s: vec![0.0; 10],
+            error_max_rad: error_rad,
+            velocity_error_max_rad_s: 0.0,
+            torque_max_nm: 1.0,
+            torque_step_max_nm: 1.0,
+        };
+        let (frame, com_m) = ("tip".to_owned(), [(0.0, 0.0); 3]);
+        Tube {
+            bin_s: 0.1,
+            duration_s: 1.0,
+            settle_s: 0.0,
+            slices: 1,
+            payload: PayloadSet { frame, mass_kg: (0.0, 0.0), com_m, gyration_m: 0.0 },
+            coulomb_nm: (vec![0.0], vec![0.0]),
+            quantum_rad: vec![0.0],
+            joints: vec![joint],
+            limits_silent: true,
+        }
+    }
+
+    #[test]
+    fn a_clause_rests_on_the_first_tube_where_that_alone_keeps_it() {
+        let spec = Spec {
+            error_max: Some(vec![2.0]),
+            velocity_error_max: None,
+            error_integral_max: Some(vec![2.5]),
+            settle: 0.0,
+            settle_stated: true,
+        };
+        // The integral of |e| over a second is the error.
+        for (claimed, derived, listed) in [
+            (1.0, 1.5, 0),
+            (1.0, 2.0, 0),
+            (1.0, 2.1, 1),
+            (2.0, 2.6, 2),
+            (1.0, f64::NAN, 2),
+            (2.1, 1.0, 0),
+            (2.1, 2.2, 0),
+            (2.6, 2.7, 0),
+        ] {
+            let list = first_only(&spec, &tube(claimed), &tube(derived));
+            assert_eq!(list.len(), listed, "{claimed} {derived}: {list:?}");
+            assert!(list.iter().all(|line| line.contains("joint1")), "{list:?}");
+        }
+    }
+}
