@@ -1,5 +1,5 @@
 //! `cargo xtask check`: what can be said of an edit within a minute. It looks at the crates that differ from `HEAD`
-//! only, and ends with what it left out.
+//! and the tests that were edited only, and ends with what it left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -65,6 +65,11 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
         words.extend(workspace[name].library.then_some("--lib"));
         words.extend(workspace[name].examples.then_some("--examples"));
         cargo(root, &words)?;
+    }
+    for (name, test) in edited_tests(&workspace, &files) {
+        println!("── the test {test} of {name}, which was edited");
+        cargo(root, &["clippy", "--quiet", "-p", name, "--test", test, "--", "-Dwarnings"])?;
+        cargo(root, &["test", "--quiet", "-p", name, "--test", test])?;
     }
     println!("\nok in {:.0} s. Left out:", start.elapsed().as_secs_f64());
     for line in left_out(&workspace, &files, &changed, &circular) {
@@ -149,6 +154,16 @@ fn crate_of<'a>(workspace: &'a Workspace, file: &str) -> Option<&'a str> {
     owner.map(|(name, _)| name.as_str())
 }
 
+/// Integration tests that are among the files: their crate's name and their own.
+fn edited_tests<'a>(workspace: &'a Workspace, files: &[String]) -> Vec<(&'a str, &'a str)> {
+    let all = workspace
+        .iter()
+        .flat_map(|(name, package)| package.tests.iter().map(move |test| (name, package, test)));
+    all.filter(|(_, package, test)| files.contains(&format!("{}tests/{test}.rs", package.folder)))
+        .map(|(name, _, test)| (name.as_str(), test.as_str()))
+        .collect()
+}
+
 /// Which of the crates can be tested soon; and which not, since their tests use crates that are built on them and would
 /// all be built again.
 fn testable(
@@ -194,7 +209,9 @@ fn left_out(
         ));
     }
     for name in changed {
-        let tests = &workspace[name].tests;
+        let run = edited_tests(workspace, files);
+        let tests = workspace[name].tests.iter().map(String::as_str);
+        let tests: Vec<_> = tests.filter(|test| !run.contains(&(name.as_str(), *test))).collect();
         if !tests.is_empty() {
             let all = tests.join(", ");
             lines.push(format!("tests of {name}: {all}: cargo test -p {name} --test NAME"));
@@ -220,7 +237,8 @@ fn left_out(
 #[cfg(test)]
 mod tests {
     use super::{
-        BTreeSet, Package, Workspace, changed_crates, crate_of, left_out, testable, users,
+        BTreeSet, Package, Workspace, changed_crates, crate_of, edited_tests, left_out, testable,
+        users,
     };
 
     fn package(folder: &str, uses: &[&str], tests_use: &[&str]) -> Package {
@@ -268,6 +286,10 @@ mod tests {
         let (tested, circular) = testable(&workspace, &changed);
         assert_eq!((tested, &circular), (set(&["middle"]), &set(&["phihat-model"])));
         let files = ["Cargo.lock".to_owned(), "docs/x.md".to_owned()];
+        let edited = ["crates/middle/tests/laws.rs".to_owned(), "crates/top/tests/x.rs".to_owned()];
+        assert_eq!(edited_tests(&workspace, &edited), [("middle", "laws")]);
+        let told = left_out(&workspace, &edited, &set(&["middle"]), &set(&[])).join("\n");
+        assert!(!told.contains("laws"), "{told}");
         let lines = left_out(&workspace, &files, &changed, &circular).join("\n");
         for word in ["unit tests of phihat-model", "laws", "top", "Cargo.lock", "docs/x.md"] {
             assert!(lines.contains(word), "{word}: {lines}");

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage:
   cargo xtask check            within a minute after an edit: format, house rules, and of the crates that differ from
-                               HEAD the lints and unit tests; ends with what it left out
+                               HEAD the lints, the unit tests and the tests that were edited; ends with what it left out
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
