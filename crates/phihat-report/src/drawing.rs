@@ -99,7 +99,7 @@ impl Drawing {
         }
     }
 
-    /// Takes in the next samples.
+    /// Chooses what is drawn of the next samples.
     pub fn block(&mut self, trace: &Trace) {
         for (j, joint) in trace.joints.iter().enumerate() {
             let before = self.tau.get(j).copied().flatten();

@@ -38,7 +38,7 @@ impl<'a> TubeSeen<'a> {
         Some(Self { gains, tube, watch: tube.watch(joints)? })
     }
 
-    /// Takes in the next samples.
+    /// Compares the next samples with the tube.
     pub fn block(&mut self, trace: &Trace) {
         let limited = |joint: &JointTrace| -> u64 {
             let limited = joint.saturated.iter().zip(&joint.rate_limited);

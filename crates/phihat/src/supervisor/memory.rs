@@ -97,7 +97,7 @@ impl<R: Real> JointMemory<R> {
         &self.reference
     }
 
-    /// The last torque commanded \[N·m\].
+    /// The last torque that this joint was commanded \[N·m\].
     pub fn tau(&self) -> R {
         self.law.tau
     }

@@ -21,7 +21,7 @@ impl Mode {
     pub const ALL: [Self; 5] =
         [Self::Idle, Self::Armed, Self::Holding, Self::Tracking, Self::SafeStop];
 
-    /// Its name in files.
+    /// The mode's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -115,7 +115,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Its name in files.
+    /// The refusal's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::NotArmed => "not-armed",
