@@ -1,4 +1,4 @@
-//! The project's chores: `cargo xtask test | attack | fuzz | mutants | twice | bench | bless`.
+//! The project's chores: `cargo xtask check | test | attack | fuzz | mutants | twice | bench | bless`.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a chore speaks to a terminal")]
 #![allow(clippy::disallowed_methods, reason = "a chore tells how long it took")]
@@ -9,6 +9,7 @@ mod bench;
 mod bindings;
 mod bless;
 mod book;
+mod check;
 mod dependencies;
 mod fuzz;
 mod instructions;
@@ -21,6 +22,8 @@ mod twice;
 use std::process::ExitCode;
 
 const USAGE: &str = "usage:
+  cargo xtask check            within a minute after an edit: format, house rules, and of the crates that differ from
+                               HEAD the lints, the unit tests and the tests that were edited; ends with what it left out
   cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
+        Some((verb, _)) if verb == "check" => check::run(&test::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&test::root()),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&test::root()),

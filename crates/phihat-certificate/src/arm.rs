@@ -46,7 +46,7 @@ pub enum ArmBasis {
 }
 
 impl ArmInertia {
-    /// The same arm measured in `scale` times the nominal inertias.
+    /// This range of inertia, measured in `scale` times the nominal inertias.
     #[must_use]
     pub fn scaled(&self, scale: f64) -> Self {
         Self {

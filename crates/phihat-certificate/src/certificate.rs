@@ -61,7 +61,8 @@ pub struct JointCertificate {
     /// Range through which the inertia may move at any speed, for the continuous law; `None`: no common
     /// quadratic form.
     pub varying: Option<VaryingWindow>,
-    /// The same for the sampled loop.
+    /// Range through which the inertia may move from sample to sample, for the sampled loop; `None`: no common
+    /// quadratic form.
     pub sampled_varying: Option<SampledVarying>,
     /// Levels `γ` at which the law is optimal.
     pub attenuation: Attenuation,

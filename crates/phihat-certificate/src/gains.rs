@@ -31,6 +31,31 @@ pub struct JointRecord {
 }
 
 /// The whole document, `gains.json`.
+///
+/// # Example
+///
+/// ```
+/// use phihat::Form;
+/// use phihat_certificate::Gains;
+///
+/// let text = r#"{
+///   "format": "phihat-gains", "version": 2, "study": "pendulum", "study_sha256": "",
+///   "rate_hz": 1000.0, "method": "by hand",
+///   "joints": [{
+///     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]
+///   }]
+/// }"#;
+/// let gains = Gains::from_json(text)?;
+///
+/// // Bound by joint names and loop rate: gains of another arm, or for another rate, are refused.
+/// let law = gains.joint_gains(&["pivot".to_owned()], 1_000_000, Form::Observer)?;
+/// assert_eq!(law[0].order(), 2);
+/// assert!(gains.joint_gains(&["elbow".to_owned()], 1_000_000, Form::Observer).is_err());
+///
+/// // Written and read again, every number has the same bits.
+/// assert_eq!(Gains::from_json(&gains.to_json()?)?, gains);
+/// # Ok::<(), phihat_certificate::GainsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gains {
@@ -68,13 +93,13 @@ pub enum GainsError {
     /// Another kind of document.
     #[error("format is {found:?}; {FORMAT:?} is expected")]
     Format {
-        /// What it says.
+        /// What the document says.
         found: String,
     },
     /// Written by another version.
     #[error("version is {found}; this program reads version {VERSION}")]
     Version {
-        /// What it says.
+        /// What the document says.
         found: u32,
     },
     /// The joints are not those of the robot, in its order.
@@ -88,7 +113,7 @@ pub enum GainsError {
     /// Two joints have one name.
     #[error("joint {joint} is there twice; every joint has a name of its own")]
     Twice {
-        /// The name.
+        /// Name of the joint.
         joint: String,
     },
     /// Made for another loop rate.
@@ -105,9 +130,9 @@ pub enum GainsError {
     /// The core refuses a joint's gains.
     #[error("joint {joint}: {error}")]
     Joint {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// Why.
+        /// Why the core refuses them.
         error: GainError,
     },
 }

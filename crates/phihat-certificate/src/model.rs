@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Gains;
 
-/// Which form of the law runs.
+/// Which form of the law runs in a sampled loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopForm {
@@ -15,7 +15,7 @@ pub enum LoopForm {
     Literal,
 }
 
-/// Where the law's velocity comes from.
+/// Where the law's velocity comes from in a sampled loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopVelocity {
@@ -95,7 +95,7 @@ impl LoopModel {
         }
     }
 
-    /// The same with the velocity filter that gains carry, where the study leaves it to them.
+    /// This loop with the velocity filter that gains carry, where the study leaves it to them.
     #[must_use]
     pub fn with_filter_of(mut self, gains: &Gains, study: &Study) -> Self {
         if study.sensor.velocity_filter_designed {

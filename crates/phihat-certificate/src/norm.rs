@@ -26,7 +26,7 @@ pub struct NormH {
     pub mu: f64,
     /// The norm is at least this \[rad/(N·m) at M̄ = 1 kg·m²\].
     pub lower: f64,
-    /// It is at most this.
+    /// The norm is at most this.
     pub upper: f64,
     /// Where the lower side is attained \[rad/s\].
     pub frequency_rad_s: f64,

@@ -34,7 +34,7 @@ const CLAIM: &str = "optimality";
 pub enum Optimality {
     /// The weights exist; here they are.
     Certified(Certified),
-    /// They do not; this is the condition in the way.
+    /// The weights do not exist; this is the condition in the way.
     Refuted(Refused),
 }
 
@@ -64,7 +64,7 @@ pub struct Refused {
     pub condition: String,
     /// Which number decides, such as `Q44`.
     pub quantity: String,
-    /// Its value; it should be positive.
+    /// Value of the quantity; it should be positive.
     pub value: f64,
 }
 

@@ -15,9 +15,9 @@ const AGAIN: f64 = 1e-8;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PeakGain {
-    /// It is at least this.
+    /// The number is at least this.
     pub lower: f64,
-    /// It is at most this: the guarantee.
+    /// The number is at most this: the guarantee.
     pub upper: f64,
 }
 

@@ -37,7 +37,7 @@ impl Refutation {
         Err(Self { claim: claim.to_owned(), inequality: inequality.to_owned(), left, right })
     }
 
-    /// The same about a joint.
+    /// This refutation, with the joint's name in front of the claim.
     #[must_use]
     pub fn on(mut self, joint: &str) -> Self {
         self.claim = format!("{joint}: {}", self.claim);

@@ -30,7 +30,7 @@ pub enum SettleFrom {
 }
 
 impl Settle {
-    /// For a study, as far as its tube tells.
+    /// When the steady part of a study's run begins, as far as its tube tells.
     pub fn of(study: &Study, tube: Option<&Tube>) -> Self {
         let stated = |from| Self { settle_s: study.spec.settle, from };
         if study.spec.settle_stated {

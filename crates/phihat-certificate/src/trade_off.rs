@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// One law of the front; estimates of the search, a few per mille low, not certified.
+/// One law on the front of error against torque noise; estimates of the search, a few per mille low, not certified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOff {

@@ -78,7 +78,7 @@ impl Certificate {
         Some(own.map(|own| own.steady_from(claimed.settle_s)))
     }
 
-    /// That the tube is about what the study says: payloads, friction, encoders, settling time.
+    /// Checks that the tube is about what the study says: payloads, friction, encoders, settling time.
     ///
     /// # Errors
     ///

@@ -85,12 +85,12 @@ pub struct TubeJoint {
     pub velocity_error_max_rad_s: f64,
     /// Largest commanded torque of the whole run \[N·m\].
     pub torque_max_nm: f64,
-    /// Its largest change from one sample to the next \[N·m\].
+    /// Largest change of the commanded torque from one sample to the next \[N·m\].
     pub torque_step_max_nm: f64,
 }
 
 impl Tube {
-    /// The same tube, steady from a time \[s\] on: its largest errors are those of the bins that end later, of the last bin
+    /// This tube, steady from a time \[s\] on: its largest errors are those of the bins that end later, of the last bin
     /// where none does.
     #[must_use]
     pub fn steady_from(mut self, settle_s: f64) -> Self {

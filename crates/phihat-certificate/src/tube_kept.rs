@@ -18,7 +18,7 @@ pub struct JointRun<'a> {
     pub limited_samples: u64,
 }
 
-/// A run beside its tube.
+/// A recorded run beside the tube that was promised for it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TubeKept {
     /// When the steady part begins, by the tube \[s\].
@@ -29,7 +29,7 @@ pub struct TubeKept {
     pub left: Option<Left>,
 }
 
-/// One joint of it.
+/// One joint of a run beside its tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointKept {
     /// Joint name.
@@ -51,11 +51,11 @@ pub struct JointKept {
 pub struct Left {
     /// Joint name.
     pub joint: String,
-    /// What left it.
+    /// What left the tube.
     pub quantity: Quantity,
     /// When \[s\]; the end of the run for what has no moment.
     pub t_s: f64,
-    /// The value, in the unit of the quantity.
+    /// The value that left the tube, in the unit of the quantity.
     pub value: f64,
     /// The bound that it is beyond.
     pub bound: f64,
@@ -71,7 +71,7 @@ pub enum Quantity {
     VelocityError,
     /// The commanded torque \[N·m\].
     Torque,
-    /// Its change from one sample to the next \[N·m\].
+    /// Change of the commanded torque from one sample to the next \[N·m\].
     TorqueStep,
     /// Samples in which a limit acted, though none can.
     LimitedSamples,
@@ -91,7 +91,7 @@ impl Quantity {
 }
 
 impl Tube {
-    /// A run beside the tube. Samples beyond the tube's last bin are not claimed, and not looked at.
+    /// Compares a recorded run with the tube. Samples beyond the tube's last bin are not claimed, and not looked at.
     ///
     /// `None`: not the joints that the tube is about.
     pub fn kept_by(&self, t_ns: &[u64], runs: &[JointRun<'_>]) -> Option<TubeKept> {
@@ -137,7 +137,7 @@ struct Watched {
 }
 
 impl TubeWatch {
-    /// The next samples of every joint.
+    /// Takes in the next samples of every joint.
     pub fn block(&mut self, tube: &Tube, t_ns: &[u64], runs: &[JointRun<'_>]) {
         let bins: Vec<usize> = t_ns.iter().map(|t| tube.bin_of(*t)).collect();
         let claimed = bins.partition_point(|bin| *bin < tube.bins());
@@ -152,7 +152,8 @@ impl TubeWatch {
         }
     }
 
-    /// What came of it. A limit that acted though none can is the last to be told: it has no moment.
+    /// The run beside its tube, after its last block. A limit that acted though none can is the last to be told: it has
+    /// no moment.
     pub fn kept(self, tube: &Tube) -> TubeKept {
         let limited = |watched: &Watched| Left {
             joint: watched.kept.name.clone(),

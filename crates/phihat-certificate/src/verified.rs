@@ -12,9 +12,9 @@ use crate::{
 pub struct Statement {
     /// The joint it is about; `None`: every joint, or the whole arm.
     pub joint: Option<String>,
-    /// What is stated.
+    /// What is stated, in words.
     pub what: String,
-    /// Its value, with units.
+    /// Value of what is stated, with units.
     pub value: String,
 }
 
@@ -28,9 +28,9 @@ pub struct Statement {
 pub struct Verified {
     /// Claims that were shown from the file.
     pub proved: Vec<Statement>,
-    /// What they rest on and the file alone cannot show.
+    /// What the proved claims rest on, and the file alone cannot show.
     pub trusted: Vec<Statement>,
-    /// Of that, what was derived again from a study.
+    /// What of `trusted` was derived again from a study.
     pub derived: Vec<Statement>,
     /// What a second derivation from a study says of the tube.
     pub tube: Option<TubeAgain>,
@@ -39,7 +39,7 @@ pub struct Verified {
 }
 
 impl Certificate {
-    /// [`Self::verify`], and what it has shown.
+    /// Checks the certificate as [`Self::verify`] does, and says what was shown.
     ///
     /// # Errors
     ///

@@ -24,6 +24,52 @@ impl Certificate {
     ///
     /// The first [`Refutation`], naming joint, claim and inequality with both sides; last of all the one that
     /// the certificate itself states.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// # let text = r#"
+    /// #     duration_s = 2.0
+    /// #     [robot]
+    /// #     name = "planar3r"
+    /// #     [spec]
+    /// #     settle_s = 1.0
+    /// #     error_max_rad = 0.02
+    /// #     [design]
+    /// #     orders = [1]
+    /// #     payload_max_kg = 0.2
+    /// #     [reference]
+    /// #     kind = "sines"
+    /// #     center = "ready"
+    /// #     fade_in_s = 1.0
+    /// #     [[reference.sine]]
+    /// #     amplitude_rad = 0.2
+    /// #     frequency_hz = 0.3
+    /// # "#;
+    /// # let study = phihat_study::Study::from_text(text, "demo.toml", "".as_ref())?;
+    /// # use phihat_design::{Arm, Outcome, Phi, PhiBasis, search};
+    /// # let phi = |_: usize, _: f64| Phi {
+    /// #     basis: PhiBasis::Typed, source: "by hand".to_owned(), size_nm: Some(15.0), rate_nm_s: 30.0, jump_nm: 0.5,
+    /// #     motion: None,
+    /// # };
+    /// # let Outcome::Designed(designed) = search(&study, &Arm::of(&study)?, &phi)? else { panic!() };
+    /// # let text = designed.to_json()?;
+    /// use phihat_certificate::Gains;
+    ///
+    /// // `text` is a gains.json that somebody designed.
+    /// let gains = Gains::from_json(&text)?;
+    /// let certificate = gains.certificate.as_ref().ok_or("no certificate")?;
+    /// certificate.verify(&gains)?;
+    ///
+    /// // With a wider window than the loop has, it is refuted, with the inequality that fails.
+    /// let mut forged = certificate.clone();
+    /// if let Some(window) = &mut forged.joints[0].window {
+    ///     window.high *= 1.1;
+    /// }
+    /// let why = forged.verify(&gains).unwrap_err();
+    /// assert!(why.claim.contains("inertia window"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         self.whole(gains)?;
         self.tube_fits()?;

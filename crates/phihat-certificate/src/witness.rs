@@ -18,9 +18,9 @@ pub struct Witness {
     pub q: Vec<f64>,
     /// Payload's mass \[kg\].
     pub mass_kg: f64,
-    /// Its centre of mass \[m\].
+    /// Centre of mass of the payload \[m\].
     pub com_m: [f64; 3],
-    /// Its inertia about the centre of mass, `xx, xy, xz, yy, yz, zz` \[kg·m²\].
+    /// Inertia of the payload about its centre of mass, `xx, xy, xz, yy, yz, zz` \[kg·m²\].
     pub inertia_kg_m2: [f64; 6],
     /// Smallest or largest eigenvalue of `M̄^{-1/2} M(q) M̄^{-1/2}` there.
     pub eigenvalue: f64,

@@ -3,6 +3,58 @@
 //! [`design()`] searches; [`Certificate`] holds what is claimed, as data; [`Certificate::verify`] checks it again
 //! from the gains alone. [`claims`] are about the continuous law, [`sampled`] about the loop as it runs.
 //!
+//! # Example
+//!
+//! ```
+//! use phihat_design::{Arm, Outcome, Phi, PhiBasis, arm_inside_window, design};
+//!
+//! # let text = r#"
+//! #     duration_s = 2.0
+//! #     [robot]
+//! #     name = "planar3r"
+//! #     [spec]
+//! #     settle_s = 1.0
+//! #     error_max_rad = 0.02
+//! #     [design]
+//! #     orders = [1]
+//! #     payload_max_kg = 0.2
+//! #     [reference]
+//! #     kind = "sines"
+//! #     center = "ready"
+//! #     fade_in_s = 1.0
+//! #     [[reference.sine]]
+//! #     amplitude_rad = 0.2
+//! #     frequency_hz = 0.3
+//! # "#;
+//! # let study = phihat_study::Study::from_text(text, "demo.toml", "".as_ref())?;
+//! // `study` states the largest error and the largest payload, and no gains.
+//! let arm = Arm::of(&study)?;
+//!
+//! // What is known of φ, all that the controller is not told: how fast it changes and how far it jumps, per joint. From a
+//! // simulator, from a recorded trace, or typed as here.
+//! let phi = |_joint: usize, _inertia: f64| Phi {
+//!     basis: PhiBasis::Typed,
+//!     source: "an estimate by hand".to_owned(),
+//!     size_nm: Some(15.0),
+//!     rate_nm_s: 30.0,
+//!     jump_nm: 0.5,
+//!     motion: None,
+//! };
+//! let Outcome::Designed(gains) = design(&study, &arm, &phi)? else { return Ok(()) };
+//! let certificate = gains.certificate.as_ref().ok_or("no certificate")?;
+//! certificate.verify(&gains)?; // by methods that the search does not know
+//! arm_inside_window(&study, &arm, &gains)?; // only then may they run
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Joints push each other, which bounds that go joint by joint do not count: [`tube::tube`] finds an envelope of the error
+//! of a whole run, as the command `phihat design` does.
+//!
+//! # Where next
+//!
+//! [`sampled::FindWindow`] for the inertia window alone, [`requested_gains`] for gains that a study states,
+//! [`export::export`] for ROS 2, C and tables, `examples/rust/04_design.rs` of the repository for a design with its tube.
+//!
 //! # Not claimed
 //!
 //! Limits in action, contacts, and postures that were not sampled are outside of every claim.

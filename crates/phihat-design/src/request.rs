@@ -17,6 +17,39 @@ use crate::{FORMAT, Gains, JointRecord, VERSION};
 /// All estimator poles lie at the distance `ω_o`. Nothing is claimed about stability here.
 ///
 /// `None` when the study leaves them to the design.
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::requested_gains;
+/// use phihat_study::Study;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// // `study` has `[gains]` with bandwidth_rad_s = 20.
+/// let gains = requested_gains(&study).ok_or("the study states no gains")?;
+/// assert_eq!((gains.joints[0].kp_per_s2, gains.joints[0].kd_per_s), (400.0, 40.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn requested_gains(study: &Study) -> Option<Gains> {
     let request = study.gains.as_ref()?;
     let inertia = &request.inertia;

@@ -89,6 +89,23 @@ impl Model {
     ///
     /// T. Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg–Marquardt method",
     /// IEEE Trans. Robotics 27(5), 2011.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use phihat_model::{IkOptions, Robot, Target, Workspace};
+    ///
+    /// let arm = Robot::named("planar3r")?;
+    /// let tip = arm.model.frame(&arm.tip).ok_or("no such frame")?;
+    /// let mut ws = Workspace::new(&arm.model);
+    /// let target = Target::Position([0.25, 0.0, 0.35]);
+    /// let seed = &arm.poses["ready"];
+    /// let q = arm.model.inverse_kinematics(&mut ws, tip, &target, seed, &IkOptions::default())?;
+    /// arm.model.forward_kinematics(&mut ws, &q);
+    /// let [x, _, z] = arm.model.pose(&ws, tip).p;
+    /// assert!((x - 0.25).abs() < 1e-8 && (z - 0.35).abs() < 1e-8);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn inverse_kinematics(
         &self,
         ws: &mut Workspace<f64>,

@@ -47,6 +47,11 @@
 //! # Not claimed
 //!
 //! Contacts, closed loops, floating bases, mimic joints, flexible links: none is modelled.
+//!
+//! # Where next
+//!
+//! [`Robot`] for descriptions, [`Model`] for all that is computed, [`Model::inverse_kinematics`],
+//! [`Robot::inertia_range`] for what a constant nominal inertia has to cover.
 #![forbid(unsafe_code)]
 #![allow(clippy::inline_always, reason = "the recursions are one loop body each; measured")]
 

@@ -37,6 +37,24 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Every function of the dynamics panics if a slice's length is not what its text says, or if the
 /// workspace or the frame was made for another model: these are mistakes of the program, not of
 /// its data.
+///
+/// # Example
+///
+/// ```
+/// use phihat_model::{Robot, Workspace};
+///
+/// let robot = Robot::named("planar3r")?;
+/// let model = robot.plant_model(); // with the rotors' inertia
+/// let mut ws = Workspace::new(&model);
+/// let (q, dq, ddq) = ([0.4, 1.2, 0.6], [0.1, -0.2, 0.3], [1.0_f64, 2.0, -1.0]);
+///
+/// // Torques for a motion, and the motion for these torques: the same motion.
+/// let (mut tau, mut again) = ([0.0; 3], [0.0; 3]);
+/// model.inverse_dynamics(&mut ws, &q, &dq, &ddq, &mut tau);
+/// model.forward_dynamics(&mut ws, &q, &dq, &tau, &mut again);
+/// assert!(ddq.iter().zip(again).all(|(a, b)| (a - b).abs() < 1e-12));
+/// # Ok::<(), phihat_model::RobotError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     description: Description,
@@ -101,7 +119,7 @@ impl Model {
         self.gravity
     }
 
-    /// The same robot under another gravity \[m/s²\], world axes: a robot on a wall, or on the moon.
+    /// This robot under another gravity \[m/s²\], world axes: a robot on a wall, or on the moon.
     #[must_use]
     pub fn with_gravity(mut self, gravity: [f64; 3]) -> Self {
         self.gravity = gravity;
@@ -113,7 +131,7 @@ impl Model {
         &self.armature
     }
 
-    /// The same robot with reflected rotor inertia \[kg·m²\] added to the diagonal of `M`.
+    /// This robot with reflected rotor inertia \[kg·m²\] added to the diagonal of `M`.
     ///
     /// # Errors
     ///
@@ -128,7 +146,7 @@ impl Model {
         Ok(self)
     }
 
-    /// The same robot with links `factor` times as heavy: mass and inertia of every link, not the rotors.
+    /// This robot with links `factor` times as heavy: mass and inertia of every link, not the rotors.
     ///
     /// # Errors
     ///
@@ -144,7 +162,7 @@ impl Model {
         Ok(self)
     }
 
-    /// The same robot with `body`, given in the frame's axes, welded to `frame`.
+    /// This robot with `body`, given in the frame's axes, welded to `frame`.
     ///
     /// # Errors
     ///
@@ -159,7 +177,7 @@ impl Model {
         Ok(self)
     }
 
-    /// The same for a frame by its name.
+    /// This robot with `body` welded to the frame of this name: [`with_payload`](Self::with_payload) by name.
     ///
     /// # Errors
     ///

@@ -61,7 +61,7 @@ impl Profile {
     /// Names of the interfaces that come with the crate.
     pub const NAMES: &'static [&'static str] = &["ideal", "franka", "ur", "kuka_fri"];
 
-    /// Gives one of them.
+    /// Gives the torque interface of this name: one of [`NAMES`](Self::NAMES).
     ///
     /// # Errors
     ///

@@ -8,6 +8,35 @@ use crate::error::RobotError;
 use crate::{Model, extras, input, urdf};
 
 /// A robot as its files describe it.
+///
+/// # Example
+///
+/// ```
+/// use phihat_model::Robot;
+///
+/// // One of the arms that come with the crate; `Robot::read` takes a file of yours.
+/// let panda = Robot::named("panda")?;
+/// assert_eq!(panda.joints.len(), 7);
+/// let elbow = &panda.joints[3];
+/// assert_eq!(elbow.torque_max, Some(87.0));
+///
+/// // From text: a pendulum of 2 kg on 0.4 m.
+/// let urdf = r#"
+///   <robot name="pendulum">
+///     <link name="base"/>
+///     <joint name="pivot" type="revolute">
+///       <parent link="base"/> <child link="rod"/> <axis xyz="0 1 0"/>
+///       <limit lower="-3" upper="3" effort="40" velocity="5"/>
+///     </joint>
+///     <link name="rod"><inertial>
+///       <origin xyz="0 0 -0.4"/> <mass value="2"/>
+///       <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
+///     </inertial></link>
+///   </robot>"#;
+/// let pendulum = Robot::from_text(urdf, None, "pendulum.urdf")?;
+/// assert_eq!(pendulum.model.joint_names(), ["pivot"]);
+/// # Ok::<(), phihat_model::RobotError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Robot {
     /// Name: short, as used in file names.
@@ -41,7 +70,7 @@ pub struct Robot {
 pub struct Joint {
     /// Name.
     pub name: String,
-    /// What it lets its child do.
+    /// What the joint lets its child do.
     pub kind: JointKind,
     /// Lower and upper end of travel \[rad, m\]; `None`: endless.
     pub position: Option<(f64, f64)>,
@@ -175,13 +204,24 @@ impl Robot {
         NAMES
     }
 
-    /// The same robot with some joints fixed at a position \[rad, m\]; their rotors, limits and
+    /// This robot with some joints fixed at a position \[rad, m\]; their rotors, limits and
     /// friction are gone with them.
     ///
     /// # Errors
     ///
     /// [`RobotError::Lock`] for a joint the robot does not have, a position outside its limits, or
     /// if no joint is left.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// use phihat_model::Robot;
+    ///
+    /// let panda = Robot::named("panda")?;
+    /// let arm = panda.lock(&[("panda_joint3".to_owned(), 0.0)])?;
+    /// assert_eq!(arm.joints.len(), 6);
+    /// # Ok::<(), phihat_model::RobotError>(())
+    /// ```
     pub fn lock(mut self, joints: &[(String, f64)]) -> Result<Self, RobotError> {
         let mut description = self.model.description().clone();
         for (name, position) in joints {

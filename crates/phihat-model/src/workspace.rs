@@ -11,6 +11,22 @@ use crate::{Model, Scalar};
 ///
 /// Nothing in it outlives a call, but for the poses that
 /// [`forward_kinematics`](Model::forward_kinematics) leaves for [`pose`](Model::pose).
+///
+/// # Example
+///
+/// ```
+/// use phihat_model::{Robot, Workspace};
+///
+/// let robot = Robot::named("ur5")?;
+/// let mut ws = Workspace::new(&robot.model); // before the loop: nothing is allocated in it
+/// let mut m = [0.0; 36];
+/// for k in 0..100 {
+///     let q = [0.01 * f64::from(k); 6];
+///     robot.model.mass_matrix(&mut ws, &q, &mut m);
+///     assert!(m[0] > 0.0 && (m[1] - m[6]).abs() < 1e-12); // symmetric
+/// }
+/// # Ok::<(), phihat_model::RobotError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Workspace<S: Scalar = f64> {
     pub(crate) screws: Screws<S>,

@@ -47,7 +47,7 @@ pub(crate) struct Drawn {
 }
 
 impl Drawing {
-    /// Before the first sample of a run of so many joints, with this period \[ns\], number of samples, and beginning of its
+    /// A drawing before the first sample of a run of so many joints, with this period \[ns\], number of samples, and beginning of its
     /// steady part \[s\].
     #[must_use]
     pub fn new(joints: Vec<String>, period_ns: u64, samples: u64, settle_s: f64) -> Self {
@@ -63,7 +63,7 @@ impl Drawing {
         Self::parted(joints, settle, samples)
     }
 
-    /// Of a whole record whose steady part begins at a time \[s\].
+    /// What is drawn of a whole record whose steady part begins at a time \[s\].
     #[must_use]
     pub fn of(trace: &Trace, settle_s: f64) -> Self {
         let names = trace.joints.iter().map(|joint| joint.name.clone()).collect();
@@ -99,7 +99,7 @@ impl Drawing {
         }
     }
 
-    /// The next samples.
+    /// Chooses what is drawn of the next samples.
     pub fn block(&mut self, trace: &Trace) {
         for (j, joint) in trace.joints.iter().enumerate() {
             let before = self.tau.get(j).copied().flatten();

@@ -6,7 +6,7 @@
 //! [`page`] answers, in this order: did it hold, by how much, what did every joint do, with which
 //! gains, in which world, and how is it made again. It needs no network, prints on paper (static
 //! figures stand in for the interactive plots) and fits a phone. [`figures`] gives the same
-//! figures alone, as SVG.
+//! figures alone, as SVG. Both have a worked example.
 //!
 //! # Not claimed
 //!

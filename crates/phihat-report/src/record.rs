@@ -49,7 +49,7 @@ impl<'a> Record<'a> {
 pub struct RunInfo {
     /// Name of the study.
     pub study: String,
-    /// Its one line for people.
+    /// The study's one line for people.
     pub title: String,
     /// SHA-256 of the study's text, hexadecimal.
     pub study_sha256: String,

@@ -29,14 +29,14 @@ pub struct TubeSeen<'a> {
 }
 
 impl<'a> TubeSeen<'a> {
-    /// Before the first sample; `None`: the gains carry no tube for so many joints.
+    /// A tube to watch, before the first sample; `None`: the gains carry no tube for so many joints.
     #[must_use]
     pub fn new(gains: &'a Gains, joints: usize) -> Option<Self> {
         let tube = gains.certificate.as_ref()?.tube.as_ref()?;
         Some(Self { gains, tube, watch: tube.watch(joints)? })
     }
 
-    /// The next samples.
+    /// Compares the next samples with the tube.
     pub fn block(&mut self, trace: &Trace) {
         let limited = |joint: &JointTrace| -> u64 {
             let limited = joint.saturated.iter().zip(&joint.rate_limited);
@@ -52,7 +52,7 @@ impl<'a> TubeSeen<'a> {
         self.watch.block(self.tube, &trace.t_ns, &runs);
     }
 
-    /// What came of it, in a run of a study with this SHA-256.
+    /// The run against its tube, after its last block, in a run of a study with this SHA-256.
     #[must_use]
     pub fn run(self, study_sha256: &str) -> TubeRun {
         let left_out = |certificate: &Certificate| {
@@ -73,12 +73,12 @@ impl<'a> TubeSeen<'a> {
 }
 
 impl TubeRun {
-    /// What a promise for this run excluded, and happened.
+    /// The first thing that the promise excludes and that happened all the same.
     pub fn broken(&self) -> Option<&Left> {
         self.kept.left.as_ref().filter(|_| self.no_promise.is_none())
     }
 
-    /// One sentence.
+    /// What came of the run, in one sentence.
     pub fn sentence(&self) -> String {
         match (&self.kept.left, &self.no_promise) {
             (None, None) => {

@@ -45,7 +45,7 @@ pub struct Demand {
 }
 
 impl PhiAlong {
-    /// The larger of each bound.
+    /// Bounds that hold where either of two do: the larger of each.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl PhiAlong {
         }
     }
 
-    /// Every bound times a factor.
+    /// These bounds, every one times a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { size: self.size * factor, rate: self.rate * factor, jump: self.jump * factor }
@@ -109,7 +109,7 @@ impl Demand {
         (largest(&mut ddq.iter().copied()), largest(&mut steps) / self.period)
     }
 
-    /// Bounds on a joint's `φ` for a nominal inertia `M̄` \[kg·m²\].
+    /// Bounds on a joint's `φ` along the reference, for a nominal inertia `M̄` \[kg·m²\].
     pub fn phi(&self, joint: usize, inertia: f64) -> PhiAlong {
         let jump = self.jumps[joint];
         let mut bounds = PhiAlong { size: 0.0, rate: 0.0, jump };

@@ -17,7 +17,7 @@ pub struct Rk4 {
 }
 
 impl Rk4 {
-    /// For `n` joints.
+    /// An integrator for `n` joints.
     pub fn new(n: usize) -> Self {
         let zero = vec![0.0; n];
         Self {

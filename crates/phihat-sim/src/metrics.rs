@@ -16,7 +16,7 @@ pub struct JointMetrics {
     pub error_max_rad: f64,
     /// Largest |e| of the steady part \[rad\].
     pub error_steady_max_rad: f64,
-    /// The study's bound on it, if it states one \[rad\].
+    /// The study's bound on the steady |e|, if it states one \[rad\].
     pub error_spec_rad: Option<f64>,
     /// Largest |∫e| of the steady part \[rad·s\].
     pub error_integral_steady_max_rad_s: f64,
@@ -50,7 +50,7 @@ pub struct JointMetrics {
     pub phi_error_steady_max_nm: f64,
 }
 
-/// Figures of a run.
+/// Figures of a run, joint by joint: what a person reads first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Simulated time \[s\].
@@ -101,7 +101,7 @@ struct Sums {
 }
 
 impl Measured {
-    /// Before the first sample of a study's run.
+    /// Figures before the first sample of a study's run.
     pub fn new(study: &Study) -> Self {
         let joints: Vec<_> = (0..study.robot.joints.len()).map(|i| unmeasured(study, i)).collect();
         let metrics = Metrics {
@@ -122,7 +122,7 @@ impl Measured {
         }
     }
 
-    /// The next samples.
+    /// Takes in the next samples.
     pub fn block(&mut self, trace: &Trace) {
         let first = trace.t_ns.partition_point(|t| (*t as f64) < self.settle_ns);
         self.metrics.samples += trace.len() as u64;

@@ -9,6 +9,39 @@ use crate::error::SimError;
 use crate::spline::{Jet, Spline, quintic_step};
 
 /// A C² motion of all joints.
+///
+/// # Example
+///
+/// ```
+/// use phihat_sim::Motion;
+/// use phihat_study::Study;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
+/// let [q, dq, ddq] = motion.at(0, 0.0); // joint 0 at t = 0: the fade-in starts at rest
+/// assert_eq!((q, dq, ddq), (0.4, 0.0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Motion {
     path: Path,

@@ -31,7 +31,7 @@ impl Observed {
         }
     }
 
-    /// Bounds on a joint's `φ` for a nominal inertia `M̄` \[kg·m²\].
+    /// Bounds on a joint's `φ` as the run showed it, for a nominal inertia `M̄` \[kg·m²\].
     ///
     /// # Method
     ///

@@ -24,7 +24,7 @@ pub struct Divergence {
     pub joint: String,
 }
 
-/// What a run leaves.
+/// What a run leaves: its record, and how it ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The record, up to the end or to the divergence.
@@ -39,7 +39,7 @@ pub struct Outcome {
     pub told_step_max: Vec<f64>,
 }
 
-/// How a run ended, beside its record.
+/// How a run ended, where its record was handed over in blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ended {
     /// Set when the run diverged and was stopped.
@@ -61,6 +61,45 @@ pub struct Ended {
 /// turns it into torque, held over `[t_k, t_{k+1})`; RK4 in equal sub-steps.
 ///
 /// Same study, same gains: same trace, bit for bit.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, JointDesign, JointGains};
+/// use phihat_sim::{Metrics, Simulation};
+/// use phihat_study::Study;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// let gains = JointDesign {
+///     inertia: 0.2, kp: 400.0, kd: 40.0, a: &[70.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let law = vec![JointGains::new(&gains)?; 3];
+/// let run = Simulation::new(&study, &law)?.run(|_samples| ());
+/// assert!(run.divergence.is_none());
+/// assert_eq!(run.trace.len(), 2000); // 2 s at 1 kHz
+/// assert!(Metrics::of(&run.trace, &study).joints.iter().all(|j| j.error_steady_max_rad < 5e-3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Simulation {
     control: ControlSide,
@@ -143,7 +182,7 @@ impl Simulation {
         }
     }
 
-    /// The same, the record handed over in blocks of at most so many samples, in their order: memory stays what one
+    /// Runs to the end as [`run`](Self::run) does, and hands the record over in blocks of at most so many samples: memory stays what one
     /// block needs, however long the run is.
     ///
     /// # Errors

@@ -24,7 +24,7 @@ pub struct JointTrace {
     pub ddq_desired: Vec<f64>,
     /// True position error `e = q − q_d` \[rad\].
     pub e: Vec<f64>,
-    /// Its integral since the start of the run, `∫e` \[rad·s\].
+    /// Integral of the error since the start of the run, `∫e` \[rad·s\].
     pub e_integral: Vec<f64>,
     /// True velocity error `ė` \[rad/s\].
     pub de: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct JointTrace {
     pub tau_applied: Vec<f64>,
     /// Lumped unknown dynamics `φ = τ_applied − M̄ q̈` \[N·m\].
     pub phi: Vec<f64>,
-    /// Its estimate `φ̂`, which is *added* to the torque \[N·m\].
+    /// Estimate of φ, `φ̂`, which is *added* to the torque \[N·m\].
     pub phi_hat: Vec<f64>,
     /// Whether the torque limit acted on this command.
     pub saturated: Vec<bool>,
@@ -46,7 +46,53 @@ pub struct JointTrace {
     pub rate_limited: Vec<bool>,
 }
 
-/// A whole run.
+/// The record of a whole run: every signal of every joint at every sample.
+///
+/// # Example
+///
+/// ```
+/// # use phihat::{Form, JointDesign, JointGains};
+/// # use phihat_sim::Simulation;
+/// use phihat_sim::Trace;
+/// use phihat_study::Study;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// # let gains = JointDesign {
+/// #     inertia: 0.2, kp: 400.0, kd: 40.0, a: &[70.0], period: 1e-3, form: Form::Observer,
+/// # };
+/// # let law = vec![JointGains::new(&gains)?; 3];
+/// # let trace = Simulation::new(&study, &law)?.run(|_| ()).trace;
+/// // φ̂ is the estimate of φ: after the start it is near.
+/// let (joint, from) = (&trace.joints[0], trace.index_at(1.0));
+/// let sum: f64 = (from..trace.len()).map(|k| (joint.phi[k] - joint.phi_hat[k]).powi(2)).sum();
+/// assert!((sum / (trace.len() - from) as f64).sqrt() < 0.5); // N·m, rms
+///
+/// // As CSV and back: the same bits.
+/// let mut file = Vec::new();
+/// trace.write_csv(&mut file)?;
+/// assert!(Trace::read_csv(file.as_slice(), &study)? == trace);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trace {
     /// Sample period \[ns\].

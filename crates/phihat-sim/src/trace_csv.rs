@@ -57,12 +57,12 @@ pub struct TraceWriter<W: Write> {
 }
 
 impl<W: Write> TraceWriter<W> {
-    /// An empty file.
+    /// A writer before its first block.
     pub fn new(writer: W) -> Self {
         Self { csv: csv::Writer::from_writer(writer), begun: false }
     }
 
-    /// The next samples; the names of the columns before the first.
+    /// Writes the next samples; the names of the columns come before the first.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ impl Trace {
         Ok(whole)
     }
 
-    /// The same in blocks of at most so many samples, in their order.
+    /// Reads what [`Self::write_csv`] wrote, in blocks of at most so many samples, in their order.
     ///
     /// # Errors
     ///

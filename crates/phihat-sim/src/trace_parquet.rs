@@ -20,7 +20,7 @@ pub struct ParquetTrace<W: Write + Send> {
 }
 
 impl<W: Write + Send> ParquetTrace<W> {
-    /// An empty file.
+    /// A writer before its first block.
     ///
     /// # Errors
     ///
@@ -30,7 +30,7 @@ impl<W: Write + Send> ParquetTrace<W> {
         Ok(Self { file: SerializedFileWriter::new(writer, schema()?, Arc::new(properties))? })
     }
 
-    /// The next samples.
+    /// Writes the next samples.
     ///
     /// # Errors
     ///

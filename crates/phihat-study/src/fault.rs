@@ -34,7 +34,7 @@ impl Fault {
 
 macro_rules! kinds {
     ($($kind:ident $word:literal, $joint:literal, $unit:literal, $bounds:expr, $default:expr, $doc:literal;)*) => {
-        /// What can go wrong.
+        /// What can go wrong: the kinds of fault that a study can ask for.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum FaultKind {
             $(#[doc = $doc] $kind,)*

@@ -7,6 +7,41 @@ use phihat_model::{Body, Profile, Robot};
 use crate::Fault;
 
 /// A complete study, read, checked and resolved against its robot.
+///
+/// # Example
+///
+/// ```
+/// use phihat_study::Study;
+///
+/// let text = r#"
+///     duration_s = 2.0
+///     [robot]
+///     name = "planar3r"
+///     [spec]
+///     settle_s = 1.0
+///     error_max_rad = 2e-3
+///     [gains]
+///     order = 1
+///     bandwidth_rad_s = 20.0
+///     estimator_bandwidth_rad_s = 70.0
+///     inertia_kg_m2 = [0.42, 0.18, 0.14]
+///     [reference]
+///     kind = "sines"
+///     center = "ready"
+///     fade_in_s = 1.0
+///     [[reference.sine]]
+///     amplitude_rad = 0.2
+///     frequency_hz = 0.3
+/// "#;
+/// let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// assert_eq!((study.name.as_str(), study.robot.joints.len()), ("demo", 3));
+/// // SI units, one entry per joint; what the file does not state has its default.
+/// assert_eq!(study.spec.error_max, Some(vec![2e-3; 3]));
+/// assert_eq!(study.control.period_ns, 1_000_000);
+/// # Ok::<(), phihat_study::StudyError>(())
+/// ```
+///
+/// A file is read by [`Study::read`]; what is wrong with it is said with its place, see [`StudyError`](crate::StudyError).
 #[derive(Debug, Clone)]
 pub struct Study {
     /// Name: the file's stem, `[a-z0-9_-]{1,64}`.
@@ -47,7 +82,7 @@ pub struct Study {
     pub reference: Reference,
 }
 
-/// Bounds that hold after `settle`; `None` where the study states none.
+/// `[spec]`: bounds on the error that hold after `settle`; `None` where the study states none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
     /// When the steady part begins \[s\].
@@ -162,7 +197,7 @@ pub struct GainsRequest {
     pub law: LawRequest,
 }
 
-/// Two ways of stating a law.
+/// How a study states a law: by bandwidths or by coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LawRequest {
     /// By bandwidth and damping: `K_p = ω²`, `K_d = 2ζω`, estimator poles at `estimator_bandwidth`.
@@ -189,7 +224,7 @@ pub enum LawRequest {
     },
 }
 
-/// Which form of the law runs (theory.md, section 2).
+/// Which form of the law runs: observer or literal (docs/theory.md, section 2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LawForm {
     /// Disturbance observer fed with the applied torque: the default.
@@ -198,7 +233,7 @@ pub enum LawForm {
     Literal,
 }
 
-/// `[loop]`
+/// `[loop]`: rate, delay and form of the control loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Control {
     /// Sample period \[ns\].
@@ -222,7 +257,7 @@ pub enum VelocitySource {
     Differenced,
 }
 
-/// `[sensor]`
+/// `[sensor]`: what the controller measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Encoder resolution \[bit\] per revolution, per joint; `None`: exact position.
@@ -312,7 +347,7 @@ pub struct Loss {
     pub burst: Option<f64>,
 }
 
-/// `[world]`
+/// `[world]`: what the arm meets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     /// Gravity \[m/s²\] in the base frame.
@@ -412,7 +447,7 @@ pub struct ToolForce {
     pub duration: f64,
 }
 
-/// A rigid body welded to a frame of the robot.
+/// `[world.payload]`: a rigid body welded to a frame of the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// Frame (link) name.
@@ -436,7 +471,7 @@ impl Payload {
     }
 }
 
-/// A constant external torque on one joint for a while.
+/// `[[world.push]]` with `torque_nm`: a constant external torque on one joint for a while.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Push {
     /// Joint index.
@@ -449,7 +484,7 @@ pub struct Push {
     pub duration: f64,
 }
 
-/// Initial state.
+/// `[start]`: the state of the arm at the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {
     /// Position \[rad\] per joint.

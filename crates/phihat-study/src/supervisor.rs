@@ -28,7 +28,7 @@ pub struct SupervisorRequest {
     pub motion: Option<[Vec<f64>; 3]>,
     /// Initial and final width of the funnel \[rad\].
     pub funnel: Option<[Vec<f64>; 2]>,
-    /// Its time constant \[s\].
+    /// Time constant of the funnel \[s\].
     pub funnel_decay: f64,
     /// Torque when armed \[N·m\].
     pub preset: Option<Vec<f64>>,

@@ -42,7 +42,7 @@ impl<R: Real, const N: usize> Controller<R, N> {
         &self.joints
     }
 
-    /// Answers one sample of the whole arm; see [`JointGains::update`].
+    /// Computes the torques of the whole arm for one sample; see [`JointGains::update`].
     pub fn update(
         &self,
         states: &mut [JointState<R>; N],
@@ -55,9 +55,31 @@ impl<R: Real, const N: usize> Controller<R, N> {
     }
 }
 
-/// Answers one sample of an arm whose number of joints is known at run time only.
+/// Computes the torques of an arm for one sample, where the number of joints is known at run time only.
 ///
 /// Joints beyond the shortest of the five slices are left alone; the number answered is returned.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{
+///     Command, Form, JointDesign, JointGains, JointState, Measurement, Reference, update_joints,
+/// };
+///
+/// let design = JointDesign {
+///     inertia: 0.8, kp: 400.0, kd: 40.0, a: &[4900.0, 140.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let joints = 6; // known from a file, say
+/// let gains = vec![JointGains::<f64>::new(&design)?; joints];
+/// let mut states = vec![JointState::new(); joints];
+/// let mut commands = vec![Command::default(); joints];
+/// let measurements = vec![Measurement { q: 0.002, ..Measurement::default() }; joints];
+/// let references = vec![Reference::default(); joints];
+/// let answered = update_joints(&gains, &mut states, &measurements, &references, &mut commands);
+/// assert_eq!(answered, joints);
+/// assert!(commands.iter().all(|command| command.tau < 0.0));
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 pub fn update_joints<R: Real>(
     gains: &[JointGains<R>],
     states: &mut [JointState<R>],

@@ -17,6 +17,29 @@ pub enum Form {
 }
 
 /// What a designer chooses for one joint. Always `f64`; the running law may be `f32`.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, GainError, JointDesign, JointGains};
+///
+/// // Bandwidth ω = 20 rad/s and damping 1: K_p = ω², K_d = 2ω. Estimator poles at 70 rad/s, 1 kHz.
+/// let (w, w_o) = (20.0, 70.0);
+/// let design = JointDesign {
+///     inertia: 0.8,
+///     kp: w * w,
+///     kd: 2.0 * w,
+///     a: &[w_o * w_o, 2.0 * w_o],
+///     period: 1e-3,
+///     form: Form::Observer,
+/// };
+/// assert!(JointGains::<f64>::new(&design).is_ok());
+///
+/// // An estimator of order 3 with a root in the right half-plane is refused.
+/// let unstable = JointDesign { a: &[1e6, 10.0, 10.0], ..design };
+/// let why = JointGains::<f64>::new(&unstable);
+/// assert_eq!(why, Err(GainError::UnstableEstimator { order: 3 }));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDesign<'a> {
     /// Nominal inertia `M̄` \[kg·m²\].
@@ -59,6 +82,25 @@ pub struct JointDesign<'a> {
 /// # References
 ///
 /// Hayat, Leibold, Buss (2018), equations (5) to (10), (16).
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference};
+///
+/// let design = JointDesign {
+///     inertia: 0.8, kp: 400.0, kd: 40.0, a: &[4900.0, 140.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let limits = Limits::new(Some(87.0), Some(1000.0), design.period)?; // N·m, N·m/s
+/// let gains = JointGains::<f64>::new(&design)?.with_limits(limits);
+/// assert_eq!((gains.order(), gains.inertia()), (2, 0.8));
+///
+/// // One sample: 2 mrad above a reference at rest. The torque pushes back, M̄ K_p e = 0.64 N·m.
+/// let measurement = Measurement { q: 0.002, dq: 0.0, tau_applied: 0.0 };
+/// let command = gains.update(&mut JointState::new(), &measurement, &Reference::default());
+/// assert!((command.tau + 0.64).abs() < 1e-12);
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointGains<R> {
     pub(crate) form: Form,
@@ -135,13 +177,13 @@ impl<R: Real> JointGains<R> {
             && (most / self.period).is_finite()
     }
 
-    /// The same gains behind torque limits.
+    /// These gains with torque limits behind them.
     #[must_use]
     pub fn with_limits(self, limits: Limits<R>) -> Self {
         Self { limits, ..self }
     }
 
-    /// The same gains with an estimator of first order, whose sampled pole is at the geometric mean of these:
+    /// These gains with an estimator of first order, whose sampled pole is at the geometric mean of the poles they have:
     /// for a start without peaking; see [`Schedule`](crate::Schedule). Gains of the literal form are left alone.
     #[must_use]
     pub fn first_order(self) -> Self {
@@ -260,9 +302,9 @@ impl fmt::Display for Gain {
 pub enum GainError {
     /// A gain is zero, negative, infinite or NaN.
     NotPositive {
-        /// Which one.
+        /// Which gain.
         gain: Gain,
-        /// Its value.
+        /// Value of the gain.
         value: f64,
     },
     /// The number of coefficients is not 1 … 4.
@@ -272,7 +314,7 @@ pub enum GainError {
     },
     /// `s^m + a_{m−1} s^{m−1} + … + a_0` has a root with a non-negative real part.
     UnstableEstimator {
-        /// Its order.
+        /// Order of the estimator.
         order: usize,
     },
     /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.

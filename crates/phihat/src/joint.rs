@@ -2,7 +2,17 @@
 
 use crate::{ORDER_MAX, Real};
 
-/// What the joint's sensors say at a sample.
+/// What one joint's sensors report at one sample.
+///
+/// # Example
+///
+/// ```
+/// use phihat::Measurement;
+///
+/// // From the robot's message. Where torque is not measured: the torque that was commanded, see `Delay`.
+/// let measurement = Measurement { q: 0.31, dq: -0.02, tau_applied: 4.7 };
+/// assert!(measurement.tau_applied > 0.0); // positive along the joint's axis
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measurement<R> {
     /// Position `q` \[rad\].
@@ -13,7 +23,22 @@ pub struct Measurement<R> {
     pub tau_applied: R,
 }
 
-/// What the joint shall do at a sample.
+/// Where one joint shall be at one sample: position, velocity and acceleration.
+///
+/// # Example
+///
+/// ```
+/// use phihat::Reference;
+///
+/// // A sine of 0.2 rad at 3 rad/s, with its derivatives. A hold has both derivatives zero.
+/// let at = |t: f64| {
+///     let (s, c) = (3.0 * t).sin_cos();
+///     Reference { q: 0.2 * s, dq: 0.6 * c, ddq: -1.8 * s }
+/// };
+/// let hold = Reference { q: 0.2, ..Reference::default() };
+/// assert_eq!(at(0.0), Reference { q: 0.0, dq: 0.6, ddq: 0.0 });
+/// assert_eq!((hold.dq, hold.ddq), (0.0, 0.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reference<R> {
     /// Desired position \[rad\].
@@ -24,18 +49,37 @@ pub struct Reference<R> {
     pub ddq: R,
 }
 
-/// The answer to one sample.
+/// The torque that one joint applies until the next sample, and what is known of it.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference};
+///
+/// let design = JointDesign {
+///     inertia: 0.8, kp: 400.0, kd: 40.0, a: &[4900.0, 140.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let limits = Limits::new(Some(2.0), None, 1e-3)?; // 2 N·m
+/// let gains = JointGains::new(&design)?.with_limits(limits);
+///
+/// // 0.1 rad above the reference: the law asks for −M̄ K_p e = −32 N·m, and the limit says that it acted.
+/// let measurement = Measurement { q: 0.1, dq: 0.0, tau_applied: 0.0 };
+/// let command = gains.update(&mut JointState::new(), &measurement, &Reference::default());
+/// assert_eq!(command.tau, -2.0);
+/// assert!(command.status.saturated && !command.status.refused);
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command<R> {
     /// Torque to apply until the next sample \[N·m\]: always finite and within the limits.
     pub tau: R,
     /// Estimate of the unknown dynamics \[N·m\], already contained in `tau`.
     pub phi_hat: R,
-    /// What happened.
+    /// What checks and limits did to this command.
     pub status: Status,
 }
 
-/// What happened at a sample.
+/// What checks and limits did to one joint's command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Status {
     /// The torque limit acted.
@@ -48,6 +92,26 @@ pub struct Status {
 }
 
 /// Everything a joint remembers between samples; owned by the caller.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
+///
+/// let design = JointDesign {
+///     inertia: 0.8, kp: 400.0, kd: 40.0, a: &[4900.0, 140.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let gains = JointGains::<f64>::new(&design)?;
+///
+/// // The joint hangs in 5 N·m of gravity and does not move: φ̂ learns that within a fraction of a second.
+/// let mut state = JointState::new();
+/// let held = Measurement { q: 0.0, dq: 0.0, tau_applied: 5.0 };
+/// for _ in 0..500 {
+///     gains.update(&mut state, &held, &Reference::default());
+/// }
+/// assert!((state.tau() - 5.0).abs() < 1e-6);
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState<R> {
     /// Observer: `φ̂_0, φ̂_1, …, φ̂_{m−1}`, estimates of `φ` and its time derivatives \[N·m/s^j\].

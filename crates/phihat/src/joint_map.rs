@@ -29,12 +29,12 @@ pub struct JointMap<const N: usize> {
 pub enum JointMapError {
     /// The message has no joint of this name.
     Missing {
-        /// Its place in the controller's order.
+        /// The joint's place in the controller's order.
         joint: usize,
     },
     /// A name occurs twice.
     Twice {
-        /// Its place in the controller's order.
+        /// The joint's place in the controller's order.
         joint: usize,
     },
 }

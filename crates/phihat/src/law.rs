@@ -21,7 +21,7 @@ impl<R: Real> Estimate<R> {
 }
 
 impl<R: Real> JointGains<R> {
-    /// Answers one sample.
+    /// Computes the torque of one joint for one sample.
     ///
     /// # Law
     ///

@@ -3,6 +3,19 @@
 use crate::{Command, Gain, GainError, Real, Status};
 
 /// Limits of one joint's torque; infinite means none.
+///
+/// # Example
+///
+/// ```
+/// use phihat::Limits;
+///
+/// // 87 N·m, and 1 N·m per millisecond.
+/// let limits = Limits::<f64>::new(Some(87.0), Some(1000.0), 1e-3)?;
+/// let command = limits.command(5.0, 0.0); // 5 N·m are asked for after 0 N·m
+/// assert_eq!(command.tau, 1.0);
+/// assert!(command.status.rate_limited && !command.status.saturated);
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<R> {
     torque: R,
@@ -18,7 +31,7 @@ pub(crate) struct Limited<R> {
 }
 
 impl<R: Real> Limits<R> {
-    /// No limit.
+    /// Limits that never act.
     pub fn none() -> Self {
         Self { torque: R::from_f64(f64::INFINITY), step: R::from_f64(f64::INFINITY) }
     }

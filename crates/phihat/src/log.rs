@@ -25,7 +25,7 @@ impl<T: Copy, const K: usize> Default for Log<T, K> {
 }
 
 impl<T: Copy, const K: usize> Log<T, K> {
-    /// Empty.
+    /// A log without entries.
     #[must_use]
     pub fn new() -> Self {
         Self { entries: [None; K], first: 0, len: 0, dropped: 0 }
@@ -62,7 +62,7 @@ impl<T: Copy, const K: usize> Log<T, K> {
         self.len
     }
 
-    /// Whether none waits.
+    /// Whether no entry waits.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

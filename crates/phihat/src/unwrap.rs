@@ -28,7 +28,7 @@ pub struct Unwrap<R> {
 }
 
 impl<R: Real> Unwrap<R> {
-    /// Before the first reading, which is taken as it is.
+    /// An angle before its first reading, which is taken as it is.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -14,6 +14,22 @@ use crate::{Gain, GainError, Real};
 ///
 /// The design's model of the sampled loop has this very filter (`[sensor] velocity = "differenced"`,
 /// `velocity_filter_hz`), so that what it does to the inertia window is part of the certificate.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{VelocityFilter, VelocityState};
+///
+/// let filter = VelocityFilter::<f64>::new(Some(45.0), 1e-3)?;
+/// let mut state = VelocityState::default();
+/// let mut dq = 0.0;
+/// for k in 0..200 {
+///     let q = 0.5 * 1e-3 * f64::from(k); // turns at 0.5 rad/s
+///     dq = filter.estimate(&mut state, q, 1e-3);
+/// }
+/// assert!((dq - 0.5).abs() < 1e-9);
+/// # Ok::<(), phihat::GainError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityFilter<R> {
     gain: R,

@@ -87,7 +87,7 @@ impl CoupledGains {
         entries.filter(|(i, j, _)| i != j).max_by(|a, b| a.2.total_cmp(&b.2))
     }
 
-    /// Its matrices with what each is, in the order of the claim.
+    /// The matrices of coupled gains with what each is, in the order of the claim.
     pub fn matrices(&self) -> [(&'static str, &Matrix); 7] {
         [
             ("e ← torque", &self.error_rad_per_nm),

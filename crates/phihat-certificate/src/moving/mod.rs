@@ -149,9 +149,9 @@ pub struct Unstable {
     pub inequality: String,
     /// Frequency \[rad/sample\]; 0 where there is none.
     pub theta: f64,
-    /// Its left side.
+    /// Left side of the inequality.
     pub left: f64,
-    /// Its right side.
+    /// Right side of the inequality.
     pub right: f64,
 }
 

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotCounted {
-    /// Its key in the study.
+    /// Key in the study.
     pub key: String,
-    /// Its value there.
+    /// Value of the key in the study.
     pub value: String,
     /// Which claims do not count it.
     pub claims: LeftOut,

@@ -52,6 +52,38 @@ pub enum ArmError {
 const TOLD: f64 = 1e-13;
 
 /// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::Arm;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 0.02
+/// #     [design]
+/// #     orders = [1]
+/// #     payload_max_kg = 0.2
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = phihat_study::Study::from_text(text, "demo.toml", "".as_ref())?;
+/// let arm = Arm::of(&study)?; // over its postures and payloads
+/// let range = arm.against(arm.nominal())?;
+/// // The eigenvalues of M̄^{-1/2} M(q) M̄^{-1/2}, and the postures at which they are reached.
+/// assert!(0.0 < range.low && range.low < range.high);
+/// assert!(range.searched.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Arm {
     basis: ArmBasis,
@@ -122,7 +154,7 @@ impl Arm {
         })
     }
 
-    /// The same arm known along a reference too, by positions and velocities at some of its points; no change where it
+    /// This arm, known along a reference too, by positions and velocities at some of its points; no change where it
     /// is known by intervals.
     ///
     /// # Errors

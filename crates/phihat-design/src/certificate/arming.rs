@@ -20,6 +20,46 @@ use crate::{Certificate, Gains, JointRecord};
 /// # Errors
 ///
 /// The [`Refutation`] that forbids it.
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::{Arm, arm_inside_window, requested_gains};
+/// use phihat_study::Study;
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// let arm = Arm::of(&study)?;
+/// let mut gains = requested_gains(&study).ok_or("the study states no gains")?;
+/// arm_inside_window(&study, &arm, &gains)?;
+///
+/// // With a twentieth of the nominal inertia the arm is too heavy for the window.
+/// for joint in &mut gains.joints {
+///     joint.inertia_kg_m2 /= 20.0;
+/// }
+/// let why = arm_inside_window(&study, &arm, &gains).unwrap_err();
+/// assert!(why.claim.contains("inertia window"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), Refutation> {
     shared_law(gains)?;
     let nominal = gains.joints.iter().map(|j| j.inertia_kg_m2).collect();

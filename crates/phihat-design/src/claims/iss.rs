@@ -15,14 +15,15 @@ const CLAIM: &str = "input-to-state stability";
 
 /// Finding [`Iss`].
 pub trait FindIss: Sized {
-    /// With the Lyapunov function of a certificate: the paper's.
+    /// Finds the claim with the Lyapunov function of a certificate of optimality: the paper's way.
     ///
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that cannot be met.
     fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation>;
 
-    /// Without a certificate: with `W = I` in the loop's own time, so that any stable law has it.
+    /// Finds the claim without a certificate of optimality: with `W = I` in the loop's own time, so that any stable law
+    /// has it.
     ///
     /// # Errors
     ///

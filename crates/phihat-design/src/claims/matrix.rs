@@ -73,7 +73,7 @@ pub fn failing_pivot(x: &Matrix) -> Option<(usize, f64, f64)> {
     failing_pivot_above(x, PIVOT_SHARE)
 }
 
-/// The same where a pivot counts above another share of its diagonal entry.
+/// The first failing pivot, as [`failing_pivot`] finds it, where a pivot counts above another share of its diagonal entry.
 pub fn failing_pivot_above(x: &Matrix, share: f64) -> Option<(usize, f64, f64)> {
     let n = x.len();
     let (mut l, mut d) = (identity(n), vec![0.0; n]);

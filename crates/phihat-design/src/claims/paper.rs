@@ -51,7 +51,7 @@ pub enum PaperError {
     Limit {
         /// Which: 0 is `φ_max`, then the states.
         index: usize,
-        /// Its value.
+        /// Value of the limit.
         value: f64,
     },
     /// Order out of range.

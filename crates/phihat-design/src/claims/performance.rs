@@ -8,7 +8,7 @@ use crate::claims::response::Response;
 
 /// Finding [`PeakGains`].
 pub trait FindPeakGains: Sized {
-    /// Computes the gains.
+    /// Computes the peak-to-peak gains of a law at inertia ratio `mu`.
     ///
     /// # Errors
     ///
@@ -85,7 +85,7 @@ impl WorstCase {
 
 /// Finding a [`PaperRadius`].
 pub trait FindPaperRadius: Sized {
-    /// From the evidence of input-to-state stability.
+    /// Computes the radius from the evidence of input-to-state stability.
     fn of(iss: &Iss) -> Self;
 }
 

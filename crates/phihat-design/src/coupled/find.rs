@@ -18,7 +18,9 @@ pub(super) type Kinds = [DMatrix<f64>; KINDS];
 
 /// Finding [`CoupledGains`].
 pub trait FindCoupledGains: Sized {
-    /// The largest of every entry over some postures; those that made the largest entry of a row are kept as witnesses.
+    /// Finds coupled gains: the largest of every entry over some postures.
+    ///
+    /// Those postures that made the largest entry of a row are kept as witnesses.
     /// `source` says in words which postures they are.
     ///
     /// # Errors

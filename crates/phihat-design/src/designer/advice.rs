@@ -14,9 +14,9 @@ const HIGHEST_HZ: f64 = 20_000.0;
 /// One change after which there are gains, all else being equal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {
-    /// Key in the study.
+    /// Key that is changed in the study.
     pub key: String,
-    /// Its value.
+    /// Value of the key.
     pub value: f64,
     /// Order of the law that was found.
     pub order: usize,

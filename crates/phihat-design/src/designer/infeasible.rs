@@ -17,7 +17,7 @@ pub struct Infeasible {
     pub alternatives: Vec<Alternative>,
     /// How many laws of the grid were looked at.
     pub tried: u32,
-    /// Of these, each with up to three nominal inertias, how many keep window and modulus margin.
+    /// How many of the laws, each with up to three nominal inertias, keep window and modulus margin.
     pub stable: u32,
 }
 
@@ -54,7 +54,7 @@ const SURE: f64 = 1.02;
 /// One clause of the specification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clause {
-    /// Its key in the study.
+    /// Key of the clause in the study.
     pub key: String,
     /// The joint that decides; `None`: the arm.
     pub joint: Option<String>,

@@ -27,7 +27,7 @@ use verdict::{KEYS, Nearest};
 /// What is known of `φ` for a joint and its nominal inertia.
 pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
 
-/// What a design came to.
+/// What a design comes to: gains, or why there are none.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// Gains with their certificate: by our method they keep every clause; by the paper's the certificate says
@@ -72,6 +72,52 @@ pub enum DesignError {
 /// # Errors
 ///
 /// [`DesignError`]. That no gains exist is an [`Outcome`].
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::{Arm, Outcome, Phi, PhiBasis, design};
+///
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 0.02
+/// #     [design]
+/// #     orders = [1]
+/// #     payload_max_kg = 0.2
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = phihat_study::Study::from_text(text, "demo.toml", "".as_ref())?;
+/// // `study` states the largest error and the largest payload, and no gains.
+/// let arm = Arm::of(&study)?;
+/// // What is known of φ beforehand: how fast it changes, and how far it jumps, per joint.
+/// let phi = |_joint: usize, _inertia: f64| Phi {
+///     basis: PhiBasis::Typed,
+///     source: "an estimate by hand".to_owned(),
+///     size_nm: Some(15.0),
+///     rate_nm_s: 30.0,
+///     jump_nm: 0.5,
+///     motion: None,
+/// };
+/// match design(&study, &arm, &phi)? {
+///     Outcome::Designed(gains) => {
+///         let certificate = gains.certificate.as_ref().ok_or("no certificate")?;
+///         certificate.verify(&gains)?;
+///     }
+///     Outcome::Infeasible(no) => println!("{} is in the way", no.clauses[0].key),
+///     _ => {}
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     let mut outcome = search(study, arm, phi)?;
     if let Outcome::Infeasible(no) = &mut outcome {
@@ -80,7 +126,7 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
     Ok(outcome)
 }
 
-/// [`design`] without looking for [`alternatives`], which is a search for each of them.
+/// Finds gains as [`design`] does, without looking for [`alternatives`], each of which is a search of its own.
 ///
 /// # Errors
 ///

@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::claims::Refutation;
 use crate::{Gains, GainsError};
 
-/// What to write.
+/// The format that gains are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// Parameters (YAML) of the ROS 2 `joint_trajectory_controller` with effort commands: order 1 only.
@@ -53,7 +53,7 @@ pub enum ExportError {
     Order {
         /// The joint.
         joint: String,
-        /// Its order.
+        /// Order of its estimator.
         order: usize,
     },
     /// The rate is no whole number.
@@ -78,6 +78,27 @@ pub enum ExportError {
 /// # Errors
 ///
 /// [`ExportError`].
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::Gains;
+/// use phihat_design::export::{Target, export};
+///
+/// # let text = r#"{
+/// #   "format": "phihat-gains", "version": 2, "study": "pendulum", "study_sha256": "",
+/// #   "rate_hz": 1000.0, "method": "by hand",
+/// #   "joints": [{
+/// #     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]
+/// #   }]
+/// # }"#;
+/// # let gains = Gains::from_json(text)?;
+/// let header = export(&gains, Target::CHeader)?;
+/// assert!(header.starts_with("/*") && header.contains("pivot"));
+/// // The PID of ROS 2 integrates once; these gains have an estimator of order 2.
+/// assert!(export(&gains, Target::Ros).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn export(gains: &Gains, target: Target) -> Result<String, ExportError> {
     check(gains)?;
     match target {

@@ -29,7 +29,7 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// `None` unless the order is 1.
+    /// The PID of one joint's gains; `None` unless their order is 1.
     pub fn of(record: &JointRecord) -> Option<Self> {
         let [a0] = record.a[..] else { return None };
         let (inertia, kp, kd) = (record.inertia_kg_m2, record.kp_per_s2, record.kd_per_s);
@@ -51,9 +51,9 @@ impl Pid {
 pub struct PidClaims {
     /// The certificate's loop, in literal form.
     pub model: LoopModel,
-    /// Its inertia window.
+    /// Inertia window of the PID's loop.
     pub window: InertiaWindow,
-    /// Its margins over the arm's range.
+    /// Stability margins of the PID's loop over the arm's range.
     pub margins: Margins,
     /// Bounds on `e` and `ė` from `φ` and encoder; `None`: `φ` is not known.
     pub bounds: Option<Bounds>,
@@ -61,12 +61,12 @@ pub struct PidClaims {
     pub integral_nm: Option<f64>,
     /// What the reference's motion adds, with the acceleration fed forward.
     pub forwarded: ReferenceError,
-    /// The same without.
+    /// Error from the reference's motion without feed-forward.
     pub bare: ReferenceError,
 }
 
 impl PidClaims {
-    /// For every joint of certified gains of order 1; empty without a certificate or for other orders.
+    /// The claims for every joint of certified gains of order 1; empty without a certificate or for other orders.
     ///
     /// # Errors
     ///
@@ -80,7 +80,7 @@ impl PidClaims {
         joints.map(|(record, joint)| Self::find(record, joint, certificate)).collect()
     }
 
-    /// Finds the claims; the window is proved by zero exclusion.
+    /// Finds the claims about one joint's PID; the window is proved by zero exclusion.
     ///
     /// # Errors
     ///

@@ -18,7 +18,7 @@ pub struct Bode {
     pub frequency_hz: Vec<f64>,
     /// `|L/μ|`: the loop, cut where the torque meets the inertia.
     pub loop_gain: Vec<f64>,
-    /// Its phase \[rad\], continuous.
+    /// Phase of the open loop \[rad\], continuous.
     pub loop_phase_rad: Vec<f64>,
     /// `|1/(1 + L/μ)|`: how much a torque on the joint is felt; its peak is the inverse modulus margin.
     pub sensitivity: Vec<f64>,

@@ -65,7 +65,7 @@ pub trait FindMargins: Sized {
     /// [`Refutation`] when the loop is not stable over the range.
     fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
 
-    /// The same at one inertia ratio.
+    /// Computes the margins at one inertia ratio.
     ///
     /// # Errors
     ///

@@ -13,7 +13,7 @@ const CLAIM: &str = "torque noise";
 
 /// Finding [`TorqueNoise`].
 pub trait FindNoise: Sized {
-    /// Computes it at `count` ratios from `low` to `high`.
+    /// Computes the torque noise at `count` inertia ratios from `low` to `high`.
     ///
     /// # Errors
     ///

@@ -15,7 +15,7 @@ const CLAIM: &str = "sampled peak gains";
 
 /// Finding [`SampledPeaks`].
 pub trait FindSampledPeaks: Sized {
-    /// Computes them at `count` ratios from `low` to `high`.
+    /// Computes the peaks at `count` inertia ratios from `low` to `high`.
     ///
     /// # Errors
     ///
@@ -27,7 +27,7 @@ pub trait FindSampledPeaks: Sized {
         count: u32,
     ) -> Result<Self, Refutation>;
 
-    /// At one ratio.
+    /// Computes the peaks at one inertia ratio.
     ///
     /// # Errors
     ///

@@ -14,7 +14,7 @@ const CLAIM: &str = "reading error";
 
 /// Finding a [`ReadingError`].
 pub trait FindReadingError: Sized {
-    /// Computes the gains at `count` ratios from `low` to `high`.
+    /// Computes the gains from a wrong reading at `count` inertia ratios from `low` to `high`.
     ///
     /// # Errors
     ///

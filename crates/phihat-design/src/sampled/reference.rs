@@ -18,7 +18,7 @@ const NONE: f64 = 1e-12;
 
 /// Finding a [`ReferenceError`].
 pub trait FindReferenceError: Sized {
-    /// Computes them at `count` ratios from `low` to `high`.
+    /// Computes the gains from the reference's motion at `count` inertia ratios from `low` to `high`.
     ///
     /// # Errors
     ///

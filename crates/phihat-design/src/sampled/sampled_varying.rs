@@ -14,7 +14,7 @@ const CLAIM: &str = "varying inertia, sampled";
 
 /// Finding a [`SampledVarying`].
 pub trait FindSampledVarying: Sized {
-    /// Finds `P` for a range.
+    /// Finds a common quadratic form `P` for a range of inertia ratios.
     ///
     /// # Method
     ///

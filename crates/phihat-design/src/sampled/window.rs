@@ -30,6 +30,37 @@ const SHARE: f64 = 0.05;
 const EVEN: f64 = PI / 128.0;
 
 /// Finding an [`InertiaWindow`].
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::JointRecord;
+/// use phihat_design::prelude::*;
+/// use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+///
+/// let gains = JointRecord {
+///     name: "elbow".to_owned(),
+///     inertia_kg_m2: 0.8,
+///     kp_per_s2: 400.0,
+///     kd_per_s: 40.0,
+///     a: vec![4900.0, 140.0],
+/// };
+/// let model = LoopModel {
+///     period_s: 1e-3,
+///     delay_samples: 1,
+///     sample_delay_samples: 0,
+///     torque: LoopTorque::Applied,
+///     velocity: LoopVelocity::Measured,
+///     velocity_filter_hz: None,
+///     form: LoopForm::Observer,
+///     drive_bandwidth_hz: None,
+/// };
+/// let window = InertiaWindow::find(&gains, &model)?;
+/// window.verify(&gains, &model)?; // proved by another method
+/// // Stable from a fifth of the nominal inertia to six times as much; unstable beyond, on both sides.
+/// assert!(window.contains(0.2, 6.0) && !window.contains(0.1, 6.0) && !window.contains(0.2, 7.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait FindWindow: Sized {
     /// Finds the window around `μ = 1`.
     ///

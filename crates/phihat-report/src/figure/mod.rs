@@ -34,6 +34,61 @@ pub const FIGURES: [&str; 12] = [
 ];
 
 /// Every figure of a record: those of the run, and those of what was proved about its gains.
+///
+/// # Example
+///
+/// ```
+/// # use phihat_report::{Drawing, Record, RunInfo};
+/// # use phihat_sim::{Metrics, Simulation};
+/// # use phihat_study::Study;
+/// # let text = r#"
+/// #     duration_s = 2.0
+/// #     [robot]
+/// #     name = "planar3r"
+/// #     [spec]
+/// #     settle_s = 1.0
+/// #     error_max_rad = 2e-3
+/// #     [gains]
+/// #     order = 1
+/// #     bandwidth_rad_s = 20.0
+/// #     estimator_bandwidth_rad_s = 70.0
+/// #     inertia_kg_m2 = [0.42, 0.18, 0.14]
+/// #     [reference]
+/// #     kind = "sines"
+/// #     center = "ready"
+/// #     fade_in_s = 1.0
+/// #     [[reference.sine]]
+/// #     amplitude_rad = 0.2
+/// #     frequency_hz = 0.3
+/// # "#;
+/// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
+/// # let gains = phihat_design::requested_gains(&study).ok_or("no gains")?;
+/// # let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+/// # let law = gains.joint_gains(&names, study.control.period_ns, Default::default())?;
+/// # let trace = Simulation::new(&study, &law)?.run(|_| ()).trace;
+/// # let metrics = Metrics::of(&trace, &study);
+/// # let origin = RunInfo {
+/// #     study: study.name.clone(), title: study.title.clone(), study_sha256: study.sha256.clone(),
+/// #     seed: study.seed, robot: study.robot.name.clone(),
+/// #     robot_description: study.robot.description.clone(),
+/// #     robot_provenance: study.robot.provenance.clone(), phihat_version: String::new(),
+/// #     toolchain: String::new(), form: "observer".to_owned(), rate_hz: 1000.0, delay_samples: 0,
+/// #     world: Vec::new(), command: String::new(), warnings: Vec::new(),
+/// # };
+/// // A study, its gains, and what a run of them left: trace, metrics, and where it came from.
+/// let drawing = Drawing::of(&trace, study.spec.settle);
+/// let record = Record {
+///     run: &origin,
+///     study_text: &study.text,
+///     gains: &gains,
+///     drawing: &drawing,
+///     metrics: &metrics,
+///     tube: None,
+/// };
+/// let figures = phihat_report::figures(&record);
+/// assert!(figures.iter().any(|figure| figure.svg.starts_with("<svg")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
     run_figures(&record.seen()).into_iter().chain(claim_figures(record)).collect()
 }

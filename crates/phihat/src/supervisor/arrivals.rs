@@ -3,7 +3,7 @@
 use crate::joint::Interval;
 use crate::{Events, Real};
 
-/// When and as which a sample was taken.
+/// Number and time of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
     /// Counts samples; where there is no such number, the time stamp does.

@@ -5,7 +5,7 @@ use super::blend::{Blend, fade};
 use super::monitor::{Actuation, Frozen, Oscillation};
 use crate::{Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
-/// The arm's part.
+/// What a supervisor remembers of the arm as a whole: mode, fault, counters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArmState {
     pub(crate) arrivals: Arrivals,
@@ -30,13 +30,13 @@ pub struct ArmState {
 }
 
 impl ArmState {
-    /// Idle, with nothing known.
+    /// The state before the first sample: idle, with nothing known.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The mode.
+    /// The mode that the arm is in.
     pub fn mode(&self) -> Mode {
         self.mode
     }
@@ -52,7 +52,7 @@ impl ArmState {
     }
 }
 
-/// One joint's part.
+/// What a supervisor remembers of one joint: law, last sample, reference, monitors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointMemory<R> {
     pub(crate) law: JointState<R>,
@@ -86,7 +86,7 @@ pub struct JointMemory<R> {
 }
 
 impl<R: Real> JointMemory<R> {
-    /// Nothing known.
+    /// The memory before the first sample.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -97,7 +97,7 @@ impl<R: Real> JointMemory<R> {
         &self.reference
     }
 
-    /// The last torque commanded \[N·m\].
+    /// The last torque that this joint was commanded \[N·m\].
     pub fn tau(&self) -> R {
         self.law.tau
     }

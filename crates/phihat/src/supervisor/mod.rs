@@ -93,7 +93,7 @@ pub struct SupervisorState<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> SupervisorState<R, N> {
-    /// Idle, with nothing known.
+    /// The state before the first sample: idle, with nothing known.
     #[must_use]
     pub fn new() -> Self {
         Self { arm: ArmState::new(), joints: [JointMemory::new(); N] }
@@ -106,7 +106,7 @@ impl<R: Real, const N: usize> Default for SupervisorState<R, N> {
     }
 }
 
-/// The answer to one sample.
+/// The torques of a whole arm for one sample, and what the supervisor reports of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer<R, const N: usize> {
     /// Torque and estimate of each joint.
@@ -116,7 +116,7 @@ pub struct Answer<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Supervisor<R, N> {
-    /// An arm from gains and options of each joint, in joint order. Torque limits are those of the gains.
+    /// Makes a supervisor from gains and options of each joint, in joint order. Torque limits are those of the gains.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl<R: Real, const N: usize> Supervisor<R, N> {
         Ok(Self { arm, joints: rules })
     }
 
-    /// Answers one sample; see [`supervise`].
+    /// Judges one sample and computes the torques of the whole arm; see [`supervise`].
     pub fn step(
         &self,
         state: &mut SupervisorState<R, N>,

@@ -1,6 +1,6 @@
 //! The modes of an arm, and the only way from one to another.
 
-/// What an arm does.
+/// What an arm does: the modes of the supervisor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Mode {
     /// No torque. The brakes are on, or the robot holds itself.
@@ -17,11 +17,11 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Every mode.
+    /// All modes.
     pub const ALL: [Self; 5] =
         [Self::Idle, Self::Armed, Self::Holding, Self::Tracking, Self::SafeStop];
 
-    /// Its name in files.
+    /// The mode's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -50,7 +50,7 @@ pub enum ModeRequest {
     Stop,
 }
 
-/// What [`next_mode`] looks at.
+/// What decides about the next mode: the request, and what is true at this sample. See [`next_mode`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "a set of independent facts")]
 pub struct ModeEvents {
@@ -68,7 +68,7 @@ pub struct ModeEvents {
     pub start_matches: bool,
 }
 
-/// What entering a mode asks for.
+/// What is to be done where a mode is entered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Action {
     /// Nothing changes.
@@ -88,22 +88,22 @@ pub enum Action {
     Release,
 }
 
-/// Why a request is not granted.
+/// Why a request for a mode is not granted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Refusal {
-    /// Arm first.
+    /// The arm is not armed: ask for [`ModeRequest::Arm`] first.
     NotArmed,
-    /// Hold first.
+    /// The arm does not hold a pose: ask for [`ModeRequest::Hold`] first.
     NotHolding,
     /// Stop first: torque is not switched off under a moving arm.
     NotStopped,
-    /// Already past that.
+    /// The arm is in a later mode already.
     AlreadyActive,
     /// After a stop, ask for [`ModeRequest::Arm`]; the stop stays latched until then.
     Latched,
     /// [`ModeRequest::Arm`] was already there before: release it and ask again.
     NotNew,
-    /// Something is wrong still.
+    /// A fault is there still.
     Fault,
     /// There is no fresh sample.
     NotFresh,
@@ -114,7 +114,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Its name in files.
+    /// The refusal's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::NotArmed => "not-armed",
@@ -131,7 +131,7 @@ impl Refusal {
     }
 }
 
-/// The answer of [`next_mode`].
+/// The mode from now on, and what entering it asks for: the answer of [`next_mode`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Transition {
     /// The mode from now on.
@@ -143,6 +143,21 @@ pub struct Transition {
 }
 
 /// The mode machine: a pure function. A fault or a stop wins over everything; every other way is one step.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Mode, ModeEvents, ModeRequest, Refusal, next_mode};
+///
+/// // A tracking arm that meets a fault stops, whatever is asked for.
+/// let fault = ModeEvents { request: ModeRequest::Track, fault: true, ..ModeEvents::default() };
+/// assert_eq!(next_mode(Mode::Tracking, fault).mode, Mode::SafeStop);
+///
+/// // The stop is latched: to track again, arm first.
+/// let again = ModeEvents { request: ModeRequest::Track, fresh: true, ..ModeEvents::default() };
+/// let answer = next_mode(Mode::SafeStop, again);
+/// assert_eq!((answer.mode, answer.refusal), (Mode::SafeStop, Some(Refusal::Latched)));
+/// ```
 #[must_use]
 pub fn next_mode(mode: Mode, events: ModeEvents) -> Transition {
     let go = |mode, action| Transition { mode, action, refusal: None };

@@ -11,11 +11,11 @@ pub enum OptionError {
     Value {
         /// Which.
         option: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
         /// What would be valid.
         valid: &'static str,
-        /// Of which joint; arm-wide options say 0.
+        /// Place of the joint; 0 for options of the whole arm.
         joint: usize,
     },
     /// A joint's gains are for another sample period.

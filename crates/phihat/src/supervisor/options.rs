@@ -59,6 +59,22 @@ impl Options {
 }
 
 /// Options of one joint; the default is the law with finite, fresh samples and torque limits only.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{JointOptions, JointRange, MotionLimits};
+///
+/// // What is left out is not judged and not changed.
+/// let options = JointOptions::<f64> {
+///     velocity_max: Some(2.5),
+///     range: Some(JointRange { lower: -2.8, upper: 2.8, soft: 0.05, braking: 5.0 }),
+///     error_max: Some(0.1),
+///     motion: Some(MotionLimits { velocity: 2.0, acceleration: 10.0, jerk: 500.0 }),
+///     ..JointOptions::default()
+/// };
+/// assert!(options.funnel.is_none());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointOptions<R> {
     /// Largest plausible |q̇| \[rad/s\]; it bounds the step in position as well.

@@ -2,7 +2,7 @@
 
 use crate::{JointGains, Real};
 
-/// Where a joint may be.
+/// Position limits of one joint, hard and soft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRange {
     /// Lower hard limit \[rad\].

@@ -61,7 +61,7 @@ events! {
 }
 
 impl Events {
-    /// Nothing happened.
+    /// The empty set: nothing happened.
     pub const NONE: Self = Self(0);
 
     /// Whether all of `other` are in the set.
@@ -103,7 +103,7 @@ impl BitOrAssign for Events {
     }
 }
 
-/// Why the arm stops.
+/// Why a supervisor stops the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Fault {
     /// Too many samples in a row were missed.
@@ -129,7 +129,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Every fault.
+    /// All faults.
     pub const ALL: [Self; 10] = [
         Self::LinkLost,
         Self::LinkQuality,
@@ -143,7 +143,7 @@ impl Fault {
         Self::NotFinite,
     ];
 
-    /// Its name in files.
+    /// The fault's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::LinkLost => "link-lost",
@@ -160,7 +160,7 @@ impl Fault {
     }
 }
 
-/// What a sample brought, next to the torques.
+/// What a supervisor says of one sample, beside the torques.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Report {
     /// The mode from this sample on.
@@ -169,7 +169,7 @@ pub struct Report {
     pub fault: Option<(Fault, usize)>,
     /// Why the request was not granted.
     pub refusal: Option<Refusal>,
-    /// What happened.
+    /// What happened at this sample.
     pub events: Events,
     /// The brakes should be closed.
     pub brake: bool,

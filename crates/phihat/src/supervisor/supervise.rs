@@ -12,7 +12,7 @@ use crate::{
     Stamp,
 };
 
-/// What the robot says at a sample.
+/// One sample of a whole arm: its measurements, with their number and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<'a, R> {
     /// Which sample it is. Repeat the last one when none came.
@@ -23,10 +23,10 @@ pub struct Sample<'a, R> {
     pub joints: &'a [Measurement<R>],
 }
 
-/// What the caller wants at a sample.
+/// What the caller asks for at one sample: a mode and references.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request<'a, R> {
-    /// Which mode.
+    /// The mode that is asked for.
     pub mode: ModeRequest,
     /// Where each joint shall be; heeded in [`Mode::Tracking`], and compared with the pose before.
     pub references: &'a [Reference<R>],
@@ -35,7 +35,7 @@ pub struct Request<'a, R> {
     pub preset: Option<&'a [R]>,
 }
 
-/// Answers one sample of an arm whose number of joints may be known at run time only.
+/// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
 /// The slices of rules, memories and commands belong together; joints beyond the shortest are left alone. A
 /// sample or reference list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).

@@ -23,7 +23,7 @@ pub struct ProofProgress {
 /// Why a range was not proved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unproved {
-    /// It was stopped.
+    /// The proof was stopped.
     #[error("stopped after {} cells, {:.1} % of the postures done", .0.cells, 100.0 * .0.done)]
     Stopped(ProofProgress),
     /// Some posture is beyond what was to be proved.
