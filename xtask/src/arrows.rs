@@ -186,6 +186,23 @@ const CRATES: [Row; 19] = [
     ("xtask", &[], "the project's chores"),
 ];
 
+/// The crates that go to a registry.
+pub(crate) const PUBLISHED: [&str; 13] = [
+    "phihat",
+    "phihat-model",
+    "phihat-study",
+    "phihat-certificate",
+    "phihat-design",
+    "phihat-sim",
+    "phihat-rivals",
+    "phihat-report",
+    "phihat-session",
+    "phihat-campaign",
+    "phihat-compare",
+    "phihat-paper",
+    "phihat-cli",
+];
+
 /// What a crate may not reach on any way: crates of ours and of others.
 const NEVER: [(&str, &[&str]); 4] = [
     ("phihat-certificate", &["phihat-design", "nalgebra", "microlp"]),

@@ -72,10 +72,19 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
     if wheels.exists() {
         fs::remove_dir_all(&wheels).map_err(|e| e.to_string())?;
     }
-    // The profile of the release build: what that has compiled is not compiled again.
+    // What is shipped runs on other machines than the one that builds it.
     let build = ["-m", "maturin", "build", "--release", "--quiet", "--out"];
-    let target = [&wheels.display().to_string(), "--interpreter", &python];
-    command(&package, &python, &[&build[..], &target].concat())?;
+    let status = Command::new(&python)
+        .args(build)
+        .arg(&wheels)
+        .args(["--interpreter", &python])
+        .env("RUSTFLAGS", if cfg!(target_arch = "x86_64") { "-C target-cpu=x86-64-v2" } else { "" })
+        .current_dir(&package)
+        .status()
+        .map_err(|e| e.to_string())?;
+    if !status.success() {
+        return Err("the wheel does not build".to_owned());
+    }
     let found = files(&wheels, "whl")?;
     let wheel = found.first().ok_or("maturin left no wheel")?;
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];

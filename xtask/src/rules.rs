@@ -199,3 +199,11 @@ fn inspect(object: &Path) -> Result<usize, String> {
     }
     Ok(symbols.lines().filter(|line| line.contains(" T freestanding::")).count())
 }
+
+/// Packs every library crate and the command as a registry would get them, and builds each from its package alone.
+pub(crate) fn packages(root: &Path) -> Result<(), String> {
+    let names = arrows::PUBLISHED.iter().flat_map(|name| ["--package", name]);
+    let line: Vec<&str> =
+        ["package", "--quiet", "--allow-dirty"].into_iter().chain(names).collect();
+    crate::test::cargo(root, &line)
+}

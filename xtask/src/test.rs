@@ -9,7 +9,7 @@ use crate::{attack, bindings, bless, book, instructions, mutants, rules, twice};
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 21] = [
+const STEPS: [Step; 22] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -39,6 +39,7 @@ const STEPS: [Step; 21] = [
     ("the paper's reproduction is what the repository keeps", bless::reproduced),
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
+    ("packages for a registry", rules::packages),
     ("two builds, one library", |root| twice::run(root, Some("phihat-c"))),
     ("some mutants of the core", mutants::rotate),
     ("Python", bindings::python),

@@ -157,7 +157,7 @@ impl Journal {
         &self.damaged
     }
 
-    /// The same for people; `None` where all lines are whole.
+    /// Which lines are damaged, for people; `None` where all lines are whole.
     pub fn damage(&self) -> Option<String> {
         let shown: Vec<_> = self.damaged.iter().take(SHOWN).map(ToString::to_string).collect();
         let shown = shown.join(", ");

@@ -118,7 +118,7 @@ fn wrong_shape(py: Python<'_>, field: &str, shape: &[usize], expected: &str) -> 
     argument(py, field, None, shape.to_vec(), expected, &message)
 }
 
-/// The same numbers in C order.
+/// The numbers of an array in C order.
 fn ordered<'py>(array: &Bound<'py, PyArrayDyn<f64>>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let copy = array.py().import("numpy")?.call_method1("ascontiguousarray", (array,))?;
     Ok(copy.cast_into()?)

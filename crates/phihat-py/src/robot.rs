@@ -20,7 +20,7 @@ const LONG: usize = 64;
 #[derive(Debug)]
 pub(crate) struct Robot {
     robot: phihat_model::Robot,
-    /// The same with the rotors' inertia.
+    /// The robot with the rotors' inertia.
     plant: Model,
 }
 

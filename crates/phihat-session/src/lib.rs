@@ -1,7 +1,7 @@
 //! A study taken through gains, a closed loop and its record.
 //!
 //! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a folder;
-//! [`Kept`] such a record, read back. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
+//! [`RunRecord`] such a record, read back. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
 //! package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
@@ -24,38 +24,38 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod design;
 mod dice;
 pub mod disk;
+mod drawn_worlds;
 mod edit;
 mod error;
 pub mod files;
 mod hash;
-mod kept;
-mod knowledge;
+mod observer;
 mod page;
 mod record;
-mod seen;
+mod run_record;
 mod session;
-mod tubed;
+mod spec_search;
 mod typed_phi;
 mod verify;
 mod watch;
 mod words;
-mod worlds;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;
+pub use drawn_worlds::{DrawnRuns, WORLDS};
 pub use edit::{append, set};
 pub use error::{SessionError, read_gains};
 pub use hash::{sha256, share, short_hash};
-pub use kept::{Kept, TRACE, are_of_a_run, recorded};
-pub use knowledge::{Advice, arm, designed, designed_for, read};
+pub use observer::RunFigures;
 pub use page::{report_again, write_report};
 pub use record::Done;
-pub use seen::Looked;
+pub use run_record::{RunRecord, TRACE, are_of_a_run, recorded};
 pub use session::{RunOptions, Session};
 pub use typed_phi::typed_phi_holds;
 pub use verify::{Checked, Stage, Verification, verify};
 pub use watch::Watch;
 pub use words::stopped;
-pub use worlds::{Kept as DrawnRuns, WORLDS};

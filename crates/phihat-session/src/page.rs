@@ -6,21 +6,21 @@ use phihat_report::{FIGURES, Record};
 
 use crate::disk::{Lock, Whole, folder_of};
 use crate::error::SessionError;
-use crate::kept::Kept;
+use crate::run_record::RunRecord;
 
 /// Makes the page of a record again, from its files alone; says where it is, and what the record is.
 ///
 /// # Errors
 ///
 /// [`SessionError`]: the files are not of one run, or the page cannot be written.
-pub fn report_again(trace: &Path, page: &Path) -> Result<Kept, SessionError> {
+pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
     let folder = folder_of(trace);
-    Kept::is_named(trace)?;
+    RunRecord::is_named(trace)?;
     // Nobody may put another run there between reading it and writing its page.
     let beside = folder_of(page) == folder;
     let held =
         if beside { Some(Lock::take(folder)?) } else { Lock::take_if_used(folder_of(page))? };
-    let kept = Kept::read(trace)?;
+    let kept = RunRecord::read(trace)?;
     write_page(&kept.record(), page, held.as_ref())?;
     Ok(kept)
 }

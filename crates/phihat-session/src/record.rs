@@ -13,9 +13,9 @@ use serde_json::json;
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
-use crate::kept::{INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::observer::figures;
 use crate::page::{add_page, remove_page};
-use crate::seen::figures;
+use crate::run_record::{INPUTS, Origin, PARQUET, RUN, TRACE};
 
 /// A finished run.
 #[derive(Debug)]
@@ -130,7 +130,7 @@ impl Done {
         self.leave(files, folder, None)
     }
 
-    /// The same in a folder that is locked, with a page, the trace being on its way.
+    /// Writes the record into a folder that is locked, with a page, the trace being on its way.
     pub(crate) fn leave(
         &self,
         trace: TraceFiles,

@@ -8,11 +8,11 @@ use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
 use phihat_study::{LawForm, Study};
 
+use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
 use crate::error::{SessionError, read_gains};
-use crate::knowledge::{self, Advice};
+use crate::observer::{RunFigures, RunObserver, settle};
 use crate::record::{Done, TraceFiles};
-use crate::seen::{Looked, Seen, settle};
 use crate::watch::Watch;
 use crate::words;
 
@@ -36,7 +36,7 @@ impl RunOptions {
     ///
     /// [`SessionError`], as of [`Session::new`].
     pub fn open(&self) -> Result<(Session, PathBuf), SessionError> {
-        let study = knowledge::read(&self.study)?;
+        let study = design::read(&self.study)?;
         let gains = self.gains.as_deref().map(|file| read_gains(file).map(|gains| (gains, file)));
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
@@ -71,7 +71,7 @@ impl Session {
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
-        let arm = knowledge::arm(&study, path)?;
+        let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
         let chosen = match (gains, requested_gains(&study)) {
@@ -85,11 +85,7 @@ impl Session {
         };
         chosen.give_filter(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
-            .joint_gains(
-                &knowledge::names(&study),
-                study.control.period_ns,
-                knowledge::form(&study),
-            )
+            .joint_gains(&design::names(&study), study.control.period_ns, design::form(&study))
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
@@ -152,7 +148,7 @@ impl Session {
         (done, whole)
     }
 
-    /// The same, every signal handed over in blocks of at most so many samples.
+    /// Runs the loop, every signal handed over in blocks of at most so many samples.
     fn stream<E>(
         self,
         block: usize,
@@ -160,12 +156,12 @@ impl Session {
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Done, E> {
         let Self { study, gains, simulation, command, mut warnings } = self;
-        let mut seen = Seen::new(&study, &gains);
+        let mut seen = RunObserver::new(&study, &gains);
         let ended = simulation.stream(block, progress, |block| {
             seen.block(block);
             each(block)
         })?;
-        let Looked { metrics, drawing, tube } = seen.finish(&study.sha256);
+        let RunFigures { metrics, drawing, tube } = seen.finish(&study.sha256);
         warnings.extend(ended.abort.as_ref().map(words::stopped));
         let run = run_info(&study, (command, warnings), ended.divergence.as_ref());
         let (divergence, abort) = (ended.divergence, ended.abort);
@@ -175,7 +171,7 @@ impl Session {
 
 /// Gains for a study that leaves them to the design.
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    match knowledge::designed_for(study, arm, path, Advice::Changes)? {
+    match design::designed_for(study, arm, path, Advice::Changes)? {
         Outcome::Designed(gains) => Ok(*gains),
         Outcome::Infeasible(no) => {
             Err(SessionError::Infeasible { path: path.to_owned(), no: Box::new(no) })

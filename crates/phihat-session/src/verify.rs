@@ -8,10 +8,10 @@ use phihat_design::Gains;
 use phihat_sim::{Metrics, Motion};
 use phihat_study::Study;
 
+use crate::design;
+use crate::drawn_worlds::{DrawnRuns, runs};
 use crate::error::{SessionError, read_gains};
-use crate::kept::{Kept, TRACE};
-use crate::knowledge;
-use crate::worlds::{self, Kept as Runs};
+use crate::run_record::{RunRecord, TRACE};
 
 /// What is to be checked.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +43,8 @@ pub struct Verification {
     pub record: Option<Metrics>,
     /// The claims that hold, or the one that does not; `None`: the gains of a record carry no certificate.
     pub claims: Option<Result<Verified, Refutation>>,
-    /// Runs in worlds drawn from the study's scope.
-    pub runs: Option<Runs>,
+    /// DrawnRuns in worlds drawn from the study's scope.
+    pub runs: Option<DrawnRuns>,
 }
 
 /// Checks every claim about a set of gains; with a study, derives again what the file alone has to be trusted for.
@@ -58,7 +58,7 @@ pub fn verify(
 ) -> Result<Verification, SessionError> {
     let (gains, study, record, path) = match checked {
         Checked::Gains { gains, study } => {
-            let study = study.map(knowledge::read).transpose()?;
+            let study = study.map(design::read).transpose()?;
             (read_gains(gains)?, study, None, gains.to_owned())
         }
         Checked::Record(folder) => {
@@ -87,9 +87,9 @@ pub fn verify(
 }
 
 /// A record whose files, figures and tube hold.
-fn whole(folder: &Path) -> Result<(Kept, PathBuf), SessionError> {
+fn whole(folder: &Path) -> Result<(RunRecord, PathBuf), SessionError> {
     let trace = folder.join(TRACE);
-    let kept = Kept::read(&trace)?;
+    let kept = RunRecord::read(&trace)?;
     kept.figures_hold(folder)?;
     match kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {
         Some(tube) => Err(SessionError::TubeLeft { path: trace, sentence: tube.sentence() }),
@@ -97,7 +97,7 @@ fn whole(folder: &Path) -> Result<(Kept, PathBuf), SessionError> {
     }
 }
 
-type Again = Result<(Verified, Option<Runs>), Refutation>;
+type Again = Result<(Verified, Option<DrawnRuns>), Refutation>;
 
 /// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
 fn again(
@@ -117,8 +117,8 @@ fn again(
         Err(why) => return Ok(Err(why)),
     };
     let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
-    let runs = worlds::runs(study, gains, tube, &|done| stage(Stage::Worlds(done)))?;
-    Ok(runs.map(|kept| (verified, Some(kept))))
+    let found = runs(study, gains, tube, &|done| stage(Stage::Worlds(done)))?;
+    Ok(found.map(|kept| (verified, Some(kept))))
 }
 
 fn derived_tube(

@@ -76,14 +76,14 @@ pub struct RunRecord {
     pub severity: usize,
     /// Seed.
     pub seed: u64,
-    /// What came of it.
+    /// How it ended.
     pub ended: Ended<Cell>,
     /// Bars that were missed, in words; empty: all kept.
     pub missed: Vec<Miss>,
 }
 
 impl RunRecord {
-    /// What came of it; `None` if the program panicked.
+    /// How it ended; `None` if the program panicked.
     pub fn cell(&self) -> Option<&Cell> {
         match &self.ended {
             Ended::With(cell) => Some(cell),

@@ -117,7 +117,8 @@ impl Whole {
         Self { swept: Some(BTreeSet::new()), ..Self::default() }
     }
 
-    /// The same where a folder is locked, and of files among which others may be prepared where it is not.
+    /// Of files in a folder that the caller has locked, if there is a lock; else of files among which another process may
+    /// prepare its own.
     pub fn where_held(lock: Option<&Lock>) -> Self {
         lock.map_or_else(Self::default, |_| Self::in_locked_folder())
     }
@@ -131,7 +132,7 @@ impl Whole {
         self.add_with(path, |file| file.write_all(bytes))
     }
 
-    /// The same of a file that is written piece by piece.
+    /// Prepares a file whose bytes `write` gives piece by piece; their SHA-256, hexadecimal.
     ///
     /// # Errors
     ///

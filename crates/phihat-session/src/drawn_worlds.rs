@@ -9,8 +9,8 @@ use phihat_sim::{SimError, Simulation, Trace};
 use phihat_study::{Payload, PayloadSet, Study};
 use serde::Serialize;
 
+use crate::design;
 use crate::error::SessionError;
-use crate::knowledge;
 
 /// How many worlds are drawn.
 pub const WORLDS: usize = 8;
@@ -20,7 +20,7 @@ const NEEDLE: f64 = 0.02;
 
 /// Runs that stayed inside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Kept {
+pub struct DrawnRuns {
     /// How many.
     pub runs: usize,
     /// Largest share of a side of a bin that any of them used, of `e`, per joint.
@@ -37,11 +37,11 @@ pub(crate) fn runs(
     gains: &Gains,
     tube: &Tube,
     progress: &(dyn Fn(usize) + Sync),
-) -> Result<Result<Kept, Refutation>, SessionError> {
+) -> Result<Result<DrawnRuns, Refutation>, SessionError> {
     let mut study = study.clone();
     gains.give_filter(&mut study).map_err(SessionError::other)?;
     let law = gains
-        .joint_gains(&knowledge::names(&study), study.control.period_ns, knowledge::form(&study))
+        .joint_gains(&design::names(&study), study.control.period_ns, design::form(&study))
         .map_err(SessionError::other)?;
     let mut draw = Draw(Dice::at(0x9e37_79b9_7f4a_7c15 ^ study.seed));
     let worlds: Vec<Study> = (0..WORLDS).map(|_| draw.world(&study)).collect();
@@ -75,7 +75,7 @@ pub(crate) fn runs(
         }
         used.iter_mut().zip(shares).for_each(|(most, share)| *most = f64::max(*most, share));
     }
-    Ok(Ok(Kept { runs: WORLDS, used }))
+    Ok(Ok(DrawnRuns { runs: WORLDS, used }))
 }
 
 fn refuted(at: usize, world: &Study, left: &Left) -> Refutation {

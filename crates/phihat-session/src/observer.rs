@@ -6,10 +6,10 @@ use phihat_sim::{Measured, Metrics, Trace};
 use phihat_study::Study;
 use serde_json::json;
 
-use crate::knowledge;
+use crate::design;
 
 /// What is looked at while a record goes by.
-pub(crate) struct Seen<'a> {
+pub(crate) struct RunObserver<'a> {
     measured: Measured,
     drawing: Drawing,
     tube: Option<TubeSeen<'a>>,
@@ -17,7 +17,7 @@ pub(crate) struct Seen<'a> {
 
 /// Figures, drawing and tube of a run.
 #[derive(Debug)]
-pub struct Looked {
+pub struct RunFigures {
     /// The figures.
     pub metrics: Metrics,
     /// What is drawn of it.
@@ -26,9 +26,9 @@ pub struct Looked {
     pub tube: Option<TubeRun>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> RunObserver<'a> {
     pub(crate) fn new(study: &Study, gains: &'a Gains) -> Self {
-        let names = knowledge::names(study);
+        let names = design::names(study);
         let period_ns = study.control.period_ns;
         let samples = phihat_sim::samples(study.duration, period_ns);
         Self {
@@ -47,10 +47,10 @@ impl<'a> Seen<'a> {
     }
 
     /// In a run of a study with this SHA-256.
-    pub(crate) fn finish(self, study_sha256: &str) -> Looked {
+    pub(crate) fn finish(self, study_sha256: &str) -> RunFigures {
         let Self { measured, drawing, tube } = self;
         let tube = tube.map(|tube| tube.run(study_sha256));
-        Looked { metrics: measured.metrics(), drawing, tube }
+        RunFigures { metrics: measured.metrics(), drawing, tube }
     }
 }
 

@@ -39,7 +39,11 @@ type Make<'a> = &'a dyn Fn(&Study) -> Result<Outcome, SessionError>;
 /// # Errors
 ///
 /// [`SessionError`] of the search.
-pub(crate) fn tubed(study: &Study, path: &Path, make: Make<'_>) -> Result<Outcome, SessionError> {
+pub(crate) fn within_spec(
+    study: &Study,
+    path: &Path,
+    make: Make<'_>,
+) -> Result<Outcome, SessionError> {
     let motion = Motion::new(&study.reference, &study.robot, study.duration);
     let motion = motion.map_err(|e| SessionError::at(path, e))?;
     let desired = Desired::of(study, |joint, t| motion.at(joint, t));

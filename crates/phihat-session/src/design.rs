@@ -89,7 +89,7 @@ pub fn designed_for(
         search(study, arm, &phi).map_err(|e| SessionError::at(path, e))
     };
     let make = |asked: &Study| estimated(asked, path, &demand, &made);
-    let mut outcome = crate::tubed::tubed(study, path, &make)?;
+    let mut outcome = crate::spec_search::within_spec(study, path, &make)?;
     if let Outcome::Infeasible(no) = &mut outcome
         && advice == Advice::Changes
     {

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SessionError;
 use crate::files;
+use crate::observer::{RunFigures, RunObserver, figures, settle};
 use crate::record::Done;
-use crate::seen::{Looked, Seen, figures, settle};
 
 /// The file that is moved to its place last and removed first: the record is whole where it is.
 pub(crate) const RUN: &str = "run.json";
@@ -38,7 +38,7 @@ pub(crate) struct Origin {
 
 /// A record whose files belong together.
 #[derive(Debug)]
-pub struct Kept {
+pub struct RunRecord {
     /// Where the run came from.
     pub run: RunInfo,
     /// What was run.
@@ -46,10 +46,10 @@ pub struct Kept {
     /// The gains that ran.
     pub gains: Gains,
     /// What its trace shows.
-    pub seen: Looked,
+    pub seen: RunFigures,
 }
 
-impl Kept {
+impl RunRecord {
     /// The record that a page is made from.
     pub fn record(&self) -> Record<'_> {
         Record {
@@ -83,7 +83,7 @@ impl Kept {
         Self::read_in(trace, BLOCK, |_| ())
     }
 
-    /// The same, the trace handed over in blocks of at most so many samples; they count only if this does not fail.
+    /// Reads the record that a trace is of, the trace handed over in blocks of at most so many samples; they count only if this does not fail.
     fn read_in(
         trace: &Path,
         block: usize,
@@ -110,7 +110,7 @@ impl Kept {
         // A study is called as its file was when it ran.
         study.name.clone_from(&run.study);
         settle(&mut study, &gains);
-        let mut seen = Seen::new(&study, &gains);
+        let mut seen = RunObserver::new(&study, &gains);
         Trace::read_csv_in(files::open(trace)?, &study, block, |block| {
             seen.block(block);
             each(block);
@@ -145,8 +145,8 @@ impl Kept {
 pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     let mut whole = Trace::default();
     let kept =
-        Kept::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
-    let Kept { run, study, gains, seen: Looked { metrics, drawing, tube } } = kept;
+        RunRecord::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
+    let RunRecord { run, study, gains, seen: RunFigures { metrics, drawing, tube } } = kept;
     let done = Done { study, gains, run, drawing, metrics, tube, divergence: None, abort: None };
     Ok((done, whole))
 }
