@@ -36,7 +36,7 @@ class Arm:
 
     def __init__(self, folder: Path, study: dict[str, Any]) -> None:
         named = study["robot"].get("name")
-        base = REPOSITORY / "robots" if named else folder
+        base = REPOSITORY / "crates" / "phihat-model" / "robots" if named else folder
         self.extras = tomllib.loads((base / f"{named or 'arm'}.toml").read_text())
         self.urdf = (base / self.extras["urdf"]).read_text()
         self.names: list[str] = self.extras["joints"]

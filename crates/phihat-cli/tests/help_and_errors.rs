@@ -115,7 +115,7 @@ fn failures_are_documents_where_documents_are_asked_for() {
 #[test]
 fn a_urdf_is_read_with_the_robot_file_beside_it() {
     let folder = folder("beside");
-    let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../phihat-model/robots");
     for name in ["panda.urdf", "panda.toml"] {
         fs::copy(robots.join(name), folder.join(name)).unwrap();
     }

@@ -277,7 +277,7 @@ fn files_have_the_mode_of_any_other_file() {
 /// A study whose robot is a file elsewhere, and the record of it.
 fn with_a_robot_file(name: &str) -> PathBuf {
     let folder = folder(name);
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../phihat-model/robots");
     fs::create_dir_all(folder.join("arms/below")).unwrap();
     let toml = fs::read_to_string(robots.join("planar3r.toml")).unwrap();
     let toml = toml.replace("\"planar3r.urdf\"", "\"below/planar3r.urdf\"");

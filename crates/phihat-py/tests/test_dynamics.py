@@ -14,7 +14,7 @@ from arms import load, middle
 from fetch_arms import ARMS
 from phihat.mujoco import build, describe
 
-ROBOTS = Path(__file__).parents[3] / "robots"
+ROBOTS = Path(__file__).parents[2] / "phihat-model" / "robots"
 STATES = 40
 
 

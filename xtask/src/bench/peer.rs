@@ -101,7 +101,7 @@ fn export_arms(places: &Places, python: &Path) -> Result<PathBuf, String> {
     let text = output(
         Command::new(python)
             .arg(places.sources().join("export_arms.py"))
-            .arg(places.root.join("robots"))
+            .arg(places.root.join("crates/phihat-model/robots"))
             .arg(places.root.join("crates/phihat-model/tests/oracle"))
             .args(ARMS),
     )?;
