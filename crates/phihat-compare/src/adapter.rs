@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
-use phihat_rivals::{All, Curve, Running, Supply};
+use phihat_rivals::{All, Curve, Refusal, Running, Supply};
 use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
 use phihat_study::{Reference, Study};
 
@@ -85,7 +85,7 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         task_period: period(&study.reference),
         tip: robot.tip.clone(),
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
-        designed: Err("no gains were designed for this arm".to_owned()),
+        designed: Err(Refusal::NotApplicable("no gains were designed for this arm".to_owned())),
     })
 }
 

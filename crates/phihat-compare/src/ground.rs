@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use phihat_campaign::JournalError;
 use phihat_model::ModelError;
-use phihat_rivals::{Entry, Supply};
+use phihat_rivals::{Entry, Refusal, Supply};
 use phihat_session::disk::DiskError;
 use phihat_session::{SessionError, set};
 use phihat_sim::{Demand, Driver, Moment, Motion, SimError, Simulation};
@@ -183,7 +183,8 @@ impl Ground {
     pub(crate) fn supply(&self, entry: &Entry, study: &Study) -> Result<Supply, ModelError> {
         let mut supply = supply(study, &self.units, NOMINAL_MASSES)?;
         if entry.needs.designed {
-            supply.designed = self.designed().as_ref().map(Own::joints).map_err(Clone::clone);
+            let designed = self.designed().as_ref().map(Own::joints);
+            supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.clone()));
         }
         Ok(supply)
     }
