@@ -7,6 +7,9 @@ use phihat_rivals::{All, Curve, Refusal, Running, Supply};
 use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
 use phihat_study::{Reference, Study};
 
+/// Link masses of the nominal model over the arm's.
+pub const NOMINAL_MASSES: f64 = 0.8;
+
 /// A rival that the simulator can drive with.
 #[derive(Debug)]
 pub struct Adapter {
@@ -26,7 +29,7 @@ impl Adapter {
         Self::watched(rival, joints, Broken::default())
     }
 
-    /// The same, and `broken` is told.
+    /// An adapter that writes into `broken` when the rival first gives a torque that is no number.
     pub(crate) fn watched(rival: Box<dyn Running>, joints: usize, broken: Broken) -> Box<Self> {
         let zero = || vec![0.0; joints];
         Box::new(Self {
