@@ -60,7 +60,7 @@ impl Reproduce {
         };
         let painter = png::Painter::new();
         let with = painter.as_ref().ok();
-        let paint = with.map(|painter| move |svg: &str| painter.paint(svg));
+        let paint = with.map(|painter| move |svg: &str| painter.paint(svg).map_err(Into::into));
         let mut shown = Shown::bar(BAR, INTERRUPTED.to_owned());
         let answer = options.run(paint.as_ref().map(|paint| paint as Paint<'_>), &mut shown)?;
         let reproduction = &answer.reproduction;

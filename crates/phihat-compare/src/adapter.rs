@@ -3,9 +3,12 @@
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
-use phihat_rivals::{All, Curve, Running, Supply};
+use phihat_rivals::{All, Curve, Refusal, Running, Supply};
 use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
 use phihat_study::{Reference, Study};
+
+/// Link masses of the nominal model over the arm's.
+pub const NOMINAL_MASSES: f64 = 0.8;
 
 /// A rival that the simulator can drive with.
 #[derive(Debug)]
@@ -26,7 +29,7 @@ impl Adapter {
         Self::watched(rival, joints, Broken::default())
     }
 
-    /// The same, and `broken` is told.
+    /// An adapter that writes into `broken` when the rival first gives a torque that is no number.
     pub(crate) fn watched(rival: Box<dyn Running>, joints: usize, broken: Broken) -> Box<Self> {
         let zero = || vec![0.0; joints];
         Box::new(Self {
@@ -85,7 +88,7 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         task_period: period(&study.reference),
         tip: robot.tip.clone(),
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
-        designed: Err("no gains were designed for this arm".to_owned()),
+        designed: Err(Refusal::NotApplicable("no gains were designed for this arm".to_owned())),
     })
 }
 

@@ -1,10 +1,10 @@
-//! What a run came to: its fate, its figures, and its trace in few numbers.
+//! How a run ended, its figures, and its trace in few numbers.
 
 use phihat_sim::{JointTrace, Outcome, Trace};
 use phihat_study::Study;
 
-use super::motion::amplitudes;
-use super::row::{Fate, Figures, Sketch};
+use crate::motion::amplitudes;
+use crate::run_outcome::{Figures, RunOutcome, Sketch};
 
 /// Slices of a sketch.
 const SLICES: usize = 60;
@@ -29,28 +29,28 @@ pub(crate) fn judge(
     outcome: &Outcome,
     broken: Option<(f64, usize)>,
     bars: &Bars<'_>,
-) -> (Fate, Option<Figures>) {
+) -> (RunOutcome, Option<Figures>) {
     let trace = &outcome.trace;
     let joint = |i: usize| study.robot.joints[i].name.clone();
     if let Some((t, i)) = broken {
-        return (Fate::NotFinite { t, joint: joint(i) }, None);
+        return (RunOutcome::NotFinite { t, joint: joint(i) }, None);
     }
     if let Some(divergence) = &outcome.divergence {
-        return (Fate::Diverged { t: divergence.t, joint: divergence.joint.clone() }, None);
+        return (RunOutcome::Diverged { t: divergence.t, joint: divergence.joint.clone() }, None);
     }
     if let Some(abort) = &outcome.abort {
-        return (Fate::Refused(format!("the robot stopped: {}", abort.reason)), None);
+        return (RunOutcome::Refused(format!("the robot stopped: {}", abort.reason)), None);
     }
     let figures = figures(study, trace, bars);
     let from = trace.index_at(study.spec.settle);
-    let reach = amplitudes(study).unwrap_or_default();
+    let amplitudes = amplitudes(study).unwrap_or_default();
     let lost = (0..trace.joints.len()).find(|&i| {
         let error = largest(&trace.joints[i].e[from..]);
-        reach.get(i).is_some_and(|reach| error >= LOST * reach)
+        amplitudes.get(i).is_some_and(|amplitude| error >= LOST * amplitude)
     });
     match lost {
-        Some(i) => (Fate::Lost { joint: joint(i) }, Some(figures)),
-        None => (Fate::Followed, Some(figures)),
+        Some(i) => (RunOutcome::Lost { joint: joint(i) }, Some(figures)),
+        None => (RunOutcome::Followed, Some(figures)),
     }
 }
 

@@ -10,43 +10,52 @@
 #![forbid(unsafe_code)]
 
 mod adapter;
+mod arm_case;
+mod arm_in_world;
 mod case;
-mod ground;
+mod columns;
+mod cost;
+mod error;
+mod extent;
+mod fairness;
 mod judge;
+mod mark;
 mod motion;
 mod options;
-mod own;
 mod page;
 mod plan;
 mod prepare;
 mod promise;
+mod proposed_claims;
+mod proposed_law;
 mod record;
 mod repeat;
 mod row;
 mod rows;
+mod run;
+mod run_outcome;
+mod score;
 mod trial;
 mod tune;
 mod work;
 mod world;
 
-pub use adapter::{Adapter, supply};
-pub use ground::{CompareError, Ground};
+pub use adapter::{Adapter, NOMINAL_MASSES, supply};
+pub use arm_case::ArmCase;
+pub use columns::EASY_SHARES;
+pub use cost::{LIMITED, NOISE_CAP};
+pub use error::CompareError;
+pub use extent::Extent;
+pub use mark::Mark;
 pub use options::{CompareAnswer, CompareOptions};
 pub use page::{
     Beaten, DEFAULTS, Loss, NOT_TUNED, Trial, UNITS, comparison_page, comparison_table, losses,
     main_world, model_free, model_free_in_full, trial_page,
 };
-pub use plan::{Extent, Plan};
-pub use prepare::{LIMITED, NOISE_CAP};
-pub use record::{
-    ArmRecord, Comparison, FORMAT, Fairness, Mark, RivalRecord, ScalarRecord, WorldRecord,
-};
+pub use plan::Plan;
+pub use record::{ArmRecord, Comparison, FORMAT, Fairness, RivalRecord, ScalarRecord, WorldRecord};
 pub use repeat::Repeated;
-pub use row::{
-    Cell, Columns, ConditionRecord, Cost, Fate, Figures, GainsKind, Measured, Row, Run, Sketch,
-    TuningRecord,
-};
-pub use rows::EASY_SHARES;
-pub use trial::NOMINAL_MASSES;
+pub use row::{Cell, Columns, ConditionRecord, Cost, GainsKind, Measured, Row, Run, TuningRecord};
+pub use run_outcome::{Figures, RunOutcome, Sketch};
 pub use tune::{Tuned, tune};
 pub use world::{SATURATION, WORLDS, World, world};

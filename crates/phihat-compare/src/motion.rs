@@ -4,15 +4,15 @@ use phihat_sim::Motion;
 use phihat_study::Study;
 use toml::{Table, Value};
 
-use super::world::numbers;
+use crate::world::numbers;
 use phihat_session::share;
 
 /// Periods that a drawn motion may have \[s\]: shortest, and by how much longer.
 const PERIOD: (f64, f64) = (4.0, 3.0);
 
-/// How far a study's own reference reaches.
+/// The range of a motion.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Reach {
+pub(crate) struct MotionRange {
     /// Middle of the motion \[rad\] per joint.
     pub(crate) center: Vec<f64>,
     /// Half its range \[rad\] per joint.
@@ -22,7 +22,7 @@ pub(crate) struct Reach {
 /// Least half range of a joint that counts as moving \[rad\].
 const STILL: f64 = 0.05;
 
-impl Reach {
+impl MotionRange {
     /// Walks along a motion.
     pub(crate) fn of(motion: &Motion, joints: usize, duration: f64) -> Self {
         let times = || (0..=1000).map(|k| f64::from(k) * 1e-3 * duration);
@@ -37,7 +37,7 @@ impl Reach {
         Self { center, amplitude }
     }
 
-    /// A motion of this reach: one sine per joint, of one to three turns in a common period; period, turns,
+    /// A motion of this range: one sine per joint, of one to three turns in a common period; period, turns,
     /// phases and sizes (half to whole) are drawn from `name`, sizes times `scale`.
     pub(crate) fn draw(&self, name: &str, scale: f64) -> Table {
         let n = self.center.len();
@@ -62,5 +62,5 @@ impl Reach {
 /// Half the range of a study's motion \[rad\] per joint.
 pub(crate) fn amplitudes(study: &Study) -> Option<Vec<f64>> {
     let motion = Motion::new(&study.reference, &study.robot, study.duration).ok()?;
-    Some(Reach::of(&motion, study.robot.joints.len(), study.duration).amplitude)
+    Some(MotionRange::of(&motion, study.robot.joints.len(), study.duration).amplitude)
 }

@@ -6,9 +6,10 @@ use phihat_campaign::Journal;
 use phihat_campaign::faults::{JOURNAL, results_of, threads};
 use phihat_session::{Watch, files};
 
-use crate::ground::CompareError;
+use crate::error::CompareError;
+use crate::extent::Extent;
 use crate::page::comparison_page;
-use crate::plan::{Extent, Plan};
+use crate::plan::Plan;
 use crate::record::Comparison;
 use crate::repeat::{self, Repeated};
 
@@ -87,7 +88,7 @@ impl CompareOptions {
         };
         let (only, worlds) = (vec![rival.to_owned()], vec![world.to_owned()]);
         let mut plan = Plan::new(&self.studies, Extent { only, worlds, ..self.extent() })?;
-        plan.grounds.retain(|ground| ground.name == arm);
+        plan.arms.retain(|other| other.name == arm);
         if !plan.names().any(|known| known == name) {
             return Err(refuse());
         }

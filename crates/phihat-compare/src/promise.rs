@@ -4,19 +4,18 @@ use phihat_rivals::{Arm, Condition, Entry, Tick, Tuning};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
-use super::ground::Ground;
-use super::own::Own;
-use super::record::Mark;
-use super::row::ConditionRecord;
+use crate::arm_case::ArmCase;
+use crate::mark::Mark;
+use crate::row::ConditionRecord;
 
 /// What is declared of an arm in a study before its run, `demand` along its reference.
-fn declared(ground: &Ground, study: &Study, demand: &Demand) -> Arm {
+fn declared(arm: &ArmCase, study: &Study, demand: &Demand) -> Arm {
     let along: Vec<_> =
-        ground.units.iter().enumerate().map(|(i, unit)| demand.phi(i, *unit)).collect();
+        arm.units.iter().enumerate().map(|(i, unit)| demand.phi(i, *unit)).collect();
     Arm {
-        inertia_min: ground.eigenvalues[0],
-        inertia_max: ground.eigenvalues[1],
-        ratio: ground.ratio,
+        inertia_min: arm.eigenvalues[0],
+        inertia_max: arm.eigenvalues[1],
+        ratio: arm.ratio,
         delay_samples: study.control.delay_samples,
         phi_rate: along.iter().map(|phi| phi.rate).collect(),
         phi_jump: along.iter().map(|phi| phi.jump).collect(),
@@ -31,23 +30,23 @@ fn declared(ground: &Ground, study: &Study, demand: &Demand) -> Arm {
 /// The law of this project: the sampled loop's peak gains over the arm's range of inertia. Others: what they
 /// state themselves.
 pub(crate) fn bound(
-    ground: &Ground,
+    arm: &ArmCase,
     entry: &Entry,
     values: &[f64],
     study: &Study,
 ) -> Option<Vec<f64>> {
     let demand = Demand::along(study).ok()?;
-    let arm = declared(ground, study, &demand);
-    if saturates(&arm, study) {
+    let facts = declared(arm, study, &demand);
+    if saturates(&facts, study) {
         return None;
     }
-    if let Some(own) = Own::of(ground, entry, values) {
-        return own.bound(study, &demand);
+    if let Some(law) = arm.proposed(entry, values) {
+        return law.bound(study, &demand);
     }
     let period = study.control.period_ns as f64 * 1e-9;
-    let tuning = Tuning::new(values, &ground.units, period).ok()?;
-    let stated = entry.bound(&tuning, &arm)?;
-    let usable = stated.len() == ground.joints() && stated.iter().all(|b| b.is_finite());
+    let tuning = Tuning::new(values, &arm.units, period).ok()?;
+    let stated = entry.bound(&tuning, &facts)?;
+    let usable = stated.len() == arm.joints() && stated.iter().all(|b| b.is_finite());
     usable.then_some(stated)
 }
 
@@ -59,20 +58,20 @@ fn saturates(arm: &Arm, study: &Study) -> bool {
 
 /// The rival's own stability condition for an arm, in the world it was tuned in.
 pub(crate) fn condition(
-    ground: &Ground,
+    arm: &ArmCase,
     entry: &Entry,
     values: &[f64],
     study: &Study,
 ) -> Option<ConditionRecord> {
-    let mut arm = declared(ground, study, &Demand::along(study).ok()?);
+    let mut facts = declared(arm, study, &Demand::along(study).ok()?);
     let period = study.control.period_ns as f64 * 1e-9;
-    let condition = match Own::of(ground, entry, values) {
-        Some(own) => {
-            let (entry, values) = own.as_tuned()?;
-            arm.ratio = own.ratio;
-            entry.condition(&Tuning::new(&values, &own.inertia, period).ok()?, &arm)?
+    let condition = match arm.proposed(entry, values) {
+        Some(law) => {
+            let (entry, values) = law.as_tuned()?;
+            facts.ratio = law.ratio;
+            entry.condition(&Tuning::new(&values, &law.inertia, period).ok()?, &facts)?
         }
-        None => entry.condition(&Tuning::new(values, &ground.units, period).ok()?, &arm)?,
+        None => entry.condition(&Tuning::new(values, &arm.units, period).ok()?, &facts)?,
     };
     Some(ConditionRecord {
         text: condition.text.to_owned(),
@@ -89,16 +88,16 @@ const CLAIMED: [&str; 2] = ["park-chung", "chen-lee-feng"];
 /// The law of this project, under whatever name: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the
 /// gains; or, weaker, some `Q ⪰ 0` that need not be diagonal. Others whose authors claim optimality: the condition
 /// that their proof puts on the gains, for the continuous loop like ours. All others claim none.
-pub(crate) fn optimal(ground: &Ground, entry: &Entry, values: &[f64]) -> (Mark, String) {
-    if let Some(own) = Own::of(ground, entry, values) {
-        return own.optimal();
+pub(crate) fn optimal(arm: &ArmCase, entry: &Entry, values: &[f64]) -> (Mark, String) {
+    if let Some(law) = arm.proposed(entry, values) {
+        return law.optimal();
     }
     let ticked = entry.card.printed.is_some_and(|ticks| ticks.optimal == Tick::Yes);
     if !ticked && !CLAIMED.contains(&entry.card.id) {
         return (Mark::No, "no certificate is claimed".to_owned());
     }
-    let period = ground.study.control.period_ns as f64 * 1e-9;
-    let tuning = Tuning::new(values, &ground.units, period).ok();
+    let period = arm.study.control.period_ns as f64 * 1e-9;
+    let tuning = Tuning::new(values, &arm.units, period).ok();
     match tuning.and_then(|tuning| entry.optimality(&tuning)) {
         None => (
             Mark::No,

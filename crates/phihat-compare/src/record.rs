@@ -1,9 +1,10 @@
 //! What a comparison leaves, as data: `compare.json`.
 
-use phihat_rivals::{Card, Needs, Scalar, Tick};
+use phihat_rivals::{Card, Needs, Scalar};
 use serde::{Deserialize, Serialize};
 
-use super::row::Row;
+use crate::mark::Mark;
+use crate::row::Row;
 
 /// What `format` says in every comparison.
 pub const FORMAT: &str = "phihat-comparison";
@@ -15,7 +16,7 @@ pub struct Comparison {
     pub format: String,
     /// Version of phihat.
     pub phihat_version: String,
-    /// The same terms for everybody.
+    /// The terms, the same for everybody.
     pub fairness: Fairness,
     /// The arms.
     pub arms: Vec<ArmRecord>,
@@ -99,7 +100,7 @@ pub struct RivalRecord {
     pub law: String,
     /// What it is handed.
     pub needs: Needs,
-    /// The same in words.
+    /// What it is handed, in words.
     pub needs_words: String,
     /// Its free scalars.
     pub scalars: Vec<ScalarRecord>,
@@ -120,28 +121,6 @@ pub struct ScalarRecord {
     pub default: f64,
     /// What a tuner may try: `[low, high]`.
     pub range: [f64; 2],
-}
-
-/// A tick, printed or measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Mark {
-    /// ✓
-    Yes,
-    /// ✗
-    No,
-    /// –
-    Partly,
-}
-
-impl From<Tick> for Mark {
-    fn from(tick: Tick) -> Self {
-        match tick {
-            Tick::Yes => Self::Yes,
-            Tick::No => Self::No,
-            Tick::Partly => Self::Partly,
-        }
-    }
 }
 
 impl From<&Scalar> for ScalarRecord {

@@ -7,7 +7,7 @@ use phihat_session::disk::Whole;
 use phihat_sim::{Metrics, Outcome};
 use serde_json::json;
 
-use crate::ground::CompareError;
+use crate::error::CompareError;
 use crate::page::{Trial, trial_page};
 use crate::plan::Plan;
 use crate::record::Comparison;

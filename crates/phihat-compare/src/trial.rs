@@ -7,11 +7,8 @@ use phihat_sim::{Outcome, SimError, Simulation, Trace};
 use phihat_study::Study;
 use thiserror::Error;
 
-use super::adapter::{Adapter, Broken};
-use super::ground::Ground;
-
-/// Link masses of the nominal model over the arm's.
-pub const NOMINAL_MASSES: f64 = 0.8;
+use crate::adapter::{Adapter, Broken};
+use crate::arm_case::ArmCase;
 
 /// Why a run cannot begin.
 #[derive(Debug, Error)]
@@ -37,18 +34,18 @@ pub(crate) struct Trial {
 ///
 /// [`TrialError`]: the rival does not apply to this arm or task, or the study cannot be simulated.
 pub(crate) fn run(
-    ground: &Ground,
+    arm: &ArmCase,
     entry: &Entry,
     values: &[f64],
     study: &Study,
 ) -> Result<Trial, TrialError> {
     let period = study.control.period_ns as f64 * 1e-9;
-    let tuning = Tuning::new(values, &ground.units, period)?;
-    let supply = ground.supply(entry, study)?;
+    let tuning = Tuning::new(values, &arm.units, period)?;
+    let supply = arm.supply(entry, study)?;
     let rival = entry.build(&tuning, &supply)?;
     let broken = Broken::default();
-    let driver = Adapter::watched(rival, ground.joints(), Arc::clone(&broken));
-    let mut outcome = Simulation::driven(study, driver, &ground.units)?.run(|_| ());
+    let driver = Adapter::watched(rival, arm.joints(), Arc::clone(&broken));
+    let mut outcome = Simulation::driven(study, driver, &arm.units)?.run(|_| ());
     if untimed(entry) {
         transversal(&mut outcome.trace, &supply)?;
     }
@@ -83,7 +80,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
     use super::super::adapter::supply;
-    use super::{NOMINAL_MASSES, Study, Trace, transversal};
+    use super::{Study, Trace, transversal};
+    use crate::adapter::NOMINAL_MASSES;
 
     /// Late by a fifth of a second, and beside the path by a little: the first does not count, the second does.
     #[test]

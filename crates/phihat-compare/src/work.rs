@@ -1,16 +1,16 @@
 //! How much work the parts of a plan are, for those who wait.
 
-use super::plan::Plan;
-use super::world::TRAINING;
+use crate::plan::Plan;
+use crate::world::TRAINING;
 
 impl Plan {
     /// The share of the whole work that the first `done` of its jobs are, 0 to 1: a tuning is many runs, a run
     /// that counts is one.
     pub fn share_done(&self, done: usize) -> f64 {
         let extent = &self.extent;
-        let seconds = |ground: usize| self.span(ground).0;
-        let grounds = self.grounds.len();
-        let scored = (0..grounds).map(seconds).sum::<f64>() / grounds.max(1) as f64;
+        let seconds = |arm: usize| self.span(arm).0;
+        let arms = self.arms.len();
+        let scored = (0..arms).map(seconds).sum::<f64>() / arms.max(1) as f64;
         let evaluations = extent.tuning_runs as f64 * extent.training_motions as f64;
         // Tunings and draws take turns; a draw has one motion.
         let training = TRAINING.len() as f64 * extent.training_s;

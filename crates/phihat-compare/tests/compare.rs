@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::Journal;
-use phihat_compare::{Cell, Comparison, Extent, Fate, Figures, GainsKind, Mark, Plan};
+use phihat_compare::{Cell, Comparison, Extent, Figures, GainsKind, Mark, Plan, RunOutcome};
 use phihat_model::Workspace;
 use phihat_rivals::{
     Arm, Card, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
@@ -207,8 +207,8 @@ fn everybody_is_tuned_with_the_same_budget_and_follows_with_exact_sensors() {
             assert!((scalar.range[0]..=scalar.range[1]).contains(value), "{name}");
         }
         for gains in [GainsKind::Default, GainsKind::Tuned] {
-            let fate = &row.cell("exact", gains).unwrap().fate;
-            assert!(fate.followed(), "{} {name} {gains:?}: {fate:?}", row.arm);
+            let outcome = &row.cell("exact", gains).unwrap().outcome;
+            assert!(outcome.followed(), "{} {name} {gains:?}: {outcome:?}", row.arm);
         }
     }
     assert_eq!(refused, [("table1_panda", "task-space")]);
@@ -221,16 +221,18 @@ fn the_judge_is_not_fooled() {
     let rivals = vec![&SPRING, &STILL, &BROKEN, &RUNAWAY];
     let plan = Plan::of(&[study("judge", "", MOVING)], rivals, short(&["exact"])).unwrap();
     let comparison = done(&plan, &journal("judge"), 2);
-    let fate = |rival: &str| &tuned(&comparison, rival, "exact").fate;
-    assert_eq!(*fate("spring"), Fate::Followed);
+    let outcome = |rival: &str| &tuned(&comparison, rival, "exact").outcome;
+    assert_eq!(*outcome("spring"), RunOutcome::Followed);
     assert!(
-        matches!(fate("still"), Fate::Lost { .. } | Fate::Diverged { .. }),
+        matches!(outcome("still"), RunOutcome::Lost { .. } | RunOutcome::Diverged { .. }),
         "{:?}",
-        fate("still")
+        outcome("still")
     );
-    let Fate::NotFinite { t, .. } = fate("broken") else { unreachable!("{:?}", fate("broken")) };
+    let RunOutcome::NotFinite { t, .. } = outcome("broken") else {
+        unreachable!("{:?}", outcome("broken"))
+    };
     assert!((t - 1.0).abs() < 1e-9, "{t}");
-    assert!(matches!(fate("runaway"), Fate::Lost { .. } | Fate::Diverged { .. }));
+    assert!(matches!(outcome("runaway"), RunOutcome::Lost { .. } | RunOutcome::Diverged { .. }));
     assert!(tuned(&comparison, "broken", "exact").worst.is_none());
     for row in &comparison.rows {
         let columns = row.columns.as_ref().unwrap();

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use base64::Engine as _;
-use phihat_compare::{Comparison, Fate, GainsKind, comparison_page, losses};
+use phihat_compare::{Comparison, GainsKind, RunOutcome, comparison_page, losses};
 use scraper::{ElementRef, Html, Selector};
 use sha2::{Digest, Sha256};
 
@@ -135,12 +135,12 @@ fn losses_are_told_when_the_data_have_them_and_only_then() {
 
 #[test]
 fn a_row_whose_arm_did_not_follow_beats_nobody_and_loses_to_those_that_did() {
-    let lost = Fate::Lost { joint: "elbow".to_owned() };
+    let lost = RunOutcome::Lost { joint: "elbow".to_owned() };
     let mut still = comparison([3.0, 0.2, 8.0, 1.0]);
     let cells = |all: &mut Comparison, rival: &str| {
         let rows = all.rows.iter_mut().filter(|row| row.rival == rival);
         for cell in rows.flat_map(|row| &mut row.cells).filter(|c| c.gains == GainsKind::Tuned) {
-            cell.fate = lost.clone();
+            cell.outcome = lost.clone();
         }
     };
     cells(&mut still, IDS[1]);

@@ -1,9 +1,33 @@
 //! Whether two reproductions say the same: what CI holds a fresh one against.
 
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Number, Value};
+use thiserror::Error;
 
-use super::{FORMAT, Number, Reproduction, Statement};
+use crate::record::{self, FORMAT, Reproduction, Statement};
+
+/// What a text is that is no `reproduction.json` of this program.
+#[derive(Debug, Error)]
+pub enum KeptError {
+    /// No JSON object.
+    #[error("{NO_REPRODUCTION}; found no JSON object: {0}")]
+    NoObject(serde_json::Error),
+    /// A JSON object that is laid out otherwise.
+    #[error("{NO_REPRODUCTION}; {0}")]
+    Unreadable(serde_json::Error),
+    /// A document whose format is no number.
+    #[error("{NO_REPRODUCTION}; found a document of format {0}")]
+    NoFormatNumber(Value),
+    /// A document that states no format.
+    #[error("{NO_REPRODUCTION}; found a document without `format`")]
+    NoFormat,
+    /// A reproduction, perhaps, of another [`FORMAT`].
+    #[error("a document of format {0}; this program reads reproductions of format {FORMAT}")]
+    OtherFormat(Number),
+}
+
+const NO_REPRODUCTION: &str =
+    "no reproduction: expected a reproduction.json that `phihat reproduce` wrote";
 
 /// What of a `reproduction.json` is compared: statements, their verdicts and numbers.
 #[derive(Debug, Clone, Deserialize)]
@@ -23,18 +47,15 @@ impl Kept {
     /// # Errors
     ///
     /// The text is no reproduction, or of another [`FORMAT`].
-    pub fn from_json(text: &str) -> Result<Self, String> {
-        let found: Found = serde_json::from_str(text)
-            .map_err(|e| no_reproduction(&format!("found no JSON object: {e}")))?;
+    pub fn from_json(text: &str) -> Result<Self, KeptError> {
+        let found: Found = serde_json::from_str(text).map_err(KeptError::NoObject)?;
         match found.format {
             Some(Value::Number(format)) if format.as_u64() == Some(FORMAT.into()) => {
-                serde_json::from_str(text).map_err(|e| no_reproduction(&e.to_string()))
+                serde_json::from_str(text).map_err(KeptError::Unreadable)
             }
-            Some(Value::Number(format)) => Err(format!(
-                "a document of format {format}; this program reads reproductions of format {FORMAT}"
-            )),
-            Some(other) => Err(no_reproduction(&format!("found a document of format {other}"))),
-            None => Err(no_reproduction("found a document without `format`")),
+            Some(Value::Number(format)) => Err(KeptError::OtherFormat(format)),
+            Some(other) => Err(KeptError::NoFormatNumber(other)),
+            None => Err(KeptError::NoFormat),
         }
     }
 
@@ -67,10 +88,6 @@ struct Found {
     format: Option<Value>,
 }
 
-fn no_reproduction(found: &str) -> String {
-    format!("no reproduction: expected a reproduction.json that `phihat reproduce` wrote; {found}")
-}
-
 fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<String>) {
     let id = &old.id;
     if old.verdict != new.verdict {
@@ -80,7 +97,8 @@ fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<
         match new.numbers.iter().find(|other| other.name == number.name) {
             Some(other) if agree(number, other) => {}
             Some(other) => {
-                let show = |n: &Number| n.value.map_or("none".to_owned(), |v| format!("{v:?}"));
+                let show =
+                    |n: &record::Number| n.value.map_or("none".to_owned(), |v| format!("{v:?}"));
                 lines.push(format!(
                     "{id}: {} was {}, is {} {} (agrees within {})",
                     number.name,
@@ -96,7 +114,7 @@ fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<
     }
 }
 
-fn agree(old: &Number, new: &Number) -> bool {
+fn agree(old: &record::Number, new: &record::Number) -> bool {
     match (old.value, new.value) {
         (Some(a), Some(b)) => (a - b).abs() <= old.tolerance * a.abs().max(b.abs()),
         (None, None) => true,

@@ -1,6 +1,6 @@
 //! Which part of the reproduction is meant: by its name, or by a section, statement or figure of it.
 
-use crate::{ReproduceError, parts};
+use crate::reproduce::{ReproduceError, parts};
 
 /// How sections, statements and figures of each part begin; the longest beginning decides.
 const BEGINNINGS: &[(&str, &[&str])] = &[

@@ -1,4 +1,4 @@
-//! Small words for putting a [`Section`](super::Section) together.
+//! Small words for putting a [`Section`](crate::record::Section) together.
 
 use super::record::{
     Axis, Bound, Content, Figure, Number, Origin, Panel, Section, Series, Statement, Table, Verdict,

@@ -1,6 +1,7 @@
 //! A reproduction as a user asks for it, taken to its files.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::thread::available_parallelism;
@@ -34,8 +35,11 @@ impl Default for ReproduceOptions {
     }
 }
 
-/// A figure as PNG, from its SVG; the error is a sentence: pictures are an addition, and a reproduction goes on without.
-pub type Paint<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, String>;
+/// Why a figure is not there as PNG, in one sentence: pictures are an addition, and a reproduction goes on without.
+pub type PaintError = Box<dyn Error + Send + Sync>;
+
+/// Makes a PNG of a figure's SVG.
+pub type Paint<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, PaintError>;
 
 /// A reproduction that was written.
 #[derive(Debug)]

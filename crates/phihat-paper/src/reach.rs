@@ -8,7 +8,8 @@ use phihat_design::{Arm, JointRecord};
 use phihat_study::Study;
 
 use super::compose::{figure, log_axis, number, section, statement, table, three};
-use super::{Assumption, Content, Extent, Figure, Panel, Part, Section, Statement, Verdict};
+use crate::part::{Extent, Part, PartError};
+use crate::record::{Assumption, Content, Figure, Panel, Section, Statement, Verdict};
 
 /// Arms of the maps.
 const ARMS: [&str; 2] = ["planar3r", "panda"];
@@ -49,7 +50,7 @@ struct Mapped {
 /// # Errors
 ///
 /// An arm that cannot be read.
-pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
+pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
     let (rates, scales) = axes(extent);
     let mut maps = Vec::new();
     for name in ARMS {
@@ -96,15 +97,15 @@ fn axes(extent: Extent) -> (Vec<f64>, Vec<f64>) {
     (even(125.0, 8000.0), even(0.01, 100.0))
 }
 
-fn measured(name: &str) -> Result<Measured, String> {
+fn measured(name: &str) -> Result<Measured, PartError> {
     let text = format!(
         "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[robot]\nname = \"{name}\"\n[gains]\nbandwidth_rad_s = 20.0\n\
          estimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 1.0\n[reference]\nkind = \"hold\"\npose = \"ready\"\n"
     );
-    let study = Study::from_text(&text, "map.toml", Path::new("")).map_err(|e| e.to_string())?;
-    let arm = Arm::of(&study).map_err(|e| e.to_string())?;
-    let against = |nominal: Vec<f64>| -> Result<Range, String> {
-        let inertia = arm.against(nominal).map_err(|e| e.to_string())?;
+    let study = Study::from_text(&text, "map.toml", Path::new(""))?;
+    let arm = Arm::of(&study)?;
+    let against = |nominal: Vec<f64>| -> Result<Range, PartError> {
+        let inertia = arm.against(nominal)?;
         Ok(Range { low: inertia.low, high: inertia.high })
     };
     let printed = against(vec![1.0; study.robot.joints.len()])?;
@@ -242,7 +243,7 @@ fn model_free(maps: &[Mapped], extent: Extent) -> Statement {
     .ours()
 }
 
-fn at_printed_rate(maps: &[Mapped]) -> super::Table {
+fn at_printed_rate(maps: &[Mapped]) -> crate::record::Table {
     let row = |map: &Mapped| {
         let (low, high) = (map.scales.map(|s| s.0), map.scales.map(|s| s.1));
         vec![map.arm.to_owned(), map.law.to_owned(), three(low), three(high)]

@@ -2,10 +2,10 @@
 
 use phihat_rivals::{Entry, RIVALS, Tick, Ticks};
 
-use super::Part;
 use super::compose::{number, words};
+use super::published::Published;
 use super::record::{Section, Statement, Table, Verdict};
-use super::said::Said;
+use crate::part::{Part, PartError};
 
 /// The references of every row of the table, in its order; the last row is the paper's own law.
 const ROWS: [&[&str]; 13] = [
@@ -32,16 +32,16 @@ struct Row {
 }
 
 impl Row {
-    fn of(references: &[&str]) -> Result<Self, String> {
+    fn of(references: &[&str]) -> Result<Self, PartError> {
         let name = references.join(", ");
         let stands = |entry: &&Entry| {
             entry.card.printed.is_some() && references.contains(&entry.card.reference)
         };
         let laws: Vec<_> = RIVALS.iter().filter(stands).collect();
         let mut printed = laws.iter().filter_map(|entry| entry.card.printed);
-        let first = printed.next().ok_or(format!("Table 1: no law stands for {name}"))?;
+        let Some(first) = printed.next() else { return Err(PartError::EmptyRow(name)) };
         if printed.any(|other| other != first) {
-            return Err(format!("Table 1: the laws of row {name} bear different marks"));
+            return Err(PartError::MixedRow(name));
         }
         Ok(Self { name, printed: first, laws })
     }
@@ -73,7 +73,7 @@ impl Row {
 }
 
 /// What of Table 1 can be told without a run, and where the rest is.
-pub(super) fn table1() -> Result<Part, String> {
+pub(super) fn table1() -> Result<Part, PartError> {
     let rows: Vec<Row> = ROWS.iter().map(|row| Row::of(row)).collect::<Result<_, _>>()?;
     let columns = [
         "row",
@@ -123,7 +123,7 @@ fn model_free(rows: &[Row]) -> Statement {
     };
     let named: Vec<_> = wrong.iter().map(laws).collect();
     let none = || "none".to_owned();
-    Said {
+    Published {
         id: "table1-model-free",
         place: "Table 1, last column",
         claim: "Which approaches need no model",

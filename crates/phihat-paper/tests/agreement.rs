@@ -96,10 +96,13 @@ fn what_is_missing_or_new_is_told_unless_less_was_asked_for() {
 #[test]
 fn what_is_no_reproduction_is_refused() {
     for text in ["", "[]", "{}", "{\"format\": 1}"] {
-        assert!(Kept::from_json(text).unwrap_err().contains("no reproduction"), "{text}");
+        assert!(
+            Kept::from_json(text).unwrap_err().to_string().contains("no reproduction"),
+            "{text}"
+        );
     }
     let mut other = whole();
     other.format = FORMAT + 1;
     let text = serde_json::to_string(&other).unwrap();
-    assert!(Kept::from_json(&text).unwrap_err().contains("format 2"));
+    assert!(Kept::from_json(&text).unwrap_err().to_string().contains("format 2"));
 }

@@ -6,7 +6,7 @@ use crate::kit::MILLI;
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
 use crate::record::Record;
-use crate::tube::tube;
+use crate::tube_section::tube;
 use maud::{Markup, PreEscaped, html};
 use phihat_design::{Certificate, JointCertificate, LeftOut};
 use phihat_sim::JointMetrics;

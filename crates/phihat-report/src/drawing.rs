@@ -4,11 +4,17 @@ use core::ops::Range;
 
 use phihat_sim::{JointTrace, Trace};
 
-use crate::chart::{CHARTS, DRAWABLE_MAX, Kind, Plane};
-use crate::figure::BUCKETS;
-use crate::payload::buckets;
+use crate::kind::{CHARTS, DRAWABLE_MAX, Kind, Plane};
 use crate::stretches::{CURVES, Row, Stretches};
 use crate::supervision::Course;
+
+/// Stretches kept per panel of a static figure: two pixels each where a panel has half the width.
+const BUCKETS: usize = 220;
+
+/// Stretches kept on a page of each of the two parts, start-up and steady, of a run of this many joints.
+pub(crate) fn buckets(joints: usize) -> usize {
+    (2100 / joints.max(1)).clamp(100, 500)
+}
 
 /// What a page and its figures show of a run: a bounded part of its record, however long it was.
 #[derive(Debug, Clone)]

@@ -20,6 +20,7 @@ mod chart;
 mod coupled;
 mod drawing;
 mod figure;
+mod kind;
 pub mod kit;
 mod limited;
 mod page;
@@ -31,6 +32,7 @@ mod stretches;
 mod supervision;
 mod table;
 mod tube;
+mod tube_section;
 mod verdict;
 
 pub use drawing::Drawing;

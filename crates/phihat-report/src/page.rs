@@ -1,12 +1,13 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
 use crate::certificate::certificate;
-use crate::chart::DRAWABLE_MAX;
+use crate::drawing::buckets;
 use crate::figure::run_figures;
+use crate::kind::DRAWABLE_MAX;
 use crate::kit::document;
 use crate::kit::number::stated;
 use crate::kit::text::line;
-use crate::payload::{buckets, payload};
+use crate::payload::payload;
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;

@@ -1,6 +1,7 @@
 //! The page's data: every chart, decimated, as JSON that cannot leave its script element.
 
-use crate::chart::{Chart, Curve, Plane, charts};
+use crate::chart::{Chart, Panel, charts};
+use crate::kind::{Curve, Plane};
 use crate::kit::number::rounded;
 use crate::record::Record;
 use crate::verdict::worst_joint;
@@ -47,11 +48,6 @@ struct PanelData {
     y: Vec<Vec<f64>>,
 }
 
-/// Stretches kept of each of the two parts, start-up and steady, of a run of this many joints.
-pub(crate) fn buckets(joints: usize) -> usize {
-    (2100 / joints.max(1)).clamp(100, 500)
-}
-
 /// The JSON text, fit to stand inside `<script type="application/json">`.
 pub(crate) fn payload(record: &Record<'_>) -> String {
     let seen = record.seen();
@@ -69,7 +65,7 @@ pub(crate) fn payload(record: &Record<'_>) -> String {
 
 fn chart_data(chart: &Chart) -> ChartData {
     let kind = chart.kind;
-    let panel = |panel: &crate::chart::Panel| {
+    let panel = |panel: &Panel| {
         let rows = &panel.drawn.page;
         let take = |c: usize| rows.iter().map(|row| rounded(row.y[c])).collect();
         PanelData {

@@ -1,8 +1,9 @@
 //! What a rival can know of an arm before it starts, short of a model: facts, each a type.
 
 use crate::error::Refusal;
-use crate::knowledge::Supply;
-use crate::needs::{Knows, Needs};
+use crate::handed::Knows;
+use crate::needs::Needs;
+use crate::supply::{DesignedJoint, Supply};
 
 /// No knowledge of the arm.
 #[derive(Debug, Clone, Copy)]
@@ -92,19 +93,6 @@ impl Knows for Period {
 #[derive(Debug, Clone)]
 pub struct Designed(Vec<DesignedJoint>);
 
-/// The law of one joint, as it was designed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DesignedJoint {
-    /// Nominal inertia `M̄` \[kg·m²\].
-    pub inertia: f64,
-    /// `K_p` \[1/s²\].
-    pub kp: f64,
-    /// `K_d` \[1/s\].
-    pub kd: f64,
-    /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\].
-    pub a: Vec<f64>,
-}
-
 impl Designed {
     /// One entry per joint.
     pub fn joints(&self) -> &[DesignedJoint] {
@@ -115,6 +103,6 @@ impl Designed {
 impl Knows for Designed {
     const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
     fn of(supply: &Supply) -> Result<Self, Refusal> {
-        supply.designed.clone().map(Self).map_err(Refusal::NotApplicable)
+        supply.designed.clone().map(Self)
     }
 }

@@ -1,6 +1,7 @@
 //! What a rival can be handed at a sample: measurements it [`Sees`], and the reference it [`Wants`].
 
-use crate::needs::{All, Needs, Sees, Wants};
+use crate::handed::{All, Sees, Wants};
+use crate::needs::Needs;
 
 /// Measured positions.
 #[derive(Debug, Clone, Copy)]

@@ -1,19 +1,11 @@
 //! A task as a closed path, without a time table.
 
-use core::fmt::Debug;
 use std::sync::Arc;
 
 use crate::error::Refusal;
-use crate::knowledge::Supply;
-use crate::needs::{Knows, Needs};
-
-/// A closed path `q = Φ(θ)` in joint space, with the task's own speed: `θ` runs at 1 s/s.
-pub trait Curve: Debug + Send + Sync {
-    /// `Φ`, `dΦ/dθ`, `d²Φ/dθ²` at `θ` \[s\], any number: \[rad\], \[rad/s\], \[rad/s²\].
-    fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]);
-    /// Time of one turn \[s\].
-    fn period(&self) -> f64;
-}
+use crate::handed::Knows;
+use crate::needs::Needs;
+use crate::supply::{Curve, Supply};
 
 /// Places on the path that the first projection looks at.
 const PLACES: u32 = 400;

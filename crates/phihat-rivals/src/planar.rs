@@ -3,8 +3,9 @@
 use phihat_model::Workspace;
 
 use crate::error::Refusal;
-use crate::knowledge::Supply;
-use crate::needs::{Knows, Needs};
+use crate::handed::Knows;
+use crate::needs::Needs;
+use crate::supply::Supply;
 
 /// Joints of the chain, and coordinates of its tip.
 pub const LINKS: usize = 3;

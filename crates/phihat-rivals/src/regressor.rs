@@ -5,8 +5,9 @@ use core::fmt;
 use phihat_model::{Model, Workspace};
 
 use crate::error::Refusal;
-use crate::knowledge::Supply;
-use crate::needs::{Knows, Needs};
+use crate::handed::Knows;
+use crate::needs::Needs;
+use crate::supply::Supply;
 
 /// Inertial parameters of a link in the regressor: `m, m c, I`.
 const OF_LINK: usize = 10;

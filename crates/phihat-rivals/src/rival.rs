@@ -5,8 +5,9 @@ use core::fmt::Debug;
 use crate::card::Card;
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::knowledge::Supply;
-use crate::needs::{All, Knows, Needs, Sees, Wants};
+use crate::handed::{All, Knows, Sees, Wants};
+use crate::needs::Needs;
+use crate::supply::Supply;
 use crate::tuning::{Scalar, Tuning};
 
 /// A controller of somebody else's. What it needs is in its types, and it is handed only that.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_campaign::faults::JOURNAL;
-use phihat_compare::{CompareAnswer, CompareOptions, Comparison, Fate, Repeated, losses};
+use phihat_compare::{CompareAnswer, CompareOptions, Comparison, Repeated, RunOutcome, losses};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -97,7 +97,8 @@ impl Compare {
         }
         let answer = options.run(&mut shown)?;
         self.tell(&answer)?;
-        let failed = fates(&answer.comparison).any(|fate| matches!(fate, Fate::Panicked(_)));
+        let failed =
+            outcomes(&answer.comparison).any(|outcome| matches!(outcome, RunOutcome::Panicked(_)));
         Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
     }
 
@@ -135,8 +136,8 @@ impl Compare {
             "arms": comparison.arms.iter().map(|arm| &arm.name).collect::<Vec<_>>(),
             "worlds": comparison.worlds.iter().map(|world| &world.name).collect::<Vec<_>>(),
             "rivals": comparison.rivals.iter().map(|rival| &rival.id).collect::<Vec<_>>(),
-            "runs": fates(comparison).count(),
-            "followed": fates(comparison).filter(|fate| fate.followed()).count(),
+            "runs": outcomes(comparison).count(),
+            "followed": outcomes(comparison).filter(|outcome| outcome.followed()).count(),
             "rows": comparison.rows.iter().map(table::row).collect::<Vec<_>>(),
             "losses": losses,
         });
@@ -146,7 +147,7 @@ impl Compare {
 }
 
 /// What became of every run.
-fn fates(comparison: &Comparison) -> impl Iterator<Item = &Fate> {
+fn outcomes(comparison: &Comparison) -> impl Iterator<Item = &RunOutcome> {
     let cells = comparison.rows.iter().flat_map(|row| &row.cells);
-    cells.flat_map(|cell| &cell.runs).map(|run| &run.fate)
+    cells.flat_map(|cell| &cell.runs).map(|run| &run.outcome)
 }

@@ -56,13 +56,13 @@ const WIDTH: u16 = 150;
 /// A row in few words, for programs; compare.json has all of it.
 pub(super) fn row(row: &Row) -> serde_json::Value {
     let tuned = || row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
-    let cells =
-        tuned().map(|cell| json!({ "world": cell.world, "fate": cell.fate, "worst": cell.worst }));
+    let cells = tuned()
+        .map(|cell| json!({ "world": cell.world, "fate": cell.outcome, "worst": cell.worst }));
     json!({
         "arm": row.arm,
         "rival": row.rival,
         "refused": row.refused,
-        "worlds_followed": tuned().filter(|cell| cell.fate.followed()).count(),
+        "worlds_followed": tuned().filter(|cell| cell.outcome.followed()).count(),
         "tuned": cells.collect::<Vec<_>>(),
     })
 }

@@ -3,9 +3,10 @@
 use crate::{Comparison, RivalRecord, Row};
 use maud::{Markup, html};
 
+use super::names::title;
 use super::ticks::{COLUMNS, beside, measured, symbol};
 use super::words::{DEFAULTS, NOT_TUNED, UNITS, model_free_in_full};
-use super::{anchor, title};
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::{line, visible};
 

@@ -3,9 +3,11 @@
 use crate::{ArmRecord, Comparison, GainsKind, Row, WorldRecord};
 use maud::{Markup, html};
 
+use super::names::{main_world, named};
+use super::outcome::{outcome_in_full, symbol_and_word, unrest};
 use super::quantity::{Of, QUANTITIES, Quantity};
 use super::words;
-use super::{anchor, fate, fate_in_full, main_world, named, unrest};
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::stated;
 use phihat_report::kit::text::line;
 
@@ -145,11 +147,11 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
         return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };
     }
     let Some(cell) = row.cell(&world.name, GainsKind::Tuned) else { return html! { td { "–" } } };
-    let (symbol, word) = fate(&cell.fate);
-    html! { td.outside[!cell.fate.followed()] data-v=(cell.fate.badness()) {
+    let (symbol, word) = symbol_and_word(&cell.outcome);
+    html! { td.outside[!cell.outcome.followed()] data-v=(cell.outcome.badness()) {
         (symbol) " " (word)
         @if let Some((_, why)) = unrest(comparison, cell) { span.note { (why) } }
-        @if !cell.fate.followed() { span.note { (fate_in_full(&cell.fate).trim_start_matches(word).trim_start_matches(": ")) } }
+        @if !cell.outcome.followed() { span.note { (outcome_in_full(&cell.outcome).trim_start_matches(word).trim_start_matches(": ")) } }
         @else if breaks_its_condition(row) { span.note { "outside its own condition" } }
     } }
 }
@@ -188,7 +190,8 @@ pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<
         let cell = row.cell(world, GainsKind::Tuned);
         let here = match cell {
             None => "does not apply",
-            Some(cell) => unrest(comparison, cell).map_or(fate(&cell.fate).1, |(short, _)| short),
+            Some(cell) => unrest(comparison, cell)
+                .map_or(symbol_and_word(&cell.outcome).1, |(short, _)| short),
         };
         let mut texts = vec![
             line(&row.rival),

@@ -3,8 +3,10 @@
 use crate::{ArmRecord, Cell, Comparison, GainsKind, Row};
 use maud::{Markup, html};
 
+use super::names::named;
+use super::outcome::{outcome_in_full, symbol_and_word, two_digits, unrest};
 use super::words::is_designed;
-use super::{anchor, fate, fate_in_full, named, two_digits, unrest};
+use phihat_report::kit::anchor;
 use phihat_report::kit::text::line;
 
 /// Largest error over the specification up to which a cell has each shade.
@@ -45,7 +47,7 @@ fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
         return html! { td.rnone { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };
     };
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
-    html! { td class=(class(tuned)) { a href=(target) title=(fate_in_full(&tuned.fate)) {
+    html! { td class=(class(tuned)) { a href=(target) title=(outcome_in_full(&tuned.outcome)) {
         (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
         @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison, default).is_some() { " ≈" } } }
         @if designed { span.note { "designed" } }
@@ -58,8 +60,8 @@ fn ratio(cell: &Cell) -> Option<f64> {
 }
 
 fn class(cell: &Cell) -> &'static str {
-    if !cell.fate.followed() {
-        return if cell.fate.badness() == 1 { "rlost" } else { "rgone" };
+    if !cell.outcome.followed() {
+        return if cell.outcome.badness() == 1 { "rlost" } else { "rgone" };
     }
     let ratio = ratio(cell).unwrap_or(f64::INFINITY);
     SHADES.iter().find(|(most, _)| ratio <= *most).map_or("r3", |(_, class)| class)
@@ -67,13 +69,13 @@ fn class(cell: &Cell) -> &'static str {
 
 /// Symbol and number, or symbol and word.
 fn mark(cell: &Cell) -> String {
-    let symbol = fate(&cell.fate).0;
+    let symbol = symbol_and_word(&cell.outcome).0;
     match ratio(cell) {
-        Some(ratio) if cell.fate.followed() => {
+        Some(ratio) if cell.outcome.followed() => {
             let kept = if ratio <= 1.0 { "✓ " } else { "" };
             format!("{kept}{}", two_digits(ratio))
         }
-        Some(ratio) if cell.fate.badness() == 1 => format!("{symbol} {}", two_digits(ratio)),
+        Some(ratio) if cell.outcome.badness() == 1 => format!("{symbol} {}", two_digits(ratio)),
         _ => symbol.to_owned(),
     }
 }

@@ -107,7 +107,7 @@ fn chosen(row: &Row) -> Option<&Columns> {
 /// Worlds in which every run with the tuned gains followed its reference.
 pub(super) fn worlds_followed(row: &Row) -> usize {
     let tuned = row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
-    tuned.filter(|cell| cell.fate.followed()).count()
+    tuned.filter(|cell| cell.outcome.followed()).count()
 }
 
 impl Quantity {
@@ -130,7 +130,7 @@ impl Quantity {
     /// The value that may be compared: of an arm that followed, and of a bound that was kept.
     pub(super) fn eligible(&self, row: &Row, world: Option<&str>) -> Option<f64> {
         let Of::World(_) = self.of else { return self.of_cell(row, None) };
-        let cell = row.cell(world?, GainsKind::Tuned).filter(|cell| cell.fate.followed())?;
+        let cell = row.cell(world?, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
         let value = self.of_cell(row, Some(cell))?;
         (self.name != "bound / measured" || value >= 1.0).then_some(value)
     }

@@ -6,8 +6,9 @@ use phihat_rivals::Needs;
 
 use super::axis::Axis;
 use super::labels::{Place, places};
-use super::{anchor, main_world, title};
+use super::names::{main_world, title};
 use phihat_report::kit::MILLI;
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::{number, stated, tick};
 use phihat_report::kit::text::line;
 
@@ -148,7 +149,7 @@ fn point(
     world: &str,
     price: fn(&Figures) -> f64,
 ) -> Option<Point> {
-    let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.fate.followed())?;
+    let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
     let figures = cell.worst.as_ref()?;
     let (error, price) = (MILLI * figures.error_rms_rad, price(figures));
     let drawable = |value: f64| value.is_finite() && value > 0.0;

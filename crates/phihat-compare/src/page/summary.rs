@@ -4,7 +4,9 @@ use crate::{Cell, Comparison, GainsKind, Row};
 use maud::{Markup, html};
 
 use super::losses::{Beaten, Loss, losses, proposed};
-use super::{SATURATION, anchor, main_world, title};
+use super::names::{main_world, title};
+use crate::SATURATION;
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 
@@ -46,7 +48,7 @@ fn tally(comparison: &Comparison, arm: &str) -> Markup {
     let everywhere = rows.iter().filter(|row| super::quantity::worlds_followed(row) == all).count();
     let kept = |cell: &&Cell| {
         cell.gains == GainsKind::Tuned
-            && cell.fate.followed()
+            && cell.outcome.followed()
             && cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0)
     };
     let keeps = |row: &Row, pushed: bool| {

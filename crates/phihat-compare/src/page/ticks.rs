@@ -3,7 +3,8 @@
 use crate::{ArmRecord, Columns, Comparison, Mark, Measured, Row};
 use maud::{Markup, html};
 
-use super::{anchor, named};
+use super::names::named;
+use phihat_report::kit::anchor;
 use phihat_report::kit::text::line;
 
 /// The paper's columns, in its order.

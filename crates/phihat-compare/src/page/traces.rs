@@ -1,13 +1,15 @@
-//! Behind every figure: each cell with its fate, its figures, its trace, and the command that makes it again.
+//! Behind every figure: each cell with its outcome, its figures, its trace, and the command that makes it again.
 
 use core::fmt::Write as _;
 
 use crate::{Cell, Comparison, Figures, GainsKind, Row, Sketch};
 use maud::{Markup, html};
 
+use super::names::title;
+use super::outcome::outcome_in_full;
 use super::words::{gains, is_designed};
-use super::{anchor, fate_in_full, title};
 use phihat_report::kit::MILLI;
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::number;
 use phihat_report::kit::text::line;
 
@@ -73,10 +75,10 @@ fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
         let value = cell.worst.as_ref().and_then(of);
         value.map_or_else(|| "–".to_owned(), number)
     };
-    let followed = cell.fate.followed();
+    let followed = cell.outcome.followed();
     html! { tr {
         th scope="row" { (line(&cell.world)) " " span.note { (kind) } }
-        td.outside[!followed] { (fate_in_full(&cell.fate)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
+        td.outside[!followed] { (outcome_in_full(&cell.outcome)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
         td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_max_rad))) }
         td { (figure(|f| Some(100.0 * f.effort))) br; (figure(|f| Some(f.chatter_nm))) }
         td { (figure(|f| f.chatter_over_exact)) }
@@ -96,7 +98,7 @@ fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
 
 /// How many of the runs followed.
 fn kept(cell: &Cell) -> String {
-    let followed = cell.runs.iter().filter(|run| run.fate.followed()).count();
+    let followed = cell.runs.iter().filter(|run| run.outcome.followed()).count();
     format!("{followed} of {} motions followed", cell.runs.len())
 }
 

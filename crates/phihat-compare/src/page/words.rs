@@ -31,7 +31,7 @@ pub fn model_free(rival: &RivalRecord) -> &'static str {
     }
 }
 
-/// The same in a sentence.
+/// Whether a law is model-free, in a sentence.
 pub fn model_free_in_full(rival: &RivalRecord) -> &'static str {
     match model_free(rival) {
         "no" => "not model free",

@@ -1,10 +1,10 @@
-//! A comparison made up for tests: three laws, two arms, two worlds, every fate.
+//! A comparison made up for tests: three laws, two arms, two worlds, every outcome.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use phihat_compare::{
-    ArmRecord, Cell, Columns, Comparison, ConditionRecord, Cost, FORMAT, Fairness, Fate, Figures,
-    GainsKind, Mark, Measured, RivalRecord, Row, Run, ScalarRecord, Sketch, TuningRecord,
-    WorldRecord,
+    ArmRecord, Cell, Columns, Comparison, ConditionRecord, Cost, FORMAT, Fairness, Figures,
+    GainsKind, Mark, Measured, RivalRecord, Row, Run, RunOutcome, ScalarRecord, Sketch,
+    TuningRecord, WorldRecord,
 };
 use phihat_rivals::Needs;
 
@@ -63,11 +63,11 @@ fn cell(name: &str, world: &str, gains: GainsKind, rms: f64) -> Cell {
         runs: vec![Run {
             name: format!("{name}/{world}/{word}/1"),
             seed: 1,
-            fate: Fate::Followed,
+            outcome: RunOutcome::Followed,
             figures: Some(figures(rms)),
         }],
         worst: Some(figures(rms)),
-        fate: Fate::Followed,
+        outcome: RunOutcome::Followed,
         sketch: Some(Sketch {
             joint: "elbow".to_owned(),
             end_s: 3.0,
@@ -162,18 +162,18 @@ pub(crate) fn comparison(rms: [f64; 4]) -> Comparison {
 /// The same with one of everything that can go wrong.
 pub(crate) fn troubled() -> Comparison {
     let mut all = comparison([3.0, 0.2, 8.0, 1.0]);
-    let fates = [
-        Fate::Lost { joint: "elbow".to_owned() },
-        Fate::Diverged { t: 1.25, joint: "elbow".to_owned() },
-        Fate::NotFinite { t: 0.5, joint: "elbow".to_owned() },
-        Fate::Panicked("index out of range".to_owned()),
+    let outcomes = [
+        RunOutcome::Lost { joint: "elbow".to_owned() },
+        RunOutcome::Diverged { t: 1.25, joint: "elbow".to_owned() },
+        RunOutcome::NotFinite { t: 0.5, joint: "elbow".to_owned() },
+        RunOutcome::Panicked("index out of range".to_owned()),
     ];
-    for (cell, fate) in all.rows[0].cells.iter_mut().zip(fates) {
-        let ran = matches!(fate, Fate::Lost { .. });
+    for (cell, outcome) in all.rows[0].cells.iter_mut().zip(outcomes) {
+        let ran = matches!(outcome, RunOutcome::Lost { .. });
         cell.worst = cell.worst.take().filter(|_| ran);
         cell.sketch = cell.sketch.take().filter(|_| ran);
-        cell.runs[0].fate = fate.clone();
-        cell.fate = fate;
+        cell.runs[0].outcome = outcome.clone();
+        cell.outcome = outcome;
     }
     let refused = &mut all.rows[2];
     refused.refused = Some("the reference has no period".to_owned());

@@ -1,6 +1,6 @@
 //! What the paper does not publish of its three-joint arm, and what stands in for it.
 
-use crate::Assumption;
+use crate::record::Assumption;
 
 /// Names of the assumptions behind every simulation.
 pub(crate) const SIMULATION: &[&str] = &["arm", "gains", "path"];

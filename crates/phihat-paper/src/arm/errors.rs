@@ -5,14 +5,15 @@ use phihat_sim::DIVERGED;
 use super::claims::BOUNDS;
 use super::runs::{FORMS, Runs, form_name};
 use super::studies::Setting;
-use crate::Figure;
 use crate::compose::{axis, axis_over, bound, curve, figure, lines, three};
+use crate::part::PartError;
+use crate::record::Figure;
 
 /// Largest |e| that is drawn in mrad \[rad\].
 const SMALL_RAD: f64 = 1.0;
 
 /// Errors of every joint over the steady part: m = 1 and H3, both forms; in rad where they are that large.
-pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure, String> {
+pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure, PartError> {
     let (mut panels, mut ended) = (Vec::new(), Vec::new());
     for form in FORMS {
         for setting in [Setting::First, Setting::H3] {

@@ -8,7 +8,8 @@ use super::studies::{Kind, Setting, Studies, path_of};
 use super::transient::SHOWN_S;
 use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::compose::{axis, curve, figure, lines, rests_on, section};
-use crate::{Extent, Figure, Panel, Part};
+use crate::part::{Extent, Part, PartError};
+use crate::record::{Figure, Panel};
 
 /// Samples from one point of a drawn path to the next.
 const STRIDE: usize = 8;
@@ -22,7 +23,7 @@ pub fn experiment(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, String> {
+) -> Result<Part, PartError> {
     let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
     progress(0.03);
     let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
@@ -71,14 +72,14 @@ fn unlimited(mut study: Study) -> Study {
     study
 }
 
-fn tip_figure(runs: &Runs) -> Result<Figure, String> {
+fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {
     // What does not settle is drawn for as long as the paper shows its joint.
     let shown = |run: &Run| {
         let samples = run.outcome.trace.len();
         if run.settled_at().is_some() { samples } else { run.outcome.trace.index_at(SHOWN_S) }
     };
-    let panel = |form: LawForm| -> Result<_, String> {
-        let tips = |setting: Setting| -> Result<_, String> {
+    let panel = |form: LawForm| -> Result<_, PartError> {
+        let tips = |setting: Setting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let tips = run.tips(STRIDE)?;
             Ok((tips, shown(run).div_ceil(STRIDE)))

@@ -9,7 +9,8 @@ use super::studies::Setting;
 use crate::compose::{
     axis_over, curve, figure, lines, log_axis, number, section, statement, table, three,
 };
-use crate::{Figure, Section, Statement, Table, Verdict};
+use crate::part::PartError;
+use crate::record::{Figure, Section, Statement, Table, Verdict};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -18,7 +19,7 @@ const AGAIN: f64 = 1e-2;
 const NONE: f64 = 1e-3;
 
 /// Fig. 8 and (50).
-pub(crate) fn mismatch(runs: &Runs) -> Result<Section, String> {
+pub(crate) fn mismatch(runs: &Runs) -> Result<Section, PartError> {
     let text = "φ̂ − φ is known exactly here: the simulator records φ = τ − M̄q̈ at every sample.";
     let mut section = section("figure-8", "Fig. 8 and (50): mismatch and torque", &[text]);
     section.statements.extend([order_helps(runs)?, vanishes(runs)?, torque(runs)?]);
@@ -27,12 +28,12 @@ pub(crate) fn mismatch(runs: &Runs) -> Result<Section, String> {
     Ok(section)
 }
 
-fn order_helps(runs: &Runs) -> Result<Statement, String> {
+fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
     let first = runs.get(Setting::First, LawForm::Literal)?;
     let rms =
-        |setting: Setting| Ok::<_, String>(runs.get(setting, LawForm::Literal)?.mismatch()[1]);
+        |setting: Setting| Ok::<_, PartError>(runs.get(setting, LawForm::Literal)?.mismatch()[1]);
     let better = |setting: Setting| {
-        Ok::<_, String>(estimates_better(runs.get(setting, LawForm::Literal)?, first))
+        Ok::<_, PartError>(estimates_better(runs.get(setting, LawForm::Literal)?, first))
     };
     let same_rate = better(Setting::H2)? && better(Setting::H3)?;
     let half_rate = better(Setting::H1)?;
@@ -73,8 +74,8 @@ fn order_helps(runs: &Runs) -> Result<Statement, String> {
     ))
 }
 
-fn vanishes(runs: &Runs) -> Result<Statement, String> {
-    let share = |setting: Setting| -> Result<f64, String> {
+fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
+    let share = |setting: Setting| -> Result<f64, PartError> {
         let run = runs.get(setting, LawForm::Literal)?;
         Ok(run.mismatch()[0] / run.phi_max())
     };
@@ -102,7 +103,7 @@ fn vanishes(runs: &Runs) -> Result<Statement, String> {
     .again())
 }
 
-fn torque(runs: &Runs) -> Result<Statement, String> {
+fn torque(runs: &Runs) -> Result<Statement, PartError> {
     let first = runs.get(Setting::First, LawForm::Literal)?;
     let mut shares = Vec::new();
     let mut same = true;
@@ -146,8 +147,8 @@ fn torque(runs: &Runs) -> Result<Statement, String> {
     ))
 }
 
-fn mismatch_table(runs: &Runs) -> Result<Table, String> {
-    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, String> {
+fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {
+    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, PartError> {
         let [most, rms] = run.mismatch();
         let apart = torque_difference(run, runs.get(Setting::First, form)?);
         Ok(vec![
@@ -179,8 +180,8 @@ fn mismatch_table(runs: &Runs) -> Result<Table, String> {
     ))
 }
 
-fn mismatch_figure(runs: &Runs) -> Result<Figure, String> {
-    let gap = |setting: Setting| -> Result<_, String> {
+fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
+    let gap = |setting: Setting| -> Result<_, PartError> {
         let run = runs.get(setting, LawForm::Literal)?;
         let size = |k: usize| {
             run.joints().iter().map(|j| (j.phi_hat[k] - j.phi[k]).powi(2)).sum::<f64>().sqrt()
@@ -190,7 +191,7 @@ fn mismatch_figure(runs: &Runs) -> Result<Figure, String> {
         Ok(curve(setting.label(), points))
     };
     let series = Setting::ALL.into_iter().map(gap).collect::<Result<_, _>>()?;
-    let torque = |setting: Setting| -> Result<_, String> {
+    let torque = |setting: Setting| -> Result<_, PartError> {
         let run = runs.get(setting, LawForm::Literal)?;
         let from = run.steady_from();
         Ok(curve(

@@ -6,6 +6,7 @@ use phihat_sim::{Driver, Moment, Simulation};
 use phihat_study::Study;
 
 use super::run::Run;
+use crate::part::PartError;
 
 /// Mismatch that counts as settled \[N·m\] …
 const SETTLED_NM: f64 = 1.0;
@@ -73,12 +74,13 @@ impl Driver for OrderSwitch {
 }
 
 /// Runs the second order's study with the first order's gains at the start.
-pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, String> {
-    let law = |study: &Study| -> Result<Vec<JointGains<f64>>, String> {
-        let gains = requested_gains(study).ok_or("the study states no gains")?;
+pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, PartError> {
+    let law = |study: &Study| -> Result<Vec<JointGains<f64>>, PartError> {
+        let gains =
+            requested_gains(study).ok_or(PartError::Missing("the study states no gains"))?;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let law = gains.joint_gains(&names, study.control.period_ns, Form::Literal);
-        law.map_err(|e| format!("{}: {e}", study.name))
+        law.map_err(|why| PartError::Law { study: study.name.clone(), why })
     };
     let (low, high) = (law(first)?, law(second)?);
     let inertia: Vec<f64> = high.iter().map(JointGains::inertia).collect();
@@ -93,6 +95,7 @@ pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, String> {
         stage: Stage::First(0),
     });
     let simulation = Simulation::driven(second, driver, &inertia);
-    let simulation = simulation.map_err(|e| format!("{}: {e}", second.name))?;
+    let simulation =
+        simulation.map_err(|why| PartError::Run { study: second.name.clone(), why })?;
     Ok(Run { outcome: simulation.run(|_| ()), study: Box::new(second.clone()) })
 }

@@ -8,17 +8,18 @@ use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::Setting;
 use crate::compose::{axis, curve, figure, lines, marks, number, section, statement};
-use crate::{Figure, Panel, Section, Verdict};
+use crate::part::PartError;
+use crate::record::{Figure, Panel, Section, Verdict};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-3;
 
 /// Fig. 4.
-pub(crate) fn path(runs: &Runs) -> Result<Section, String> {
+pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
     let run = runs.get(Setting::First, LawForm::Observer)?;
     let tips = run.tips(1)?;
     let (Some([start, begin]), Some([_, end])) = (tips.first(), tips.last()) else {
-        return Err("the run has no sample".to_owned());
+        return Err(PartError::Missing("the run has no sample"));
     };
     let apart = (start[0] - begin[0]).hypot(start[1] - begin[1]);
     let along = radial_rate(run)?;
@@ -65,9 +66,10 @@ pub(crate) fn path(runs: &Runs) -> Result<Section, String> {
 }
 
 /// Largest `|∂x/∂q|` of the tip at the start \[m/rad\].
-fn radial_rate(run: &Run) -> Result<f64, String> {
+fn radial_rate(run: &Run) -> Result<f64, PartError> {
     let model = &run.study.robot.model;
-    let frame = model.frame(&run.study.robot.tip).ok_or("the robot has no tip")?;
+    let frame =
+        model.frame(&run.study.robot.tip).ok_or(PartError::Missing("the robot has no tip"))?;
     let start: Vec<f64> =
         run.joints().iter().filter_map(|joint| joint.q.first().copied()).collect();
     let mut jacobian = vec![0.0; 6 * start.len()];
@@ -75,8 +77,8 @@ fn radial_rate(run: &Run) -> Result<f64, String> {
     Ok(jacobian.iter().take(start.len()).fold(0.0, |most: f64, entry| most.max(entry.abs())))
 }
 
-fn path_figure(runs: &Runs) -> Result<Figure, String> {
-    let panel = |setting: Setting, form: LawForm| -> Result<_, String> {
+fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
+    let panel = |setting: Setting, form: LawForm| -> Result<_, PartError> {
         let tips = runs.get(setting, form)?.tips(4)?;
         let series = vec![
             curve("desired", tips.iter().map(|[_, wanted]| *wanted)),

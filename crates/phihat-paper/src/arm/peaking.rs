@@ -7,7 +7,8 @@ use super::run::Run;
 use super::runs::{FORMS, form_name};
 use super::studies::{Kind, Setting, Studies};
 use crate::compose::{number, statement, table, three};
-use crate::{Statement, Table, Verdict};
+use crate::part::PartError;
+use crate::record::{Statement, Table, Verdict};
 
 /// Every estimator pole \[rad/s\]: that of m = 1.
 const RATE: f64 = 69.6;
@@ -47,7 +48,7 @@ struct Pushed {
 pub(crate) struct Peaking(Vec<Tried>);
 
 impl Peaking {
-    pub(crate) fn of(studies: &Studies) -> Result<Self, String> {
+    pub(crate) fn of(studies: &Studies) -> Result<Self, PartError> {
         let mut all = Vec::new();
         for order in ORDERS {
             for form in FORMS {
@@ -118,7 +119,7 @@ impl Peaking {
         )
     }
 
-    fn numbers(&self, ours: f64) -> Vec<crate::Number> {
+    fn numbers(&self, ours: f64) -> Vec<crate::record::Number> {
         let largest = "largest overshoot after the start, observer form, m = 1 … 4";
         // It is nearly nothing: what is left of it is of the last digits.
         let mut numbers = vec![number(largest, "", ours, 0.5)];
@@ -168,20 +169,20 @@ impl Peaking {
 }
 
 /// Largest overshoot of a joint.
-fn flat(study: &Study) -> Result<f64, String> {
+fn flat(study: &Study) -> Result<f64, PartError> {
     let run = Run::of(study.clone())?;
     Ok((0..run.joints().len()).map(|joint| run.overshoot(joint)).fold(0.0, f64::max))
 }
 
 /// The same in the vertical plane: φ jumps from the observer's zero to the arm's weight as well.
-fn upright(study: &Study) -> Result<f64, String> {
+fn upright(study: &Study) -> Result<f64, PartError> {
     let mut study = study.clone();
     study.world.gravity = [0.0, 0.0, -9.81];
     flat(&study)
 }
 
 impl Pushed {
-    fn of(mut study: Study) -> Result<Self, String> {
+    fn of(mut study: Study) -> Result<Self, PartError> {
         study.world.start = None;
         let duration = DURATION_S - PUSH_S;
         study.world.pushes.push(Push { joint: 1, torque: PUSH_NM, start: PUSH_S, duration });

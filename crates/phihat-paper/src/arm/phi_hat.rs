@@ -6,8 +6,9 @@ use super::claims::verdict;
 use super::run::Run;
 use super::runs::Runs;
 use super::studies::Setting;
-use crate::Statement;
 use crate::compose::{number, statement, three};
+use crate::part::PartError;
+use crate::record::Statement;
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -44,7 +45,7 @@ impl Sizes {
 }
 
 /// Without a torque limit, where either form follows; and the printed form under the limit, where it does not.
-pub(crate) fn to_zero(limited: &Runs, free: &Runs) -> Result<Statement, String> {
+pub(crate) fn to_zero(limited: &Runs, free: &Runs) -> Result<Statement, PartError> {
     let sizes = Sizes::of(free.get(Setting::First, LawForm::Literal)?);
     let ours = Sizes::of(free.get(Setting::First, LawForm::Observer)?);
     let wound = limited.get(Setting::First, LawForm::Literal)?;

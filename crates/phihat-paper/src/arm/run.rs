@@ -6,6 +6,8 @@ use phihat_model::Workspace;
 use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::{LawForm, Study};
 
+use crate::part::PartError;
+
 /// |e| below which the arm counts as settled, the bound of (48) and (49) \[rad\].
 pub(crate) const SETTLED_RAD: f64 = 1e-2;
 
@@ -18,18 +20,19 @@ pub(crate) struct Run {
 
 impl Run {
     /// Runs the gains that the study states, in its form.
-    pub(crate) fn of(study: Study) -> Result<Self, String> {
+    pub(crate) fn of(study: Study) -> Result<Self, PartError> {
         let study = Box::new(study);
-        let gains = requested_gains(&study).ok_or("the study states no gains")?;
+        let gains =
+            requested_gains(&study).ok_or(PartError::Missing("the study states no gains"))?;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let form = match study.control.form {
             LawForm::Observer => Form::Observer,
             LawForm::Literal => Form::Literal,
         };
         let law = gains.joint_gains(&names, study.control.period_ns, form);
-        let law = law.map_err(|e| format!("{}: {e}", study.name))?;
-        let simulation =
-            Simulation::new(&study, &law).map_err(|e| format!("{}: {e}", study.name))?;
+        let law = law.map_err(|why| PartError::Law { study: study.name.clone(), why })?;
+        let simulation = Simulation::new(&study, &law)
+            .map_err(|why| PartError::Run { study: study.name.clone(), why })?;
         Ok(Self { outcome: simulation.run(|_| ()), study })
     }
 
@@ -87,6 +90,16 @@ impl Run {
         (!self.diverged()).then_some(ladder)
     }
 
+    /// Error of the steady part, root mean square, of the worst joint \[rad\]: by (7) it is what the mismatch leaves.
+    pub(crate) fn steady_rms(&self) -> f64 {
+        let from = self.steady_from();
+        let of = |joint: &JointTrace| {
+            let steady = &joint.e[from..];
+            (steady.iter().map(|e| e * e).sum::<f64>() / steady.len().max(1) as f64).sqrt()
+        };
+        self.joints().iter().map(of).fold(0.0, f64::max)
+    }
+
     /// When every |e| has come below [`SETTLED_RAD`] for good \[s\]; `None`: not by the end of the run.
     pub(crate) fn settled_at(&self) -> Option<f64> {
         let last = |joint: &JointTrace| joint.e.iter().rposition(|e| e.abs() > SETTLED_RAD);
@@ -110,9 +123,10 @@ impl Run {
     }
 
     /// Tip and desired tip in the plane of the arm \[m\], at every `stride`-th sample.
-    pub(crate) fn tips(&self, stride: usize) -> Result<Vec<[[f64; 2]; 2]>, String> {
+    pub(crate) fn tips(&self, stride: usize) -> Result<Vec<[[f64; 2]; 2]>, PartError> {
         let model = &self.study.robot.model;
-        let frame = model.frame(&self.study.robot.tip).ok_or("the robot has no tip")?;
+        let frame =
+            model.frame(&self.study.robot.tip).ok_or(PartError::Missing("the robot has no tip"))?;
         let mut workspace = Workspace::new(model);
         let mut at = |q: &[f64]| {
             model.forward_kinematics(&mut workspace, q);
@@ -127,7 +141,7 @@ impl Run {
     }
 
     /// How far the tip goes beyond its desired place, along the line of its initial error \[m\].
-    pub(crate) fn tip_overshoot(&self) -> Result<f64, String> {
+    pub(crate) fn tip_overshoot(&self) -> Result<f64, PartError> {
         let tips = self.tips(1)?;
         let away = |[tip, wanted]: &[[f64; 2]; 2]| [tip[0] - wanted[0], tip[1] - wanted[1]];
         let Some([x, y]) = tips.first().map(away) else { return Ok(0.0) };

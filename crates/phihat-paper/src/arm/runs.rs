@@ -4,6 +4,7 @@ use phihat_study::{LawForm, Study};
 
 use super::run::Run;
 use super::studies::{Kind, Setting, Studies};
+use crate::part::PartError;
 
 /// Every setting in both forms of the law.
 #[derive(Debug)]
@@ -29,7 +30,7 @@ impl Runs {
         kind: Kind,
         change: impl Fn(Study) -> Study,
         mut done: impl FnMut(),
-    ) -> Result<Self, String> {
+    ) -> Result<Self, PartError> {
         let mut runs = Vec::new();
         for setting in Setting::ALL {
             for form in FORMS {
@@ -42,9 +43,9 @@ impl Runs {
     }
 
     /// One of them.
-    pub(crate) fn get(&self, setting: Setting, form: LawForm) -> Result<&Run, String> {
+    pub(crate) fn get(&self, setting: Setting, form: LawForm) -> Result<&Run, PartError> {
         let found = self.runs.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
-        found.map(|(.., run)| run).ok_or_else(|| format!("{} did not run", setting.label()))
+        found.map(|(.., run)| run).ok_or(PartError::NotRun(setting.label()))
     }
 
     /// All of them, in the order of [`Setting::ALL`], printed form first.

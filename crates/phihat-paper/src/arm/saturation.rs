@@ -8,7 +8,8 @@ use super::studies::{Kind, Setting, Studies};
 use super::surrogates::Varied;
 use super::variations::limited;
 use crate::compose::{axis, curve, figure, lines, log_axis, number, statement, three};
-use crate::{Extent, Figure, Statement, Verdict};
+use crate::part::{Extent, PartError};
+use crate::record::{Figure, Statement, Verdict};
 
 /// Torque limits that are tried \[N·m\].
 const LIMITS: &[f64] =
@@ -25,7 +26,7 @@ pub(crate) fn sweep(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Settling, String> {
+) -> Result<Settling, PartError> {
     let every = if extent.quick { 4 } else { 1 };
     let limits: Vec<f64> = LIMITS.iter().copied().step_by(every).collect();
     let mut settling: Settling = Setting::ALL
@@ -43,9 +44,9 @@ pub(crate) fn sweep(
 }
 
 /// Longest time to settle over the settings \[s\]; `None` where one does not.
-fn slowest(runs: &Runs, form: LawForm) -> Result<Option<f64>, String> {
+fn slowest(runs: &Runs, form: LawForm) -> Result<Option<f64>, PartError> {
     let at = |setting: &Setting| Ok(runs.get(*setting, form)?.settled_at());
-    let all: Vec<Option<f64>> = Setting::ALL.iter().map(at).collect::<Result<_, String>>()?;
+    let all: Vec<Option<f64>> = Setting::ALL.iter().map(at).collect::<Result<_, PartError>>()?;
     let all: Option<Vec<f64>> = all.into_iter().collect();
     Ok(all.map(|all| all.into_iter().fold(0.0, f64::max)))
 }
@@ -55,9 +56,10 @@ pub(crate) fn long_transient(
     runs: &Runs,
     free: &Runs,
     swept: &Settling,
-) -> Result<Statement, String> {
-    let times =
-        |form: LawForm| -> Result<_, String> { Ok((slowest(runs, form)?, slowest(free, form)?)) };
+) -> Result<Statement, PartError> {
+    let times = |form: LawForm| -> Result<_, PartError> {
+        Ok((slowest(runs, form)?, slowest(free, form)?))
+    };
     let (printed, observer) = (times(LawForm::Literal)?, times(LawForm::Observer)?);
     let is_long = |with: f64, without: Option<f64>| without.is_some_and(|at| with >= LONG * at);
     // At which of the limits tried the printed form settles, and late.
@@ -160,7 +162,7 @@ pub(crate) fn in_phi(
     free: &Runs,
     swept: &Settling,
     varied: &Varied,
-) -> Result<Statement, String> {
+) -> Result<Statement, PartError> {
     let (printed, observer) = (slowest(runs, LawForm::Literal)?, slowest(runs, LawForm::Observer)?);
     let least = |setting: Setting, form: LawForm| {
         let times = settling_of(swept, setting, form);
@@ -169,7 +171,7 @@ pub(crate) fn in_phi(
         times.get(last_failure.map_or(0, |k| k + 1)).map(|(limit, _)| *limit)
     };
     let mut numbers = Vec::new();
-    let mut said = Vec::new();
+    let mut listed = Vec::new();
     for setting in Setting::ALL {
         let limit = least(setting, LawForm::Literal);
         let named = number(
@@ -179,7 +181,7 @@ pub(crate) fn in_phi(
             0.0,
         );
         numbers.extend(whole(swept).then_some(named));
-        said.push(format!("{}: {} N·m", setting.label(), three(limit)));
+        listed.push(format!("{}: {} N·m", setting.label(), three(limit)));
     }
     let asked = runs_torque(free, LawForm::Literal)?;
     numbers.push(number("largest torque without a limit, printed form", "N·m", asked, 1e-2));
@@ -216,14 +218,14 @@ pub(crate) fn in_phi(
             "in words",
         ],
         verdict(printed.is_some(), false),
-        (format!("the printed form settles from this limit on: {}", said.join("; ")), why),
+        (format!("the printed form settles from this limit on: {}", listed.join("; ")), why),
         numbers,
     ))
 }
 
-fn runs_torque(runs: &Runs, form: LawForm) -> Result<f64, String> {
+fn runs_torque(runs: &Runs, form: LawForm) -> Result<f64, PartError> {
     let most = |setting: &Setting| Ok(runs.get(*setting, form)?.torque_max());
-    let all: Vec<f64> = Setting::ALL.iter().map(most).collect::<Result<_, String>>()?;
+    let all: Vec<f64> = Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     Ok(all.into_iter().fold(0.0, f64::max))
 }
 

@@ -5,7 +5,7 @@ use super::runs::Runs;
 use super::studies::{Kind, Setting, Studies, path_of};
 use super::{mismatch, path, steady, surrogates, transient};
 use crate::compose::rests_on;
-use crate::{Extent, Part};
+use crate::part::{Extent, Part, PartError};
 
 /// Runs of one kind.
 const RUNS: f64 = 8.0;
@@ -19,7 +19,7 @@ pub fn simulation(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, String> {
+) -> Result<Part, PartError> {
     let mut done = 0.0;
     let runs = Runs::of(
         studies,

@@ -5,9 +5,9 @@ use phihat_study::{LawRequest, Study};
 use super::claims::verdict;
 use super::order_switch::switched;
 use super::run::Run;
-use super::switching::steady_error;
 use crate::compose::{number, statement, three};
-use crate::{Number, Statement};
+use crate::part::PartError;
+use crate::record::{Number, Statement};
 
 /// `a_0` of the start \[rad/s\].
 const REDUCED: [f64; 3] = [40.0, 20.0, 10.0];
@@ -16,12 +16,12 @@ const REDUCED: [f64; 3] = [40.0, 20.0, 10.0];
 const AS_GOOD: f64 = 1.2;
 
 /// `full` from the start against a start with less, in the printed form; φ̂ is handed over at the change.
-pub(crate) fn start(full: &Run) -> Result<Statement, String> {
+pub(crate) fn start(full: &Run) -> Result<Statement, PartError> {
     let mut runs = Vec::new();
     for a0 in REDUCED {
         runs.push((a0, switched(&with(&full.study, a0), &full.study)?));
     }
-    let as_good = |run: &Run| steady_error(run) <= AS_GOOD * steady_error(full);
+    let as_good = |run: &Run| run.steady_rms() <= AS_GOOD * full.steady_rms();
     let softer = runs.iter().all(|(_, run)| run.torque_max() < full.torque_max());
     let flatter = runs.iter().all(|(_, run)| run.overshoot(1) < full.overshoot(1));
     let steady = runs.iter().all(|(_, run)| as_good(run));
@@ -86,7 +86,7 @@ fn numbers(runs: &[(f64, Run)], full: &Run) -> Vec<Number> {
         numbers.push(number(&name("overshoot of joint 2"), "", run.overshoot(1), 1e-3));
         numbers.push(number(&name("largest torque"), "N·m", run.torque_max(), 1e-3));
         numbers.push(number(&name("|e| < 0.01 rad from"), "s", run.settled_at(), 1e-2));
-        numbers.push(number(&name("steady e, rms"), "rad", steady_error(run), 1e-2));
+        numbers.push(number(&name("steady e, rms"), "rad", run.steady_rms(), 1e-2));
     }
     numbers
 }

@@ -12,7 +12,8 @@ use super::runs::{Runs, form_name};
 use super::studies::Setting;
 use super::surrogates::Varied;
 use crate::compose::{number, section, statement, table, three};
-use crate::{Number, Section, Statement, Table};
+use crate::part::PartError;
+use crate::record::{Number, Section, Statement, Table};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -36,7 +37,7 @@ pub(crate) const EXPERIMENTED: Shown =
     Shown { figure: "Fig. 11", id: "fig11", table: "steady-experiment" };
 
 /// Fig. 7: the bounds, and how much smaller the errors are.
-pub(crate) fn simulated(runs: &Runs) -> Result<Section, String> {
+pub(crate) fn simulated(runs: &Runs) -> Result<Section, PartError> {
     let text = "The bounds of (48), for m = 1: |∫e| ≤ 10⁻³ rad·s, |e| ≤ 10⁻² rad, |ė| ≤ 10⁻¹ rad/s; of \
                 (49), for m = 2, the same and |∬e| ≤ 10⁻⁴ rad·s². They are looked at after the 1.5 s of \
                 the transient, with integrals counted from there on in either form.";
@@ -60,20 +61,20 @@ pub(crate) fn kept(
     shown: Shown,
     settings: &[Setting],
     varied: Option<&Varied>,
-) -> Result<Statement, String> {
+) -> Result<Statement, PartError> {
     let order = if settings == [Setting::First] { 1 } else { 2 };
-    let all = |form: LawForm| -> Result<bool, String> {
+    let all = |form: LawForm| -> Result<bool, PartError> {
         let kept = settings.iter().map(|s| Ok(keeps_bounds(runs.get(*s, form)?, *s)));
-        Ok(kept.collect::<Result<Vec<_>, String>>()?.into_iter().all(|kept| kept))
+        Ok(kept.collect::<Result<Vec<_>, PartError>>()?.into_iter().all(|kept| kept))
     };
     let (printed, observer) = (all(LawForm::Literal)?, all(LawForm::Observer)?);
-    let worst = |form: LawForm, of: fn(&Run) -> Option<[f64; 4]>| -> Result<_, String> {
+    let worst = |form: LawForm, of: fn(&Run) -> Option<[f64; 4]>| -> Result<_, PartError> {
         let mut worst = [0.0_f64; 4];
         for setting in settings {
             let Some(steady) = of(runs.get(*setting, form)?) else { return Ok(None) };
             worst = core::array::from_fn(|i| worst[i].max(steady[i]));
         }
-        Ok::<_, String>(Some(worst))
+        Ok::<_, PartError>(Some(worst))
     };
     let both = [worst(LawForm::Literal, Run::steady)?, worst(LawForm::Observer, Run::steady)?];
     let own = worst(LawForm::Literal, Run::since_start)?;
@@ -181,12 +182,13 @@ fn as_words(order: usize, worst: Option<[f64; 4]>) -> String {
 }
 
 /// "The maximum error is much smaller than the threshold", and what would have been promised.
-fn margin(runs: &Runs) -> Result<Statement, String> {
+fn margin(runs: &Runs) -> Result<Statement, PartError> {
     let run = runs.get(Setting::First, LawForm::Literal)?;
     let most = |setting: &Setting| {
         Ok(runs.get(*setting, LawForm::Literal)?.steady().map(|steady| steady[2]))
     };
-    let errors: Vec<Option<f64>> = Setting::ALL.iter().map(most).collect::<Result<_, String>>()?;
+    let errors: Vec<Option<f64>> =
+        Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     let worst = errors
         .iter()
         .copied()
@@ -221,11 +223,12 @@ fn margin(runs: &Runs) -> Result<Statement, String> {
 }
 
 /// What a run's largest φ can do to `e` \[rad\], by the peak-to-peak gain of its sampled loop.
-pub(crate) fn error_bound(run: &Run) -> Result<f64, String> {
-    let gains = requested_gains(&run.study).ok_or("the study states no gains")?;
-    let record = gains.joints.first().ok_or("the robot has no joint")?;
+pub(crate) fn error_bound(run: &Run) -> Result<f64, PartError> {
+    let gains =
+        requested_gains(&run.study).ok_or(PartError::Missing("the study states no gains"))?;
+    let record = gains.joints.first().ok_or(PartError::Missing("the robot has no joint"))?;
     let peaks = SampledPeaks::at(record, &LoopModel::from_study(&run.study, 0), 1.0);
-    let peaks = peaks.map_err(|why| why.to_string())?;
+    let peaks = peaks?;
     Ok(peaks.jump[1] * run.phi_max() / record.inertia_kg_m2)
 }
 

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use phihat_study::{LawForm, Study};
 
+use crate::part::PartError;
+
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {
         &[$((
@@ -107,7 +109,7 @@ impl Studies {
     /// # Errors
     ///
     /// What is wrong with its text.
-    pub fn study(&self, kind: Kind, setting: Setting, form: LawForm) -> Result<Study, String> {
+    pub fn study(&self, kind: Kind, setting: Setting, form: LawForm) -> Result<Study, PartError> {
         let mut study = self.read(&name(kind, setting))?;
         study.control.form = form;
         Ok(study)
@@ -118,10 +120,10 @@ impl Studies {
     /// # Errors
     ///
     /// What is wrong with its text.
-    pub fn read(&self, name: &str) -> Result<Study, String> {
+    pub fn read(&self, name: &str) -> Result<Study, PartError> {
         let path = path(name);
-        let text = self.texts.get(&path).ok_or_else(|| format!("no study {path}"))?;
-        Study::from_text(text, &path, Path::new("")).map_err(|e| e.to_string())
+        let Some(text) = self.texts.get(&path) else { return Err(PartError::NoStudy(path)) };
+        Ok(Study::from_text(text, &path, Path::new(""))?)
     }
 }
 

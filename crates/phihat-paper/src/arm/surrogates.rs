@@ -8,7 +8,8 @@ use super::runs::Runs;
 use super::studies::{Kind, Studies};
 use super::variations::{Other, PATHS, WORLDS};
 use crate::compose::{figure, log_axis, number, rests_on, section, table, three};
-use crate::{Assumption, Content, Extent, Number, Panel, Section};
+use crate::part::{Extent, PartError};
+use crate::record::{Assumption, Content, Number, Panel, Section};
 
 /// How many times as heavy the links are.
 const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
@@ -36,7 +37,7 @@ pub(crate) fn simulated(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Varied, String> {
+) -> Result<Varied, PartError> {
     vary(studies, Kind::Simulation, (SIMULATED, PATHS), extent, progress)
 }
 
@@ -45,7 +46,7 @@ pub(crate) fn experimented(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Varied, String> {
+) -> Result<Varied, PartError> {
     vary(studies, Kind::Experiment, (EXPERIMENTED, WORLDS), extent, progress)
 }
 
@@ -55,7 +56,7 @@ fn vary(
     (claims, others): (&'static [Claim], &'static [Other]),
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Varied, String> {
+) -> Result<Varied, PartError> {
     let few = |all: &[f64]| -> Vec<f64> {
         let ends = [all.first(), all.last()];
         if extent.quick { ends.into_iter().flatten().copied().collect() } else { all.to_vec() }
@@ -64,11 +65,11 @@ fn vary(
     let others = if extent.quick { &others[..1] } else { others };
     let all = (links.len() * armatures.len() + others.len()) as f64;
     let mut done = 0.0;
-    let mut answers = |change: &dyn Fn(Study) -> Study| -> Result<Answers, String> {
+    let mut answers = |change: &dyn Fn(Study) -> Study| -> Result<Answers, PartError> {
         let runs = Runs::of(studies, kind, change, || ())?;
         done += 1.0;
         progress(done / all);
-        let both = |claim: &Claim| -> Result<[bool; 2], String> {
+        let both = |claim: &Claim| -> Result<[bool; 2], PartError> {
             Ok([
                 claim.everywhere(&runs, LawForm::Literal)?,
                 claim.everywhere(&runs, LawForm::Observer)?,
@@ -83,7 +84,7 @@ fn vary(
         }
     }
     let other = |(id, says, change): &Other| Ok((*id, *says, answers(change)?));
-    let others = others.iter().map(other).collect::<Result<Vec<_>, String>>()?;
+    let others = others.iter().map(other).collect::<Result<Vec<_>, PartError>>()?;
     Ok(Varied { claims, links, armatures, arms, others, whole: !extent.quick })
 }
 
@@ -163,7 +164,7 @@ impl Varied {
     }
 
     /// Where the bounds of (48), (49) are kept.
-    fn map(&self, id: &str) -> crate::Figure {
+    fn map(&self, id: &str) -> crate::record::Figure {
         let class = |answers: &Answers| {
             let bounds = || self.claims.iter().zip(answers).filter(|(claim, _)| claim.bounds);
             let all = |form: usize| u8::from(bounds().all(|(_, holds)| holds[form]));
@@ -194,10 +195,10 @@ impl Varied {
     /// Writes what was measured into the assumptions.
     pub(crate) fn tell(&self, assumptions: &mut [Assumption]) {
         for assumption in assumptions {
-            let said =
+            let listed =
                 if assumption.id == "arm" { self.over_arms() } else { self.over(&assumption.id) };
-            if !said.is_empty() {
-                assumption.influence = said;
+            if !listed.is_empty() {
+                assumption.influence = listed;
             }
         }
     }

@@ -10,7 +10,8 @@ use super::{assumptions, softer, transient};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, rests_on, section, statement, table, three,
 };
-use crate::{Extent, Figure, Part, Statement, Verdict};
+use crate::part::{Extent, Part, PartError};
+use crate::record::{Figure, Statement, Verdict};
 
 /// A change of φ̂ that counts as none \[N·m\].
 const NO_JUMP_NM: f64 = 1.0;
@@ -38,7 +39,7 @@ pub fn order_switching(
     studies: &Studies,
     _: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, String> {
+) -> Result<Part, PartError> {
     let first = printed(studies, Setting::First)?;
     let mut pairs = Vec::new();
     for setting in Setting::SECOND {
@@ -63,12 +64,12 @@ pub fn order_switching(
 }
 
 /// A setting in the printed form.
-fn printed(studies: &Studies, setting: Setting) -> Result<Run, String> {
+fn printed(studies: &Studies, setting: Setting) -> Result<Run, PartError> {
     Run::of(studies.study(Kind::Simulation, setting, LawForm::Literal)?)
 }
 
 /// The supervised study, with or without its first-order start.
-fn supervised(studies: &Studies, start_first_order: bool) -> Result<Run, String> {
+fn supervised(studies: &Studies, start_first_order: bool) -> Result<Run, PartError> {
     let mut study = studies.read("order_switch")?;
     if let Some(supervisor) = &mut study.supervisor {
         supervisor.start_first_order = start_first_order;
@@ -77,7 +78,7 @@ fn supervised(studies: &Studies, start_first_order: bool) -> Result<Run, String>
 }
 
 impl Pair {
-    fn of(setting: Setting, first: &Run, direct: Run) -> Result<Self, String> {
+    fn of(setting: Setting, first: &Run, direct: Run) -> Result<Self, PartError> {
         let second = &direct.study;
         let switched = switched(&first.study, second)?;
         // Up to the change both runs are one.
@@ -106,11 +107,14 @@ impl Pair {
 }
 
 /// What φ̂ jumps by where (10) takes over from (9) at sample `at` with ∫e and ∬e summed since the start \[N·m\].
-fn naive_jump(first: &Run, second: &Study, at: usize) -> Result<f64, String> {
-    let gains = phihat_design::requested_gains(second).ok_or("the study states no gains")?;
+fn naive_jump(first: &Run, second: &Study, at: usize) -> Result<f64, PartError> {
+    let gains = phihat_design::requested_gains(second)
+        .ok_or(PartError::Missing("the study states no gains"))?;
     let mut worst: f64 = 0.0;
     for (joint, law) in first.joints().iter().zip(&gains.joints) {
-        let [a0, a1] = law.a[..] else { return Err("m = 2 has two coefficients".to_owned()) };
+        let [a0, a1] = law.a[..] else {
+            return Err(PartError::Missing("m = 2 has two coefficients"));
+        };
         let (mut once, mut twice) = (0.0, 0.0);
         for e in &joint.e[1..=at] {
             once += first.period() * e;
@@ -129,7 +133,7 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
     let helps = pairs.iter().all(|pair| {
         pair.at.is_some()
             && pair.switched.overshoot(1) < pair.direct.overshoot(1)
-            && steady_error(&pair.switched) <= AS_GOOD * steady_error(&pair.direct)
+            && pair.switched.steady_rms() <= AS_GOOD * pair.direct.steady_rms()
     });
     let jump = pairs.iter().map(|pair| pair.naive_jump).fold(0.0, f64::max);
     let verdict = match (helps, jump < NO_JUMP_NM) {
@@ -173,7 +177,7 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
     )
 }
 
-fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::Number> {
+fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::record::Number> {
     let mut numbers = vec![number("jump of φ̂ with the integrals as they stand", "N·m", jump, 1e-2)];
     for pair in pairs {
         let name = |what: &str| format!("{what}, {}", pair.setting.label());
@@ -187,7 +191,7 @@ fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::Number> {
             [(&pair.switched, "after m = 1"), (&pair.direct, "m = 2 from the start")]
         {
             let what = name(&format!("steady e, rms, {start}"));
-            numbers.push(number(&what, "rad", steady_error(run), 1e-2));
+            numbers.push(number(&what, "rad", run.steady_rms(), 1e-2));
         }
         let steps = pair.torque_steps();
         numbers.push(number(&name("change of torque at it"), "N·m", steps.map(|s| s[0]), 0.1));
@@ -196,17 +200,11 @@ fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::Number> {
     numbers
 }
 
-/// Error of the steady part, root mean square, of the worst joint \[rad\]: by (7) it is what the mismatch leaves.
-pub(crate) fn steady_error(run: &Run) -> f64 {
-    let from = run.steady_from();
-    let of = |joint: &phihat_sim::JointTrace| {
-        let steady = &joint.e[from..];
-        (steady.iter().map(|e| e * e).sum::<f64>() / steady.len().max(1) as f64).sqrt()
-    };
-    run.joints().iter().map(of).fold(0.0, f64::max)
-}
-
-fn switch_table(first: &Run, pairs: &[Pair], (with, without): (&Run, &Run)) -> crate::Table {
+fn switch_table(
+    first: &Run,
+    pairs: &[Pair],
+    (with, without): (&Run, &Run),
+) -> crate::record::Table {
     let row = |label: &str, form: &str, start: &str, run: &Run, at: Option<f64>| {
         vec![
             label.to_owned(),
@@ -215,7 +213,7 @@ fn switch_table(first: &Run, pairs: &[Pair], (with, without): (&Run, &Run)) -> c
             format!("{:.2}", run.overshoot(1).max(beyond(run)) * 1e2),
             format!("{:.0}", run.torque_max()),
             three(at),
-            three(Some(steady_error(run))),
+            three(Some(run.steady_rms())),
         ]
     };
     let mut rows = vec![row("m = 1", "printed", "m = 1", first, None)];

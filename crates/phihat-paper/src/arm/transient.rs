@@ -10,7 +10,8 @@ use super::studies::{Setting, Studies};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, section, statement, table, three,
 };
-use crate::{Figure, Section, Statement, Table, Verdict};
+use crate::part::PartError;
+use crate::record::{Figure, Section, Statement, Table, Verdict};
 
 /// How much of the run Figs. 6 and 9 show \[s\].
 pub(crate) const SHOWN_S: f64 = 1.5;
@@ -19,7 +20,7 @@ pub(crate) const SHOWN_S: f64 = 1.5;
 const AGAIN: f64 = 1e-3;
 
 /// Figs. 5 and 6, and what makes them.
-pub(crate) fn transient(runs: &Runs, studies: &Studies) -> Result<Section, String> {
+pub(crate) fn transient(runs: &Runs, studies: &Studies) -> Result<Section, PartError> {
     let text = "Peaking: the paper finds that a higher order overshoots more before it settles, and calls \
                 it the price of the order. Overshoot here is how far an error goes beyond zero, over its \
                 initial value.";
@@ -44,7 +45,7 @@ struct Transients {
 }
 
 impl Transients {
-    fn of(runs: &Runs) -> Result<Self, String> {
+    fn of(runs: &Runs) -> Result<Self, PartError> {
         let (mut joint, mut tip) = (Vec::new(), Vec::new());
         for setting in Setting::ALL {
             let both =
@@ -105,10 +106,10 @@ impl Transients {
         )
     }
 
-    fn joint(&self, runs: &Runs) -> Result<Statement, String> {
+    fn joint(&self, runs: &Runs) -> Result<Statement, PartError> {
         let first = runs.get(Setting::First, LawForm::Literal)?;
         let more = |setting: &Setting| Ok(peaks_more(runs.get(*setting, LawForm::Literal)?, first));
-        let more: Vec<bool> = Setting::SECOND.iter().map(more).collect::<Result<_, String>>()?;
+        let more: Vec<bool> = Setting::SECOND.iter().map(more).collect::<Result<_, PartError>>()?;
         let percent: Vec<String> =
             self.joint.iter().map(|joint| format!("{:.0}", joint[0] * 1e2)).collect();
         let all = more.iter().all(|more| *more);
@@ -145,10 +146,10 @@ impl Transients {
 }
 
 /// "Starts from zero": beside the closed form of Lemma 1, in the runs.
-fn zero_start(runs: &Runs) -> Result<Statement, String> {
-    let largest = |of: &dyn Fn(&Run) -> Result<f64, String>, form| -> Result<f64, String> {
+fn zero_start(runs: &Runs) -> Result<Statement, PartError> {
+    let largest = |of: &dyn Fn(&Run) -> Result<f64, PartError>, form| -> Result<f64, PartError> {
         let all = Setting::ALL.iter().map(|setting| of(runs.get(*setting, form)?));
-        Ok(all.collect::<Result<Vec<_>, String>>()?.into_iter().fold(0.0, f64::max))
+        Ok(all.collect::<Result<Vec<_>, PartError>>()?.into_iter().fold(0.0, f64::max))
     };
     let here = |run: &Run| Ok(run.phi_hat_at_start());
     let (printed, observer) =
@@ -183,7 +184,7 @@ fn zero_start(runs: &Runs) -> Result<Statement, String> {
 }
 
 /// `|φ̂(0)|` of a run's law where the arm rests on the first point of the path \[N·m\].
-fn at_rest_on_the_path(run: &Run) -> Result<f64, String> {
+fn at_rest_on_the_path(run: &Run) -> Result<f64, PartError> {
     let mut study = run.study.as_ref().clone();
     let first = run.joints().iter().filter_map(|joint| joint.q_desired.first().copied());
     let q: Vec<f64> = first.collect();
@@ -191,8 +192,8 @@ fn at_rest_on_the_path(run: &Run) -> Result<f64, String> {
     Ok(Run::of(study)?.phi_hat_at_start())
 }
 
-fn transient_table(runs: &Runs) -> Result<Table, String> {
-    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, String> {
+fn transient_table(runs: &Runs) -> Result<Table, PartError> {
+    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, PartError> {
         Ok(vec![
             setting.label().to_owned(),
             form_name(form).to_owned(),
@@ -220,9 +221,9 @@ pub(crate) fn joint_figure(
     title: &str,
     runs: &Runs,
     within: f64,
-) -> Result<Figure, String> {
-    let panel = |form: LawForm| -> Result<_, String> {
-        let error = |setting: Setting| -> Result<_, String> {
+) -> Result<Figure, PartError> {
+    let panel = |form: LawForm| -> Result<_, PartError> {
+        let error = |setting: Setting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let points =
                 run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, e.clamp(-within, within)]);

@@ -3,7 +3,8 @@
 use crate::record::{Content, Panel};
 use plotters::prelude::*;
 
-use super::{CHARACTER, lines, map, told};
+use super::canvas::{CHARACTER, FigureError};
+use super::{lines, map};
 use phihat_report::kit::sheet::{Area, TEXT};
 use phihat_report::kit::text::short;
 
@@ -87,32 +88,32 @@ pub(super) fn draw(
     rows: &[Vec<Entry>],
     area: &Area<'_>,
     (left, top): (i32, i32),
-) -> Result<(), String> {
+) -> Result<(), FigureError> {
     for (row, y) in rows.iter().zip((top..).step_by(68)) {
         let mut x = left;
         for entry in row {
             mark(entry.mark, area, (x, y + 24))?;
             let text = (x + 150, y + 4);
             let font = ("sans-serif", TEXT).into_font();
-            area.draw(&Text::new(entry.label.clone(), text, font)).map_err(told)?;
+            area.draw(&Text::new(entry.label.clone(), text, font))?;
             x += i32::try_from(entry.width() + GAP).unwrap_or(0);
         }
     }
     Ok(())
 }
 
-fn mark(mark: Mark, area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), String> {
+fn mark(mark: Mark, area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), FigureError> {
     let across = |ink: ShapeStyle| PathElement::new([(x, y), (x + 126, y)], ink);
-    match mark {
+    let drawn = match mark {
         Mark::Line(index) => area.draw(&across(lines::curve_ink(index))),
         Mark::Bound(index) => area.draw(&across(lines::bound_ink(index))),
         Mark::Points(index) => area.draw(&(EmptyElement::at((x + 63, y)) + lines::shape(index))),
         Mark::Class(index) => {
             let corners = [(x + 10, y - 26), (x + 126, y + 26)];
-            area.draw(&Rectangle::new(corners, map::ink(index).filled())).map_err(told)?;
-            area.draw(&Rectangle::new(corners, BLACK.stroke_width(2))).map_err(told)?;
+            area.draw(&Rectangle::new(corners, map::ink(index).filled()))?;
+            area.draw(&Rectangle::new(corners, BLACK.stroke_width(2)))?;
             return map::letter(index, area, (x + 68, y));
         }
-    }
-    .map_err(told)
+    };
+    Ok(drawn?)
 }

@@ -3,10 +3,9 @@
 use crate::record::{Bound, Series};
 use plotters::prelude::*;
 
-use super::plane::Plane;
+use super::canvas::{FigureError, Plane};
 use super::scale::Scale;
 use super::stroke::Window;
-use super::told;
 use phihat_report::kit::number::number;
 
 /// Curves that can be told apart.
@@ -65,20 +64,18 @@ pub(super) fn draw(
     bounds: &[Bound],
     plane: &mut Plane<'_, '_>,
     (x, y, window): &(&Scale, &Scale, &Window),
-) -> Result<(), String> {
+) -> Result<(), FigureError> {
     for (index, bound) in bounds.iter().enumerate() {
         for level in seen(bound, y) {
             let ends = [(window.x.start, level), (window.x.end, level)];
-            plane.draw_series(LineSeries::new(ends, bound_ink(index))).map_err(told)?;
+            plane.draw_series(LineSeries::new(ends, bound_ink(index)))?;
         }
     }
     for (index, curve) in series.iter().take(SERIES_MAX).enumerate() {
         let points = curve.points.iter().map(|[px, py]| (x.at(*px), y.at(*py)));
         if curve.marks {
             let inside = points.filter(|point| window.holds(*point));
-            plane
-                .draw_series(inside.map(|at| EmptyElement::at(at) + shape(index)))
-                .map_err(told)?;
+            plane.draw_series(inside.map(|at| EmptyElement::at(at) + shape(index)))?;
         } else {
             for stroke in window.strokes(points) {
                 draw_stroke(plane, stroke, index)?;
@@ -108,11 +105,11 @@ fn draw_stroke(
     plane: &mut Plane<'_, '_>,
     stroke: Vec<(f64, f64)>,
     index: usize,
-) -> Result<(), String> {
+) -> Result<(), FigureError> {
     if let [at] = stroke[..] {
-        plane.draw_series([EmptyElement::at(at) + shape(index)]).map_err(told)?;
+        plane.draw_series([EmptyElement::at(at) + shape(index)])?;
     } else {
-        plane.draw_series(LineSeries::new(stroke, curve_ink(index))).map_err(told)?;
+        plane.draw_series(LineSeries::new(stroke, curve_ink(index)))?;
     }
     Ok(())
 }

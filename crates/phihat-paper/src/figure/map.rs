@@ -5,9 +5,8 @@ use std::fmt::Write;
 use crate::record::Content;
 use plotters::prelude::*;
 
-use super::plane::Plane;
+use super::canvas::{FigureError, Plane};
 use super::scale::Scale;
-use super::told;
 use phihat_report::kit::sheet::{Area, TEXT};
 
 /// Classes that can be told apart.
@@ -31,10 +30,10 @@ pub(super) fn ink(class: usize) -> RGBColor {
 }
 
 /// A class' letter on a white box around a place.
-pub(super) fn letter(class: usize, area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), String> {
+pub(super) fn letter(class: usize, area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), FigureError> {
     let corners = [(x - 24, y - 24), (x + 24, y + 24)];
-    area.draw(&Rectangle::new(corners, WHITE.filled())).map_err(told)?;
-    area.draw(&sign(class, (x, y))).map_err(told)
+    area.draw(&Rectangle::new(corners, WHITE.filled()))?;
+    Ok(area.draw(&sign(class, (x, y)))?)
 }
 
 fn sign(class: usize, (x, y): (i32, i32)) -> Text<'static, (i32, i32), &'static str> {
@@ -68,7 +67,7 @@ pub(super) fn draw(
     content: &Content,
     plane: &mut Plane<'_, '_>,
     (x, y): (&Scale, &Scale),
-) -> Result<(), String> {
+) -> Result<(), FigureError> {
     let Content::Map { x: places_x, y: places_y, cells, classes } = content else { return Ok(()) };
     let cell = |row: usize, column: usize| {
         let class = cells.get(row).and_then(|row| row.get(column)).map(|c| usize::from(*c));
@@ -80,15 +79,13 @@ pub(super) fn draw(
     };
     let (columns, rows) = (at(x, edges(places_x, x.is_log())), at(y, edges(places_y, y.is_log())));
     if columns.iter().chain(&rows).any(|edge| !edge.is_finite()) {
-        return Err("a place of the map is not on its axis".to_owned());
+        return Err(FigureError::OffAxis);
     }
     let corners = |b: &Block| {
         [(columns[b.columns.0], rows[b.rows.0]), (columns[b.columns.1], rows[b.rows.1])]
     };
     let blocks = blocks(shape, &cell);
-    plane
-        .draw_series(blocks.iter().map(|b| Rectangle::new(corners(b), ink(b.class).filled())))
-        .map_err(told)?;
+    plane.draw_series(blocks.iter().map(|b| Rectangle::new(corners(b), ink(b.class).filled())))?;
     for class in 0..classes.len().min(CLASSES_MAX) {
         let Some(square) = largest(shape, &|row, column| cell(row, column) == Some(class)) else {
             continue;

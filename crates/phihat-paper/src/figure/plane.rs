@@ -3,14 +3,12 @@
 use crate::record::{Axis, Content, Panel};
 use plotters::prelude::*;
 
+use super::canvas::{BOTTOM, FigureError, LEFT, Plane, RIGHT, TOP};
 use super::scale::Scale;
 use super::stroke::Window;
-use super::{BOTTOM, LEFT, RIGHT, TOP, lines, map, told};
+use super::{lines, map};
 use phihat_report::kit::sheet::{Area, TEXT};
 use phihat_report::kit::text::short;
-
-/// Between the axes: coordinates are those of [`Scale`].
-pub(super) type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Scale, Scale>>;
 
 /// Left of the vertical axis' label \[px\].
 const EDGE: u32 = 14;
@@ -31,7 +29,7 @@ pub(super) fn words(panel: &Panel) -> Vec<String> {
 }
 
 /// Draws a panel; its area has the axes and their labels and nothing else.
-pub(super) fn draw(panel: &Panel, area: &Area<'_>) -> Result<(), String> {
+pub(super) fn draw(panel: &Panel, area: &Area<'_>) -> Result<(), FigureError> {
     let (x, y) = scales(panel);
     let size = area.dim_in_pixel();
     let room = (size.0.saturating_sub(LEFT + RIGHT), size.1.saturating_sub(TOP + BOTTOM));
@@ -44,8 +42,7 @@ pub(super) fn draw(panel: &Panel, area: &Area<'_>) -> Result<(), String> {
         .margin_bottom(room.1 - height)
         .x_label_area_size(BOTTOM)
         .y_label_area_size(LEFT - EDGE)
-        .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(told)?;
+        .build_cartesian_2d(x.clone(), y.clone())?;
     mesh(panel, &mut plane, (&x, &y))?;
     let window = Window {
         pixels: [f64::from(width) / x.length(), f64::from(height) / y.length()],
@@ -96,8 +93,12 @@ fn scales(panel: &Panel) -> (Scale, Scale) {
     }
 }
 
-fn mesh(panel: &Panel, plane: &mut Plane<'_, '_>, (x, y): (&Scale, &Scale)) -> Result<(), String> {
-    plane
+fn mesh(
+    panel: &Panel,
+    plane: &mut Plane<'_, '_>,
+    (x, y): (&Scale, &Scale),
+) -> Result<(), FigureError> {
+    let drawn = plane
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .bold_line_style(RGBColor(222, 222, 222).stroke_width(2))
@@ -109,13 +110,13 @@ fn mesh(panel: &Panel, plane: &mut Plane<'_, '_>, (x, y): (&Scale, &Scale)) -> R
         .axis_desc_style(("sans-serif", TEXT))
         .x_desc(short(&panel.x.label, 60))
         .y_desc(short(&panel.y.label, 40))
-        .draw()
-        .map_err(told)
+        .draw();
+    Ok(drawn?)
 }
 
 /// Cells cover the axes.
-fn frame(plane: &mut Plane<'_, '_>, window: &Window) -> Result<(), String> {
+fn frame(plane: &mut Plane<'_, '_>, window: &Window) -> Result<(), FigureError> {
     let corners = [(window.x.start, window.y.start), (window.x.end, window.y.end)];
-    plane.draw_series([Rectangle::new(corners, BLACK.stroke_width(2))]).map_err(told)?;
+    plane.draw_series([Rectangle::new(corners, BLACK.stroke_width(2))])?;
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! Figs. 12 and 13.
 
-use super::super::compose::{axis, curve, figure, lines};
-use super::super::joint::{Instant, Phi};
-use super::super::record::{Figure, Panel};
-use super::{CASES, GAINS, RATE, runs};
+use super::cases::{CASES, GAINS, RATE, runs};
+use crate::compose::{axis, curve, figure, lines};
+use crate::joint::{Instant, Phi};
+use crate::record::{Figure, Panel};
 
 /// φ, and φ̂ of each run.
 fn panel(title: &str, phi: &Phi, runs: &[(String, Vec<Instant>)]) -> Panel {

@@ -1,6 +1,6 @@
 //! The page of the reproduction: every statement of the paper with its verdict, and what it rests on.
 
-use crate::{Reproduction, Section, Statement, Table, Verdict};
+use crate::record::{Reproduction, Section, Table};
 use maud::{Markup, PreEscaped, html};
 
 use crate::figure::draw as reproduction_figure;
@@ -9,10 +9,7 @@ use phihat_report::kit::{Page, anchor};
 
 mod overview;
 mod statement;
-
-/// The paper.
-const PAPER: &str = "R. Hayat, M. Leibold, M. Buss, “Robust-Adaptive Controller Design for Robot Manipulators Using \
-                     the H∞ Approach”, IEEE Access, 2018";
+mod words;
 
 /// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
 /// made of styles.
@@ -28,20 +25,6 @@ pub fn reproduction_page(reproduction: &Reproduction) -> String {
     };
     Page { title: "The paper, reproduced", style: include_str!("reproduction.css"), script: None }
         .document(&main)
-}
-
-/// Every statement, in the order of the page.
-fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
-    reproduction.sections.iter().flat_map(|section| &section.statements)
-}
-
-/// A verdict's class in the style sheet.
-fn class(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reproduced => "reproduced",
-        Verdict::WithCorrection => "corrected",
-        Verdict::NotReproducible => "not",
-    }
 }
 
 fn part(section: &Section) -> Markup {

@@ -1,10 +1,15 @@
 //! What came of the paper, at a glance: counts, links, assumptions.
 
-use crate::{Origin, Reproduction, Statement, Verdict};
+use crate::record::{Origin, Reproduction, Statement, Verdict};
 use maud::{Markup, html};
 
-use super::{PAPER, anchor, class, statements};
+use super::words::{class, statements, whose};
+use phihat_report::kit::anchor;
 use phihat_report::kit::text::{line, prose};
+
+/// The paper.
+const PAPER: &str = "R. Hayat, M. Leibold, M. Buss, “Robust-Adaptive Controller Design for Robot Manipulators Using \
+                     the H∞ Approach”, IEEE Access, 2018";
 
 /// The paper's statements of a verdict: what is counted.
 fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &Statement> {
@@ -92,15 +97,6 @@ fn beside(reproduction: &Reproduction) -> Markup {
             " " (line(&statement.claim)) " (" (whose(statement)) ")"
         } } }
     } }
-}
-
-/// Why a statement is not counted, in a word; empty for the paper's.
-pub(super) fn whose(statement: &Statement) -> &'static str {
-    match statement.origin {
-        Origin::Paper => "",
-        Origin::Again => "looked at once more",
-        Origin::Ours => "a finding of this project",
-    }
 }
 
 pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {

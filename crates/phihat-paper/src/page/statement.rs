@@ -1,10 +1,10 @@
 //! Statements: the paper's value beside ours, and everything needed to doubt either.
 
-use crate::{Number, Origin, Section, Statement};
+use crate::record::{Number, Origin, Section, Statement};
 use maud::{Markup, html};
 
-use super::overview::whose;
-use super::{anchor, class};
+use super::words::{class, whose};
+use phihat_report::kit::anchor;
 use phihat_report::kit::number::{percent, stated};
 use phihat_report::kit::text::{line, prose};
 

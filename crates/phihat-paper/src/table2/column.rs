@@ -5,6 +5,8 @@ use phihat_design::claims::weights::q_diagonal;
 use phihat_design::claims::{Law, Optimality, Refused, polynomial};
 use phihat_design::prelude::*;
 
+use crate::part::PartError;
+
 /// One column as printed.
 pub(super) struct Column {
     pub(super) name: &'static str,
@@ -54,8 +56,8 @@ impl Column {
     }
 }
 
-pub(super) fn refusal(law: &Law, k_tilde: f64) -> Result<Option<Refused>, String> {
-    match Optimality::at(law, k_tilde).map_err(|e| e.to_string())? {
+pub(super) fn refusal(law: &Law, k_tilde: f64) -> Result<Option<Refused>, PartError> {
+    match Optimality::at(law, k_tilde)? {
         Optimality::Refuted(refused) => Ok(Some(refused)),
         Optimality::Certified(_) => Ok(None),
     }

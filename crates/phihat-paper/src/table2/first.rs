@@ -4,11 +4,12 @@ use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three};
-use super::super::gains::{PHI_MAX, first};
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
 use super::column::{COLUMNS, limits, refusal};
+use crate::compose::{number, three};
+use crate::gains::{PHI_MAX, first};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// `c = φ_max/(K̃ e_max)` and `√(c² + 2K_p)`.
 fn terms(k_tilde: f64, kp: f64, phi: f64) -> (f64, f64) {
@@ -17,10 +18,10 @@ fn terms(k_tilde: f64, kp: f64, phi: f64) -> (f64, f64) {
 }
 
 /// K̃ = 222, K_p = 200, K_d = 32.3.
-pub(super) fn a1() -> Result<Statement, String> {
+pub(super) fn a1() -> Result<Statement, PartError> {
     let column = &COLUMNS[0];
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(1) };
-    let least = MinimalGains::first_order(&limits).map_err(|e| e.to_string())?;
+    let least = MinimalGains::first_order(&limits)?;
     let kp = 2.0 * PHI_MAX / (column.k_tilde * 1e-3);
     let (c, root) = terms(column.k_tilde, kp, PHI_MAX);
     let near = |value: f64, printed: f64, digit: f64| (value - printed).abs() <= digit;
@@ -30,7 +31,7 @@ pub(super) fn a1() -> Result<Statement, String> {
     let half = near(least.k_tilde / 2.0, column.k_tilde, 0.5)
         && near(kp, column.kp, 0.5)
         && near(c + root, column.kd, 0.1);
-    Ok(Said {
+    Ok(Published {
         id: "table2-a1",
         place: "Table 2 (A), m = 1",
         claim: "K̃, K_p and K_d are the least that (44) allows",
@@ -68,7 +69,7 @@ pub(super) fn kd_sign() -> Statement {
         let row = 0.5 * column.k_tilde * (kd * kd - 2.0 * column.kp) * 1e-2;
         (row - kd * PHI_MAX).abs() < 1e-9 * kd * PHI_MAX
     };
-    Said {
+    Published {
         id: "erratum-kd",
         place: "After (44)",
         claim: "K_d > √(2K_p + c²) − c solves the second row of (44)",
@@ -85,17 +86,17 @@ pub(super) fn kd_sign() -> Statement {
 }
 
 /// K̃ = 3.3, K_p = 78, K_d = 0.
-pub(super) fn b1() -> Result<Statement, String> {
+pub(super) fn b1() -> Result<Statement, PartError> {
     let column = &COLUMNS[1];
     let law = Law { a: vec![1.1 * column.k_tilde], ..column.law() };
     let refused = refusal(&law, column.k_tilde)?;
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(1) };
-    let ours = MinimalGains::newton(&limits, Feedback::Included).map_err(|e| e.to_string())?;
+    let ours = MinimalGains::newton(&limits, Feedback::Included)?;
     let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
     let rows = column.phi_of_rows(Feedback::Included).into_iter().flatten();
     let rows: Vec<_> = rows.map(|phi| three(phi.into())).collect();
     let printed = (ours.k_tilde - column.k_tilde).abs() < 0.1 && (ours.kp - column.kp).abs() < 1.0;
-    Ok(Said {
+    Ok(Published {
         id: "table2-b1",
         place: "Table 2 (B), m = 1",
         claim: "K̃, K_p and K_d are the least with xᵀSBBᵀSx included",
@@ -120,19 +121,19 @@ pub(super) fn b1() -> Result<Statement, String> {
 }
 
 /// At m = 1 two of three gains do not depend on φ_max, γ, or whether the term counts.
-pub(super) fn equal_rows() -> Result<Statement, String> {
+pub(super) fn equal_rows() -> Result<Statement, PartError> {
     let mut spread: f64 = 0.0;
     for phi_max in [0.4, 11.1, 22.2, 200.0] {
         for feedback in [Feedback::Ignored, Feedback::Included] {
             let limits = ErrorLimits { phi_max, x_max: limits(1) };
-            let found = MinimalGains::newton(&limits, feedback).map_err(|e| e.to_string())?;
+            let found = MinimalGains::newton(&limits, feedback)?;
             spread =
                 spread.max((found.kp - 100.0).abs() / 100.0).max((found.kd - 20.0).abs() / 20.0);
         }
     }
     let printed =
         COLUMNS[..2].iter().all(|c| (c.kp - 100.0).abs() < 1.0 && (c.kd - 20.0).abs() < 0.1);
-    Ok(Said {
+    Ok(Published {
         id: "table2-equal-rows",
         place: "Table 2 (A), (B), m = 1",
         claim: "Both columns solve (44) at the limits (48), for some φ_max and γ",
@@ -150,12 +151,12 @@ pub(super) fn equal_rows() -> Result<Statement, String> {
 }
 
 /// (C), m = 1.
-pub(super) fn c1() -> Result<Statement, String> {
+pub(super) fn c1() -> Result<Statement, PartError> {
     let refused = refusal(&first(), COLUMNS[2].k_tilde)?;
-    let least = Attenuation::of(&first()).map_err(|e| e.to_string())?.gamma_diagonal;
+    let least = Attenuation::of(&first())?.gamma_diagonal;
     let k_tilde = COLUMNS[2].k_tilde;
     let gamma = (first().a_top() - k_tilde).sqrt().recip();
-    Ok(Said {
+    Ok(Published {
         id: "table2-c1",
         place: "Table 2 (C), m = 1",
         claim: "The gains that were used satisfy B1 and B2",

@@ -9,15 +9,15 @@ use phihat_design::claims::{ErrorLimits, MinimalGains};
 
 use super::compose::{number, three, words};
 use super::gains::PHI_MAX;
+use super::published::Published;
 use super::record::{Section, Statement, Table, Verdict};
-use super::said::Said;
-use super::{Extent, Part};
+use crate::part::{Extent, Part, PartError};
 use column::{COLUMNS, Column, limits};
 use first::{a1, b1, c1, equal_rows, kd_sign};
 use second::{a2, b2, c2};
 
 /// Everything about Table 2.
-pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
+pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
     let mut statements = vec![a1()?, kd_sign()];
     progress(0.2);
     statements.extend([b1()?, equal_rows()?, a2()?, b2()?]);
@@ -49,7 +49,7 @@ fn higher() -> Statement {
     let (one, two) = (below(&COLUMNS[2], &COLUMNS[0]), below(&COLUMNS[5], &COLUMNS[3]));
     let factors = [&COLUMNS[0], &COLUMNS[3]].map(|a| a.k_tilde / COLUMNS[2].k_tilde);
     let of_b = below(&COLUMNS[2], &COLUMNS[1]) + below(&COLUMNS[5], &COLUMNS[4]);
-    Said {
+    Published {
         id: "table2-higher",
         place: "Sec. VII-A",
         claim: "The gains that were used are higher than required",
@@ -73,7 +73,7 @@ fn higher() -> Statement {
 
 /// "Mentioned in table 1".
 fn number_of_table() -> Statement {
-    Said {
+    Published {
         id: "erratum-table-number",
         place: "Sec. VII-A",
         claim: "The control parameters stand in Table 1",
@@ -105,7 +105,7 @@ fn rows_table() -> Table {
     }
 }
 
-fn newton_table() -> Result<Table, String> {
+fn newton_table() -> Result<Table, PartError> {
     let mut rows = Vec::new();
     for order in 1..=3 {
         for (feedback, letter) in [(Feedback::Ignored, "A"), (Feedback::Included, "B")] {
@@ -114,7 +114,7 @@ fn newton_table() -> Result<Table, String> {
                 _ => limits(order),
             };
             let limits = ErrorLimits { phi_max: PHI_MAX, x_max };
-            let found = MinimalGains::newton(&limits, feedback).map_err(|e| e.to_string())?;
+            let found = MinimalGains::newton(&limits, feedback)?;
             let b: Vec<_> = found.b.iter().map(|b| three((*b).into())).collect();
             rows.push(words(&[
                 format!("m = {order} ({letter})"),

@@ -4,22 +4,23 @@ use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains, polynomial};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three};
-use super::super::gains::{PHI_MAX, second_h1, second_h2, second_h3};
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
 use super::column::{COLUMNS, limits, refusal};
+use crate::compose::{number, three};
+use crate::gains::{PHI_MAX, second_h1, second_h2, second_h3};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// b_0 = 0.
-pub(super) fn a2() -> Result<Statement, String> {
+pub(super) fn a2() -> Result<Statement, PartError> {
     let column = &COLUMNS[3];
     let law = Law { a: vec![0.0, 1.05 * column.k_tilde], ..column.law() };
     let refused = refusal(&law, column.k_tilde)?;
     let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
     let phi: Vec<_> = column.phi_of_rows(Feedback::Ignored).into_iter().map(three).collect();
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
-    let ours = MinimalGains::newton(&limits, Feedback::Ignored).map_err(|e| e.to_string())?;
-    Ok(Said {
+    let ours = MinimalGains::newton(&limits, Feedback::Ignored)?;
+    Ok(Published {
         id: "table2-a2",
         place: "Table 2 (A), m = 2",
         claim: "The least gains of order 2 by (44)",
@@ -48,7 +49,7 @@ pub(super) fn a2() -> Result<Statement, String> {
 }
 
 /// K̃ = 63.4, 100, 20, 20: the one column with a certificate at m = 2.
-pub(super) fn b2() -> Result<Statement, String> {
+pub(super) fn b2() -> Result<Statement, PartError> {
     let column = &COLUMNS[4];
     let law = column.law();
     let raised = Law { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law };
@@ -57,9 +58,9 @@ pub(super) fn b2() -> Result<Statement, String> {
     let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
         .map(|f| rows.iter().copied().reduce(f).unwrap_or(f64::NAN));
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
-    let ours = MinimalGains::newton(&limits, Feedback::Included).map_err(|e| e.to_string())?;
+    let ours = MinimalGains::newton(&limits, Feedback::Included)?;
     let same = high / low < 1.01 && (low / PHI_MAX - 1.0).abs() < 0.01;
-    Ok(Said {
+    Ok(Published {
         id: "table2-b2",
         place: "Table 2 (B), m = 2",
         claim: "The least gains of order 2 with xᵀSBBᵀSx included",
@@ -96,10 +97,10 @@ pub(super) fn b2() -> Result<Statement, String> {
 }
 
 /// (C), m = 2.
-pub(super) fn c2() -> Result<Statement, String> {
+pub(super) fn c2() -> Result<Statement, PartError> {
     let column = &COLUMNS[5];
     let refused = refusal(&second_h1(), column.k_tilde)?;
-    let at_any = |law: &Law| Attenuation::of(law).map_err(|e| e.to_string());
+    let at_any = |law: &Law| Attenuation::of(law);
     let (h1, h2, h3) = (
         at_any(&second_h1())?.return_difference,
         at_any(&second_h2())?.return_difference,
@@ -109,7 +110,7 @@ pub(super) fn c2() -> Result<Statement, String> {
     let halved_said = halved.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
     let stable = polynomial::is_hurwitz(&second_h1().denominator(1.0));
     let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
-    Ok(Said {
+    Ok(Published {
         id: "table2-c2",
         place: "Table 2 (C), m = 2",
         claim: "The gains that were used satisfy A1 to A3",

@@ -1,16 +1,16 @@
 //! The proposed law against PD and against the robust controller.
 
-use super::super::compose::{number, three};
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
+use super::arm::{Arm, RUNS};
 use super::printed::PRINTED;
-use super::ratios::{ends, on_arms, over_proposed, printed_ratios, ratios, said, span};
-use super::{Arm, RUNS};
+use super::ratios::{ends, on_arms, over_proposed, printed_ratios, ratios, span, written};
+use crate::compose::{number, three};
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 pub(super) fn beats_pd(arms: &[Arm]) -> Statement {
     let (ours, least) = on_arms(arms, |arm| ratios(&arm.stated, 0, 2));
-    let paper = said(span(&printed_ratios(0, 2)));
-    Said {
+    let paper = written(span(&printed_ratios(0, 2)));
+    Published {
         id: "table3-pd",
         place: "Table 3, Fig. 14",
         claim: "The proposed law's (51) is smaller than that of PD with the same K_p, K_d, on every joint",
@@ -28,7 +28,7 @@ pub(super) fn beats_pd(arms: &[Arm]) -> Statement {
 pub(super) fn beats_comparator(arms: &[Arm]) -> Statement {
     let (ours, least) = on_arms(arms, |arm| ratios(&arm.stated, 1, 2));
     let (weak, _) = on_arms(arms, |arm| over_proposed(arm, &arm.weak));
-    let paper = said(span(&printed_ratios(1, 2)));
+    let paper = written(span(&printed_ratios(1, 2)));
     let joint_2 = PRINTED[1][1] / PRINTED[1][0];
     let better = |of: &dyn Fn(&Arm) -> Vec<f64>| -> usize {
         arms.iter().flat_map(of).filter(|ratio| *ratio > 1.0).count()
@@ -40,7 +40,7 @@ pub(super) fn beats_comparator(arms: &[Arm]) -> Statement {
         let weak = ends(arm, "weak comparator : proposed", &over_proposed(arm, &arm.weak), 0.05);
         ends(arm, "comparator : proposed", &ratios(&arm.stated, 1, 2), 0.05).into_iter().chain(weak)
     });
-    Said {
+    Published {
         id: "table3-comparator",
         place: "Table 3, Fig. 14",
         claim: "The proposed law's (51) is much smaller than that of the robust controller, tuned by trial and error",
@@ -71,8 +71,8 @@ pub(super) fn fair(arms: &[Arm]) -> Statement {
     let wins = |arm: &Arm| ratios(&arm.fair, 1, 2).into_iter().filter(|ratio| *ratio > 1.0).count();
     let counts: Vec<(&Arm, usize)> = arms.iter().map(|arm| (arm, wins(arm))).collect();
     let (pd, _) = on_arms(arms, |arm| ratios(&arm.fair, 0, 2));
-    let said = counts.iter().map(|(arm, wins)| format!("{} on {wins} of 7 joints", arm.name()));
-    let said: Vec<String> = said.collect();
+    let won = counts.iter().map(|(arm, wins)| format!("{} on {wins} of 7 joints", arm.name()));
+    let won: Vec<String> = won.collect();
     let lost = |(arm, _): &(&Arm, usize)| {
         let all = ratios(&arm.fair, 1, 2);
         let lost = all.iter().zip(1..).filter(|(ratio, _)| **ratio <= 1.0);
@@ -88,14 +88,14 @@ pub(super) fn fair(arms: &[Arm]) -> Statement {
             ends(arm, "H∞ PID : proposed, tuned alike", &ratios(&arm.fair, 1, 2), 0.05);
         [number(&name, "", *wins as f64, 0.0), least, largest]
     });
-    Said {
+    Published {
         id: "table3-fair",
         place: "Table 3's laws, tuned alike",
         claim: "With every law tuned alike the proposed law is better than the robust controller on every joint",
         paper: "not stated; by trial and error: on every joint",
     }
     .found(
-        format!("H∞ PID : proposed = {ours}; the proposed law is better: {}", said.join(", ")),
+        format!("H∞ PID : proposed = {ours}; the proposed law is better: {}", won.join(", ")),
         Verdict::of(least > 1.0, most),
         format!(
             "The H∞ PID is better on these joints: {}. {RUNS} runs each, noise capped alike. PD : proposed = {pd}. What is left between \

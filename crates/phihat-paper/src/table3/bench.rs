@@ -4,6 +4,7 @@ use phihat_rivals::{Entry, Tuning, rival};
 use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::{Reference, Study};
 
+use crate::part::PartError;
 use phihat_compare::{Adapter, NOISE_CAP, supply, tune};
 
 /// The columns of Table 3: id of the law, name.
@@ -44,10 +45,14 @@ pub(super) struct Score {
 }
 
 impl Bench {
-    pub(super) fn new(path: &'static str, arm: &'static str, text: &str) -> Result<Self, String> {
+    pub(super) fn new(
+        path: &'static str,
+        arm: &'static str,
+        text: &str,
+    ) -> Result<Self, PartError> {
         let study = Study::from_text(text, path, std::path::Path::new(""));
-        let study = study.map_err(|e| e.to_string())?;
-        let gains = study.gains.as_ref().ok_or_else(|| format!("{path} states no gains"))?;
+        let study = study?;
+        let gains = study.gains.as_ref().ok_or(PartError::NoGains(path))?;
         let units = gains.inertia.clone();
         Ok(Self { path, arm, study, units })
     }
@@ -65,17 +70,17 @@ impl Bench {
     }
 
     /// Runs a law at given values on the reference that counts.
-    pub(super) fn score(&self, id: &str, values: &[f64]) -> Result<Score, String> {
+    pub(super) fn score(&self, id: &str, values: &[f64]) -> Result<Score, PartError> {
         self.run(entry(id)?, values, &self.study)
     }
 
     /// Runs a law at its [`Bench::stated`] values.
-    pub(super) fn at_stated(&self, id: &str) -> Result<Score, String> {
+    pub(super) fn at_stated(&self, id: &str) -> Result<Score, PartError> {
         self.score(id, &Self::stated(entry(id)?))
     }
 
     /// The comparator with `K` and `1/γ²` times `share` of the defaults, its error dynamics unchanged.
-    pub(super) fn comparator_at(&self, share: f64) -> Result<Score, String> {
+    pub(super) fn comparator_at(&self, share: f64) -> Result<Score, PartError> {
         let id = LAWS[1].0;
         let mut values = Self::stated(entry(id)?);
         if let [_, _, gain, attenuation] = &mut values[..] {
@@ -86,7 +91,7 @@ impl Bench {
     }
 
     /// Tunes a law on two other references, with `runs` runs.
-    pub(super) fn tuned(&self, id: &str, runs: usize) -> Result<Vec<f64>, String> {
+    pub(super) fn tuned(&self, id: &str, runs: usize) -> Result<Vec<f64>, PartError> {
         let entry = entry(id)?;
         let studies = [(1.4, 1.0, 0.8), (0.8, 2.5, 1.1)].map(|change| self.training(change));
         let cost = |values: &[f64]| {
@@ -114,20 +119,20 @@ impl Bench {
         study
     }
 
-    fn run(&self, entry: &Entry, values: &[f64], study: &Study) -> Result<Score, String> {
+    fn run(&self, entry: &Entry, values: &[f64], study: &Study) -> Result<Score, PartError> {
         let period = study.control.period_ns as f64 * 1e-9;
-        let tuning = Tuning::new(values, &self.units, period).map_err(|e| e.to_string())?;
-        let supply = supply(study, &self.units, 1.0).map_err(|e| e.to_string())?;
-        let law = entry.build(&tuning, &supply).map_err(|e| e.to_string())?;
+        let tuning = Tuning::new(values, &self.units, period)?;
+        let supply = supply(study, &self.units, 1.0)?;
+        let law = entry.build(&tuning, &supply)?;
         let driver = Adapter::new(law, self.units.len());
         let simulation = Simulation::driven(study, driver, &self.units);
-        let outcome = simulation.map_err(|e| e.to_string())?.run(|_| ());
+        let outcome = simulation?.run(|_| ());
         Ok(Score::of(&outcome, study, &self.units))
     }
 }
 
-fn entry(id: &str) -> Result<&'static Entry, String> {
-    rival(id).ok_or_else(|| format!("no law {id}"))
+fn entry(id: &str) -> Result<&'static Entry, PartError> {
+    rival(id).ok_or_else(|| PartError::NoLaw(id.to_owned()))
 }
 
 impl Score {

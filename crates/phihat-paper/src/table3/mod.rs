@@ -1,6 +1,7 @@
 //! Table 3 and Fig. 14: PD, the H-infinity PID and the proposed law on arms of seven joints.
 
 mod against;
+mod arm;
 mod bench;
 mod page;
 mod printed;
@@ -10,9 +11,11 @@ mod words_only;
 
 use super::compose::{section, words};
 use super::record::Section;
-use super::{Assumption, Extent, Part};
+use crate::part::{Extent, Part, PartError};
+use crate::record::Assumption;
 use against::{beats_comparator, beats_pd, fair};
-use bench::{Bench, LAWS, Score};
+use arm::{Arm, RUNS};
+use bench::Bench;
 use page::{errors_table, fig_14, gains_table};
 use size::{size, unit};
 
@@ -22,48 +25,8 @@ pub(super) const SHIPPED: [(&str, &str); 2] = [
     ("studies/paper/table3_iiwa14.toml", include_str!("../../studies/table3_iiwa14.toml")),
 ];
 
-/// Runs of the optimiser per law and arm.
-const RUNS: usize = 40;
-
-/// What a comparator of a weaker hand is given, over its default gains.
-const WEAK: f64 = 0.25;
-
-/// Every run on one arm.
-struct Arm {
-    bench: Bench,
-    /// PD and the proposed law with the same gains, the comparator at its defaults.
-    stated: Vec<Score>,
-    /// The comparator with [`WEAK`] times its gain.
-    weak: Score,
-    /// The proposed law of second order, estimator poles as for the first.
-    second: Score,
-    /// All tuned alike.
-    fair: Vec<Score>,
-    /// What the optimiser found.
-    values: Vec<Vec<f64>>,
-}
-
-impl Arm {
-    fn of(bench: Bench, mut done: impl FnMut()) -> Result<Self, String> {
-        let (mut stated, mut fair, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        for (id, _) in LAWS {
-            stated.push(bench.at_stated(id)?);
-            let tuned = bench.tuned(id, RUNS)?;
-            fair.push(bench.score(id, &tuned)?);
-            values.push(tuned);
-            done();
-        }
-        let (weak, second) = (bench.comparator_at(WEAK)?, bench.at_stated("proposed-2")?);
-        Ok(Self { bench, stated, weak, second, fair, values })
-    }
-
-    fn name(&self) -> &'static str {
-        self.bench.arm
-    }
-}
-
 /// Table 3 on two arms, with gains as far as they are stated, and with every law tuned alike.
-pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
+pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
     let (mut arms, mut done) = (Vec::new(), 0.0);
     for ((path, text), name) in SHIPPED.into_iter().zip(["panda", "iiwa14"]) {
         let bench = Bench::new(path, name, text)?;
@@ -90,7 +53,7 @@ fn assumptions() -> Vec<Assumption> {
     }]
 }
 
-fn page(arms: &[Arm]) -> Result<Section, String> {
+fn page(arms: &[Arm]) -> Result<Section, PartError> {
     let text = format!(
         "Gains as far as the paper states them: PD and the proposed law with the same K_p and K_d. Its comparator was tuned by trial \
          and error, to gains that are not printed; here it has this project's default gains, and once a quarter of them. Then, a \

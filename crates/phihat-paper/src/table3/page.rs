@@ -1,10 +1,10 @@
 //! Table 3 with ours beside it, the gains found, and Fig. 14.
 
-use super::super::compose::{axis, curve, figure, lines, table, three, words};
-use super::super::record::{Figure, Panel, Table};
-use super::Arm;
+use super::arm::Arm;
 use super::bench::{LAWS, Score};
 use super::printed::PRINTED;
+use crate::compose::{axis, curve, figure, lines, table, three, words};
+use crate::record::{Figure, Panel, Table};
 
 pub(super) fn errors_table(arm: &Arm) -> Table {
     let cell = |v: f64| three(Some(v * 1e4));

@@ -1,10 +1,10 @@
 //! Ratios of (51) between the laws, per joint and arm.
 
-use super::super::compose::{number, three};
-use super::super::record::Number;
-use super::Arm;
+use super::arm::Arm;
 use super::bench::Score;
 use super::printed::PRINTED;
+use crate::compose::{number, three};
+use crate::record::Number;
 
 /// (51) of law `over` divided by that of law `under`, per joint.
 pub(super) fn ratios(scores: &[Score], over: usize, under: usize) -> Vec<f64> {
@@ -20,14 +20,14 @@ pub(super) fn span(ratios: &[f64]) -> [f64; 2] {
     ratios.iter().fold([f64::INFINITY, 0.0], |[low, high], r| [low.min(*r), high.max(*r)])
 }
 
-pub(super) fn said([low, high]: [f64; 2]) -> String {
+pub(super) fn written([low, high]: [f64; 2]) -> String {
     format!("{} … {}", three(low.into()), three(high.into()))
 }
 
 /// Spans on every arm, and the smallest ratio of all.
 pub(super) fn on_arms(arms: &[Arm], of: impl Fn(&Arm) -> Vec<f64>) -> (String, f64) {
     let spans: Vec<_> = arms.iter().map(|arm| (arm.name(), span(&of(arm)))).collect();
-    let text: Vec<_> = spans.iter().map(|(arm, s)| format!("{arm} {}", said(*s))).collect();
+    let text: Vec<_> = spans.iter().map(|(arm, s)| format!("{arm} {}", written(*s))).collect();
     (text.join("; "), spans.iter().fold(f64::INFINITY, |least, (_, s)| least.min(s[0])))
 }
 

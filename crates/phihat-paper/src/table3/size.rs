@@ -1,12 +1,12 @@
 //! How large the errors of Table 3 are, and in what unit.
 
-use super::super::compose::{number, three};
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
-use super::Arm;
+use super::arm::Arm;
 use super::bench::mean_square;
 use super::printed::PRINTED;
-use super::ratios::{ends, on_arms, printed_ratios, ratios, said, span};
+use super::ratios::{ends, on_arms, printed_ratios, ratios, span, written};
+use crate::compose::{number, three};
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// How much better than PD, and what either leaves beside the paper's.
 pub(super) fn size(arms: &[Arm]) -> Statement {
@@ -29,14 +29,14 @@ pub(super) fn size(arms: &[Arm]) -> Statement {
         numbers.extend(ends(arm, "rms of proposed, the paper's over ours", &rms(arm), 0.05));
         numbers.extend(ends(arm, "(51) of PD, the paper's over ours", &against(0, arm), 0.05));
     }
-    Said {
+    Published {
         id: "table3-size",
         place: "Table 3",
         claim: "By how much the proposed law is better than PD",
-        paper: &format!("{} times, (51)", said(printed)),
+        paper: &format!("{} times, (51)", written(printed)),
     }
     .found(
-        format!("{} times, (51)", said(ours)),
+        format!("{} times, (51)", written(ours)),
         Verdict::of(ours[0] <= printed[1] && printed[0] <= ours[1], false),
         format!(
             "Read as rad², the paper's proposed law leaves so many times the rms that it leaves here, joint by joint: {proposed}. Its \
@@ -58,7 +58,7 @@ pub(super) fn unit(arms: &[Arm]) -> Statement {
     let (ours, _) = on_arms(arms, |arm| {
         arm.stated[2].square.iter().map(|square| square.sqrt() * 1e3).collect()
     });
-    Said {
+    Published {
         id: "erratum-table3-unit",
         place: "Table 3, (51)",
         claim: "Table 3 lists (51), in rad",
@@ -71,8 +71,8 @@ pub(super) fn unit(arms: &[Arm]) -> Statement {
             "This shows the dimension of (51), a mean square and no integral; what the table holds it does not show. If it holds (51), its \
              unit is rad² and the proposed law leaves {} mrad rms; if it holds root mean squares in rad, it leaves {} mrad. Ours on \
              the two arms: {ours} mrad.",
-            said(span(&mean_squares)),
-            said(span(&as_rms))
+            written(span(&mean_squares)),
+            written(span(&as_rms))
         ),
         vec![number("factor", "", factor, 1e-9)],
     )

@@ -1,30 +1,30 @@
 //! What Sec. VII-D says without a figure: (40) on seven joints, and a higher order.
 
-use phihat_design::claims::{Iss, Optimality, PaperRadius, Refutation};
+use phihat_design::claims::{Iss, Optimality, PaperRadius};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three};
-use super::super::gains::first;
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
-use super::Arm;
+use super::arm::Arm;
+use crate::compose::{number, three};
+use crate::gains::first;
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// `K̃` of Table 2 (C).
 const K_TILDE: f64 = 68.9;
 
 /// "The performance criterion (40) is satisfied for seven joints".
-pub(super) fn radius(arms: &[Arm]) -> Result<Statement, String> {
-    let text = |e: Refutation| e.to_string();
+pub(super) fn radius(arms: &[Arm]) -> Result<Statement, PartError> {
     let law = first();
-    let claim = Optimality::at(&law, K_TILDE).map_err(text)?;
-    let certified = claim.certified().ok_or("m = 1 has no certificate")?;
-    let per_phi = PaperRadius::of(&Iss::of(&law, certified).map_err(text)?).printed;
-    let (mut numbers, mut said, mut slack) = (Vec::new(), Vec::new(), f64::INFINITY);
+    let claim = Optimality::at(&law, K_TILDE)?;
+    let certified = claim.certified().ok_or(PartError::NoCertificate("m = 1"))?;
+    let per_phi = PaperRadius::of(&Iss::of(&law, certified)?).printed;
+    let (mut numbers, mut listed, mut slack) = (Vec::new(), Vec::new(), f64::INFINITY);
     for arm in arms {
         let score = &arm.stated[2];
         let radius = per_phi * score.phi;
         slack = slack.min(radius / score.state);
-        said.push(format!(
+        listed.push(format!(
             "{}: |x| ≤ {}, (40) = {}",
             arm.bench.arm,
             three(score.state.into()),
@@ -35,14 +35,14 @@ pub(super) fn radius(arms: &[Arm]) -> Result<Statement, String> {
         numbers.push(number(&name("largest |φ/M̄|"), "rad/s²", score.phi, 0.05));
         numbers.push(number(&name("(40)"), "", radius, 0.05));
     }
-    Ok(Said {
+    Ok(Published {
         id: "eq40-seven-joints",
         place: "Sec. VII-D",
         claim: "The performance criterion (40) is satisfied for a robot of seven joints",
         paper: "in words",
     }
     .found(
-        format!("m = 1, all joints together: {}", said.join("; ")),
+        format!("m = 1, all joints together: {}", listed.join("; ")),
         Verdict::of(slack >= 1.0, false),
         format!(
             "For φ_max the largest |φ/M̄| of the run, and K̃ = {K_TILDE}. (40) is at least {} times what is met: a criterion as loose as \
@@ -56,7 +56,7 @@ pub(super) fn radius(arms: &[Arm]) -> Result<Statement, String> {
 
 /// "A higher order reduces the error; the transient will be worse".
 pub(super) fn higher_order(arms: &[Arm]) -> Statement {
-    let (mut numbers, mut said) = (Vec::new(), Vec::new());
+    let (mut numbers, mut listed) = (Vec::new(), Vec::new());
     let (mut better, mut worse, mut joints) = (0, true, 0);
     for arm in arms {
         let (one, two) = (&arm.stated[2], &arm.second);
@@ -67,7 +67,7 @@ pub(super) fn higher_order(arms: &[Arm]) -> Statement {
         let mean =
             |square: &[f64]| (square.iter().sum::<f64>() / square.len().max(1) as f64).sqrt();
         let rms = [mean(&one.square), mean(&two.square)];
-        said.push(format!(
+        listed.push(format!(
             "{}: (51) smaller on {less} of {} joints, rms {} and {} µrad; largest |e| before 4 s {} and {} mrad",
             arm.bench.arm,
             one.square.len(),
@@ -91,14 +91,14 @@ pub(super) fn higher_order(arms: &[Arm]) -> Statement {
         "The transient is not worse by its largest error; what grows with the order is how far it swings back \
          after a jump of φ (Remark 4, above)."
     };
-    Said {
+    Published {
         id: "order-seven-joints",
         place: "Sec. VII-D",
         claim: "A higher order reduces the error further, and makes the transient worse",
         paper: "in words",
     }
     .found(
-        format!("m = 1 and 2: {}", said.join("; ")),
+        format!("m = 1 and 2: {}", listed.join("; ")),
         Verdict::of(all && worse, all || worse),
         format!(
             "{} {transient} Observer form, started on the reference with φ̂ = 0 under gravity; both orders with every estimator pole \

@@ -4,13 +4,13 @@ use phihat_design::claims::Law;
 use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot};
 
-use super::super::compose::{number, three};
-use super::super::draw::Draw;
-use super::super::gains::K_TILDE_H3;
-use super::super::joint::length;
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
 use super::printed::Scalars;
+use crate::compose::{number, three};
+use crate::draw::Draw;
+use crate::gains::K_TILDE_H3;
+use crate::joint::length;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// `ρ⁻¹` of three kinds, `f r^p`: name, f, p.
 const RHO: [(&str, f64, f64); 3] = [("r", 1.0, 1.0), ("√r", 1.0, 0.5), ("1000 r³", 1e3, 3.0)];
@@ -55,7 +55,7 @@ pub(super) fn alpha(law: &Law, draws: usize) -> Statement {
     };
     let (broken, beyond) = (both(1.0), both(100.0));
     let names = RHO.map(|(name, ..)| name).join(", ");
-    Said {
+    Published {
         id: "theorem3-alpha",
         place: "Theorem 3, (29)",
         claim: "Under A1 to A3, α > ½ suffices, with any ρ",

@@ -2,12 +2,12 @@
 
 use phihat_design::claims::{Law, polynomial};
 
-use super::super::compose::{number, three};
-use super::super::draw::Draw;
-use super::super::gains::all;
-use super::super::joint::largest;
-use super::super::record::{Section, Statement, Verdict};
-use super::super::said::Said;
+use crate::compose::{number, three};
+use crate::draw::Draw;
+use crate::gains::all;
+use crate::joint::largest;
+use crate::published::Published;
+use crate::record::{Section, Statement, Verdict};
 
 /// Joints of the arm of (7).
 const N: usize = 3;
@@ -49,7 +49,7 @@ fn error_dynamics() -> Statement {
             worst = worst.max((left - (phi_hat[i] - phi)).abs() / size);
         }
     }
-    Said {
+    Published {
         id: "eq7-identity",
         place: "(7)",
         claim: "(1), (5) and (6) together give ë + K_dė + K_pe = φ̂ − φ",
@@ -82,7 +82,7 @@ fn feedback() -> Statement {
         largest(off.iter().map(to))
     };
     let worst = largest(all().iter().map(|(_, law)| difference(law)));
-    Said {
+    Published {
         id: "eq16-feedback",
         place: "(16), (19), (21), Remark 7",
         claim: "K of (16) is that of (19), and at m = 2 that of (21)",
@@ -114,8 +114,8 @@ fn parameters() -> Statement {
     let most = all().map(|(name, law)| (name, largest_inertia(&law)));
     let any = most.iter().all(|(_, inertia)| *inertia > 9e3);
     let own = all().iter().all(|(_, law)| polynomial::is_hurwitz(&law.denominator(1.0)));
-    let said = most.iter().map(|(name, inertia)| format!("{name}: {}", three((*inertia).into())));
-    Said {
+    let listed = most.iter().map(|(name, inertia)| format!("{name}: {}", three((*inertia).into())));
+    Published {
         id: "remark5-parameters",
         place: "Remarks 3, 5",
         claim: "The only parameters are a_i, K_p and K_d; q̈ in (5) only saves an estimate of the acceleration",
@@ -124,7 +124,7 @@ fn parameters() -> Statement {
     .found(
         format!(
             "stable in continuous time up to an inertia of [kg·m²] {}",
-            said.collect::<Vec<_>>().join("; ")
+            listed.collect::<Vec<_>>().join("; ")
         ),
         Verdict::of(any, own),
         "The q̈ of (5) and the q̈_d − K_dė − K_pe of (6) have a factor with the unit of an inertia that is printed as 1. It is \
@@ -141,7 +141,7 @@ fn parameters() -> Statement {
 fn extra_term() -> Statement {
     let stable =
         all().iter().filter(|(_, law)| polynomial::is_hurwitz(&law.denominator(1.0))).count();
-    Said {
+    Published {
         id: "remark6-extra-term",
         place: "Remark 6",
         claim: "(8) needs no term f(e, ė) for stability",
@@ -159,7 +159,7 @@ fn extra_term() -> Statement {
 
 /// Where things are said to be shown.
 fn references() -> Statement {
-    Said {
+    Published {
         id: "erratum-references",
         place: "(20), after Theorem 2",
         claim: "R⁻¹ is shown in Sec. V, and α = 1 explained in Sec. IV-B",

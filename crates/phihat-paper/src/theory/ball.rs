@@ -4,24 +4,25 @@ use phihat_design::claims::matrix::{apply, dot};
 use phihat_design::claims::{Iss, Law, Optimality, PaperRadius, PeakGains};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three};
-use super::super::draw::Draw;
-use super::super::gains::PHI_MAX;
-use super::super::joint::{flow, length};
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
 use super::bounds::{Bounds, Paper};
+use crate::compose::{number, three};
+use crate::draw::Draw;
+use crate::gains::PHI_MAX;
+use crate::joint::{flow, length};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// At how many random laws of order 1 with a certificate the worst φ drives an entry of x beyond (40), and of how many.
-fn beyond_40() -> Result<(usize, usize), String> {
+fn beyond_40() -> Result<(usize, usize), PartError> {
     let mut draw = Draw::new(40);
     let (mut beyond, mut seen) = (0, 0);
     for _ in 0..100 {
         let law = draw.law(1);
-        let claim = Optimality::at(&law, 0.9 * law.a_top()).map_err(|e| e.to_string())?;
+        let claim = Optimality::at(&law, 0.9 * law.a_top())?;
         let Some(certified) = claim.certified() else { continue };
-        let radius = PaperRadius::of(&Iss::of(&law, certified).map_err(|e| e.to_string())?).printed;
-        let peaks = PeakGains::of(&law, 1.0).map_err(|e| e.to_string())?;
+        let radius = PaperRadius::of(&Iss::of(&law, certified)?).printed;
+        let peaks = PeakGains::of(&law, 1.0)?;
         seen += 1;
         beyond += usize::from(peaks.states.iter().any(|gain| gain.lower > radius));
     }
@@ -29,12 +30,12 @@ fn beyond_40() -> Result<(usize, usize), String> {
 }
 
 /// (40) at the printed gains.
-pub(super) fn vacuous(b: &Bounds, paper: &Paper) -> Result<Statement, String> {
+pub(super) fn vacuous(b: &Bounds, paper: &Paper) -> Result<Statement, PartError> {
     let (beyond, seen) = beyond_40()?;
     let proven = PHI_MAX * b.peak();
     let [printed, corrected, met] =
         [paper.radius.printed, paper.radius.corrected, b.measured[2]].map(|v| PHI_MAX * v);
-    Ok(Said {
+    Ok(Published {
         id: "theorem5-radius",
         place: "Theorem 5, (40); Table 2 (C), m = 1",
         claim: "|x| in steady state is at most (40)",
@@ -91,7 +92,7 @@ pub(super) fn outside(law: &Law, paper: &Paper) -> Statement {
         inside_up += usize::from(!beyond && grows);
     }
     let inside_seen = DRAWS - outside_seen;
-    Said {
+    Published {
         id: "erratum-40-sign",
         place: "End of the proof of Theorem 5",
         claim: "V̇ < 0 if and only if |x| is at most (40)",
@@ -122,7 +123,7 @@ pub(super) fn not_invariant(law: &Law, iss: &Iss) -> Statement {
             most = most.max(length(&apply(&flow(&a, f64::from(k) * 1e-3), &start)));
         }
     }
-    Said {
+    Published {
         id: "erratum-40-cond",
         place: "(40)",
         claim: "The ball of (40) is left by states that start in it, by √cond(S) at most",

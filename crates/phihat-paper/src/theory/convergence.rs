@@ -4,11 +4,11 @@ use core::f64::consts::TAU;
 
 use phihat_design::claims::{Law, polynomial};
 
-use super::super::compose::{number, three, words};
-use super::super::gains::{OUTER, all, equal_rate};
-use super::super::joint::{Form, Phi, largest, run};
-use super::super::record::{Section, Statement, Table, Verdict};
-use super::super::said::Said;
+use crate::compose::{number, three, words};
+use crate::gains::{OUTER, all, equal_rate};
+use crate::joint::{Form, Phi, largest, run};
+use crate::published::Published;
+use crate::record::{Section, Statement, Table, Verdict};
 
 /// Estimator rate at which orders are compared \[rad/s\].
 const RATE: f64 = 69.6;
@@ -34,7 +34,7 @@ pub(super) fn lemma_1() -> Section {
         worst = worst.max(apart);
         rows.push(words(&[format!("{order}"), format!("{apart:.1e}")]));
     }
-    let equal = Said {
+    let equal = Published {
         id: "lemma1-forms",
         place: "Lemma 1",
         claim: "The feedback (16) of the integrals of e is the estimator (8)",
@@ -78,10 +78,10 @@ fn start() -> Statement {
     let printed = all().map(|(name, law)| (name, ladder(&law)));
     let eight = largest(all().iter().map(|(_, law)| first(law, Form::Estimator, &[e])));
     let least = printed.iter().fold(f64::INFINITY, |least, (_, v)| least.min(v.abs()));
-    let said = printed.iter().map(|(name, v)| format!("{name}: {}", three((*v).into())));
+    let listed = printed.iter().map(|(name, v)| format!("{name}: {}", three((*v).into())));
     let number =
         |(name, v): &(&str, f64)| number(&format!("φ̂(0) at e = 0.1 rad, {name}"), "N·m", *v, 1e-9);
-    Said {
+    Published {
         id: "lemma1-start",
         place: "Abstract; Sec. II-B; (9), (10)",
         claim: "The estimate starts from zero",
@@ -90,7 +90,7 @@ fn start() -> Statement {
     .found(
         format!(
             "φ̂(0) at e = 0.1 rad [N·m], (9) and (10): {}; (8): {}",
-            said.collect::<Vec<_>>().join("; "),
+            listed.collect::<Vec<_>>().join("; "),
             three(eight.into())
         ),
         Verdict::of(least < 1e-9, eight < 1e-9),
@@ -113,8 +113,8 @@ fn shapes() -> Statement {
         times(c, (n, 1)) == Some((n, 1)) && times(b, (n, 1)) == Some((states, 1))
     };
     let (printed, corrected) = (((n, 1), (states, 1)), ((n, n), (states, n)));
-    let said = |((r, c), (s, d)): (Shape, Shape)| format!("C {r}×{c}, B {s}×{d}");
-    Said {
+    let listed = |((r, c), (s, d)): (Shape, Shape)| format!("C {r}×{c}, B {s}×{d}");
+    Published {
         id: "erratum-shapes",
         place: "(1), (15)",
         claim: "C(q, q̇)q̇ and Bφ̂ are products of matrix and vector",
@@ -123,8 +123,8 @@ fn shapes() -> Statement {
     .found(
         format!(
             "n = 3, m = 2, for vectors of 3: printed {}; it takes {}",
-            said(printed),
-            said(corrected)
+            listed(printed),
+            listed(corrected)
         ),
         Verdict::of(defined(printed.0, printed.1), defined(corrected.0, corrected.1)),
         "C ∈ ℝ^{n×n} in (1), B ∈ ℝ^{(m+2)n×n} in (15). The paper uses both as if they were.",
@@ -157,7 +157,7 @@ pub(super) fn theorem_1() -> Section {
         numbers.push(number(&format!("|φ̃|/|φ| on a sine, m = {order}"), "", steady, 1e-4));
     }
     numbers.push(number("left of a polynomial of degree m − 1", "", vanish, 1e4));
-    let converges = Said {
+    let converges = Published {
         id: "theorem1-convergence",
         place: "Theorem 1",
         claim: "e = 0 and φ̃ = 0 are asymptotically stable",

@@ -5,12 +5,13 @@ use core::f64::consts::TAU;
 use phihat_design::claims::{Certified, Law, Optimality, polynomial};
 use phihat_design::prelude::*;
 
-use super::super::compose::{curve, lines, log_axis, number, three, words};
-use super::super::draw::Draw;
-use super::super::gains::{K_TILDE, K_TILDE_H3, all as laws, first, second_h3};
-use super::super::joint::{Form, Phi, largest, run};
-use super::super::record::{Bound, Figure, Number, Panel, Section, Statement, Verdict};
-use super::super::said::Said;
+use crate::compose::{curve, lines, log_axis, number, three, words};
+use crate::draw::Draw;
+use crate::gains::{K_TILDE, K_TILDE_H3, all as laws, first, second_h3};
+use crate::joint::{Form, Phi, largest, run};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Bound, Figure, Number, Panel, Section, Statement, Verdict};
 
 /// A step that resolves the estimator \[s\].
 const STEP: f64 = 2e-4;
@@ -27,9 +28,9 @@ struct Gain {
 }
 
 impl Gain {
-    fn of(name: &'static str, law: Law, k_tilde: f64) -> Result<Self, String> {
-        let claim = Optimality::at(&law, k_tilde).map_err(|e| e.to_string())?;
-        let certified = claim.certified().ok_or(format!("{name} has no certificate"))?.clone();
+    fn of(name: &'static str, law: Law, k_tilde: f64) -> Result<Self, PartError> {
+        let claim = Optimality::at(&law, k_tilde)?;
+        let certified = claim.certified().ok_or(PartError::NoCertificate(name))?.clone();
         let on = |(signal, phi): &(&'static str, Phi)| (*signal, gain_on(&law, &certified, phi));
         let runs = signals().iter().map(on).collect();
         let at = |omega: f64| gain_at(&law, &certified, omega);
@@ -63,7 +64,7 @@ fn grid() -> Vec<f64> {
 }
 
 /// The gain from φ to the cost, where there is a certificate.
-pub(super) fn l2_gain() -> Result<Section, String> {
+pub(super) fn l2_gain() -> Result<Section, PartError> {
     let all = [Gain::of("H3", second_h3(), K_TILDE_H3)?, Gain::of("m = 1", first(), K_TILDE)?];
     Ok(Section {
         id: "l2-gain".to_owned(),
@@ -96,7 +97,7 @@ fn bound(all: &[Gain]) -> Statement {
             three(g.peak.0.into())
         )
     };
-    Said {
+    Published {
         id: "l2-gain-bound",
         place: "(11), Theorem 2",
         claim: "∫(xᵀQx + φ̂ᵀRφ̂) ≤ γ² ∫φ² from rest",
@@ -118,17 +119,17 @@ fn bound(all: &[Gain]) -> Statement {
 fn smallest(all: &[Gain]) -> Statement {
     let star = |g: &Gain| (g.name, g.peak.1.sqrt(), g.certified.gamma);
     let found: Vec<_> = all.iter().map(star).collect();
-    let said = found.iter().map(|(name, star, gamma)| {
+    let listed = found.iter().map(|(name, star, gamma)| {
         format!("{name}: γ* = {}, certified γ = {}", three((*star).into()), three((*gamma).into()))
     });
-    Said {
+    Published {
         id: "gamma-star",
         place: "After (11)",
         claim: "There is a smallest γ* > 0 such that (11) holds for every γ > γ*",
         paper: "γ* > 0",
     }
     .found(
-        said.collect::<Vec<_>>().join("; "),
+        listed.collect::<Vec<_>>().join("; "),
         Verdict::of(found.iter().all(|(_, star, gamma)| 0.0 < *star && star <= gamma), false),
         "With Q and R given, γ*² is the largest gain over frequency, positive and finite for a stable loop. In the inverse \
          problem Q and R come with γ: another γ at the same a_{m−1} is another K̃, and another cost.",
@@ -144,7 +145,7 @@ fn below_gamma(all: &[Gain]) -> Statement {
         all.iter().map(gain).fold(0.0_f64, f64::max)
     };
     let (squares, norms) = (worst(false), worst(true));
-    Said {
+    Published {
         id: "gain-below-gamma",
         place: "After Theorem 2",
         claim: "The L₂ gain is less than γ",
@@ -230,8 +231,8 @@ fn not_in_l2() -> Statement {
         last = last.max(rows.last().map_or(f64::NAN, |x| x.e.abs()));
     }
     let bounded = most.iter().all(|(_, e)| *e < 0.1) && last < 1e-9;
-    let said = most.iter().map(|(name, e)| format!("{name}: {}", three((*e).into())));
-    Said {
+    let listed = most.iter().map(|(name, e)| format!("{name}: {}", three((*e).into())));
+    Published {
         id: "erratum-l2",
         place: "Sec. III, Sec. III-B",
         claim: "Stability for φ ∈ L₂[0, ∞) is stability of an arm",
@@ -242,7 +243,7 @@ fn not_in_l2() -> Statement {
             "a constant φ = {phi} has ∫φ² = {} and {} after 1 and 100 s; |e| peaks at [rad] {}, and is at most {last:.0e} after 10 s",
             three(energy(1.0).into()),
             three(energy(100.0).into()),
-            said.collect::<Vec<_>>().join("; "),
+            listed.collect::<Vec<_>>().join("; "),
         ),
         // The statement needs ∫φ² to stay finite for what acts on an arm.
         Verdict::of(energy(100.0) < 1.01 * energy(1.0), bounded),

@@ -4,21 +4,22 @@ use phihat_design::claims::matrix::{Matrix, apply, dot, product, sum, transpose}
 use phihat_design::claims::{Certified, Law, Optimality};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three, words};
-use super::super::gains::{K_TILDE_H3, all, second_h3};
-use super::super::joint::{flow, length, outer, zeros};
-use super::super::record::{Section, Statement, Verdict};
-use super::super::said::Said;
 use super::printed::{Q33, Scalars, residual_13};
+use crate::compose::{number, three, words};
+use crate::gains::{K_TILDE_H3, all, second_h3};
+use crate::joint::{flow, length, outer, zeros};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Section, Statement, Verdict};
 
 /// A step that resolves the estimator \[s\].
 const STEP: f64 = 1e-3;
 
 /// The optimality of Theorem 4, at H3.
-pub(super) fn theorem_4() -> Result<Section, String> {
+pub(super) fn theorem_4() -> Result<Section, PartError> {
     let law = second_h3();
-    let claim = Optimality::at(&law, K_TILDE_H3).map_err(|e| e.to_string())?;
-    let c = claim.certified().ok_or("H3 has a certificate at K̃ = 100")?;
+    let claim = Optimality::at(&law, K_TILDE_H3)?;
+    let c = claim.certified().ok_or(PartError::Missing("H3 has a certificate at K̃ = 100"))?;
     Ok(Section {
         id: "theorem-4".to_owned(),
         title: "Theorem 4: the law is one side of a game".to_owned(),
@@ -50,17 +51,17 @@ fn condition() -> Statement {
     let scalars = Scalars::of(&h3, K_TILDE_H3);
     let gamma = (h3.a_top() - K_TILDE_H3).sqrt().recip();
     let rest = residual_13(&h3, gamma, &scalars.q(Q33::Corrected), &scalars.s());
-    let said = all.iter().map(|(name, (low, high))| {
+    let listed = all.iter().map(|(name, (low, high))| {
         format!("{name}: {} … {}", three((*low).into()), three((*high).into()))
     });
-    Said {
+    Published {
         id: "theorem4-condition",
         place: "Theorem 4",
         claim: "The law is optimal if ρ⁻¹(|x|)/|x_Δ| = 1/γ², ρ ∈ K∞",
         paper: "ρ⁻¹(|x|)/|x_Δ| = 1/γ²",
     }
     .found(
-        format!("|x_Δ| at |x| = 1: {}", said.collect::<Vec<_>>().join("; ")),
+        format!("|x_Δ| at |x| = 1: {}", listed.collect::<Vec<_>>().join("; ")),
         Verdict::of(possible, rest < 1e-9),
         format!(
             "No ρ of class K∞ can meet the condition: ρ⁻¹(1) would have to be |x_Δ|/γ² for every x of length 1, and that is \
@@ -82,7 +83,7 @@ fn worst_case(law: &Law, c: &Certified) -> Statement {
     let apart = apart.fold(0.0, f64::max);
     let found: Vec<String> =
         (0..n).map(|i| three((p[i][n - 1] / (c.gamma * c.gamma)).into())).collect();
-    Said {
+    Published {
         id: "theorem4-worst-case",
         place: "Theorem 4",
         claim: "d = γ⁻²BᵀSx is the worst disturbance",
@@ -180,7 +181,7 @@ fn saddle(law: &Law, c: &Certified) -> Statement {
     let less = [0.0, 0.5, 0.9, 1.1, 1.5].map(|g| at(1.0, g));
     let more = [0.8, 0.9, 1.1, 1.3].map(|f| at(f, 1.0));
     let saddle = less.iter().all(|j| *j < played) && more.iter().all(|j| *j > played);
-    Said {
+    Published {
         id: "theorem4-value",
         place: "Theorem 4, last lines of its proof",
         claim: "φ̂ = −R⁻¹BᵀSx is optimal; the cost is set by V(x(0))",

@@ -5,24 +5,24 @@ use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot, sum};
 use phihat_design::claims::{Iss, Law, Optimality, polynomial};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three, words};
-use super::super::draw::Draw;
-use super::super::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, second_h1, second_h2, second_h3};
-use super::super::joint::{Form, Phi, largest, length, outer, run};
-use super::super::record::{Section, Statement, Verdict};
-use super::super::said::Said;
 use super::alpha;
 use super::printed::{Q33, Scalars};
+use crate::compose::{number, three, words};
+use crate::draw::Draw;
+use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, second_h1, second_h2, second_h3};
+use crate::joint::{Form, Phi, largest, length, outer, run};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Section, Statement, Verdict};
 
 /// Theorem 3 and what belongs to it.
-pub(super) fn theorem_3(draws: usize) -> Result<Section, String> {
+pub(super) fn theorem_3(draws: usize) -> Result<Section, PartError> {
     let law = second_h3();
-    let claim = Optimality::at(&law, K_TILDE_H3).map_err(|e| e.to_string())?;
-    let certified = claim.certified().ok_or("H3 has a certificate at K̃ = 100")?;
-    let iss = Iss::of(&law, certified).map_err(|e| e.to_string())?;
-    let of_loop = |(name, law): (&'static str, Law)| {
-        Iss::of_loop(&law).map(|iss| (name, law, iss)).map_err(|e| e.to_string())
-    };
+    let claim = Optimality::at(&law, K_TILDE_H3)?;
+    let certified =
+        claim.certified().ok_or(PartError::Missing("H3 has a certificate at K̃ = 100"))?;
+    let iss = Iss::of(&law, certified)?;
+    let of_loop = |(name, law): (&'static str, Law)| Iss::of_loop(&law).map(|iss| (name, law, iss));
     let any: Vec<_> = all().into_iter().map(of_loop).collect::<Result<_, _>>()?;
     Ok(Section {
         id: "theorem-3".to_owned(),
@@ -57,8 +57,8 @@ fn asymptotic() -> Statement {
     let loaded = all().map(|(name, law)| (name, end(&law, PHI_MAX), PHI_MAX / law.k()[0]));
     let off = largest(loaded.iter().map(|(_, x, closed)| x / closed - 1.0));
     let least = loaded.iter().fold(f64::INFINITY, |least, (_, x, _)| least.min(*x));
-    let said = loaded.iter().map(|(name, x, _)| format!("{name}: {}", three((*x).into())));
-    Said {
+    let listed = loaded.iter().map(|(name, x, _)| format!("{name}: {}", three((*x).into())));
+    Published {
         id: "eq28-asymptotic",
         place: "After (28)",
         claim: "Under (28) the system is asymptotically stable as well",
@@ -67,7 +67,7 @@ fn asymptotic() -> Statement {
     .found(
         format!(
             "|x| after 5 s at φ = 0: {free:.0e}; at a constant φ = {PHI_MAX}: {}",
-            said.collect::<Vec<_>>().join("; ")
+            listed.collect::<Vec<_>>().join("; ")
         ),
         Verdict::of(free < 1e-9 && least < 1e-9, free < 1e-9 && off < 1e-6),
         "At φ = 0, as any ISS system is. A φ that does not vanish keeps x away from zero: a constant one leaves the integral \
@@ -104,7 +104,7 @@ fn dissipation(law: &Law, iss: &Iss, any: &[(&str, Law, Iss)], draws: usize) -> 
         let word = |x: &Matrix| if failing_pivot(x).is_none() { "≻ 0" } else { "not ≻ 0" };
         format!("{name}: S {}, −(A−BK)ᵀS − S(A−BK) {}", word(&s), word(&decrease(&law, &s)))
     });
-    Said {
+    Published {
         id: "theorem3-dissipation",
         place: "Theorem 3, (27), (30)",
         claim: "Under A1 to A3, V = ½xᵀSx with S of (18) is an ISS-Lyapunov function",
@@ -158,7 +158,7 @@ fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
     let shares: Vec<_> =
         any.iter().map(|(name, law, iss)| (*name, share_of_24(law, iss))).collect();
     let most = largest(shares.iter().map(|(_, share)| *share));
-    let said = shares.iter().map(|(name, share)| format!("{name}: {:.0} %", 100.0 * share));
+    let listed = shares.iter().map(|(name, share)| format!("{name}: {:.0} %", 100.0 * share));
     let why = any.iter().map(|(name, _, iss)| {
         format!(
             "{name}: β = {} e^{{−{}t}}|x(0)|, gain {}",
@@ -167,7 +167,7 @@ fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
             three(iss.gain.upper.into())
         )
     });
-    Said {
+    Published {
         id: "theorem3-trajectories",
         place: "(24), (25)",
         claim: "|x(t)| ≤ β(|x(0)|, t) + gain · |φ|_∞",
@@ -176,7 +176,7 @@ fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
     .found(
         format!(
             "share of the bound at most, 20 runs with a switching φ each: {}",
-            said.collect::<Vec<_>>().join("; ")
+            listed.collect::<Vec<_>>().join("; ")
         ),
         Verdict::of(most <= 1.0, false),
         format!(
@@ -222,7 +222,7 @@ fn derivative(draws: usize) -> Statement {
     let (h3, missing) = off_32(&second_h3(), K_TILDE_H3, draws);
     let (h1, of_h1) = off_32(&second_h1(), K_TILDE, draws);
     let worst = h3.max(h1);
-    Said {
+    Published {
         id: "erratum-32",
         place: "(32), (34)",
         claim: "xᵀ(AᵀS + SA)x is the sum that is printed",
@@ -257,7 +257,7 @@ fn sign_of_39() -> Statement {
     };
     let count = |sign: f64| all().iter().filter(|(_, law)| stable(law, sign)).count();
     let (printed, corrected, laws) = (count(1.0), count(-1.0), all().len());
-    Said {
+    Published {
         id: "erratum-39",
         place: "(39)",
         claim: "φ̂ = (K̃ + I/γ²)x_Δ",

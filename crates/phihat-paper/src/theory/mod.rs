@@ -14,12 +14,14 @@ mod recipe;
 mod remark_9;
 mod rows;
 mod table;
+mod theorem_5;
 mod unmeasured;
 
-use super::{Assumption, Extent, Part};
+use crate::part::{Extent, Part, PartError};
+use crate::record::Assumption;
 
 /// Sec. II, Lemma 1, Theorems 1 to 5, (11), Remark 9, Sec. V.
-pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, String> {
+pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
     let draws = if extent.quick { 200 } else { 2000 };
     let mut sections =
         vec![background::section_2(), convergence::lemma_1(), convergence::theorem_1()];
@@ -33,7 +35,7 @@ pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Str
     progress(0.6);
     sections.push(game::theorem_4()?);
     progress(0.8);
-    sections.push(bounds::theorem_5()?);
+    sections.push(theorem_5::theorem_5()?);
     progress(0.95);
     sections.push(recipe::recipe()?);
     sections.push(unmeasured::unmeasured());

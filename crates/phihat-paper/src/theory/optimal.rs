@@ -5,18 +5,19 @@ use phihat_design::claims::weights::{conditions, q_diagonal};
 use phihat_design::claims::{Attenuation, Law, Optimality, polynomial};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three, words};
-use super::super::draw::Draw;
-use super::super::gains::{K_TILDE, K_TILDE_H3, equal_rate, second_h1, second_h2, second_h3};
-use super::super::record::{Section, Statement, Table, Verdict};
-use super::super::said::Said;
 use super::printed::{Q33, Scalars, q22, residual_13};
+use crate::compose::{number, three, words};
+use crate::draw::Draw;
+use crate::gains::{K_TILDE, K_TILDE_H3, equal_rate, second_h1, second_h2, second_h3};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Section, Statement, Table, Verdict};
 
 /// A residual that is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Theorem 2 and the remarks beside it.
-pub(super) fn theorem_2(draws: usize) -> Result<Section, String> {
+pub(super) fn theorem_2(draws: usize) -> Result<Section, PartError> {
     let (every, table) = every_order()?;
     Ok(Section {
         id: "theorem-2".to_owned(),
@@ -48,19 +49,19 @@ fn residuals(law: &Law, k_tilde: f64) -> [f64; 3] {
 }
 
 /// (18) with `Q_33` as printed and as (32) has it: (13) is an identity in the gains, definite or not.
-fn q33() -> Result<Statement, String> {
+fn q33() -> Result<Statement, PartError> {
     let law = second_h3();
     let [printed, corrected, gamma] = residuals(&law, K_TILDE_H3);
     let [h1, h2] = [second_h1(), second_h2()].map(|law| residuals(&law, K_TILDE));
     let scalars = Scalars::of(&law, K_TILDE_H3);
     let (q, s) = (scalars.q(Q33::Corrected), scalars.s());
     let definite = q.iter().all(|q_i| *q_i > 0.0) && failing_pivot(&s).is_none();
-    let certified = Optimality::at(&law, K_TILDE_H3).map_err(|e| e.to_string())?;
+    let certified = Optimality::at(&law, K_TILDE_H3)?;
     let same = certified.certified().is_some_and(|c| {
         c.q.iter().zip(&q).all(|(ours, theirs)| (ours / theirs - 1.0).abs() < 1e-12)
     });
     let every = |i: usize| [printed, corrected][i].max(h1[i]).max(h2[i]);
-    Ok(Said {
+    Ok(Published {
         id: "erratum-q33",
         place: "Theorem 2, (18)",
         claim: "Q and S of (18) solve (13) at m = 2",
@@ -104,7 +105,7 @@ fn conditions_suffice(draws: usize) -> Statement {
         certified += usize::from(holds && yes);
         beyond += usize::from(!holds && yes);
     }
-    Said {
+    Published {
         id: "theorem2-conditions",
         place: "Theorem 2, A1–A3",
         claim: "Under A1 to A3 the law of order 2 is optimal: Q ≻ 0, S ≻ 0",
@@ -129,7 +130,7 @@ fn conditions_suffice(draws: usize) -> Statement {
 }
 
 /// (22), B1, B2.
-fn first_order(draws: usize) -> Result<Statement, String> {
+fn first_order(draws: usize) -> Result<Statement, PartError> {
     let mut draw = Draw::new(1);
     let (mut worst, mut named, mut certified): (f64, usize, usize) = (0.0, 0, 0);
     for _ in 0..draws {
@@ -139,12 +140,12 @@ fn first_order(draws: usize) -> Result<Statement, String> {
             continue;
         }
         named += 1;
-        let claim = Optimality::at(&law, k_tilde).map_err(|e| e.to_string())?;
+        let claim = Optimality::at(&law, k_tilde)?;
         let Some(c) = claim.certified() else { continue };
         certified += 1;
         worst = worst.max(residual_13(&law, c.gamma, &q22(k_tilde, law.kp, law.kd), &c.s));
     }
-    Ok(Said {
+    Ok(Published {
         id: "theorem2-first-order",
         place: "(22), B1, B2",
         claim: "Q of (22) solves (13) at m = 1, under B1 and B2",
@@ -159,14 +160,14 @@ fn first_order(draws: usize) -> Result<Statement, String> {
 }
 
 /// m = 3 and 4.
-fn every_order() -> Result<(Statement, Table), String> {
+fn every_order() -> Result<(Statement, Table), PartError> {
     let (mut rows, mut worst, mut all): (Vec<_>, f64, bool) = (Vec::new(), 0.0, true);
     for order in 1..=4 {
         let law = equal_rate(order, 69.6);
-        let attenuation = Attenuation::of(&law).map_err(|e| e.to_string())?;
+        let attenuation = Attenuation::of(&law)?;
         let k_tilde = attenuation.k_tilde();
         let claim = k_tilde.map(|k| Optimality::at(&law, k)).transpose();
-        let claim = claim.map_err(|e| e.to_string())?;
+        let claim = claim?;
         let Some(c) = claim.as_ref().and_then(Optimality::certified) else {
             all = false;
             continue;
@@ -190,7 +191,7 @@ fn every_order() -> Result<(Statement, Table), String> {
         columns: words(&["m", "K̃ [1/s]", "γ, diagonal Q", "γ, any Q", "residual of (13) at K̃"]),
         rows,
     };
-    let statement = Said {
+    let statement = Published {
         id: "theorem2-orders",
         place: "Before Theorem 2",
         claim: "The proof can be extended to any m, but there is no general procedure",
@@ -207,7 +208,7 @@ fn every_order() -> Result<(Statement, Table), String> {
 }
 
 /// A2 is an artefact of the diagonal Q, and even there it is not necessary.
-fn damping_is_not_necessary() -> Result<Statement, String> {
+fn damping_is_not_necessary() -> Result<Statement, PartError> {
     let with = |kd: f64| Law { kd, ..second_h3() };
     let diagonal = |kd: f64| q_diagonal(&with(kd), K_TILDE_H3).iter().all(|q_i| *q_i > 0.0);
     let (mut low, mut high) = (1e-6, 40.0);
@@ -220,8 +221,8 @@ fn damping_is_not_necessary() -> Result<Statement, String> {
     let stable = [second_h1(), second_h2(), second_h3()]
         .iter()
         .all(|law| polynomial::is_hurwitz(&Law { kd: 0.5, ..law.clone() }.denominator(1.0)));
-    let gamma = Attenuation::of(&light).map_err(|e| e.to_string())?.gamma_return_difference;
-    Ok(Said {
+    let gamma = Attenuation::of(&light)?.gamma_return_difference;
+    Ok(Published {
         id: "theorem2-a2",
         place: "After Theorem 2",
         claim: "A2 is sufficient, not necessary, for stability",

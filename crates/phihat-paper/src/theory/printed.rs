@@ -5,7 +5,7 @@
 use phihat_design::claims::Law;
 use phihat_design::claims::matrix::{Matrix, product, transpose};
 
-use super::super::joint::{outer, zeros};
+use crate::joint::{outer, zeros};
 
 /// Which `Q_33` of (18).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

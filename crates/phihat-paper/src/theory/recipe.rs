@@ -8,17 +8,18 @@ use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::{ErrorLimits, Law, MinimalGains, Optimality};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three, words};
-use super::super::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, equal_rate, first, second_h3};
-use super::super::joint::{Form, Phi, largest, run};
-use super::super::record::{Section, Statement, Verdict};
-use super::super::said::Said;
+use crate::compose::{number, three, words};
+use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, equal_rate, first, second_h3};
+use crate::joint::{Form, Phi, largest, run};
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Section, Statement, Verdict};
 
 /// One turn of Fig. 4 \[rad/s\].
 const TURN: f64 = TAU / 6.17;
 
 /// The recipe of Secs. V and VII.
-pub(super) fn recipe() -> Result<Section, String> {
+pub(super) fn recipe() -> Result<Section, PartError> {
     Ok(Section {
         id: "recipe".to_owned(),
         title: "Secs. V-A, V-B, VII: the recipe".to_owned(),
@@ -52,7 +53,7 @@ fn term() -> Statement {
     let count = laws.iter().flat_map(|(law, k)| shares.map(|share| falls(law, *k, share)));
     let count = count.filter(|falls| *falls).count();
     let cases = laws.len() * shares.len();
-    Said {
+    Published {
         id: "term-ignored",
         place: "Sec. V-A",
         claim: "V̇ < 0 if a_{m−1} > K̃/2, so that the term (2a_{m−1} − K̃)xᵀSBBᵀSx may be left out",
@@ -78,16 +79,15 @@ fn closed_form(limits: &ErrorLimits) -> Option<[f64; 3]> {
 }
 
 /// "However, there is no analytical solution in that case."
-fn analytical() -> Result<Statement, String> {
+fn analytical() -> Result<Statement, PartError> {
     let mut off: f64 = 0.0;
     let mut paper = [f64::NAN; 3];
     for (phi_max, x_max) in
         [(PHI_MAX, [1e-3, 1e-2, 1e-1]), (5.0, [2e-3, 1e-2, 3e-1]), (80.0, [1e-4, 2e-3, 1e-1])]
     {
         let limits = ErrorLimits { phi_max, x_max: x_max.to_vec() };
-        let newton =
-            MinimalGains::newton(&limits, Feedback::Included).map_err(|e| e.to_string())?;
-        let closed = closed_form(&limits).ok_or("three limits")?;
+        let newton = MinimalGains::newton(&limits, Feedback::Included)?;
+        let closed = closed_form(&limits).ok_or(PartError::Missing("three limits"))?;
         let pairs = closed.iter().zip([newton.k_tilde, newton.kp, newton.kd]);
         off = off.max(largest(pairs.map(|(c, n)| c / n - 1.0)));
         if paper[0].is_nan() {
@@ -95,7 +95,7 @@ fn analytical() -> Result<Statement, String> {
         }
     }
     let [k_tilde, kp, kd] = paper;
-    Ok(Said {
+    Ok(Published {
         id: "analytical-first",
         place: "Sec. V-A, m = 1",
         claim: "With xᵀSBBᵀSx included there is no analytical solution",
@@ -121,11 +121,11 @@ fn analytical() -> Result<Statement, String> {
 }
 
 /// "Will still provide us with the optimal values."
-fn without_term() -> Result<Statement, String> {
-    let (mut said, mut numbers, mut holds) = (Vec::new(), Vec::new(), true);
+fn without_term() -> Result<Statement, PartError> {
+    let (mut listed, mut numbers, mut holds) = (Vec::new(), Vec::new(), true);
     for x_max in [vec![1e-3, 1e-2, 1e-1], vec![1e-4, 1e-3, 1e-2, 1e-1]] {
         let limits = ErrorLimits { phi_max: PHI_MAX, x_max };
-        let newton = |feedback| MinimalGains::newton(&limits, feedback).map_err(|e| e.to_string());
+        let newton = |feedback| MinimalGains::newton(&limits, feedback);
         let (ignored, included) = (newton(Feedback::Ignored)?, newton(Feedback::Included)?);
         let raised = |found: &MinimalGains| {
             let law = found.law();
@@ -137,7 +137,7 @@ fn without_term() -> Result<Statement, String> {
         };
         let order = limits.x_max.len() - 2;
         holds &= optimal(&ignored) && included.k_tilde < ignored.k_tilde;
-        said.push(format!(
+        listed.push(format!(
             "m = {order}: K̃ = {} without the term, {}; {} with it",
             three(ignored.k_tilde.into()),
             if optimal(&ignored) { "certified" } else { "refused" },
@@ -156,14 +156,14 @@ fn without_term() -> Result<Statement, String> {
             1e-6,
         ));
     }
-    Ok(Said {
+    Ok(Published {
         id: "optimal-without-term",
         place: "Sec. VII",
         claim: "Gains found without xᵀSBBᵀSx are still optimal; the least ones need it",
         paper: "still the optimal values",
     }
     .found(
-        said.join("; "),
+        listed.join("; "),
         Verdict::of(holds, false),
         "A row of (44) without the term can only be met with Q_ii > 0, so that gains from it are H-infinity optimal for \
          that Q. That is true of gains from (44), and not of the printed column (A) of m = 2, which has b_0 = 0.",
@@ -189,7 +189,7 @@ fn third_order() -> Statement {
     let laws = [1, 2, 3].map(|order| equal_rate(order, 20.0));
     let (time, left) = (laws.clone().map(|law| settles(&law)), laws.map(|law| left_of_turn(&law)));
     let say = |values: [f64; 3]| values.map(|v| three(v.into())).join(", ");
-    Said {
+    Published {
         id: "third-order-faster",
         place: "Sec. V-B",
         claim: "A third order converges faster than a second",
@@ -218,7 +218,7 @@ fn taylor() -> Statement {
         (h, largest((0..617).map(|k| off(f64::from(k) * 0.01))))
     });
     let falls = rest.windows(2).all(|w| w[1].1 < w[0].1);
-    Said {
+    Published {
         id: "eq46-gains",
         place: "(46), Sec. V-B",
         claim: "(46) is met when the a_i are high enough to converge within h",
@@ -242,15 +242,15 @@ fn taylor() -> Statement {
 fn step_three() -> Statement {
     let ratio = |law: &Law| law.a[0].powf(1.0 / law.order() as f64) / law.kp.sqrt();
     let found = all().map(|(name, law)| (name, ratio(&law)));
-    let said = found.iter().map(|(name, ratio)| format!("{name}: {}", three((*ratio).into())));
-    Said {
+    let listed = found.iter().map(|(name, ratio)| format!("{name}: {}", three((*ratio).into())));
+    Published {
         id: "step3-gain",
         place: "Sec. VII, step 3",
         claim: "Read as natural frequencies, (47) is 3 to 5 times as fast as (4) with the gains that are used here",
         paper: "gain 3–5 times higher",
     }
     .found(
-        said.collect::<Vec<_>>().join("; "),
+        listed.collect::<Vec<_>>().join("; "),
         Verdict::of(found.iter().all(|(_, ratio)| (3.0..=5.0).contains(ratio)), false),
         "The paper does not say what the gain of (47) is. As a_0^{1/m}/√K_p the recipe agrees with m = 1 and with all three \
          hypotheses of m = 2; as a_0/K_p it agrees with none of them.",

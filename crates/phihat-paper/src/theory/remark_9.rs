@@ -7,21 +7,22 @@ use phihat_design::claims::Law;
 use phihat_rivals::{All, Supply, Tuning, rival};
 use phihat_study::Study;
 
-use super::super::compose::{number, three};
-use super::super::draw::Draw;
-use super::super::gains::first;
-use super::super::record::{Section, Statement, Verdict};
-use super::super::said::Said;
 use super::printed::q22;
+use crate::compose::{number, three};
+use crate::draw::Draw;
+use crate::gains::first;
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Section, Statement, Verdict};
 use phihat_compare::supply;
 
 /// The two laws side by side, and their conditions.
-pub(super) fn remark_9() -> Result<Section, String> {
+pub(super) fn remark_9() -> Result<Section, PartError> {
     let law = first();
     let (gain, k_p) = (law.kd + law.a_top(), law.kp + law.a_top() * law.kd);
     let choi = [k_p / gain, law.a_top() * law.kp / gain, 0.5 * gain, (0.5 * gain).sqrt().recip()];
     let (apart, size) = torque_difference(&law, choi, 1e-3)?;
-    let equal = Said {
+    let equal = Published {
         id: "remark9-choi",
         place: "Remarks 9, 10",
         claim: "At m = 1 the law is similar to the H-infinity PID of Choi et al.",
@@ -70,7 +71,7 @@ fn conditions_of_q() -> Statement {
         same += usize::from(definite == b2(law));
         meet += usize::from(b2(law));
     }
-    Said {
+    Published {
         id: "remark9-b2",
         place: "Remark 9, B1, B2",
         claim: "The conditions for Q of (22) are B1 and B2",
@@ -97,7 +98,7 @@ fn condition_of_choi() -> Statement {
     let margin = laws().iter().filter(|law| b2(law)).map(ratio).fold(f64::INFINITY, f64::min);
     let light = Law { kd: 28.0, ..first() };
     let other = ratio(&light);
-    Said {
+    Published {
         id: "remark9-choi-condition",
         place: "Remark 9, B2",
         claim: "B2 gives the condition K_P² > 2K_I of Choi et al.; it does not follow from it",
@@ -122,13 +123,13 @@ fn condition_of_choi() -> Statement {
 }
 
 /// Largest `|τ − τ_Choi − q̈_d|` and largest |τ_Choi| over one second of smooth measurements, on three joints.
-fn torque_difference(law: &Law, choi: [f64; 4], period: f64) -> Result<(f64, f64), String> {
+fn torque_difference(law: &Law, choi: [f64; 4], period: f64) -> Result<(f64, f64), PartError> {
     let (form, inertia) = (Form::Literal, 1.0);
     let design = JointDesign { inertia, kp: law.kp, kd: law.kd, a: &law.a, period, form };
-    let gains = JointGains::new(&design).map_err(|e| e.to_string())?;
-    let tuning = Tuning::new(&choi, &[1.0; 3], period).map_err(|e| e.to_string())?;
-    let entry = rival("h-infinity-pid").ok_or("no rival h-infinity-pid")?;
-    let mut choi = entry.build(&tuning, &an_arm()?).map_err(|e| e.to_string())?;
+    let gains = JointGains::new(&design)?;
+    let tuning = Tuning::new(&choi, &[1.0; 3], period)?;
+    let entry = rival("h-infinity-pid").ok_or(PartError::Missing("no rival h-infinity-pid"))?;
+    let mut choi = entry.build(&tuning, &an_arm()?)?;
     let mut states = [JointState::new(); 3];
     let (mut most, mut size): (f64, f64) = (0.0, 0.0);
     for t in (0..).map(|k| f64::from(k) * period).take_while(|t| *t < 1.0) {
@@ -150,11 +151,10 @@ fn torque_difference(law: &Law, choi: [f64; 4], period: f64) -> Result<(f64, f64
 }
 
 /// What a rival may know of an arm of three joints; Choi's law asks for none of it.
-fn an_arm() -> Result<Supply, String> {
+fn an_arm() -> Result<Supply, PartError> {
     let text = "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[gains]\norder = 1\ninertia_kg_m2 = 1.0\n\
         bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 69.6\n[reference]\nkind = \"sines\"\n\
         center = \"ready\"\n[[reference.sine]]\namplitude_rad = 0.1\nfrequency_hz = 1.0\n";
-    let study =
-        Study::from_text(text, "remark_9.toml", Path::new(".")).map_err(|e| e.to_string())?;
-    supply(&study, &[1.0; 3], 1.0).map_err(|e| e.to_string())
+    let study = Study::from_text(text, "remark_9.toml", Path::new("."))?;
+    Ok(supply(&study, &[1.0; 3], 1.0)?)
 }

@@ -3,25 +3,26 @@
 use phihat_design::claims::{ErrorLimits, MinimalGains, PeakGains};
 use phihat_design::prelude::*;
 
-use super::super::compose::{number, three};
-use super::super::gains::PHI_MAX;
-use super::super::record::{Statement, Verdict};
-use super::super::said::Said;
+use crate::compose::{number, three};
+use crate::gains::PHI_MAX;
+use crate::part::PartError;
+use crate::published::Published;
+use crate::record::{Statement, Verdict};
 
 /// The largest error that the worst φ makes, as a share of its limit, with the least gains of (44).
-fn share_of_limit(x_max: &[f64]) -> Result<(MinimalGains, f64), String> {
+fn share_of_limit(x_max: &[f64]) -> Result<(MinimalGains, f64), PartError> {
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: x_max.to_vec() };
-    let least = MinimalGains::first_order(&limits).map_err(|e| e.to_string())?;
-    let peaks = PeakGains::of(&least.law(), 1.0).map_err(|e| e.to_string())?;
+    let least = MinimalGains::first_order(&limits)?;
+    let peaks = PeakGains::of(&least.law(), 1.0)?;
     let shares = peaks.states.iter().zip(x_max).map(|(gain, x)| gain.upper * PHI_MAX / x);
     Ok((least, shares.fold(0.0, f64::max)))
 }
 
 /// Rows of (44) hold, and a limit is broken all the same.
-pub(super) fn componentwise() -> Result<Statement, String> {
+pub(super) fn componentwise() -> Result<Statement, PartError> {
     let (least, own) = share_of_limit(&[1e-3, 1e-2, 1e-1])?;
     let (_, other) = share_of_limit(&[1e-4, 1e-2, 1e-2])?;
-    Ok(Said {
+    Ok(Published {
         id: "theorem5-componentwise",
         place: "(44)",
         claim: "Gains that satisfy (44) row by row keep the errors within the limits",

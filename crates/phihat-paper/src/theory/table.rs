@@ -1,7 +1,7 @@
 //! The errata in one list, each with the statement that shows it.
 
-use super::super::compose::words;
-use super::super::record::{Section, Table};
+use crate::compose::words;
+use crate::record::{Section, Table};
 
 /// Place, printed, correct, id of the statement that computes it.
 const ERRATA: &[[&str; 4]] = &[

@@ -2,8 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use super::super::compose::{three, words};
-use super::super::record::{Section, Table};
+use crate::compose::{three, words};
+use crate::record::{Section, Table};
 
 /// Root mean square of white noise of a position, differenced at 1 kHz, that is left behind a drive of one pole.
 fn noise_behind(hertz: f64) -> f64 {
@@ -68,7 +68,7 @@ pub(super) fn unmeasured() -> Section {
         statements: Vec::new(),
         tables: vec![Table {
             id: "without-a-number-list".to_owned(),
-            title: "What is said, and what can be said of it".to_owned(),
+            title: "What is listed, and what can be listed of it".to_owned(),
             columns: words(&["place", "said", "what can be said of it"]),
             rows: rows.iter().map(|row| words(row)).collect(),
         }],

@@ -1,21 +1,21 @@
 //! Static figures: every chart as small multiples, for paper.
 
-use crate::chart::{Chart, Plane, charts};
-use crate::kit::sheet::{Area, Figure, HEADER, TEXT, TITLE, WIDTH, accessible};
+use crate::chart::{Chart, charts};
+use crate::kind::Plane;
+use crate::kit::sheet::{Area, DrawError, Figure, HEADER, TEXT, TITLE, WIDTH, accessible};
 use crate::kit::text::short;
 use crate::record::{Record, Seen};
 use crate::stretches::Row;
+use ink::{INKS, dashed};
 use panel::{Ink, draw_panel};
 use plotters::prelude::*;
 
 mod axis;
 mod claims;
+mod ink;
 mod panel;
 
 pub(crate) use claims::claim_figures;
-
-/// Stretches kept per panel: two pixels each where a panel has half the width.
-pub(crate) const BUCKETS: usize = 220;
 
 /// The name of every figure that a record may have.
 pub const FIGURES: [&str; 12] = [
@@ -150,9 +150,12 @@ struct View {
     rows: fn(&crate::drawing::Drawn) -> &Vec<Row>,
 }
 
-type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;
-
-fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), view: &View) -> Drawn<'a> {
+fn paint(
+    chart: &Chart,
+    root: &Area<'_>,
+    shape: (usize, usize),
+    view: &View,
+) -> Result<(), DrawError> {
     root.fill(&WHITE)?;
     let (header, body) = root.split_vertically(HEADER);
     header.draw(&Text::new(view.title, (32, 20), ("sans-serif", TITLE).into_font()))?;
@@ -173,17 +176,10 @@ fn paint<'a>(chart: &Chart, root: &Area<'a>, shape: (usize, usize), view: &View)
         };
         draw_panel(&ink, &area)?;
     }
-    root.present()
+    Ok(root.present()?)
 }
 
-/// Colours of the curves, after Okabe and Ito; the second is the dashed one.
-const INKS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
-/// Colour of the tube, before it is made transparent.
-const TUBE_INK: RGBColor = RGBColor(0, 158, 115);
-/// Colour of bounds and marks.
-const BOUND_INK: RGBColor = RGBColor(90, 90, 91);
-
-fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
+fn draw_legend(chart: &Chart, header: &Area<'_>) -> Result<(), DrawError> {
     let mut x = 2520;
     for (curve, ink) in chart.kind.curves.iter().zip(INKS).rev() {
         let width = i32::try_from(curve.label.chars().count()).unwrap_or(10) * 28;
@@ -193,11 +189,4 @@ fn draw_legend<'a>(chart: &Chart, header: &Area<'a>) -> Drawn<'a> {
         x -= 200;
     }
     Ok(())
-}
-
-/// Gives the second curve and the bounds their dashes. Our backend draws each dash as an element
-/// of its own, which costs megabytes; no text of a user can hold the quotes looked for here.
-fn dashed(svg: &str) -> String {
-    svg.replace(r##"stroke="#D55E00""##, r##"stroke="#D55E00" stroke-dasharray="28 14""##)
-        .replace(r##"stroke="#5A5A5B""##, r##"stroke="#5A5A5B" stroke-dasharray="12 10""##)
 }

@@ -1,11 +1,11 @@
 //! One joint's panel of a static figure.
 
 use super::axis::strokes;
-use super::{Area, BOUND_INK, Drawn, INKS, TEXT, TUBE_INK};
+use super::ink::{BOUND_INK, INKS, TUBE_INK};
 use crate::band::Band;
-use crate::chart::{Kind, Plane};
+use crate::kind::{Kind, Plane};
 use crate::kit::number::{number, tick};
-use crate::kit::sheet::extent;
+use crate::kit::sheet::{Area, DrawError, TEXT, extent};
 use plotters::chart::ChartContext;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -28,7 +28,7 @@ pub(super) struct Ink<'a> {
 
 type Plane2<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-pub(super) fn draw_panel<'b>(ink: &Ink<'_>, area: &Area<'b>) -> Drawn<'b> {
+pub(super) fn draw_panel(ink: &Ink<'_>, area: &Area<'_>) -> Result<(), DrawError> {
     let (x, y) = ranges(ink);
     let mut plane = ChartBuilder::on(area)
         .caption(caption(ink), ("sans-serif", TEXT))
@@ -93,7 +93,7 @@ fn ranges(ink: &Ink<'_>) -> (Range<f64>, Range<f64>) {
 }
 
 /// A band of steps, drawn as one shape: there and back.
-fn draw_tube<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>, x: &Range<f64>) -> Drawn<'b> {
+fn draw_tube(ink: &Ink<'_>, plane: &mut Plane2<'_, '_>, x: &Range<f64>) -> Result<(), DrawError> {
     let steps = ink.tube.map_or(vec![], |tube| tube.within((x.start, x.end)));
     let finite = steps.into_iter().filter(|(.., low, high)| (high - low).is_finite());
     let steps: Vec<_> = finite.collect();
@@ -106,12 +106,12 @@ fn draw_tube<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>, x: &Range<f64>) -> D
     Ok(())
 }
 
-fn draw_bounds<'b>(
+fn draw_bounds(
     ink: &Ink<'_>,
-    plane: &mut Plane2<'_, 'b>,
+    plane: &mut Plane2<'_, '_>,
     x: &Range<f64>,
     y: &Range<f64>,
-) -> Drawn<'b> {
+) -> Result<(), DrawError> {
     let Some(bound) = seen_bound(ink) else { return Ok(()) };
     let style = BOUND_INK.stroke_width(4);
     let from = if ink.kind.bound.after_settle { ink.settle_s.max(x.start) } else { x.start };
@@ -125,7 +125,7 @@ fn draw_bounds<'b>(
     Ok(())
 }
 
-fn draw_curves<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
+fn draw_curves(ink: &Ink<'_>, plane: &mut Plane2<'_, '_>) -> Result<(), DrawError> {
     for (curve, color) in ink.curves.iter().zip(INKS) {
         for stroke in strokes(&ink.t, curve) {
             draw_stroke(plane, stroke, color)?;
@@ -134,7 +134,7 @@ fn draw_curves<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
     Ok(())
 }
 
-fn draw_orbit<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
+fn draw_orbit(ink: &Ink<'_>, plane: &mut Plane2<'_, '_>) -> Result<(), DrawError> {
     let [e, de, ..] = &ink.curves[..] else { return Ok(()) };
     let strokes = strokes(e, de);
     let start = strokes.first().and_then(|s| s.first()).copied();
@@ -155,11 +155,11 @@ fn draw_orbit<'b>(ink: &Ink<'_>, plane: &mut Plane2<'_, 'b>) -> Drawn<'b> {
 }
 
 /// A line, or a dot where there is a single sample.
-fn draw_stroke<'b>(
-    plane: &mut Plane2<'_, 'b>,
+fn draw_stroke(
+    plane: &mut Plane2<'_, '_>,
     stroke: Vec<(f64, f64)>,
     color: RGBColor,
-) -> Drawn<'b> {
+) -> Result<(), DrawError> {
     if let [point] = stroke[..] {
         plane.draw_series([Circle::new(point, 6, color.filled())])?;
     } else {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use plotters::prelude::*;
+use thiserror::Error;
 
 /// One figure, drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,6 +29,11 @@ pub const TITLE: u32 = 62;
 
 /// What is drawn on.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// A figure that cannot be drawn: its space is too small, or its text cannot be written.
+#[derive(Debug, Error)]
+#[error(transparent)]
+pub struct DrawError(#[from] DrawingAreaErrorKind<std::io::Error>);
 
 /// Names the figure for those who do not see it, and gives it its size on paper.
 pub fn accessible(svg: &str, title: &str, (width, height): (u32, u32)) -> String {

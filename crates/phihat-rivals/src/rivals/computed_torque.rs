@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade};
 use crate::error::Refusal;
-use crate::knowledge::Nominal;
 use crate::measured::{Acceleration, Motion};
+use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
 use crate::tuning::{Scalar, Tuning};

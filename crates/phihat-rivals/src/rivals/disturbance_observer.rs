@@ -6,9 +6,7 @@ use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
-use crate::rivals::proposed::{
-    BANDWIDTH, DAMPING, Law, error_by_peak_gains, first_order_loop, outer_gains, window,
-};
+use crate::rivals::proposed::{BANDWIDTH, DAMPING, First};
 use crate::tuning::{Scalar, Tuning};
 
 /// Disturbance observer of first order.
@@ -20,7 +18,7 @@ use crate::tuning::{Scalar, Tuning};
 /// ```
 ///
 /// That is the paper's law of order 1 with `a_0 = g`, as algebra has it and as a test shows for (1) integrated on
-/// its own. So both are one implementation, [`Law`]: rows of the table that differ do so by their tuning.
+/// its own. So both are one implementation, [`First`]: rows of the table that differ do so by their tuning.
 ///
 /// # Guarantee
 ///
@@ -35,7 +33,7 @@ use crate::tuning::{Scalar, Tuning};
 /// K. Ohnishi, M. Shibata, T. Murakami, "Motion control for advanced mechatronics", IEEE/ASME Trans. Mechatronics
 /// 1(1), 1996. Grade A.
 #[derive(Debug)]
-pub(crate) struct DisturbanceObserver(Law);
+pub(crate) struct DisturbanceObserver(First);
 
 impl Rival for DisturbanceObserver {
     const CARD: Card = Card {
@@ -65,33 +63,28 @@ impl Rival for DisturbanceObserver {
     type Knows = Inertia;
 
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
-        let [omega, zeta, cutoff] = tuning.values()?;
-        Law::new(tuning, &inertia, [omega, zeta], &[cutoff]).map(Self)
+        First::new(tuning, inertia).map(Self)
     }
 
     fn update(
         &mut self,
         sees: MotionAndTorque<'_>,
         wants: Acceleration<'_>,
-        _: &[bool],
+        clipped: &[bool],
         tau: &mut [f64],
     ) {
-        self.0.update(sees, wants, tau);
+        self.0.update(sees, wants, clipped, tau);
     }
 
     fn states(&self) -> usize {
-        self.0.joints()
+        self.0.states()
     }
 
     fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
-        let [omega, zeta, g] = tuning.values().ok()?;
-        let [kp, kd] = outer_gains(omega, zeta);
-        Some(window(kp, kd, g, tuning.period(), arm))
+        First::condition(tuning, arm)
     }
 
     fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
-        let [omega, zeta, g] = tuning.values().ok()?;
-        let [kp, kd] = outer_gains(omega, zeta);
-        error_by_peak_gains(1, &first_order_loop(kp, kd, g), tuning, arm)
+        First::bound(tuning, arm)
     }
 }

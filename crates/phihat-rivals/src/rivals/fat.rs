@@ -7,6 +7,7 @@ use crate::error::Refusal;
 use crate::facts::Period;
 use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
+use crate::shared::{LEAKAGE, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
 use crate::tuning::{Scalar, Tuning};
 
@@ -64,22 +65,8 @@ impl Rival for Fat {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "sliding",
-            unit: "1/s",
-            meaning: "Λ, of the error on s = 0",
-            default: 10.0,
-            low: 1.0,
-            high: 100.0,
-        },
-        Scalar {
-            name: "damping",
-            unit: "1/s",
-            meaning: "K_D of s",
-            default: 80.0,
-            low: 8.0,
-            high: 800.0,
-        },
+        SLIDING,
+        SLIDING_DAMPING,
         Scalar {
             name: "inertia_rate",
             unit: "s²",
@@ -96,14 +83,7 @@ impl Rival for Fat {
             low: 40.0,
             high: 4000.0,
         },
-        Scalar {
-            name: "leakage",
-            unit: "1/s",
-            meaning: "σ, at which estimates are forgotten",
-            default: 0.01,
-            low: 1e-3,
-            high: 0.1,
-        },
+        LEAKAGE,
     ];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Acceleration<'a>;

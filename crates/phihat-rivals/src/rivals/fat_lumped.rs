@@ -8,6 +8,7 @@ use crate::facts::{Inertia, Period};
 use crate::math::Weighted;
 use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
+use crate::shared::{ERROR_BANDWIDTH, LEAKAGE};
 use crate::tuning::{Scalar, Tuning};
 
 /// Function approximation without the sliding variable, in the class of Kai and Huang.
@@ -63,14 +64,7 @@ impl Rival for FatLumped {
         }),
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "bandwidth",
-            unit: "rad/s",
-            meaning: "ω of the error, K_p = ω²",
-            default: 20.0,
-            low: 2.0,
-            high: 200.0,
-        },
+        ERROR_BANDWIDTH,
         Scalar {
             name: "damping",
             unit: "",
@@ -95,14 +89,7 @@ impl Rival for FatLumped {
             low: 10.0,
             high: 1000.0,
         },
-        Scalar {
-            name: "leakage",
-            unit: "1/s",
-            meaning: "σ, at which estimates are forgotten",
-            default: 0.01,
-            low: 1e-3,
-            high: 0.1,
-        },
+        LEAKAGE,
     ];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Acceleration<'a>;

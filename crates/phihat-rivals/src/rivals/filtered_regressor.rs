@@ -9,6 +9,7 @@ use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion, MotionAndTorque};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
+use crate::shared::{ADAPTATION, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
 use crate::tuning::{Scalar, Tuning};
 
@@ -85,30 +86,9 @@ impl Rival for FilteredRegressor {
         }),
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "sliding",
-            unit: "1/s",
-            meaning: "Λ, of the error on s = 0",
-            default: 10.0,
-            low: 1.0,
-            high: 100.0,
-        },
-        Scalar {
-            name: "damping",
-            unit: "1/s",
-            meaning: "K_D of s",
-            default: 80.0,
-            low: 8.0,
-            high: 800.0,
-        },
-        Scalar {
-            name: "adaptation",
-            unit: "1/(kg·m²)",
-            meaning: "γ of Γ = γ U",
-            default: 5.0,
-            low: 0.5,
-            high: 50.0,
-        },
+        SLIDING,
+        SLIDING_DAMPING,
+        ADAPTATION,
         Scalar {
             name: "error_weight",
             unit: "",

@@ -6,6 +6,7 @@ use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
 use crate::rival::Rival;
+use crate::shared::DECAY;
 use crate::tuning::{Scalar, Tuning};
 
 /// Funnel control of Hackl and others.
@@ -93,14 +94,7 @@ impl Rival for Hackl {
             low: 2.0,
             high: 200.0,
         },
-        Scalar {
-            name: "decay",
-            unit: "1/s",
-            meaning: "l of the transient",
-            default: 2.0,
-            low: 0.2,
-            high: 20.0,
-        },
+        DECAY,
     ];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Velocity<'a>;
@@ -227,14 +221,7 @@ impl Rival for Berger {
             low: 0.02,
             high: 2.0,
         },
-        Scalar {
-            name: "decay",
-            unit: "1/s",
-            meaning: "l of the transient",
-            default: 2.0,
-            low: 0.2,
-            high: 20.0,
-        },
+        DECAY,
     ];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Velocity<'a>;

@@ -3,10 +3,11 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::knowledge::Nominal;
 use crate::math::Weighted;
 use crate::measured::{Acceleration, Motion};
+use crate::nominal::Nominal;
 use crate::rival::Rival;
+use crate::shared::ERROR_BANDWIDTH;
 use crate::tuning::{Scalar, Tuning};
 
 /// Computed torque with composite nonlinear feedback, in the class of Peng, Lin and Su.
@@ -66,14 +67,7 @@ impl Rival for NonlinearFeedback {
         }),
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "bandwidth",
-            unit: "rad/s",
-            meaning: "ω of the error, K_p = ω²",
-            default: 20.0,
-            low: 2.0,
-            high: 200.0,
-        },
+        ERROR_BANDWIDTH,
         Scalar {
             name: "damping",
             unit: "",

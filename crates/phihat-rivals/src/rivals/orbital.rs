@@ -3,8 +3,8 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::knowledge::Nominal;
 use crate::measured::{Acceleration, Motion, NoReference};
+use crate::nominal::Nominal;
 use crate::orbit::Orbit;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;

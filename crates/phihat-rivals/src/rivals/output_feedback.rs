@@ -7,6 +7,7 @@ use crate::error::Refusal;
 use crate::measured::{Acceleration, Positions};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
+use crate::shared::{ADAPTATION, LEAKAGE};
 use crate::tuning::{Scalar, Tuning};
 
 /// Adaptive output feedback after Pagilla and Tomizuka.
@@ -104,22 +105,8 @@ impl Rival for OutputFeedback {
             low: 20.0,
             high: 400.0,
         },
-        Scalar {
-            name: "adaptation",
-            unit: "1/(kg·m²)",
-            meaning: "γ of Γ = γ U",
-            default: 5.0,
-            low: 0.5,
-            high: 50.0,
-        },
-        Scalar {
-            name: "leakage",
-            unit: "1/s",
-            meaning: "σ, at which estimates are forgotten",
-            default: 0.01,
-            low: 1e-3,
-            high: 0.1,
-        },
+        ADAPTATION,
+        LEAKAGE,
     ];
     type Sees<'a> = Positions<'a>;
     type Wants<'a> = Acceleration<'a>;

@@ -3,8 +3,8 @@
 use crate::card::{Card, Grade};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::knowledge::Nominal;
 use crate::measured::{Acceleration, Motion};
+use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::h_infinity_pid::{HInfinityPid, certificate, proof};
 use crate::tuning::{Scalar, Tuning};

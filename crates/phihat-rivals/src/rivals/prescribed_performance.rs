@@ -6,6 +6,7 @@ use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
 use crate::rival::Rival;
+use crate::shared::{DECAY, SURFACE};
 use crate::tuning::{Scalar, Tuning};
 
 /// Prescribed performance control.
@@ -60,9 +61,7 @@ impl Rival for PrescribedPerformance {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "surface", unit: "1/s", meaning: "λ", default: 10.0, low: 1.0, high: 100.0
-        },
+        SURFACE,
         Scalar {
             name: "width",
             unit: "rad/s",
@@ -71,14 +70,7 @@ impl Rival for PrescribedPerformance {
             low: 0.01,
             high: 1.0,
         },
-        Scalar {
-            name: "decay",
-            unit: "1/s",
-            meaning: "l of the transient",
-            default: 2.0,
-            low: 0.2,
-            high: 20.0,
-        },
+        DECAY,
         Scalar { name: "gain", unit: "1/s²", meaning: "K", default: 25.0, low: 2.5, high: 250.0 },
     ];
     type Sees<'a> = Motion<'a>;

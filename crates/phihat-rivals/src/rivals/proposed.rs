@@ -5,10 +5,11 @@ use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::facts::{DesignedJoint, Inertia};
+use crate::facts::Inertia;
 use crate::math::peak_gain;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
+use crate::supply::DesignedJoint;
 use crate::tuning::{Scalar, Tuning};
 
 /// The paper's law of order 1: [`JointGains`] in its observer form, limits left to the loop around it.

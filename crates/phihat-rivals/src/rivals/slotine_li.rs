@@ -7,6 +7,7 @@ use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
+use crate::shared::{ADAPTATION, LEAKAGE, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
 use crate::tuning::{Scalar, Tuning};
 
@@ -61,40 +62,7 @@ impl Rival for SlotineLi {
             model_free: Tick::No,
         }),
     };
-    const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "sliding",
-            unit: "1/s",
-            meaning: "Λ, of the error on s = 0",
-            default: 10.0,
-            low: 1.0,
-            high: 100.0,
-        },
-        Scalar {
-            name: "damping",
-            unit: "1/s",
-            meaning: "K_D of s",
-            default: 80.0,
-            low: 8.0,
-            high: 800.0,
-        },
-        Scalar {
-            name: "adaptation",
-            unit: "1/(kg·m²)",
-            meaning: "γ of Γ = γ U",
-            default: 5.0,
-            low: 0.5,
-            high: 50.0,
-        },
-        Scalar {
-            name: "leakage",
-            unit: "1/s",
-            meaning: "σ, at which estimates are forgotten",
-            default: 0.01,
-            low: 1e-3,
-            high: 0.1,
-        },
-    ];
+    const SCALARS: &'static [Scalar] = &[SLIDING, SLIDING_DAMPING, ADAPTATION, LEAKAGE];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Regressor;

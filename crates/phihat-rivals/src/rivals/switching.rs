@@ -3,9 +3,10 @@
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Arm, Condition};
 use crate::error::Refusal;
-use crate::knowledge::Nominal;
 use crate::measured::{Acceleration, Motion, MotionAndTorque};
+use crate::nominal::Nominal;
 use crate::rival::Rival;
+use crate::shared::SLIDING;
 use crate::sliding::Sliding;
 use crate::tuning::{Scalar, Tuning};
 
@@ -67,14 +68,7 @@ impl Rival for Switching {
         }),
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "sliding",
-            unit: "1/s",
-            meaning: "Λ, of the error on s = 0",
-            default: 10.0,
-            low: 1.0,
-            high: 100.0,
-        },
+        SLIDING,
         Scalar {
             name: "damping",
             unit: "1/s",

@@ -9,6 +9,7 @@ use crate::planar::{LINKS, Planar, Tip, running};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
 use crate::rivals::slotine_li::SlotineLi;
+use crate::shared::ADAPTATION;
 use crate::tuning::{Scalar, Tuning};
 
 /// Adaptive control with uncertain kinematics and dynamics, of a planar arm with three joints.
@@ -89,14 +90,7 @@ impl Rival for TaskSpace {
             low: 16.0,
             high: 800.0,
         },
-        Scalar {
-            name: "adaptation",
-            unit: "1/(kg·m²)",
-            meaning: "γ of Γ = γ U",
-            default: 5.0,
-            low: 0.5,
-            high: 50.0,
-        },
+        ADAPTATION,
         Scalar {
             name: "length_adaptation",
             unit: "",

@@ -6,6 +6,7 @@ use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Acceleration, Motion};
 use crate::rival::Rival;
+use crate::shared::SURFACE;
 use crate::tuning::{Scalar, Tuning};
 
 /// Polynomial of the reference with adapted coefficients, and a PD.
@@ -75,9 +76,7 @@ impl Rival for TaylorNetwork {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "surface", unit: "1/s", meaning: "λ", default: 10.0, low: 1.0, high: 100.0
-        },
+        SURFACE,
         Scalar {
             name: "gain",
             unit: "1/s",

@@ -8,6 +8,7 @@ use crate::lumped::Lumped;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::window;
+use crate::shared::SURFACE;
 use crate::tuning::{Scalar, Tuning};
 
 /// Disturbance observer, adaptive sliding term and nonlinear damping of every joint.
@@ -68,9 +69,7 @@ impl Rival for Yang {
         }),
     };
     const SCALARS: &'static [Scalar] = &[
-        Scalar {
-            name: "surface", unit: "1/s", meaning: "λ", default: 10.0, low: 1.0, high: 100.0
-        },
+        SURFACE,
         Scalar {
             name: "gain",
             unit: "1/s",

@@ -10,9 +10,10 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::{BOUND_INK, INKS, WIDTH_I, decades, legend, mesh, sheet, told};
+use super::sheet::{INKS, WIDTH_I, decades, legend, mesh, sheet};
+use crate::figure::ink::BOUND_INK;
 use crate::kit::number::number;
-use crate::kit::sheet::{Area, Figure, TEXT, log_ticks};
+use crate::kit::sheet::{Area, DrawError, Figure, TEXT, log_ticks};
 use crate::kit::text::short;
 
 /// Where the curves begin \[Hz\], and how many points they have.
@@ -117,7 +118,7 @@ fn settle(phase: &mut [f64], near: f64) {
     }
 }
 
-fn draw(panel: &Panel, curves: &[Bode; 3], area: &Area<'_>) -> Result<(), String> {
+fn draw(panel: &Panel, curves: &[Bode; 3], area: &Area<'_>) -> Result<(), DrawError> {
     let values = || curves.iter().flat_map(|c| shown(panel, c)).map(|(_, v)| v);
     let x = LOWEST..HIGHEST * curves[0].frequency_hz.last().copied().unwrap_or(1.0).max(1.0);
     let x = || x.clone().log_scale().with_key_points(log_ticks(&x));
@@ -136,13 +137,13 @@ fn draw(panel: &Panel, curves: &[Bode; 3], area: &Area<'_>) -> Result<(), String
             });
         let (low, high) = ((low / 90.0).floor() * 90.0, (high / 90.0).ceil() * 90.0);
         let y = Degrees((low..high.max(low + 90.0)).into());
-        let mut plane = builder.build_cartesian_2d(x(), y).map_err(told)?;
+        let mut plane = builder.build_cartesian_2d(x(), y)?;
         mesh(&mut plane, labels, 6)?;
         lines(&mut plane, panel, curves)
     } else {
         let Some(y) = decades(values().chain(panel.level), 1.5) else { return Ok(()) };
         let y = y.clone().log_scale().with_key_points(log_ticks(&y));
-        let mut plane = builder.build_cartesian_2d(x(), y).map_err(told)?;
+        let mut plane = builder.build_cartesian_2d(x(), y)?;
         mesh(&mut plane, labels, 6)?;
         lines(&mut plane, panel, curves)
     }
@@ -152,18 +153,18 @@ fn lines<X, Y>(
     plane: &mut ChartContext<'_, SVGBackend<'_>, Cartesian2d<X, Y>>,
     panel: &Panel,
     curves: &[Bode; 3],
-) -> Result<(), String>
+) -> Result<(), DrawError>
 where
     X: Ranged<ValueType = f64>,
     Y: Ranged<ValueType = f64>,
 {
     if let (Some(level), [.., last]) = (panel.level, &curves[0].frequency_hz[..]) {
         let ends = [(LOWEST, level), (*last, level)];
-        plane.draw_series(LineSeries::new(ends, BOUND_INK.stroke_width(4))).map_err(told)?;
+        plane.draw_series(LineSeries::new(ends, BOUND_INK.stroke_width(4)))?;
     }
     for (curve, ink) in curves.iter().zip(INKS) {
         let style = ink.stroke_width(5);
-        plane.draw_series(LineSeries::new(shown(panel, curve), style)).map_err(told)?;
+        plane.draw_series(LineSeries::new(shown(panel, curve), style))?;
     }
     Ok(())
 }

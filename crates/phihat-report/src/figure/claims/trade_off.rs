@@ -4,7 +4,8 @@ use phihat_design::TradeOff;
 
 use plotters::prelude::*;
 
-use super::{BOUND_INK, INKS, WIDTH_I, decades, legend, mesh, sheet, told};
+use super::sheet::{INKS, WIDTH_I, decades, legend, mesh, sheet};
+use crate::figure::ink::BOUND_INK;
 use crate::kit::sheet::{Figure, TEXT, log_ticks};
 
 pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
@@ -23,10 +24,8 @@ pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
             if orders(high) {
                 let width = i32::try_from(label.chars().count()).unwrap_or(10) * 27;
                 let text = Text::new(label, (right - width, 26), ("sans-serif", TEXT).into_font());
-                header.draw(&text).map_err(told)?;
-                header
-                    .draw(&Circle::new((right - width - 40, 52), 14, mark(high)))
-                    .map_err(told)?;
+                header.draw(&text)?;
+                header.draw(&Circle::new((right - width - 40, 52), 14, mark(high)))?;
                 right -= width + 110;
             }
         }
@@ -38,21 +37,20 @@ pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
             .build_cartesian_2d(
                 x.clone().log_scale().with_key_points(log_ticks(&x)),
                 y.clone().log_scale().with_key_points(log_ticks(&y)),
-            )
-            .map_err(told)?;
+            )?;
         let labels =
             ("largest Δτ per sample from encoder steps [N·m]", "bound on |e| / bound asked for");
         mesh(&mut plane, labels, 6)?;
         let level = [(x.start, 1.0), (x.end, 1.0)];
-        plane.draw_series(LineSeries::new(level, BOUND_INK.stroke_width(4))).map_err(told)?;
+        plane.draw_series(LineSeries::new(level, BOUND_INK.stroke_width(4)))?;
         let at = |p: &TradeOff| (p.torque_noise_nm, p.error_share);
         let circles = drawn.iter().map(|p| Circle::new(at(p), 12, mark(p.order > 1)));
-        plane.draw_series(circles).map_err(told)?;
+        plane.draw_series(circles)?;
         if let Some(chosen) = drawn.iter().find(|p| p.chosen) {
             let ring = EmptyElement::at(at(chosen))
                 + Circle::new((0, 0), 26, INKS[1].stroke_width(7))
                 + Text::new("these gains", (40, -70), ("sans-serif", TEXT).into_font());
-            plane.draw_series([ring]).map_err(told)?;
+            plane.draw_series([ring])?;
         }
         Ok(())
     })

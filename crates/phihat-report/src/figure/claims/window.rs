@@ -5,7 +5,8 @@ use plotters::coord::combinators::LogCoord;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::{Area, Figure, INKS, TEXT, WIDTH_I, decades, legend, plain, sheet, told};
+use super::sheet::{INKS, WIDTH_I, decades, legend, plain, sheet};
+use crate::kit::sheet::{Area, DrawError, Figure, TEXT};
 use crate::kit::text::short;
 
 /// Height of a joint's row.
@@ -55,8 +56,7 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
             .margin_right(60)
             .x_label_area_size(130)
             .y_label_area_size(460)
-            .build_cartesian_2d(x.clone().log_scale(), 0.0..f64::from(count))
-            .map_err(told)?;
+            .build_cartesian_2d(x.clone().log_scale(), 0.0..f64::from(count))?;
         axis(&mut plane)?;
         for (index, row) in (0..count).zip(&rows) {
             let middle = f64::from(count - index) - 0.5;
@@ -69,8 +69,8 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
     })
 }
 
-fn axis(plane: &mut Plane<'_, '_>) -> Result<(), String> {
-    plane
+fn axis(plane: &mut Plane<'_, '_>) -> Result<(), DrawError> {
+    let drawn = plane
         .configure_mesh()
         .disable_y_mesh()
         .disable_y_axis()
@@ -83,18 +83,18 @@ fn axis(plane: &mut Plane<'_, '_>) -> Result<(), String> {
         .label_style(("sans-serif", TEXT))
         .axis_desc_style(("sans-serif", TEXT))
         .x_desc("inertia [kg·m²]; the tick is M̄")
-        .draw()
-        .map_err(told)
+        .draw();
+    Ok(drawn?)
 }
 
-fn draw_row(plane: &mut Plane<'_, '_>, row: &Row, middle: f64) -> Result<(), String> {
+fn draw_row(plane: &mut Plane<'_, '_>, row: &Row, middle: f64) -> Result<(), DrawError> {
     let bar = |ends: (f64, f64), half: f64, ink: RGBColor| {
         Rectangle::new([(ends.0, middle - half), (ends.1, middle + half)], ink.filled())
     };
     let line = |points: [(f64, f64); 2]| PathElement::new(points, BLACK.stroke_width(5));
     let upright = |x: f64, half: f64| line([(x, middle - half), (x, middle + half)]);
-    plane.draw_series([bar(row.window, 0.36, WINDOW_INK)]).map_err(told)?;
-    plane.draw_series([bar(row.range, 0.2, INKS[0])]).map_err(told)?;
+    plane.draw_series([bar(row.window, 0.36, WINDOW_INK)])?;
+    plane.draw_series([bar(row.range, 0.2, INKS[0])])?;
     let marks = [
         line([(row.reach.0, middle), (row.range.0, middle)]),
         line([(row.range.1, middle), (row.reach.1, middle)]),
@@ -102,12 +102,12 @@ fn draw_row(plane: &mut Plane<'_, '_>, row: &Row, middle: f64) -> Result<(), Str
         upright(row.reach.1, 0.12),
         upright(row.nominal, 0.3),
     ];
-    plane.draw_series(marks).map_err(told)?;
+    plane.draw_series(marks)?;
     Ok(())
 }
 
 /// A joint's name beside its row.
-fn name(body: &Area<'_>, name: &str, y: i32) -> Result<(), String> {
+fn name(body: &Area<'_>, name: &str, y: i32) -> Result<(), DrawError> {
     let text = Text::new(name.to_owned(), (32, y - 26), ("sans-serif", TEXT).into_font());
-    body.draw(&text).map_err(told)
+    Ok(body.draw(&text)?)
 }

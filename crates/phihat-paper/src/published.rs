@@ -4,7 +4,7 @@ use super::record::{Number, Origin, Statement, Verdict};
 
 /// What the paper says, before it is looked at.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Said<'a> {
+pub(crate) struct Published<'a> {
     /// Short name, unique.
     pub(crate) id: &'a str,
     /// Where it stands.
@@ -15,7 +15,7 @@ pub(crate) struct Said<'a> {
     pub(crate) paper: &'a str,
 }
 
-impl Said<'_> {
+impl Published<'_> {
     /// With what was found, and why.
     pub(crate) fn found(
         self,

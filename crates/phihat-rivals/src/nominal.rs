@@ -1,42 +1,13 @@
-//! What can be known of an arm before a run, and the models that rivals compute with.
+//! The nominal model of an arm, whole or in part: what model-based rivals compute with.
 
 use core::fmt;
-use std::sync::Arc;
 
 use phihat_model::{Model, Workspace};
 
 use crate::error::Refusal;
-use crate::facts::DesignedJoint;
-use crate::needs::{Knows, Needs};
-use crate::orbit::Curve;
-
-/// Everything that could be handed to a rival. What it declares decides what it gets.
-#[derive(Debug, Clone)]
-pub struct Supply {
-    /// `M̄` \[kg·m²\] per joint.
-    pub inertia: Vec<f64>,
-    /// The nominal model: not the plant, unless somebody wants to see that case.
-    pub model: Model,
-    /// Nominal viscous friction \[N·m·s/rad\] per joint.
-    pub viscous: Vec<f64>,
-    /// Torque limits \[N·m\] per joint.
-    pub torque_max: Option<Vec<f64>>,
-    /// The period of the task \[s\].
-    pub task_period: Option<f64>,
-    /// The frame at the arm's tip.
-    pub tip: String,
-    /// The task as a closed path.
-    pub orbit: Option<Arc<dyn Curve>>,
-    /// The gains that this project's design gives for the arm's specification; or why there are none.
-    pub designed: Result<Vec<DesignedJoint>, String>,
-}
-
-impl Supply {
-    /// Number of joints.
-    pub fn joints(&self) -> usize {
-        self.model.joint_count()
-    }
-}
+use crate::handed::Knows;
+use crate::needs::Needs;
+use crate::supply::Supply;
 
 /// A nominal rigid-body model with viscous friction, `M̂ q̈ + Ĉ(q, q̇) q̇ + Ĝ + F̂ q̇ = τ`.
 ///

@@ -1,0 +1,134 @@
+//! An arm of the comparison: its study, and what follows from it before any run.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use phihat_model::ModelError;
+use phihat_rivals::{Entry, Refusal, Supply};
+use phihat_sim::Motion;
+use phihat_study::Study;
+use toml::Table;
+
+use crate::adapter::{NOMINAL_MASSES, supply};
+use crate::error::CompareError;
+use crate::motion::MotionRange;
+use crate::proposed_law::{NotDesigned, ProposedLaw};
+use crate::record::ArmRecord;
+
+/// An arm: its study, and what follows from it before any run.
+#[derive(Debug, Clone)]
+pub struct ArmCase {
+    /// The study's name.
+    pub name: String,
+    /// The study's file.
+    pub path: PathBuf,
+    /// The study itself.
+    pub(crate) study: Study,
+    pub(crate) table: Table,
+    pub(crate) range: MotionRange,
+    /// `U` \[kg·m²\] per joint.
+    pub(crate) units: Vec<f64>,
+    /// Eigenvalues of `U^{-1/2} M U^{-1/2}` over postures and payloads.
+    pub(crate) ratio: [f64; 2],
+    /// Eigenvalues of `M` \[kg·m²\].
+    pub(crate) eigenvalues: [f64; 2],
+    /// `[spec] error_max_rad` per joint.
+    pub(crate) error_max: Vec<f64>,
+    /// Torque limits \[N·m\] per joint.
+    pub(crate) limits: Vec<f64>,
+    designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
+}
+
+impl ArmCase {
+    /// Reads a study.
+    ///
+    /// # Errors
+    ///
+    /// [`CompareError`]: it cannot be read, or lacks what a comparison needs.
+    pub(crate) fn read(path: &Path) -> Result<Self, CompareError> {
+        let study = Study::read(path)?;
+        let unfit =
+            |why: Box<dyn Error + Send + Sync>| CompareError::Unfit { path: path.to_owned(), why };
+        let lacks =
+            |key: &str, what: &str| unfit(format!("a comparison needs {what}: state {key}").into());
+        let limits = study.control.torque_max.clone();
+        let limits = limits.ok_or_else(|| lacks("loop.torque_max_nm", "torque limits"))?;
+        let error_max = study.spec.error_max.clone();
+        let error_max =
+            error_max.ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
+        if study.design.payload.mass.1 <= 0.0 {
+            return Err(lacks("design.payload_max_kg", "the heaviest payload"));
+        }
+        let table: Table = study.text.parse().map_err(|e: toml::de::Error| unfit(e.into()))?;
+        if table.contains_key("profile") || !study.faults.is_empty() {
+            let why = "a comparison runs bare laws: remove [profile] and [[fault]]";
+            return Err(unfit(why.into()));
+        }
+        let n = study.robot.joints.len();
+        let motion = Motion::new(&study.reference, &study.robot, study.duration);
+        let motion = motion.map_err(|e| unfit(e.into()))?;
+        let inertias = phihat_session::arm_along(&study).map_err(|e| unfit(e.into()))?;
+        let given = study.gains.as_ref().map(|gains| gains.inertia.clone());
+        let units = given.unwrap_or_else(|| inertias.nominal());
+        let over = |units: Vec<f64>| inertias.against(units).map_err(|e| unfit(e.into()));
+        let (relative, plain) = (over(units.clone())?, over(vec![1.0; n])?);
+        Ok(Self {
+            name: study.name.clone(),
+            path: path.to_owned(),
+            table,
+            range: MotionRange::of(&motion, n, study.duration),
+            units,
+            ratio: [relative.low, relative.high],
+            eigenvalues: [plain.low, plain.high],
+            error_max,
+            limits,
+            designed: OnceLock::new(),
+            study,
+        })
+    }
+
+    pub(crate) fn joints(&self) -> usize {
+        self.units.len()
+    }
+
+    /// The gains that this project's design gives for the study's specification, or why there are none; designed
+    /// when first asked for.
+    pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
+        self.designed.get_or_init(|| ProposedLaw::designed(&self.study).map_err(Arc::new))
+    }
+
+    /// The proposed law with the values of a row, where the row's law is the proposed one under whatever name.
+    pub(crate) fn proposed(&self, entry: &Entry, values: &[f64]) -> Option<ProposedLaw> {
+        if entry.needs.designed {
+            return self.designed().as_ref().ok().cloned();
+        }
+        ProposedLaw::with(entry.card.id, values, &self.units, self.ratio)
+    }
+
+    /// What a rival may know of the arm in one of its worlds.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`]: the nominal model cannot be made.
+    pub(crate) fn supply(&self, entry: &Entry, study: &Study) -> Result<Supply, ModelError> {
+        let mut supply = supply(study, &self.units, NOMINAL_MASSES)?;
+        if entry.needs.designed {
+            let designed = self.designed().as_ref().map(ProposedLaw::joints);
+            supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+        }
+        Ok(supply)
+    }
+
+    pub(crate) fn record(&self) -> ArmRecord {
+        ArmRecord {
+            name: self.name.clone(),
+            robot: self.study.robot.name.clone(),
+            study: self.path.display().to_string(),
+            study_sha256: self.study.sha256.clone(),
+            joints: self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
+            inertia: self.units.clone(),
+            error_max_rad: self.error_max.clone(),
+        }
+    }
+}

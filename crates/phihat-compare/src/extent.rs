@@ -1,0 +1,54 @@
+//! How much of a comparison is done.
+
+/// How much of a comparison is done.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    /// Ids of rivals; empty: all.
+    pub only: Vec<String>,
+    /// Names of worlds; empty: all.
+    pub worlds: Vec<String>,
+    /// Motions that are scored: the study's own, and drawn ones.
+    pub seeds: u64,
+    /// Evaluations of every tuning.
+    pub tuning_runs: usize,
+    /// Motions of an evaluation, each in every world that is trained in.
+    pub training_motions: u64,
+    /// Their length \[s\].
+    pub training_s: f64,
+    /// Where they begin to count \[s\].
+    pub training_settle_s: f64,
+    /// Draws of gains.
+    pub draws: usize,
+    /// Most seconds after `settle_s` that are scored.
+    pub scored_max_s: f64,
+}
+
+impl Extent {
+    /// For a first look: some minutes.
+    pub fn quick() -> Self {
+        Self {
+            only: Vec::new(),
+            worlds: Vec::new(),
+            seeds: 1,
+            tuning_runs: 60,
+            training_motions: 1,
+            training_s: 3.0,
+            training_settle_s: 1.5,
+            draws: 24,
+            scored_max_s: 3.0,
+        }
+    }
+
+    /// For the record: most of an hour.
+    pub fn full() -> Self {
+        Self {
+            seeds: 3,
+            tuning_runs: 300,
+            training_motions: 2,
+            training_s: 4.0,
+            draws: 100,
+            scored_max_s: f64::INFINITY,
+            ..Self::quick()
+        }
+    }
+}

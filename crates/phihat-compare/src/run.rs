@@ -1,0 +1,86 @@
+//! A plan, run: preparation, then the runs that count, then the table.
+
+use phihat_campaign::{Ended, Journal, Progress, run_all};
+use phihat_session::short_hash;
+
+use crate::error::CompareError;
+use crate::plan::{EDITION, Plan};
+use crate::prepare::{Preparation, Prepared, Untuned, drawn, tuned};
+use crate::record::Comparison;
+use crate::rows;
+
+impl Plan {
+    /// Does everything that the journal does not hold, on `threads` threads. The answer does not depend on
+    /// their number, nor on interruptions.
+    ///
+    /// `progress` is told of both parts, preparation and runs that count, in one figure.
+    ///
+    /// # Errors
+    ///
+    /// [`CompareError::Journal`] when the journal cannot be written.
+    pub fn run(
+        &self,
+        journal: &mut Journal,
+        threads: usize,
+        mut progress: impl FnMut(Progress),
+    ) -> Result<Comparison, CompareError> {
+        let pairs = self.pairs();
+        let cases = self.cases();
+        let later = cases.len();
+        // Tunings and draws in turn.
+        let jobs: Vec<_> =
+            pairs.iter().flat_map(|(g, r)| [(*g, *r, false), (*g, *r, true)]).collect();
+        let ids: Vec<_> = jobs.iter().map(|job| self.preparation_id(*job)).collect();
+        let prepare = |place: usize| {
+            let (arm, rival, draws) = jobs[place];
+            let (arm, entry) = (&self.arms[arm], self.rivals[rival]);
+            let how = if draws { drawn } else { tuned };
+            how(arm, entry, &self.extent)
+        };
+        let whole = |p: Progress| Progress { all: p.all + later, ..p };
+        let prepared = run_all(&ids, journal, threads, &prepare, |p| progress(whole(p)))?;
+        let known: Vec<Preparation> = prepared.chunks(2).map(preparation).collect();
+        let before = jobs.len();
+        let ids: Vec<_> = cases.iter().map(|case| self.case_id(case, &known)).collect();
+        let score = |place: usize| self.score(&cases[place], &known);
+        let whole = |p: Progress| Progress {
+            resumed: p.resumed + before,
+            done: p.done + before,
+            all: p.all + before,
+        };
+        let scored = run_all(&ids, journal, threads, &score, |p| progress(whole(p)))?;
+        Ok(rows::comparison(self, &known, &cases, scored))
+    }
+
+    /// Equal ids, equal outcomes: an edition, the arm's text, the rival's scalars, the extent of the preparation.
+    fn preparation_id(&self, (arm, rival, draws): (usize, usize, bool)) -> String {
+        let (arm, entry, extent) = (&self.arms[arm], self.rivals[rival], &self.extent);
+        let training = (extent.training_motions, extent.training_s, extent.training_settle_s);
+        let count = if draws { extent.draws } else { extent.tuning_runs };
+        short_hash(&[
+            EDITION,
+            env!("CARGO_PKG_VERSION"),
+            &arm.study.sha256,
+            &arm.name,
+            entry.card.id,
+            &format!("{:?}", entry.scalars),
+            &format!("{draws} {count} {training:?}"),
+        ])
+    }
+}
+
+/// A tuning and the draws after it, put together.
+fn preparation(pair: &[Ended<Prepared>]) -> Preparation {
+    let mut known = Preparation { tuning: Err(Untuned::NotDone), share: 0.0 };
+    for ended in pair {
+        match ended {
+            Ended::With(Prepared::Tuned(record)) => known.tuning = Ok(record.clone()),
+            Ended::With(Prepared::Drawn(share)) => known.share = *share,
+            Ended::With(Prepared::Refused(why)) => {
+                known.tuning = Err(Untuned::Refused(why.clone()));
+            }
+            Ended::Panicked(why) => known.tuning = Err(Untuned::Panicked(why.clone())),
+        }
+    }
+    known
+}

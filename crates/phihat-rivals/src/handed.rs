@@ -1,0 +1,53 @@
+//! What a rival is handed, by its types: measurements, reference and knowledge of the arm, and nothing else.
+
+use crate::error::Refusal;
+use crate::needs::Needs;
+use crate::supply::Supply;
+
+/// Everything that there is at a control sample; slices have one entry per joint.
+#[derive(Debug, Clone, Copy)]
+pub struct All<'a> {
+    /// Measured position \[rad\].
+    pub q: &'a [f64],
+    /// Measured velocity \[rad/s\].
+    pub dq: &'a [f64],
+    /// Torque that acted (mean) since the previous sample \[N·m\].
+    pub tau: &'a [f64],
+    /// Which joints' last torque met a limit.
+    pub clipped: &'a [bool],
+    /// Desired position \[rad\].
+    pub q_d: &'a [f64],
+    /// Desired velocity \[rad/s\].
+    pub dq_d: &'a [f64],
+    /// Desired acceleration \[rad/s²\].
+    pub ddq_d: &'a [f64],
+}
+
+/// Measurements that a rival takes.
+pub trait Sees<'a>: Sized {
+    /// As data.
+    const NEEDS: Needs;
+    /// Takes them, and leaves the rest.
+    fn of(all: &All<'a>) -> Self;
+}
+
+/// The reference and as many of its derivatives as a rival takes.
+pub trait Wants<'a>: Sized {
+    /// As data.
+    const NEEDS: Needs;
+    /// Takes them, and leaves the rest.
+    fn of(all: &All<'a>) -> Self;
+}
+
+/// What a rival knows before it starts. Fields are private to this crate: a rival with [`Nothing`](crate::Nothing) cannot
+/// come by a model.
+pub trait Knows: Sized {
+    /// As data.
+    const NEEDS: Needs;
+    /// Takes it, and leaves the rest.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal::NotApplicable`] when the supply does not have it.
+    fn of(supply: &Supply) -> Result<Self, Refusal>;
+}
