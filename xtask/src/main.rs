@@ -10,6 +10,7 @@ mod bindings;
 mod bless;
 mod book;
 mod dependencies;
+mod files;
 mod fuzz;
 mod instructions;
 mod mutants;
