@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::RobotError;
+use crate::input::read_text;
+use crate::joint::{Friction, Sigmoid};
 use crate::profile::Profile;
-use crate::robot::{Friction, Robot, Sigmoid, read_text};
+use crate::robot::Robot;
 
 /// Largest file that is read \[bytes\].
 const BYTES_MAX: usize = 1 << 20;
