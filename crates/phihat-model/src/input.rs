@@ -4,9 +4,6 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read as _, Result};
 use std::path::Path;
 
-use crate::error::RobotError;
-use crate::urdf::BYTES_MAX;
-
 /// Largest document, such as gains, that anything of ours writes \[bytes\].
 pub const DOCUMENT_MAX: u64 = 1 << 28;
 
@@ -38,17 +35,6 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
     }
     let invalid = |_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text");
     String::from_utf8(bytes).map_err(invalid)
-}
-
-/// The text of a robot's file.
-pub(crate) fn read_text(path: &Path) -> core::result::Result<String, RobotError> {
-    let (origin, limit) = (path.display().to_string(), BYTES_MAX);
-    text(path, limit as u64).map_err(|source| match source.kind() {
-        ErrorKind::FileTooLarge => {
-            RobotError::TooMuch { origin, what: "bytes", found: limit + 1, limit }
-        }
-        _ => RobotError::Read { origin, source },
-    })
 }
 
 /// A text for a terminal: what it would obey, other than line ends and tabs, is written out.

@@ -73,6 +73,7 @@ mod profile;
 mod regressor;
 mod robot;
 mod robot_files;
+mod robot_text;
 mod scalar;
 mod segment;
 mod trig;

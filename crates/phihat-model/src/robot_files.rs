@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
-use crate::input::read_text;
+use crate::robot_text::read_text;
 use crate::{Model, Robot, extras, urdf};
 
 /// Files of the arms that come with the crate: name, URDF, TOML.

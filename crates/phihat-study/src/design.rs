@@ -1,11 +1,11 @@
 //! `[design]`: what gains shall be found from.
 
 use crate::arm::Arm;
+use crate::base::Base;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload_set;
 use crate::per_joint::Joints;
-use crate::read::Base;
 use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource, World};
 
 /// Reads `[design]`; the trace it names is relative to `base`.

@@ -37,7 +37,7 @@ const KNOWN: [Known; 16] = [
     Known { name: "phihat-rivals", circles: 4, long: 0, texts: 1 },
     Known { name: "phihat-session", circles: 7, long: 0, texts: 0 },
     Known { name: "phihat-sim", circles: 0, long: 0, texts: 3 },
-    Known { name: "phihat-study", circles: 24, long: 0, texts: 0 },
+    Known { name: "phihat-study", circles: 0, long: 0, texts: 0 },
     Known { name: "xtask", circles: 11, long: 0, texts: 0 },
 ];
 
