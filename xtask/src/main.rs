@@ -11,6 +11,7 @@ mod bless;
 mod book;
 mod check;
 mod dependencies;
+mod files;
 mod fuzz;
 mod instructions;
 mod mutants;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{arrows, dependencies};
+use crate::{arrows, dependencies, files};
 
 /// Words that do not belong into the project, and what does.
 const WORDS: [(&str, &str); 4] = [
@@ -84,6 +84,7 @@ fn past_the_disk(name: &str, text: &str) -> Vec<String> {
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut wrong = arrows::wrong(root)?;
     wrong.extend(dependencies::wrong(root)?);
+    wrong.extend(files::wrong(root)?);
     let mut counts = [0_usize; COUNTED.len()];
     for file in sources(root)? {
         let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;

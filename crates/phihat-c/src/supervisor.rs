@@ -1,9 +1,9 @@
 //! The supervisor behind its handle.
 
 use phihat::{
-    ArmRules, ArmState, Command, Events, Fault, JointMemory, JointRules, Measurement, Mode,
-    ModeRequest, OptionError, Reference, Refusal as Denial, Report, Request, Sample, Stamp,
-    supervise,
+    ArmRules, ArmState, Command, Events, Fault, JointMemory, JointRules, Measurement, Memories,
+    Mode, ModeRequest, OptionError, Reference, Refusal as Denial, Report, Request, Rules, Sample,
+    Stamp, supervise,
 };
 
 use crate::border::{answer, element, present, structure, write_structure};
@@ -218,8 +218,8 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         }
         let stamp = Stamp { sequence: request.sequence, t_ns: request.t_ns };
         let told = supervise(
-            (&s.arm, &s.rules),
-            (&mut s.state, &mut s.memories),
+            Rules { arm: &s.arm, joints: &s.rules },
+            Memories { arm: &mut s.state, joints: &mut s.memories },
             &Sample { stamp, now_ns: request.now_ns, joints: &s.measurements },
             &Request {
                 mode,

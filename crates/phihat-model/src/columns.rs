@@ -1,8 +1,8 @@
 //! Wrenches in columns, four side by side, moved between frames by one pair of screws.
 
-use crate::compile::Segment;
 use crate::description::Motion;
 use crate::inertia::Inertia;
+use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::{Four, Scalar};
 

@@ -25,37 +25,11 @@ use crate::body::Lumped;
 use crate::columns::LANES;
 use crate::description::{Description, JointOf, Motion};
 use crate::placement::{Placement, SNAP, about, apply, mul, transpose, with_z_along};
+use crate::segment::Segment;
 use crate::vector::Turn;
 
 /// Axes this close to parallel (sine of the angle) do not use their common normal.
 const NEARLY_PARALLEL: f64 = 0.05;
-
-/// One body of the compiled form: how it sits on its parent, and its matter in its own frame.
-#[derive(Debug, Clone)]
-pub(crate) struct Segment {
-    pub(crate) motion: Motion,
-    /// Coordinate index; meaningless for [`Motion::Fixed`].
-    pub(crate) joint: usize,
-    /// Index of the parent segment; `None`: the base.
-    pub(crate) parent: Option<usize>,
-    /// Whether some segment hangs on this one; the first that does is the next in order.
-    pub(crate) bears: bool,
-    /// Whether more than one does.
-    pub(crate) forks: bool,
-    /// Coordinates of this segment and all that hangs on it.
-    pub(crate) coordinates: (usize, usize),
-    pub(crate) cos_alpha: f64,
-    pub(crate) sin_alpha: f64,
-    pub(crate) a: f64,
-    /// `d₀` \[m\].
-    pub(crate) d: f64,
-    pub(crate) m: f64,
-    pub(crate) h: [f64; 3],
-    /// Inertia about the origin: `xx, yy, zz, xy, xz, yz`.
-    pub(crate) i: [f64; 6],
-    /// Second moments `½ tr(I) 1 − I`, in the same order.
-    pub(crate) sigma: [f64; 6],
-}
 
 /// Where a link sits in the compiled form.
 #[derive(Debug, Clone, Copy, PartialEq)]

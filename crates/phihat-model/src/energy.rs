@@ -1,8 +1,8 @@
 //! Kinetic and potential energy, and the torque of gravity alone.
 
-use crate::compile::Segment;
 use crate::description::Motion;
 use crate::inverse_dynamics::wrench_on_parent;
+use crate::segment::Segment;
 use crate::vector::Vec3;
 use crate::workspace::Pose3;
 use crate::{Model, Scalar, Workspace};

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::RobotError;
+use crate::joint::{Friction, Sigmoid};
 use crate::profile::Profile;
-use crate::robot::{Friction, Robot, Sigmoid, read_text};
+use crate::robot::Robot;
+use crate::robot_text::read_text;
 
 /// Largest file that is read \[bytes\].
 const BYTES_MAX: usize = 1 << 20;

@@ -1,26 +1,8 @@
-//! Four scalars side by side: one vector register of them.
+//! Vectors of four scalars: those of the machine, and four of any scalar.
 
-use core::fmt::Debug;
 use core::ops::{Add, Mul, Sub};
 
-use crate::Scalar;
-
-/// Four scalars that one instruction works on, where the machine has such.
-///
-/// The dynamics do with `Four` what is the same for several joints. A type without vector
-/// registers of its own uses [`Quad`].
-pub trait Four<S>:
-    Copy + Default + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
-{
-    /// `value` in every lane.
-    fn splat(value: S) -> Self;
-
-    /// From one value per lane.
-    fn from_lanes(lanes: [S; 4]) -> Self;
-
-    /// One value per lane.
-    fn lanes(self) -> [S; 4];
-}
+use crate::{Four, Scalar};
 
 /// Four of any [`Scalar`], one after the other.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,7 +1,7 @@
 //! Composite inertia: mass and moments of a rigid collection of bodies, moved between frames.
 
 use crate::Scalar;
-use crate::compile::Segment;
+use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 
 /// Mass, first moment and inertia about a frame's origin, in its axes.

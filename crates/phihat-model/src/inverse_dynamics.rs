@@ -1,7 +1,7 @@
 //! Joint torques from motion: recursive Newton–Euler.
 
-use crate::compile::Segment;
 use crate::description::Motion;
+use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::workspace::Spin;
 use crate::{Model, Scalar, Workspace};

@@ -1,10 +1,11 @@
 //! The constant part: a tree of rigid bodies, ready for the recursions.
 
 use crate::body::Body;
-use crate::compile::{Compiled, Segment, compile};
+use crate::compile::{Compiled, compile};
 use crate::description::Description;
 use crate::error::ModelError;
 use crate::placement::{Placement, apply, transpose};
+use crate::segment::Segment;
 
 /// Gravity unless the model is told otherwise \[m/s²\], world axes.
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];

@@ -1,11 +1,11 @@
 //! A robot: its model, and what a model leaves out.
 
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::Model;
 use crate::error::RobotError;
-use crate::{Model, extras, input, urdf};
+use crate::joint::Joint;
 
 /// A robot as its files describe it.
 ///
@@ -65,145 +65,7 @@ pub struct Robot {
     pub files: Vec<PathBuf>,
 }
 
-/// A joint that moves.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    /// Name.
-    pub name: String,
-    /// What the joint lets its child do.
-    pub kind: JointKind,
-    /// Lower and upper end of travel \[rad, m\]; `None`: endless.
-    pub position: Option<(f64, f64)>,
-    /// Largest speed \[rad/s, m/s\].
-    pub velocity_max: Option<f64>,
-    /// Largest torque \[N·m, N\].
-    pub torque_max: Option<f64>,
-    /// Largest rate of torque \[N·m/s\].
-    pub torque_rate_max: Option<f64>,
-    /// Reflected rotor inertia \[kg·m²\].
-    pub armature: f64,
-    /// Friction between rotor and child.
-    pub friction: Friction,
-    /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
-    pub drive_bandwidth_hz: Option<f64>,
-    /// Encoder resolution \[bit\] over one turn; `None`: exact.
-    pub encoder_bits: Option<u32>,
-}
-
-/// What a joint lets its child do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointKind {
-    /// Turns between two ends.
-    Revolute,
-    /// Turns without end.
-    Continuous,
-    /// Slides between two ends.
-    Prismatic,
-}
-
-/// Friction of one joint: `τ_f = viscous q̇ + coulomb sign(q̇) + sigmoid(q̇)`, against the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Friction {
-    /// Viscous part \[N·m·s/rad\].
-    pub viscous: f64,
-    /// Coulomb part \[N·m\].
-    pub coulomb: f64,
-    /// Identified smooth part.
-    pub sigmoid: Option<Sigmoid>,
-}
-
-/// Smooth friction `A/(1 + e^{−s(q̇ + o)}) − A/(1 + e^{−s o})`.
-///
-/// # References
-///
-/// C. Gaz, M. Cognetti, A. Oliva, P. Robuffo Giordano, A. De Luca, IEEE RA-L 4(4), 2019.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sigmoid {
-    /// `A` \[N·m\].
-    pub amplitude_nm: f64,
-    /// `s` \[s/rad\].
-    pub steepness_s_rad: f64,
-    /// `o` \[rad/s\].
-    pub offset_rad_s: f64,
-}
-
-/// Files of the arms that come with the crate: name, URDF, TOML.
-macro_rules! arms {
-    ($($name:literal),*) => {
-        const NAMES: &[&str] = &[$($name),*];
-        const ARMS: &[(&str, &str, &str)] = &[$((
-            $name,
-            include_str!(concat!("../robots/", $name, ".urdf")),
-            include_str!(concat!("../robots/", $name, ".toml")),
-        )),*];
-    };
-}
-
-arms!("planar3r", "panda", "iiwa14", "ur5");
-
 impl Robot {
-    /// Reads a robot from its TOML file, which names its URDF, or from a URDF with the TOML file of the same name
-    /// that stands beside it, if one does.
-    ///
-    /// # Errors
-    ///
-    /// [`RobotError`], with file, line where there is one, link or joint, value and what would be
-    /// valid.
-    pub fn read(path: &Path) -> Result<Self, RobotError> {
-        let text = read_text(path)?;
-        let origin = path.display().to_string();
-        if path.extension().is_none_or(|extension| extension != "toml") {
-            let beside = path.with_extension("toml");
-            let Some(more) = extras::about_urdf(&beside, path)? else {
-                return Ok(Self::from_text(&text, None, &origin)?.of([path.to_owned()]));
-            };
-            let more_origin = beside.display().to_string();
-            let robot = Self::assemble(&text, &origin, Some((&more, &more_origin)))?;
-            return Ok(robot.of([path.to_owned(), beside]));
-        }
-        let urdf = extras::urdf_beside(path, &text, &origin)?;
-        let (urdf_text, urdf_origin) = (read_text(&urdf)?, urdf.display().to_string());
-        let robot = Self::assemble(&urdf_text, &urdf_origin, Some((&text, &origin)))?;
-        Ok(robot.of([path.to_owned(), urdf]))
-    }
-
-    fn of(mut self, files: impl Into<Vec<PathBuf>>) -> Self {
-        self.files = files.into();
-        self
-    }
-
-    /// Makes a robot from the text of its URDF and, if there is one, of its TOML file; `origin`
-    /// stands for the file in errors.
-    ///
-    /// # Errors
-    ///
-    /// [`RobotError`], as for [`read`](Self::read).
-    pub fn from_text(urdf: &str, toml: Option<&str>, origin: &str) -> Result<Self, RobotError> {
-        Self::assemble(urdf, origin, toml.map(|text| (text, origin)))
-    }
-
-    /// Gives one of the arms that come with the crate: those of [`names`](Self::names).
-    ///
-    /// # Errors
-    ///
-    /// [`RobotError::Unknown`] with the nearest name there is.
-    pub fn named(name: &str) -> Result<Self, RobotError> {
-        let Some((_, urdf, toml)) = ARMS.iter().find(|(known, ..)| *known == name) else {
-            return Err(RobotError::Unknown {
-                name: name.to_owned(),
-                hint: nearest(name, NAMES)
-                    .map_or_else(String::new, |n| format!(", did you mean \"{n}\"?")),
-                known: NAMES,
-            });
-        };
-        Self::assemble(urdf, &format!("{name}.urdf"), Some((toml, &format!("{name}.toml"))))
-    }
-
-    /// Names of the arms that come with the crate.
-    pub fn names() -> &'static [&'static str] {
-        NAMES
-    }
-
     /// This robot with some joints fixed at a position \[rad, m\]; their rotors, limits and
     /// friction are gone with them.
     ///
@@ -249,66 +111,14 @@ impl Robot {
     }
 
     /// The model with the joints' rotor inertia: what a simulated plant is made of.
+    ///
+    /// # Panics
+    ///
+    /// If a joint's `armature` was set to what is none, negative or not finite: a model without its rotors would pass
+    /// for the arm. Files cannot do that: reading refuses such a value.
     pub fn plant_model(&self) -> Model {
         let armature: Vec<f64> = self.joints.iter().map(|joint| joint.armature).collect();
-        // A robot's armature was checked when it was read; a changed one is checked here.
-        self.model.clone().with_armature(&armature).unwrap_or_else(|_| self.model.clone())
+        let model = self.model.clone().with_armature(&armature);
+        model.unwrap_or_else(|error| unreachable!("{}: set by hand: {error}", self.name))
     }
-
-    fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
-        let read = urdf::read(urdf, origin).map_err(RobotError::plain)?;
-        let tip = outermost_frame(&read.model);
-        let robot = Self {
-            name: read.name,
-            description: String::new(),
-            licence: String::new(),
-            provenance: origin.to_owned(),
-            sources: BTreeMap::new(),
-            model: read.model,
-            joints: read.joints,
-            tip,
-            profile: "ideal".to_owned(),
-            poses: BTreeMap::new(),
-            warnings: read.warnings,
-            files: Vec::new(),
-        };
-        match toml {
-            None => Ok(robot),
-            Some((text, origin)) => extras::apply(robot, text, origin).map_err(RobotError::plain),
-        }
-    }
-}
-
-impl Sigmoid {
-    /// Friction torque \[N·m\] at speed `dq` \[rad/s\].
-    pub fn torque(&self, dq: f64) -> f64 {
-        let Self { amplitude_nm, steepness_s_rad, offset_rad_s } = *self;
-        let logistic = |v: f64| amplitude_nm / (1.0 + libm::exp(-steepness_s_rad * v));
-        logistic(dq + offset_rad_s) - logistic(offset_rad_s)
-    }
-}
-
-/// The last frame that the last joint moves: the best guess at the one that does the work.
-fn outermost_frame(model: &Model) -> String {
-    let compiled = model.compiled();
-    let last = compiled.segment_of_joint.last().copied();
-    let at = compiled.seats.iter().rposition(|seat| seat.segment == last);
-    at.and_then(|at| model.frame_names().get(at).cloned()).unwrap_or_default()
-}
-
-/// The known name closest to `name`, if it is close.
-fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let score = |candidate: &&str| strsim::jaro_winkler(name, candidate);
-    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
-    (score(&best) > 0.6).then_some(best)
-}
-
-pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
-    let (origin, limit) = (path.display().to_string(), urdf::BYTES_MAX);
-    input::text(path, limit as u64).map_err(|source| match source.kind() {
-        ErrorKind::FileTooLarge => {
-            RobotError::TooMuch { origin, what: "bytes", found: limit + 1, limit }
-        }
-        _ => RobotError::Read { origin, source },
-    })
 }

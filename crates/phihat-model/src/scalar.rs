@@ -1,9 +1,25 @@
-//! The number type of the dynamics.
+//! The number type of the dynamics, and four of it side by side.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use crate::Four;
 use crate::trig;
+
+/// Four scalars that one instruction works on, where the machine has such.
+///
+/// The dynamics do with `Four` what is the same for several joints. A type without vector
+/// registers of its own uses [`Quad`](crate::Quad).
+pub trait Four<S>:
+    Copy + Default + core::fmt::Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    /// `value` in every lane.
+    fn splat(value: S) -> Self;
+
+    /// From one value per lane.
+    fn from_lanes(lanes: [S; 4]) -> Self;
+
+    /// One value per lane.
+    fn lanes(self) -> [S; 4];
+}
 
 /// A real number, or several side by side: what the dynamics compute with.
 ///

@@ -1,9 +1,10 @@
 //! Scratch memory of the dynamics, allocated once.
 
 use crate::columns::{Columns, LANES};
-use crate::compile::{Compiled, Segment};
+use crate::compile::Compiled;
 use crate::description::Motion;
 use crate::inertia::Inertia;
+use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::{Model, Scalar};
 

@@ -161,3 +161,11 @@ fn heavier_links_scale_gravity_and_leave_the_rotors() {
     }
     assert!(light.with_masses_times(0.0).is_err());
 }
+
+#[test]
+#[should_panic(expected = "planar3r: set by hand")]
+fn rotors_that_are_none_are_not_left_out_in_silence() {
+    let mut robot = Robot::named("planar3r").unwrap();
+    robot.joints[0].armature = f64::NAN;
+    let _ = robot.plant_model();
+}

@@ -174,8 +174,8 @@ impl Supervisor {
         }
         let t_ns = t_ns.unwrap_or_else(|| sequence.wrapping_mul(self.period_ns));
         self.report = supervise(
-            (&self.arm, &self.rules),
-            (&mut self.state, &mut self.memories),
+            phihat::Rules { arm: &self.arm, joints: &self.rules },
+            phihat::Memories { arm: &mut self.state, joints: &mut self.memories },
             &Sample {
                 stamp: Stamp { sequence, t_ns },
                 now_ns: now_ns.unwrap_or(t_ns),

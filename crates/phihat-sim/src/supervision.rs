@@ -2,8 +2,8 @@
 
 use phihat::{
     ArmRules, ArmState, Command, Funnel, JointGains, JointMemory, JointOptions, JointRange,
-    JointRules, Mode, ModeRequest, MotionLimits, Options, Reference, Report, Request, Schedule,
-    Stamp, supervise,
+    JointRules, Memories, Mode, ModeRequest, MotionLimits, Options, Reference, Report, Request,
+    Rules, Schedule, Stamp, supervise,
 };
 use phihat_study::{RequestedMode, Study, SupervisorRequest};
 
@@ -88,7 +88,13 @@ impl Supervised {
         let sample = phihat::Sample { stamp, now_ns, joints: &sample.joints };
         let (arm, joints) = &self.rules;
         let (state, memories) = &mut self.state;
-        self.report = supervise((arm, joints), (state, memories), &sample, &request, commands);
+        self.report = supervise(
+            Rules { arm, joints },
+            Memories { arm: state, joints: memories },
+            &sample,
+            &request,
+            commands,
+        );
         for (reference, memory) in references.iter_mut().zip(memories) {
             *reference = *memory.reference();
         }

@@ -3,11 +3,11 @@
 use phihat_model::Robot;
 use toml::de::DeValue;
 
-use crate::check::{clip, in_file_order};
+use crate::base::Base;
+use crate::entries::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::per_joint::Joints;
-use crate::read::Base;
 use crate::suggest::did_you_mean;
 use crate::value::number;
 

@@ -3,29 +3,18 @@
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
+use crate::entries::{clip, in_file_order, join, missing_key};
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{Bounds, Need, Section, Shape};
+use crate::keys::STUDY;
 use crate::source::Source;
-use crate::suggest::{did_you_mean, elsewhere, with_right_unit};
+use crate::suggest::{did_you_mean, sections, with_right_unit};
 use crate::value::{found, integer, number};
 
 type Value<'a> = Spanned<DeValue<'a>>;
-type Entry<'t, 'a> = (&'t Spanned<DeString<'a>>, &'t Value<'a>);
 
 /// Longest string value, in characters.
 const TEXT_MAX: usize = 200;
-
-/// The entries of a table in the order in which the file has them.
-pub(crate) fn in_file_order<'t, 'a>(table: &'t DeTable<'a>) -> Vec<Entry<'t, 'a>> {
-    let mut entries: Vec<_> = table.iter().collect();
-    entries.sort_by_key(|(key, _)| key.span().start);
-    entries
-}
-
-/// Path of `key` inside `path`.
-pub(crate) fn join(path: &str, key: &str) -> String {
-    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
-}
 
 /// Checks a table; `span` is where it begins.
 pub(crate) fn check_table(
@@ -43,25 +32,6 @@ pub(crate) fn check_table(
     let missing =
         section.keys.iter().find(|key| key.need == Need::Required && !table.contains_key(key.name));
     missing.map_or(Ok(()), |key| Err(missing_key(source, path, span, key)))
-}
-
-/// The error for a required key that is not there.
-pub(crate) fn missing_key(
-    source: &Source<'_>,
-    path: &str,
-    span: &std::ops::Range<usize>,
-    key: &Key,
-) -> StudyError {
-    let message = match key.shape {
-        Shape::Table(_) | Shape::Kinds(_) => format!("missing section [{}]", join(path, key.name)),
-        Shape::Tables(..) => format!("missing section [[{}]]", join(path, key.name)),
-        _ => "missing key".to_owned(),
-    };
-    let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
-    let first = key.doc.split_once(". ").map_or(key.doc, |(sentence, _)| sentence);
-    source
-        .error(Kind::MissingKey, span, join(path, key.name), message)
-        .with_help(format!("{}{unit}", first.trim_end_matches('.')))
 }
 
 fn unknown(
@@ -83,6 +53,20 @@ fn unknown(
     }
     let names: Vec<&str> = section.keys.iter().map(|key| key.name).collect();
     error(Kind::UnknownKey, "unknown key".into()).with_help(did_you_mean(name, &names))
+}
+
+/// Another section that has a key of exactly this name.
+fn elsewhere(name: &str, section: &'static Section) -> Option<String> {
+    let found = sections(&STUDY)
+        .into_iter()
+        .find(|(_, other)| !std::ptr::eq(*other, section) && other.key(name).is_some());
+    found.map(|(word, other)| match (word, other.path) {
+        (Some(word), path) if path == section.path => {
+            format!("`{name}` belongs to kind = \"{word}\"")
+        }
+        (_, "") => format!("`{name}` belongs to the top of the file, before the first section"),
+        (_, path) => format!("`{name}` belongs in [{path}]"),
+    })
 }
 
 fn check_value(
@@ -301,13 +285,4 @@ fn expected(shape: &Shape) -> String {
         Shape::Table(_) | Shape::Kinds(_) => "a table".into(),
         Shape::Tables(..) => "an array of tables".into(),
     }
-}
-
-/// A string from the file, short enough for a message.
-pub(crate) fn clip(text: &str) -> String {
-    let mut shown: String = text.chars().take(64).collect();
-    if shown.len() < text.len() {
-        shown.push('…');
-    }
-    shown
 }

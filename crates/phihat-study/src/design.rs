@@ -1,11 +1,11 @@
 //! `[design]`: what gains shall be found from.
 
 use crate::arm::Arm;
+use crate::base::Base;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload_set;
 use crate::per_joint::Joints;
-use crate::read::Base;
 use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, PhiSource, World};
 
 /// Reads `[design]`; the trace it names is relative to `base`.
@@ -115,14 +115,16 @@ fn paper(node: &Node<'_>, joints: &Joints) -> Result<PaperRequest, StudyError> {
     })
 }
 
+/// Two values of each joint.
+type Pair = (Vec<f64>, Vec<f64>);
+
 /// Two per-joint values that come together or not at all.
-#[allow(clippy::type_complexity, reason = "a pair of lists, once")]
 fn pair(
     node: &Node<'_>,
     joints: &Joints,
     first: &str,
     second: &str,
-) -> Result<Option<(Vec<f64>, Vec<f64>)>, StudyError> {
+) -> Result<Option<Pair>, StudyError> {
     match (joints.numbers_if(node, first)?, joints.numbers_if(node, second)?) {
         (Some(a), Some(b)) => Ok(Some((a, b))),
         (None, None) => Ok(None),

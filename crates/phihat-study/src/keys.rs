@@ -2,18 +2,17 @@
 
 use crate::design_keys::DESIGN;
 use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::key_parts::{ROBOT_OR_NONE, TIME, per_joint, table};
 use crate::profile::PROFILE;
 use crate::reference_keys::KINDS;
 use crate::supervisor_keys::SUPERVISOR;
 use crate::world_keys::{FAULT, WORLD};
 
-pub(crate) const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
 const POSITION: Bounds = Bounds::within(100.0);
 const ARMATURE: Bounds = Bounds::closed(0.0, 1e4);
 const NOISE: Bounds = Bounds::closed(0.0, 100.0);
 const VELOCITY: Bounds = Bounds::within(1e3);
 const TORQUE: Bounds = Bounds::positive(1e5);
-pub(crate) const TIME: Bounds = Bounds::closed(0.0, 86_400.0);
 
 /// The top of the file.
 pub(crate) static STUDY: Section = Section {
@@ -82,25 +81,6 @@ pub(crate) static STUDY: Section = Section {
         },
     ],
 };
-
-pub(crate) const fn table(
-    name: &'static str,
-    need: Need,
-    section: &'static Section,
-    doc: &'static str,
-) -> Key {
-    Key { name, unit: "", shape: Shape::Table(section), need, doc }
-}
-
-/// A number per joint that is 0 unless stated.
-pub(crate) const fn per_joint(
-    name: &'static str,
-    unit: &'static str,
-    bounds: Bounds,
-    doc: &'static str,
-) -> Key {
-    Key { name, unit, shape: Shape::PerJoint(bounds, &[]), need: Need::Number(0.0), doc }
-}
 
 static ROBOT: Section = Section {
     path: "robot",

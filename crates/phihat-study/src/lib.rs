@@ -53,15 +53,18 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod base;
 mod cartesian;
 mod check;
 mod control;
 mod design;
 mod design_keys;
+mod entries;
 mod error;
 mod fault;
 mod format;
 mod gains;
+mod key_parts;
 mod keys;
 mod limits;
 mod manual;
@@ -73,6 +76,8 @@ mod profile;
 mod read;
 mod reference;
 mod reference_keys;
+mod robot_value;
+mod run;
 mod samples;
 mod schema;
 mod sines;
@@ -89,6 +94,7 @@ mod world_keys;
 pub use error::{StudyError, StudyErrorKind};
 pub use fault::{Fault, FaultKind};
 pub use manual::manual;
+pub use payload::Payload;
 pub use payload_set::PayloadSet;
 pub use schema::schema;
 pub use study::*;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::check::{clip, join, missing_key};
+use crate::entries::{clip, join, missing_key};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::{Key, Need, Section, Shape};
 use crate::source::Source;

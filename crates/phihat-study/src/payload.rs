@@ -1,9 +1,34 @@
 //! `[world.payload]`: a rigid body, and whether its inertia is that of one.
 
+use phihat_model::Body;
+
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::study::Payload;
+
+/// `[world.payload]`: a rigid body welded to a frame of the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Payload {
+    /// Frame (link) name.
+    pub frame: String,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Centre of mass \[m\] in that frame.
+    pub com: [f64; 3],
+    /// Inertia about the centre of mass `xx, xy, xz, yy, yz, zz` \[kg·m²\].
+    pub inertia: [f64; 6],
+    /// When it is picked up \[s\].
+    pub start: f64,
+    /// When it is dropped \[s\]; infinite: never.
+    pub end: f64,
+}
+
+impl Payload {
+    /// The body itself, in the axes of its frame.
+    pub fn body(&self) -> Body {
+        Body { mass: self.mass, com: self.com, inertia: self.inertia }
+    }
+}
 
 pub(crate) fn read(node: &Node<'_>, arm: &Arm) -> Result<Option<Payload>, StudyError> {
     if !node.exists() {

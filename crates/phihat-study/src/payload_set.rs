@@ -5,7 +5,7 @@ use phihat_model::Body;
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::study::Payload;
+use crate::payload::Payload;
 
 /// Slack for figures that were rounded when they were written down, relative \[1\] or \[m\].
 const ROUNDING: f64 = 1e-9;

@@ -2,7 +2,7 @@
 
 use toml::de::DeValue;
 
-use crate::check::in_file_order;
+use crate::entries::in_file_order;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::Need;
 use crate::node::Node;
@@ -140,7 +140,7 @@ impl Joints {
         if let Some(index) = self.names.iter().position(|known| known == name) {
             return Ok(index);
         }
-        let shown = crate::check::clip(name);
+        let shown = crate::entries::clip(name);
         let message = if self.locked.iter().any(|known| known == name) {
             format!("joint `{shown}` is locked")
         } else {

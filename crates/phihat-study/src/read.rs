@@ -8,11 +8,12 @@ use sha2::{Digest, Sha256};
 use toml::de::DeTable;
 
 use crate::arm::Arm;
+use crate::base::Base;
 use crate::check::check_table;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
 use crate::keys::STUDY;
 use crate::node::Node;
-use crate::reference::Run;
+use crate::run::Run;
 use crate::source::Source;
 use crate::study::Study;
 use crate::{control, design, fault, gains, profile, reference, spec, supervisor, world};
@@ -62,22 +63,6 @@ impl Study {
     /// The first thing that is wrong, with its place.
     pub fn from_record(text: &str, origin: &str, inputs: &Path) -> Result<Self, StudyError> {
         read_text(Source { text, origin }, Base { folder: inputs, flat: true })
-    }
-}
-
-/// What files are relative to.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Base<'a> {
-    folder: &'a Path,
-    /// Whether the files are in that folder, whatever folder a study names.
-    flat: bool,
-}
-
-impl Base<'_> {
-    /// Where a file is.
-    pub(crate) fn join(&self, named: &str) -> PathBuf {
-        let name = Path::new(named).file_name().filter(|_| self.flat);
-        self.folder.join(name.map_or(Path::new(named), Path::new))
     }
 }
 
@@ -202,7 +187,7 @@ fn syntax(source: &Source<'_>, error: &toml::de::Error) -> StudyError {
     let span = error.span().unwrap_or(0..0);
     let slice = source.text.get(span.clone()).unwrap_or_default();
     let message = match error.message() {
-        "duplicate key" => format!("duplicate key `{}`", crate::check::clip(slice)),
+        "duplicate key" => format!("duplicate key `{}`", crate::entries::clip(slice)),
         message => format!("not TOML: {message}"),
     };
     source.error(Kind::Syntax, &span, "", message)

@@ -3,23 +3,9 @@
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::read::Base;
+use crate::run::{QUINTIC_SLOPE_MAX, Run};
 use crate::study::Reference;
 use crate::{cartesian, samples, sines};
-
-/// Largest slope of the quintic 10s³ − 15s⁴ + 6s⁵ from rest to rest, at its middle.
-pub(crate) const QUINTIC_SLOPE_MAX: f64 = 1.875;
-
-/// The run that a reference is for.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Run<'p> {
-    /// \[s\]
-    pub(crate) duration: f64,
-    /// Control samples per second \[Hz\].
-    pub(crate) rate: f64,
-    /// Directory to which files are relative.
-    pub(crate) base: Base<'p>,
-}
 
 pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
     match node.word("kind")? {

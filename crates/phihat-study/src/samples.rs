@@ -5,10 +5,10 @@ use std::io::{BufRead, BufReader, Read};
 use phihat_model::input;
 
 use crate::arm::Arm;
-use crate::check::clip;
+use crate::entries::clip;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::reference::Run;
+use crate::run::Run;
 use crate::study::Reference;
 use crate::suggest::did_you_mean;
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::arm::Arm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::reference::{QUINTIC_SLOPE_MAX, Run};
+use crate::run::{QUINTIC_SLOPE_MAX, Run};
 use crate::study::{Reference, Sine};
 
 /// Longest step of the search for a position outside the limits \[s\].

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use phihat_model::{Body, Profile, Robot};
+use phihat_model::{Profile, Robot};
 
 use crate::Fault;
+use crate::payload::Payload;
 
 /// A complete study, read, checked and resolved against its robot.
 ///
@@ -445,30 +446,6 @@ pub struct ToolForce {
     pub start: f64,
     /// Duration \[s\].
     pub duration: f64,
-}
-
-/// `[world.payload]`: a rigid body welded to a frame of the robot.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Payload {
-    /// Frame (link) name.
-    pub frame: String,
-    /// Mass \[kg\].
-    pub mass: f64,
-    /// Centre of mass \[m\] in that frame.
-    pub com: [f64; 3],
-    /// Inertia about the centre of mass `xx, xy, xz, yy, yz, zz` \[kg·m²\].
-    pub inertia: [f64; 6],
-    /// When it is picked up \[s\].
-    pub start: f64,
-    /// When it is dropped \[s\]; infinite: never.
-    pub end: f64,
-}
-
-impl Payload {
-    /// The body itself, in the axes of its frame.
-    pub fn body(&self) -> Body {
-        Body { mass: self.mass, com: self.com, inertia: self.inertia }
-    }
 }
 
 /// `[[world.push]]` with `torque_nm`: a constant external torque on one joint for a while.

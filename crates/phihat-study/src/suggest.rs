@@ -1,7 +1,6 @@
 //! What a person may have meant: the nearest name, the right unit, the right section.
 
 use crate::format::{Section, Shape};
-use crate::keys::STUDY;
 
 /// Parts of key names that are units.
 const UNIT_PARTS: &[&str] = &[
@@ -71,20 +70,6 @@ fn stem(name: &str) -> &str {
         stem = front;
     }
     stem
-}
-
-/// Another section that has a key of exactly this name.
-pub(crate) fn elsewhere(name: &str, section: &'static Section) -> Option<String> {
-    let found = sections(&STUDY)
-        .into_iter()
-        .find(|(_, other)| !std::ptr::eq(*other, section) && other.key(name).is_some());
-    found.map(|(word, other)| match (word, other.path) {
-        (Some(word), path) if path == section.path => {
-            format!("`{name}` belongs to kind = \"{word}\"")
-        }
-        (_, "") => format!("`{name}` belongs to the top of the file, before the first section"),
-        (_, path) => format!("`{name}` belongs in [{path}]"),
-    })
 }
 
 /// All sections, depth first, each with the kind it belongs to.

@@ -1,9 +1,9 @@
 //! `[supervisor]`: guard, limits and modes around the law.
 
 use crate::arm::Arm;
-use crate::control::limits;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
+use crate::robot_value::limits;
 
 /// `[supervisor]`; one entry per joint, `None` where the study states none.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! The format of `[supervisor]`: guard, limits and modes around the law.
 
 use crate::format::{Bounds, Key, Need, Section, Shape};
-use crate::keys::{ROBOT_OR_NONE, TIME};
+use crate::key_parts::{ROBOT_OR_NONE, TIME};
 
 const ANGLE: Bounds = Bounds::positive(100.0);
 const TORQUE: Bounds = Bounds::positive(1e5);

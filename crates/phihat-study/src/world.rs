@@ -1,11 +1,11 @@
 //! `[world]` and `[start]`: what the arm meets, and where the run begins.
 
 use crate::arm::Arm;
-use crate::control::limits;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload;
 use crate::per_joint::Joints;
+use crate::robot_value::limits;
 use crate::study::{
     Drive, EndStops, Flexibility, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
 };

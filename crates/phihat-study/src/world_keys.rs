@@ -2,7 +2,7 @@
 
 use crate::fault;
 use crate::format::{Bounds, Key, Need, Section, Shape};
-use crate::keys::{ROBOT_OR_NONE, TIME, per_joint, table};
+use crate::key_parts::{ROBOT_OR_NONE, TIME, per_joint, table};
 
 pub(crate) static WORLD: Section = Section {
     path: "world",

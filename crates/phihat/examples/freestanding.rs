@@ -8,11 +8,11 @@
 )]
 
 use phihat::{
-    Answer, ArmRules, ArmState, Command, Controller, Delay, Events, GainError, JointDesign,
-    JointGains, JointMap, JointMapError, JointMemory, JointOptions, JointRules, JointState, Limits,
-    Log, Measurement, ModeEvents, MotionLimits, OptionError, Options, Reference, Report, Request,
-    Sample, Shaper, Supervisor, SupervisorState, Transition, Unwrap, VelocityFilter, VelocityState,
-    next_mode, supervise, update_joints,
+    Answer, Command, Controller, Delay, Events, GainError, JointDesign, JointGains, JointMap,
+    JointMapError, JointOptions, JointState, Limits, Log, Measurement, Memories, ModeEvents,
+    MotionLimits, OptionError, Options, Reference, Report, Request, Rules, Sample, Shaper,
+    Supervisor, SupervisorState, Transition, Unwrap, VelocityFilter, VelocityState, next_mode,
+    supervise, update_joints,
 };
 
 macro_rules! entry_points {
@@ -72,8 +72,8 @@ macro_rules! entry_points {
                 arm.step(state, sample, request)
             }
             pub fn slices(
-                rules: (&ArmRules<$scalar>, &[JointRules<$scalar>]),
-                state: (&mut ArmState, &mut [JointMemory<$scalar>]),
+                rules: Rules<'_, $scalar>,
+                state: Memories<'_, $scalar>,
                 sample: &Sample<'_, $scalar>,
                 request: &Request<'_, $scalar>,
                 commands: &mut [Command<$scalar>],

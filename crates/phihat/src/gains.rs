@@ -1,9 +1,10 @@
 //! The gains of one joint: checked once, then immutable.
 
-use core::fmt;
-
 use crate::sampled::sampled_coefficients;
-use crate::{Limits, ORDER_MAX, Real};
+use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
+
+/// What a measured value may be at most, in any unit: 2³².
+const VALUE_MAX: f64 = 4_294_967_296.0;
 
 /// Which of the two equivalent forms of the law runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -164,7 +165,7 @@ impl<R: Real> JointGains<R> {
 
     /// Whether what samples within ±2³² come to is finite, with a factor of 2³² to spare for sums and peaks.
     fn hold_samples_in(&self) -> bool {
-        let reach = R::from_f64(4_294_967_296.0);
+        let reach = R::from_f64(VALUE_MAX);
         let most = reach * reach * self.inertia;
         let [on_e, on_de] = self.on_error;
         let own = match self.form {
@@ -251,94 +252,3 @@ impl JointDesign<'_> {
         if stable { Ok(()) } else { Err(GainError::UnstableEstimator { order: self.a.len() }) }
     }
 }
-
-/// Names a gain in an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Gain {
-    /// `M̄`.
-    Inertia,
-    /// `K_p`.
-    Kp,
-    /// `K_d`.
-    Kd,
-    /// `a_i`, with its index.
-    A(usize),
-    /// The sample period `T`.
-    Period,
-    /// A torque limit.
-    TorqueMax,
-    /// A torque-rate limit.
-    TorqueRateMax,
-    /// A velocity limit.
-    VelocityMax,
-    /// An acceleration limit.
-    AccelerationMax,
-    /// A jerk limit.
-    JerkMax,
-    /// The bandwidth of a velocity filter.
-    VelocityFilter,
-}
-
-impl fmt::Display for Gain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Inertia => f.write_str("inertia [kg m^2]"),
-            Self::Kp => f.write_str("kp [1/s^2]"),
-            Self::Kd => f.write_str("kd [1/s]"),
-            Self::A(i) => write!(f, "a[{i}]"),
-            Self::Period => f.write_str("period [s]"),
-            Self::TorqueMax => f.write_str("torque limit [N m]"),
-            Self::TorqueRateMax => f.write_str("torque-rate limit [N m/s]"),
-            Self::VelocityMax => f.write_str("velocity limit [rad/s]"),
-            Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
-            Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
-            Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
-        }
-    }
-}
-
-/// Why a design is refused.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum GainError {
-    /// A gain is zero, negative, infinite or NaN.
-    NotPositive {
-        /// Which gain.
-        gain: Gain,
-        /// Value of the gain.
-        value: f64,
-    },
-    /// The number of coefficients is not 1 … 4.
-    Order {
-        /// How many were given.
-        order: usize,
-    },
-    /// `s^m + a_{m−1} s^{m−1} + … + a_0` has a root with a non-negative real part.
-    UnstableEstimator {
-        /// Order of the estimator.
-        order: usize,
-    },
-    /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.
-    Overflow,
-}
-
-impl fmt::Display for GainError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotPositive { gain, value } => {
-                write!(f, "{gain} is {value}; it must be positive and finite")
-            }
-            Self::Order { order } => {
-                write!(f, "the estimator has {order} coefficients; 1 to {ORDER_MAX} are possible")
-            }
-            Self::UnstableEstimator { order } => write!(
-                f,
-                "the estimator polynomial of order {order} is not stable (Routh); lower its low coefficients"
-            ),
-            Self::Overflow => f.write_str(
-                "gains, inertia and period are too far from 1: torques would overflow in this scalar",
-            ),
-        }
-    }
-}
-
-impl core::error::Error for GainError {}

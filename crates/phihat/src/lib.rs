@@ -65,6 +65,7 @@
 
 mod controller;
 mod delay;
+mod gain_error;
 mod gains;
 mod joint;
 mod joint_map;
@@ -80,7 +81,8 @@ mod velocity;
 
 pub use controller::{Controller, update_joints};
 pub use delay::{DELAY_MAX, Delay, DelayTooLong};
-pub use gains::{Form, Gain, GainError, JointDesign, JointGains};
+pub use gain_error::{Gain, GainError};
+pub use gains::{Form, JointDesign, JointGains};
 pub use joint::{Command, JointState, Measurement, Reference, Status};
 pub use joint_map::{JointMap, JointMapError, order_hash};
 pub use limits::Limits;
@@ -89,9 +91,9 @@ pub use real::Real;
 pub use shaper::{MotionLimits, Shaper};
 pub use supervisor::{
     Action, Answer, ArmRules, ArmState, Events, Fault, Funnel, JointMemory, JointOptions,
-    JointRange, JointRules, Mode, ModeEvents, ModeRequest, OptionError, Options, Refusal, Report,
-    Request, Sample, Schedule, Stamp, Supervisor, SupervisorState, Transition, next_mode,
-    supervise,
+    JointRange, JointRules, Memories, Mode, ModeEvents, ModeRequest, OptionError, Options, Refusal,
+    Report, Request, Rules, Sample, Schedule, Stamp, Supervisor, SupervisorState, Transition,
+    next_mode, supervise,
 };
 pub use unwrap::Unwrap;
 pub use velocity::{VelocityFilter, VelocityState};

@@ -2,7 +2,7 @@
 
 use crate::Model;
 use crate::error::RobotError;
-use crate::robot::Joint;
+use crate::joint::Joint;
 
 mod element;
 mod read;

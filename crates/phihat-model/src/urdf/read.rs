@@ -10,8 +10,8 @@ use super::{Result, Urdf, scan};
 use crate::body::{Body, Lumped};
 use crate::description::{JointOf, Motion};
 use crate::error::RobotError;
+use crate::joint::{Friction, Joint, JointKind};
 use crate::placement::{dot, mul, normalised, transpose};
-use crate::robot::{Friction, Joint, JointKind};
 use crate::{Model, Workspace};
 
 /// Most links.

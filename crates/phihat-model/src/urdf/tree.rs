@@ -7,7 +7,7 @@ use super::element::Element;
 use crate::body::Lumped;
 use crate::description::{Description, JointOf, Link};
 use crate::error::RobotError;
-use crate::robot::Joint;
+use crate::joint::Joint;
 
 pub(super) struct LinkElement<'a, 'x> {
     pub(super) element: Element<'a, 'x>,

@@ -1,6 +1,6 @@
 //! The parts of a world, from a study.
 
-use phihat_model::{Body, Model};
+use phihat_model::Model;
 use phihat_study::{FaultKind, Study};
 
 use super::bristle::Bristle;
@@ -8,7 +8,7 @@ use super::contact::Contacts;
 use super::drive::Drive;
 use super::forces::Push;
 use super::friction::Friction;
-use super::payload::Carried;
+use super::payload::{Carried, loaded};
 use super::plant::{Parts, Plant};
 use super::shape::Shape;
 use super::spring::{EndStop, Transmission};
@@ -55,11 +55,6 @@ pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
         Some(payload) => loaded(model, &payload.frame, &payload.body()),
         None => Ok(model),
     }
-}
-
-/// The model with a body welded to a frame.
-pub(crate) fn loaded(model: Model, frame: &str, body: &Body) -> Result<Model, SimError> {
-    model.with_payload_on(frame, body).map_err(|e| SimError::Payload(e.to_string()))
 }
 
 /// The friction of the robot's description, whether or not it acts in the study.

@@ -18,9 +18,10 @@ mod shape;
 mod spring;
 mod stiffness;
 
-pub(crate) use build::{frictions, loaded, loaded_model};
+pub(crate) use build::{frictions, loaded_model};
 pub use firmware::Abort;
 pub use friction::{COULOMB_VELOCITY, Friction};
+pub(crate) use payload::loaded;
 
 use phihat_study::Study;
 

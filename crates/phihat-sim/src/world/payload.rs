@@ -3,7 +3,6 @@
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::{FaultKind, Study};
 
-use super::build::loaded;
 use crate::error::SimError;
 
 /// The rigid-body models of a run, one after the other.
@@ -57,4 +56,9 @@ impl Carried {
         let (_, model, workspace) = &mut self.stages[self.at];
         (model, workspace)
     }
+}
+
+/// The model with a body welded to a frame.
+pub(crate) fn loaded(model: Model, frame: &str, body: &Body) -> Result<Model, SimError> {
+    model.with_payload_on(frame, body).map_err(|e| SimError::Payload(e.to_string()))
 }

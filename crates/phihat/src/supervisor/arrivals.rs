@@ -3,6 +3,17 @@
 use crate::joint::Interval;
 use crate::{Events, Real};
 
+/// The shortest time between two samples that is one is the period over this; less is a clock that jumped.
+const SHORTEST_SHARE: u64 = 20;
+
+/// The longest time between two samples that is integrated over, in periods: beyond, the sampled estimator would
+/// leave the unit circle, and one step says nothing of what happened in between.
+const LONGEST_PERIODS: u64 = 3;
+
+/// Twice the periods up to which an interval is taken in one step, and in two; beyond, in three.
+const ONE_STEP_HALVES: u64 = 3;
+const TWO_STEPS_HALVES: u64 = 5;
+
 /// Number and time of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
@@ -66,8 +77,8 @@ impl Arrivals {
         }
         let elapsed = stamp.t_ns.checked_sub(last.t_ns).filter(|elapsed| {
             advance <= rules.window
-                && elapsed.saturating_mul(20) >= rules.period_ns
-                && *elapsed <= rules.period_ns.saturating_mul(3)
+                && elapsed.saturating_mul(SHORTEST_SHARE) >= rules.period_ns
+                && *elapsed <= rules.period_ns.saturating_mul(LONGEST_PERIODS)
         });
         let events = Events::TIME_JUMP.when(elapsed.is_none());
         Arrival { fresh: true, elapsed_ns: elapsed, events }
@@ -103,9 +114,9 @@ pub(crate) fn interval<R: Real>(
     if elapsed == period_ns {
         return nominal;
     }
-    let (parts, share) = if elapsed * 2 <= period_ns * 3 {
+    let (parts, share) = if elapsed * 2 <= period_ns * ONE_STEP_HALVES {
         (1, 1.0)
-    } else if elapsed * 2 <= period_ns * 5 {
+    } else if elapsed * 2 <= period_ns * TWO_STEPS_HALVES {
         (2, 0.5)
     } else {
         (3, 1.0 / 3.0)

@@ -1,9 +1,12 @@
 //! A bound on the error at the start, before the estimator has learnt the load.
 
-use super::follow::Moment;
 use super::memory::JointMemory;
+use super::moment::Moment;
 use super::option_error::{positive, value};
 use crate::{Events, JointGains, Measurement, OptionError, Real, Reference};
+
+/// The funnel has come to its final width once what it is wider by is this share of it.
+const NARROW_SHARE: f64 = 0.05;
 
 /// A bound `|e| < ψ(t)` for the start, before the estimator takes over.
 ///
@@ -84,7 +87,7 @@ impl<R: Real> FunnelRules<R> {
         *events |= Events::FUNNEL_LEFT.when(room <= R::ZERO);
         let g = if room * most > one { one / room } else { most };
         let demand = gains.inertia * (reference.ddq - g * (gains.kd * de + g * gains.kp * e));
-        let narrow = memory.funnel < R::from_f64(0.05) * self.width;
+        let narrow = memory.funnel < R::from_f64(NARROW_SHARE) * self.width;
         memory.funnel_settled = if narrow { memory.funnel_settled.saturating_add(1) } else { 0 };
         if memory.funnel_settled >= now.dwell {
             // Handed over: what the law demands differently is faded out, from this sample on.

@@ -2,13 +2,16 @@
 
 use super::arrivals::Arrival;
 use super::memory::{ArmState, JointMemory};
-use super::rules::{ArmRules, JointRules};
-use crate::{Events, Fault, Mode, Real, Reference, Request, Sample};
+use super::sample::{Request, Rules, Sample};
+use crate::{Events, Fault, Mode, Real, Reference};
+
+/// Periods that a joint may have moved for, beyond those of the samples missed: the one since the last sample, and one
+/// by which either stamp may be off.
+const PERIODS_BESIDES_MISSED: u32 = 2;
 
 /// Judges the sample and counts it.
 pub(crate) fn admit<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
+    Rules { arm, joints: rules }: &Rules<'_, R>,
     state: &mut ArmState,
     memories: &[JointMemory<R>],
     sample: &Sample<'_, R>,
@@ -20,8 +23,11 @@ pub(crate) fn admit<R: Real>(
     let mut arrival = arrivals.judge(&arm.arrivals, sample.now_ns, sample.stamp, resync);
     let known = arrivals.last.is_some() && !(resync && arrivals.misses > 0);
     if arrival.fresh {
-        let elapsed =
-            if known { f64::from(arrivals.misses.saturating_add(2)) } else { f64::INFINITY };
+        let elapsed = if known {
+            f64::from(arrivals.misses.saturating_add(PERIODS_BESIDES_MISSED))
+        } else {
+            f64::INFINITY
+        };
         let reach = arm.period * R::from_f64(elapsed);
         let (mut doubt, mut plausible) = (R::ZERO, true);
         for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
@@ -76,8 +82,7 @@ pub(crate) fn ask<R: Real>(
 
 /// Everything that stops an arm and can be seen before the law runs.
 pub(crate) fn watch<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
+    Rules { arm, joints: rules }: &Rules<'_, R>,
     state: &ArmState,
     memories: &mut [JointMemory<R>],
     sample: &Sample<'_, R>,

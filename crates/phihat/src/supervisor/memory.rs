@@ -66,7 +66,7 @@ pub struct JointMemory<R> {
     pub(crate) home: R,
     /// The torque that is held when the law does not run.
     pub(crate) held: R,
-    /// `φ̂`, averaged over some 50 samples: what to hold when `φ̂` itself shakes.
+    /// `φ̂`, averaged over some 50 ms: what to hold when `φ̂` itself shakes.
     pub(crate) steady: R,
     pub(crate) blend: Blend<R>,
     /// `M̄, K_d, K_p` that were in force until this sample, when they have changed.

@@ -8,12 +8,14 @@ mod funnel;
 mod guard;
 mod memory;
 mod mode;
+mod moment;
 mod monitor;
 mod option_error;
 mod options;
 mod range;
 mod report;
 mod rules;
+mod sample;
 mod schedule;
 mod still;
 mod supervise;
@@ -23,12 +25,12 @@ pub use funnel::Funnel;
 pub use memory::{ArmState, JointMemory};
 pub use mode::{Action, Mode, ModeEvents, ModeRequest, Refusal, Transition, next_mode};
 pub use option_error::OptionError;
-pub use options::{JointOptions, Options};
+pub use options::{JointOptions, Options, Schedule};
 pub use range::JointRange;
 pub use report::{Events, Fault, Report};
 pub use rules::{ArmRules, JointRules};
-pub use schedule::Schedule;
-pub use supervise::{Request, Sample, supervise};
+pub use sample::{Memories, Request, Rules, Sample};
+pub use supervise::supervise;
 
 use crate::{Command, JointGains, Real};
 
@@ -143,8 +145,8 @@ impl<R: Real, const N: usize> Supervisor<R, N> {
     ) -> Answer<R, N> {
         let mut commands = [Command::default(); N];
         let report = supervise(
-            (&self.arm, &self.joints),
-            (&mut state.arm, &mut state.joints),
+            Rules { arm: &self.arm, joints: &self.joints },
+            Memories { arm: &mut state.arm, joints: &mut state.joints },
             sample,
             request,
             &mut commands,

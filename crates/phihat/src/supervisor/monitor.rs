@@ -2,6 +2,32 @@
 
 use crate::Real;
 
+// How long these watch is counted in samples, not in seconds, on purpose. An oscillation near the sample rate has its
+// period in samples, and so has the delay that makes it; and how sure a verdict is depends on how many samples
+// it has seen: 5 ms of a frozen sensor would be one repeated reading at 200 Hz.
+
+/// Readings in a row without a change that make a sensor frozen, once the joint should have moved: a drive's bus
+/// repeats one or two.
+const FROZEN_SAMPLES: u32 = 5;
+
+/// Samples that the mean square of the second difference, and the covariance of torque and step, are taken over: long
+/// against the two samples of the fastest oscillation, short against the 50 ms in which an arm has to stop.
+const MEAN_SAMPLES: u32 = 16;
+
+/// Sign changes of the last 32 second differences that make an oscillation: a blow has two or three.
+const SIGN_CHANGES: u32 = 5;
+
+/// Of the last 32 samples: two neighbours differ in at most 31 places.
+const NEIGHBOURS: u32 = 0x7fff_ffff;
+
+/// Samples in a row above the threshold that make an oscillation: what is left of one blow in the mean has halved by
+/// then.
+const HOT_SAMPLES: u32 = 8;
+
+/// Samples in a row in which the joint does not follow its torque that make a fault at first motion: while a load
+/// sets in it looks so for less.
+const SUSPICIOUS_SAMPLES: u32 = 15;
+
 /// A position that does not change while the joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Frozen<R> {
@@ -15,7 +41,7 @@ impl<R: Real> Frozen<R> {
     pub(crate) fn stay(&mut self, expected: R, travel_max: R) -> bool {
         self.same = self.same.saturating_add(1);
         self.travel += expected;
-        self.same >= 5 && self.travel > travel_max
+        self.same >= FROZEN_SAMPLES && self.travel > travel_max
     }
 }
 
@@ -41,17 +67,17 @@ impl<R: Real> Oscillation<R> {
         let second = demand - R::from_f64(2.0) * one + two;
         self.last = [demand, one];
         self.mean_square = (self.mean_square
-            + R::from_f64(1.0 / 16.0) * (second * second - self.mean_square))
+            + R::from_f64(1.0 / f64::from(MEAN_SAMPLES)) * (second * second - self.mean_square))
             .snap();
         self.signs = (self.signs << 1) | u32::from(second > R::ZERO);
-        let hot = self.mean_square > threshold_squared && self.sign_changes() >= 5;
+        let hot = self.mean_square > threshold_squared && self.sign_changes() >= SIGN_CHANGES;
         self.hot = if hot { self.hot.saturating_add(1) } else { 0 };
-        self.hot >= 8
+        self.hot >= HOT_SAMPLES
     }
 
     /// In the last 32 samples.
     fn sign_changes(&self) -> u32 {
-        ((self.signs ^ (self.signs >> 1)) & 0x7fff_ffff).count_ones()
+        ((self.signs ^ (self.signs >> 1)) & NEIGHBOURS).count_ones()
     }
 
     /// Starts anew from a demand that stands still.
@@ -82,7 +108,7 @@ impl<R: Real> Actuation<R> {
     /// Takes a torque and the velocity step it made; `gain` is `T/M` of the heaviest plausible joint,
     /// `excitation` the mean square of torque that is needed for a judgement. `true`: it does not.
     pub(crate) fn take(&mut self, torque: R, step: R, gain: R, excitation: R) -> bool {
-        self.count = if self.count < 16 { self.count + 1 } else { 16 };
+        self.count = if self.count < MEAN_SAMPLES { self.count + 1 } else { MEAN_SAMPLES };
         let rate = R::from_f64(1.0 / f64::from(self.count));
         let (x, y) = (torque - self.torque, step - self.step);
         self.torque += rate * x;
@@ -92,6 +118,6 @@ impl<R: Real> Actuation<R> {
         self.square = (keep * (self.square + rate * x * x)).snap();
         let wrong = self.square > excitation && self.both < gain * self.square;
         self.suspicion = if wrong { self.suspicion.saturating_add(1) } else { 0 };
-        self.suspicion >= 15
+        self.suspicion >= SUSPICIOUS_SAMPLES
     }
 }

@@ -2,7 +2,6 @@
 
 use super::funnel::Funnel;
 use super::range::JointRange;
-use super::schedule::Schedule;
 use crate::{JointGains, MotionLimits};
 
 /// Arm-wide options. Times are counted in samples of the period.
@@ -56,6 +55,21 @@ impl Options {
             schedule: Schedule { settled: 1.0, disturbed: f64::INFINITY, dwell_s: 0.1 },
         }
     }
+}
+
+/// When the running gains replace the start gains, and when they give way again.
+///
+/// The mismatch `φ − φ̂`, averaged over some 50 ms, must stay below `settled` (root mean square) in every
+/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
+/// long the start gains come back. A change never steps the torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Schedule {
+    /// \[N·m\]
+    pub settled: f64,
+    /// \[N·m\]; infinite: never back.
+    pub disturbed: f64,
+    /// \[s\]
+    pub dwell_s: f64,
 }
 
 /// Options of one joint; the default is the law with finite, fresh samples and torque limits only.

@@ -2,6 +2,12 @@
 
 use crate::{JointGains, Real};
 
+/// Share of the soft zone that a reference keeps off the hard limit: what an overshoot may use up.
+const REFERENCE_SHARE: f64 = 0.25;
+
+/// Share of the braking that the quick look counts on: a hundredth is left for its rounding.
+const SURE_SHARE: f64 = 0.99;
+
 /// Position limits of one joint, hard and soft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRange {
@@ -45,7 +51,7 @@ pub(crate) struct RangeRules<R> {
 impl<R: Real> RangeRules<R> {
     pub(crate) fn new(range: &JointRange, gains: &JointGains<R>) -> Self {
         let [lower, upper, soft] = [range.lower, range.upper, range.soft].map(R::from_f64);
-        let quarter = R::from_f64(0.25 * range.soft);
+        let quarter = R::from_f64(REFERENCE_SHARE * range.soft);
         let (zero, braking) = (R::ZERO, R::from_f64(range.braking));
         let plain = Self {
             lower,
@@ -61,7 +67,7 @@ impl<R: Real> RangeRules<R> {
             shed: zero,
             inertia_inverse: zero,
             brake: zero,
-            braking_for_sure: R::from_f64(0.99) * braking,
+            braking_for_sure: R::from_f64(SURE_SHARE) * braking,
         };
         plain.with_gains(gains)
     }

@@ -7,6 +7,25 @@ use super::range::RangeRules;
 use crate::joint::Interval;
 use crate::{Form, JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
+/// How long the mean of `φ̂` that a shaken arm holds, and the mean mismatch of a schedule, are taken over \[s\]: long
+/// against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A mean is at most
+/// as short as one sample.
+const AVERAGING_S: f64 = 0.05;
+
+/// How long after the law took over a joint is watched for a wrong sign, a dead drive or a closed brake \[s\]: the
+/// torque has to vary in that time, later it may rest and says nothing.
+const FIRST_MOTION_S: f64 = 0.25;
+
+/// Longest sample period \[ns\]: one second, so that no count of samples overflows.
+const PERIOD_MAX_NS: u64 = 1_000_000_000;
+
+/// Relative difference of two sample periods that are the same one: more than rounding in `f32` makes, less than any
+/// two rates differ.
+const PERIOD_TOLERANCE: f64 = 1e-6;
+
+/// Samples whose loss is remembered: a word of 64 bits.
+const HISTORY: u32 = u64::BITS;
+
 /// [`Options`], checked, in the running scalar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmRules<R> {
@@ -25,6 +44,8 @@ pub struct ArmRules<R> {
     pub(crate) settled: R,
     pub(crate) disturbed: R,
     pub(crate) dwell_samples: u32,
+    /// Share of a sample in a mean over [`AVERAGING_S`].
+    pub(crate) average: R,
     pub(crate) first_motion_samples: u32,
 }
 
@@ -62,7 +83,7 @@ impl<R: Real> ArmRules<R> {
     pub fn new(options: &Options) -> Result<Self, OptionError> {
         let period = options.period_ns as f64 * 1e-9;
         positive(period, "period", 0)?;
-        value(options.period_ns <= 1_000_000_000, "period", period, "at most one second", 0)?;
+        value(options.period_ns <= PERIOD_MAX_NS, "period", period, "at most one second", 0)?;
         positive(options.rest_velocity, "rest velocity", 0)?;
         positive(options.start_mismatch_max, "start mismatch", 0)?;
         positive(options.blend_s, "blend time", 0)?;
@@ -87,7 +108,7 @@ impl<R: Real> ArmRules<R> {
             hold_samples: options.hold_samples.min(options.stop_samples),
             stop_samples: options.stop_samples,
             bad_samples: options.bad_samples,
-            lost_max: options.lost_max.min(64),
+            lost_max: options.lost_max.min(HISTORY),
             period: R::from_f64(period),
             rest_velocity: R::from_f64(options.rest_velocity),
             start_mismatch_max: R::from_f64(options.start_mismatch_max),
@@ -98,7 +119,8 @@ impl<R: Real> ArmRules<R> {
             settled: R::from_f64(schedule.settled),
             disturbed: R::from_f64(schedule.disturbed),
             dwell_samples: samples(schedule.dwell_s),
-            first_motion_samples: samples(0.25),
+            average: R::from_f64((period / AVERAGING_S).min(1.0)),
+            first_motion_samples: samples(FIRST_MOTION_S),
         })
     }
 }
@@ -128,7 +150,8 @@ impl<R: Real> JointRules<R> {
     ) -> Result<Self, OptionError> {
         let period = arm.period_ns as f64 * 1e-9;
         let plain = Self::plain(gains);
-        let same = (gains.period - R::from_f64(period)).abs() <= R::from_f64(1e-6 * period);
+        let same =
+            (gains.period - R::from_f64(period)).abs() <= R::from_f64(PERIOD_TOLERANCE * period);
         if !same {
             return Err(OptionError::Period { joint });
         }
@@ -211,7 +234,7 @@ impl<R: Real> JointRules<R> {
     /// Whether gains are for the sample period of these.
     pub(crate) fn fits(&self, joint: usize, gains: &JointGains<R>) -> Result<(), OptionError> {
         let difference = (gains.period - self.running().period).abs();
-        let same = difference <= R::from_f64(1e-6) * self.running().period;
+        let same = difference <= R::from_f64(PERIOD_TOLERANCE) * self.running().period;
         if same { Ok(()) } else { Err(OptionError::Period { joint }) }
     }
 }

@@ -1,36 +1,22 @@
 //! Start gains and running gains: which are in force, and how one set gives way to the other.
 
 use super::memory::{ArmState, JointMemory};
-use super::rules::{ArmRules, JointRules};
-use crate::joint::Interval;
+use super::moment::Moment;
+use super::rules::JointRules;
+use super::sample::Rules;
 use crate::{Events, Form, JointGains, Measurement, Mode, Real, Reference};
-
-/// When the running gains replace the start gains, and when they give way again.
-///
-/// The mismatch `φ − φ̂`, averaged over some 50 samples, must stay below `settled` (root mean square) in every
-/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
-/// long the start gains come back. A change never steps the torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Schedule {
-    /// \[N·m\]
-    pub settled: f64,
-    /// \[N·m\]; infinite: never back.
-    pub disturbed: f64,
-    /// \[s\]
-    pub dwell_s: f64,
-}
 
 /// Changes between start gains and running gains, all joints at once.
 pub(crate) fn schedule<R: Real>(
-    arm: &ArmRules<R>,
-    rules: &[JointRules<R>],
+    Rules { arm, joints: rules }: &Rules<'_, R>,
     state: &mut ArmState,
     memories: &mut [JointMemory<R>],
     fresh: bool,
     events: &mut Events,
 ) {
     let law = matches!(state.mode, Mode::Holding | Mode::Tracking);
-    if !(law && fresh && rules.iter().any(|rule| rule.scheduled)) {
+    // Every joint is asked, without a branch: it costs less than to leave early.
+    if !(law && fresh && rules.iter().fold(false, |any, rule| any | rule.scheduled)) {
         return;
     }
     let within = |limit: R| memories.iter().all(|m| m.mismatch_square <= limit * limit);
@@ -93,18 +79,14 @@ impl<R: Real> JointRules<R> {
 
 impl<R: Real> JointMemory<R> {
     /// The mean mismatch `φ − φ̂`.
-    pub(crate) fn learn(
-        &mut self,
-        gains: &JointGains<R>,
-        m: &Measurement<R>,
-        interval: &Interval<R>,
-    ) {
+    pub(crate) fn learn(&mut self, gains: &JointGains<R>, m: &Measurement<R>, now: &Moment<R>) {
+        let interval = &now.interval;
         if interval.parts == 0 {
             return;
         }
         let rate = interval.share / interval.step;
         let phi = m.tau_applied - gains.inertia * (m.dq - self.measured.dq) * rate;
-        let slow = R::from_f64(0.02);
+        let slow = now.average;
         let news = (phi - self.law.phi_hat) - self.mismatch;
         self.mismatch = (self.mismatch + slow * news).snap();
         let more = self.mismatch * self.mismatch - self.mismatch_square;

@@ -6,6 +6,19 @@ use super::monitor::Frozen;
 use super::rules::{ArmRules, JointRules};
 use crate::{Command, Fault, JointState, Measurement, Mode, Real};
 
+/// Share of the damping in a stop that is left where velocity feedback may be what shakes the arm: a joint of
+/// a quarter of the nominal inertia then sees no more of it than the nominal one does otherwise.
+const SHAKEN_DAMPING: f64 = 0.25;
+
+/// Share of the reference's velocity at which a joint has to move for its sensor to be called frozen: the rest may be
+/// error, load and friction.
+const FOLLOWED_SHARE: f64 = 0.2;
+
+/// What a missed sample leaves of the feedback torque, once it fades to `φ̂`. Per missed sample, as `hold_samples` and
+/// `stop_samples` around it are counted: between the defaults of 5 and 20, 4 % of it are left when the arm stops, at any
+/// rate.
+const FADE_PER_MISS: f64 = 0.8;
+
 /// How a joint rests.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rest<R> {
@@ -26,7 +39,7 @@ impl<R: Real> ArmRules<R> {
         if !fresh || state.misdriven() {
             rest.damping = R::ZERO;
         } else if state.shaking() {
-            rest.damping = R::from_f64(0.25) * rest.damping;
+            rest.damping = R::from_f64(SHAKEN_DAMPING) * rest.damping;
         }
         rest.steady = state.shaking();
         if state.mode == Mode::SafeStop && state.misdriven() {
@@ -63,8 +76,8 @@ impl<R: Real> JointRules<R> {
             memory.frozen = Frozen::default();
             return None;
         }
-        // It moves, or should by a fifth of its reference.
-        let asked = R::from_f64(0.2) * memory.reference.dq.abs();
+        // It moves, or should.
+        let asked = R::from_f64(FOLLOWED_SHARE) * memory.reference.dq.abs();
         let speed = if m.dq.abs() > asked { m.dq.abs() } else { asked };
         memory.frozen.stay(speed * period, travel).then_some(Fault::Frozen)
     }
@@ -77,7 +90,7 @@ impl<R: Real> JointRules<R> {
             return (held, news);
         }
         let feedback = memory.law.tau - memory.law.phi_hat;
-        let demand = memory.law.phi_hat + R::from_f64(0.8) * feedback;
+        let demand = memory.law.phi_hat + R::from_f64(FADE_PER_MISS) * feedback;
         let (phi_hat, measured) = (memory.law.phi_hat, memory.measured);
         let mut command = self.out(memory, phi_hat, &measured, demand, &mut news);
         command.status.refused = true;

@@ -1,39 +1,15 @@
 //! One sample of a whole arm.
 
 use super::arrivals::{Arrival, interval};
-use super::follow::{JointNews, Moment};
+use super::follow::JointNews;
 use super::guard::{admit, ask, watch};
 use super::memory::{ArmState, JointMemory};
 use super::mode::next_mode;
+use super::moment::Moment;
 use super::rules::{ArmRules, JointRules};
+use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
-use crate::{
-    Action, Command, Events, Measurement, Mode, ModeEvents, ModeRequest, Real, Reference, Report,
-    Stamp,
-};
-
-/// One sample of a whole arm: its measurements, with their number and time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<'a, R> {
-    /// Which sample it is. Repeat the last one when none came.
-    pub stamp: Stamp,
-    /// Now \[ns\], by the clock of the stamp; only the age is taken from it.
-    pub now_ns: u64,
-    /// The joints, in the controller's order.
-    pub joints: &'a [Measurement<R>],
-}
-
-/// What the caller asks for at one sample: a mode and references.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request<'a, R> {
-    /// The mode that is asked for.
-    pub mode: ModeRequest,
-    /// Where each joint shall be; heeded in [`Mode::Tracking`], and compared with the pose before.
-    pub references: &'a [Reference<R>],
-    /// Torques that hold the arm, heeded when it is armed, each where it is finite and within ±2³²; without them
-    /// the torque of the last stop, or zero.
-    pub preset: Option<&'a [R]>,
-}
+use crate::{Action, Command, Events, Measurement, Mode, ModeEvents, Real, Report};
 
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
@@ -49,16 +25,18 @@ pub struct Request<'a, R> {
 /// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂`, after `stop_samples`
 /// the arm stops.
 pub fn supervise<R: Real>(
-    (arm, rules): (&ArmRules<R>, &[JointRules<R>]),
-    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
+    rules: Rules<'_, R>,
+    memories: Memories<'_, R>,
     sample: &Sample<'_, R>,
     request: &Request<'_, R>,
     commands: &mut [Command<R>],
 ) -> Report {
+    let Rules { arm, joints } = rules;
+    let Memories { arm: state, joints: memories } = memories;
     let mut events = Events::NONE;
-    let arrival = admit(arm, rules, state, memories, sample, &mut events);
-    ask(state, rules.len(), memories, request, &mut events);
-    let seen = watch(arm, rules, state, memories, sample, arrival.fresh);
+    let arrival = admit(&rules, state, memories, sample, &mut events);
+    ask(state, joints.len(), memories, request, &mut events);
+    let seen = watch(&rules, state, memories, sample, arrival.fresh);
     let fault = state.pending.take().or(seen);
     if state.fault.is_none() && state.mode != Mode::Idle {
         state.fault = fault;
@@ -80,15 +58,15 @@ pub fn supervise<R: Real>(
     state.request = request.mode;
     enter(state, step.mode, step.action);
     if step.action != Action::None {
-        act((arm, rules), memories, (sample, request), arrival.fresh, step.action);
+        act(&rules, memories, (sample, request), arrival.fresh, step.action);
     }
     events |= if arrival.fresh && matches!(state.mode, Mode::Holding | Mode::Tracking) {
         let now = moment(arm, state, &arrival, step.action);
-        run(rules, (state, memories), &now, sample, commands)
+        run(joints, Memories { arm: state, joints: memories }, &now, sample, commands)
     } else {
-        rest((arm, rules), (state, memories), sample, arrival.fresh, commands)
+        rest(&rules, Memories { arm: state, joints: memories }, sample, arrival.fresh, commands)
     };
-    schedule(arm, rules, state, memories, arrival.fresh, &mut events);
+    schedule(&rules, state, memories, arrival.fresh, &mut events);
     let late = state.in_mode >= arm.stop_samples_max;
     let stopped =
         state.mode == Mode::SafeStop && (!arrival.fresh || late || state.misdriven() || at_rest());
@@ -105,17 +83,17 @@ pub fn supervise<R: Real>(
 
 /// Every joint enters the mode that is now in force.
 fn act<R: Real>(
-    (arm, rules): (&ArmRules<R>, &[JointRules<R>]),
+    rules: &Rules<'_, R>,
     memories: &mut [JointMemory<R>],
     (sample, request): (&Sample<'_, R>, &Request<'_, R>),
     fresh: bool,
     action: Action,
 ) {
-    for (joint, (rule, memory)) in rules.iter().zip(memories).enumerate() {
+    for (joint, (rule, memory)) in rules.joints.iter().zip(memories).enumerate() {
         let m = measured(memory, sample, joint, fresh);
         let preset = request.preset.and_then(|p| p.get(joint)).copied();
         let preset = preset.filter(|p| R::doubt([*p]) == R::ZERO);
-        rule.act(memory, &m, action, preset, arm.blend);
+        rule.act(memory, &m, action, preset, rules.arm.blend);
     }
 }
 
@@ -147,6 +125,7 @@ fn moment<R: Real>(
         tracking: state.mode == Mode::Tracking,
         raised: state.raised,
         first_motion: state.engaged < arm.first_motion_samples,
+        average: arm.average,
         dwell: arm.dwell_samples,
     }
 }
@@ -154,34 +133,37 @@ fn moment<R: Real>(
 /// Every joint's torque where the law runs on a fresh sample.
 fn run<R: Real>(
     rules: &[JointRules<R>],
-    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
+    memories: Memories<'_, R>,
     now: &Moment<R>,
     sample: &Sample<'_, R>,
     commands: &mut [Command<R>],
 ) -> Events {
     let mut events = Events::NONE;
-    let joints = rules.iter().zip(memories).zip(sample.joints.iter().zip(commands)).enumerate();
+    let joints =
+        rules.iter().zip(memories.joints).zip(sample.joints.iter().zip(commands)).enumerate();
     for (joint, ((rule, memory), (m, command))) in joints {
         let (answer, news) = rule.follow(memory, m, now);
         memory.measured = *m;
         *command = answer;
-        events |= note(state, joint, &answer, news);
+        events |= note(memories.arm, joint, &answer, news);
     }
     events
 }
 
 /// Every joint's torque where the law does not run, or has no fresh sample.
 fn rest<R: Real>(
-    (arm, rules): (&ArmRules<R>, &[JointRules<R>]),
-    (state, memories): (&mut ArmState, &mut [JointMemory<R>]),
+    rules: &Rules<'_, R>,
+    memories: Memories<'_, R>,
     sample: &Sample<'_, R>,
     fresh: bool,
     commands: &mut [Command<R>],
 ) -> Events {
     let mut events = Events::NONE;
-    let stop = arm.stop(state, fresh);
-    let long = state.arrivals.misses > arm.hold_samples;
-    for (joint, ((rule, memory), command)) in rules.iter().zip(memories).zip(commands).enumerate() {
+    let state = memories.arm;
+    let stop = rules.arm.stop(state, fresh);
+    let long = state.arrivals.misses > rules.arm.hold_samples;
+    let joints = rules.joints.iter().zip(memories.joints).zip(commands).enumerate();
+    for (joint, ((rule, memory), command)) in joints {
         let m = measured(memory, sample, joint, fresh);
         let (answer, news) = match state.mode {
             Mode::Holding | Mode::Tracking => rule.wait(memory, long),
@@ -209,7 +191,7 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
             state.disturbed = 0;
         }
         Action::Follow | Action::Settle => state.blending = 0,
-        _ => {}
+        Action::None | Action::Freeze | Action::Release => {}
     }
     state.mode = mode;
 }

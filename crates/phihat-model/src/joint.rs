@@ -1,0 +1,72 @@
+//! A joint that moves, with its drive and its friction.
+
+/// A joint that moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// What it lets its child do.
+    pub kind: JointKind,
+    /// Lower and upper end of travel \[rad, m\]; `None`: endless.
+    pub position: Option<(f64, f64)>,
+    /// Largest speed \[rad/s, m/s\].
+    pub velocity_max: Option<f64>,
+    /// Largest torque \[N·m, N\].
+    pub torque_max: Option<f64>,
+    /// Largest rate of torque \[N·m/s\].
+    pub torque_rate_max: Option<f64>,
+    /// Reflected rotor inertia \[kg·m²\].
+    pub armature: f64,
+    /// Friction between rotor and child.
+    pub friction: Friction,
+    /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
+    pub drive_bandwidth_hz: Option<f64>,
+    /// Encoder resolution \[bit\] over one turn; `None`: exact.
+    pub encoder_bits: Option<u32>,
+}
+
+/// What a joint lets its child do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns between two ends.
+    Revolute,
+    /// Turns without end.
+    Continuous,
+    /// Slides between two ends.
+    Prismatic,
+}
+
+/// Friction of one joint: `τ_f = viscous q̇ + coulomb sign(q̇) + sigmoid(q̇)`, against the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    /// Viscous part \[N·m·s/rad\].
+    pub viscous: f64,
+    /// Coulomb part \[N·m\].
+    pub coulomb: f64,
+    /// Identified smooth part.
+    pub sigmoid: Option<Sigmoid>,
+}
+
+/// Smooth friction `A/(1 + e^{−s(q̇ + o)}) − A/(1 + e^{−s o})`.
+///
+/// # References
+///
+/// C. Gaz, M. Cognetti, A. Oliva, P. Robuffo Giordano, A. De Luca, IEEE RA-L 4(4), 2019.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sigmoid {
+    /// `A` \[N·m\].
+    pub amplitude_nm: f64,
+    /// `s` \[s/rad\].
+    pub steepness_s_rad: f64,
+    /// `o` \[rad/s\].
+    pub offset_rad_s: f64,
+}
+
+impl Sigmoid {
+    /// Friction torque \[N·m\] at speed `dq` \[rad/s\].
+    pub fn torque(&self, dq: f64) -> f64 {
+        let Self { amplitude_nm, steepness_s_rad, offset_rad_s } = *self;
+        let logistic = |v: f64| amplitude_nm / (1.0 + libm::exp(-steepness_s_rad * v));
+        logistic(dq + offset_rad_s) - logistic(offset_rad_s)
+    }
+}

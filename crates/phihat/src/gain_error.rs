@@ -1,0 +1,96 @@
+//! Why a design is refused, and which gain is to blame.
+
+use core::fmt;
+
+use crate::ORDER_MAX;
+
+/// Names a gain in an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gain {
+    /// `M̄`.
+    Inertia,
+    /// `K_p`.
+    Kp,
+    /// `K_d`.
+    Kd,
+    /// `a_i`, with its index.
+    A(usize),
+    /// The sample period `T`.
+    Period,
+    /// A torque limit.
+    TorqueMax,
+    /// A torque-rate limit.
+    TorqueRateMax,
+    /// A velocity limit.
+    VelocityMax,
+    /// An acceleration limit.
+    AccelerationMax,
+    /// A jerk limit.
+    JerkMax,
+    /// The bandwidth of a velocity filter.
+    VelocityFilter,
+}
+
+impl fmt::Display for Gain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Inertia => f.write_str("inertia [kg m^2]"),
+            Self::Kp => f.write_str("kp [1/s^2]"),
+            Self::Kd => f.write_str("kd [1/s]"),
+            Self::A(i) => write!(f, "a[{i}]"),
+            Self::Period => f.write_str("period [s]"),
+            Self::TorqueMax => f.write_str("torque limit [N m]"),
+            Self::TorqueRateMax => f.write_str("torque-rate limit [N m/s]"),
+            Self::VelocityMax => f.write_str("velocity limit [rad/s]"),
+            Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
+            Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
+            Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
+        }
+    }
+}
+
+/// Why a design is refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GainError {
+    /// A gain is zero, negative, infinite or NaN.
+    NotPositive {
+        /// Which one.
+        gain: Gain,
+        /// Its value.
+        value: f64,
+    },
+    /// The number of coefficients is not 1 … 4.
+    Order {
+        /// How many were given.
+        order: usize,
+    },
+    /// `s^m + a_{m−1} s^{m−1} + … + a_0` has a root with a non-negative real part.
+    UnstableEstimator {
+        /// Its order.
+        order: usize,
+    },
+    /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.
+    Overflow,
+}
+
+impl fmt::Display for GainError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive { gain, value } => {
+                write!(f, "{gain} is {value}; it must be positive and finite")
+            }
+            Self::Order { order } => {
+                write!(f, "the estimator has {order} coefficients; 1 to {ORDER_MAX} are possible")
+            }
+            Self::UnstableEstimator { order } => write!(
+                f,
+                "the estimator polynomial of order {order} is not stable (Routh); lower its low coefficients"
+            ),
+            Self::Overflow => f.write_str(
+                "gains, inertia and period are too far from 1: torques would overflow in this scalar",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for GainError {}

@@ -1,0 +1,21 @@
+//! What every joint's law has to know of the arm at a sample.
+
+use crate::joint::Interval;
+
+/// Where the arm stands, for every joint the same.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment<R> {
+    pub(crate) interval: Interval<R>,
+    /// Progress of the reference's blend, from 0; over at 1. Its length \[s\].
+    pub(crate) reference_progress: R,
+    pub(crate) blend: R,
+    /// Progress per sample.
+    pub(crate) blend_rate: R,
+    pub(crate) tracking: bool,
+    pub(crate) raised: bool,
+    pub(crate) first_motion: bool,
+    /// Share of a sample in what is averaged over `AVERAGING_S`.
+    pub(crate) average: R,
+    /// Samples that count as a while: 0.1 s or so.
+    pub(crate) dwell: u32,
+}

@@ -1,0 +1,145 @@
+//! How long functions and files are, and how often an error is only a text.
+
+use syn::spanned::Spanned;
+use syn::visit::{self, Visit};
+use syn::{
+    Block, GenericArgument, ImplItemFn, Item, ItemFn, PathArguments, PathSegment, Signature,
+};
+use syn::{TraitItemFn, Type};
+
+use super::tree::{Tree, is_test};
+
+/// Lines of a function, from its signature to its last brace.
+const LINES_MAX: usize = 80;
+
+/// Lines of the median file of all crates.
+const MEDIAN_MAX: usize = 130;
+
+/// Functions that are longer than one can see at once.
+pub(super) fn long_functions(tree: &Tree) -> Vec<String> {
+    let longer = gathered(tree).into_iter().filter_map(|(file, measured)| {
+        let places: Vec<String> =
+            measured.long.iter().map(|(name, n)| format!("{file}: {name}, {n} lines")).collect();
+        (!places.is_empty()).then_some(places)
+    });
+    longer.flatten().collect()
+}
+
+/// Where an error is a `String`: nobody can tell its kind but by reading it.
+pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
+    let all = gathered(tree).into_iter();
+    all.flat_map(|(file, measured)| {
+        measured.texts.into_iter().map(move |line| format!("{file}:{line}"))
+    })
+    .collect()
+}
+
+/// Lines of each file.
+pub(super) fn lines(tree: &Tree) -> impl Iterator<Item = usize> {
+    tree.files.values().map(|file| file.lines)
+}
+
+/// Told where half of the files are longer than what reads well.
+pub(super) fn median(mut lines: Vec<usize>) -> Option<String> {
+    lines.sort_unstable();
+    let median = lines.get(lines.len() / 2).copied().unwrap_or(0);
+    (median > MEDIAN_MAX)
+        .then(|| format!("the median file has {median} lines, at most {MEDIAN_MAX}"))
+}
+
+/// What a module's code measures.
+#[derive(Default)]
+struct Measured {
+    long: Vec<(String, usize)>,
+    texts: Vec<usize>,
+}
+
+fn gathered(tree: &Tree) -> Vec<(String, Measured)> {
+    let each = tree.modules.values().map(|module| {
+        let mut measured = Measured::default();
+        for item in module.items.iter().filter(|item| !matches!(item, Item::Mod(_))) {
+            measured.visit_item(item);
+        }
+        (module.file.clone(), measured)
+    });
+    each.collect()
+}
+
+impl Measured {
+    fn function(&mut self, signature: &Signature, block: &Block) {
+        let first = signature.span().start().line;
+        let lines = block.span().end().line + 1 - first;
+        if lines > LINES_MAX {
+            self.long.push((signature.ident.to_string(), lines));
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Measured {
+    fn visit_item_fn(&mut self, item: &'ast ItemFn) {
+        self.function(&item.sig, &item.block);
+        visit::visit_item_fn(self, item);
+    }
+
+    fn visit_impl_item_fn(&mut self, item: &'ast ImplItemFn) {
+        if item.attrs.iter().any(is_test) {
+            return;
+        }
+        self.function(&item.sig, &item.block);
+        visit::visit_impl_item_fn(self, item);
+    }
+
+    fn visit_trait_item_fn(&mut self, item: &'ast TraitItemFn) {
+        if let Some(block) = &item.default {
+            self.function(&item.sig, block);
+        }
+        visit::visit_trait_item_fn(self, item);
+    }
+
+    fn visit_path_segment(&mut self, segment: &'ast PathSegment) {
+        if segment.ident == "Result"
+            && let PathArguments::AngleBracketed(list) = &segment.arguments
+            && let Some(GenericArgument::Type(Type::Path(error))) = list.args.iter().nth(1)
+            && error.path.is_ident("String")
+        {
+            self.texts.push(segment.ident.span().start().line);
+        }
+        visit::visit_path_segment(self, segment);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tree::Tree;
+    use super::{errors_of_text, lines, long_functions, median};
+
+    fn alone(text: &str) -> Tree {
+        Tree::read("lib.rs", &|name| (name == "lib.rs").then(|| text.to_owned())).unwrap()
+    }
+
+    #[test]
+    fn long_functions_are_found_and_tests_left_out() {
+        let long = |lines: usize| format!("fn f() {{\n{}}}\n", "g();\n".repeat(lines - 2));
+        assert!(long_functions(&alone(&long(80))).is_empty());
+        assert_eq!(long_functions(&alone(&long(81))), ["lib.rs: f, 81 lines"]);
+        let inside = format!("impl A {{ {} }} trait B {{ {} }}", long(82), long(83));
+        assert_eq!(long_functions(&alone(&inside)).len(), 2);
+        let test = format!("#[cfg(test)] mod tests {{ {} }} #[test] {}", long(90), long(90));
+        assert!(long_functions(&alone(&test)).is_empty());
+    }
+
+    #[test]
+    fn errors_of_text_are_counted() {
+        let text = "fn a() -> Result<u8, String> {}\nfn b(x: Option<Result<(), String>>) {}\nfn c() -> Result<String, E> {}";
+        assert_eq!(errors_of_text(&alone(text)), ["lib.rs:1", "lib.rs:2"]);
+    }
+
+    #[test]
+    fn the_median_file_is_told_where_it_is_long() {
+        let three = |middle: usize| {
+            [1, middle, 900].map(|n| alone(&"\n".repeat(n))).iter().flat_map(lines).collect()
+        };
+        assert_eq!(median(three(130)), None);
+        assert!(median(three(131)).is_some());
+    }
+}
