@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::bindings::environment;
-use crate::test::cargo;
+use crate::shell::cargo;
 
 /// Runs the attack, optimised; what it is told goes on to it. One study in twenty is run by Pinocchio and MuJoCo too,
 /// unless it is told `--alone`.

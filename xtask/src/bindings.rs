@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::book;
-use crate::test::command;
+use crate::shell::command;
 
 /// What every C and C++ program here is compiled with.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::book;
-use crate::test::cargo;
+use crate::shell::cargo;
 
 /// The README's main job.
 const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda_design.toml"];

@@ -20,7 +20,7 @@ use std::process::Command;
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 
 use crate::bless::{read, write};
-use crate::test::{cargo, command};
+use crate::shell::{cargo, command};
 
 const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";

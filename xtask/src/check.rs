@@ -7,7 +7,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::rules;
-use crate::test::cargo;
+use crate::shell::cargo;
 
 /// Files that every crate stands on: with these changed, only the whole test says something.
 const SHARED: [&str; 4] = ["Cargo.toml", "Cargo.lock", "clippy.toml", ".cargo/config.toml"];

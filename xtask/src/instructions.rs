@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::test::command;
+use crate::shell::command;
 
 /// Bounds for 7 joints, second order: what it is, and its most.
 const LAW_MAX: f64 = 900.0;

@@ -17,6 +17,7 @@ mod instructions;
 mod mutants;
 mod rivals;
 mod rules;
+mod shell;
 mod test;
 mod twice;
 
@@ -46,26 +47,26 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
-        Some((verb, _)) if verb == "check" => check::run(&test::root()),
-        Some((verb, _)) if verb == "arrows" => arrows::bless(&test::root()),
+        Some((verb, _)) if verb == "check" => check::run(&shell::root()),
+        Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
-            None => bless::run(&test::root()),
-            Some("book") => book::bless(&test::root()),
+            None => bless::run(&shell::root()),
+            Some("book") => book::bless(&shell::root()),
             Some(_) => Err(USAGE.to_owned()),
         },
-        Some((verb, _)) if verb == "table1" => bless::comparison(&test::root()),
-        Some((verb, _)) if verb == "rivals" => rivals::run(&test::root()),
+        Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, _)) if verb == "rivals" => rivals::run(&shell::root()),
         Some((verb, rest)) if verb == "soak" => {
             let samples = rest.first().map_or("1000000000", String::as_str);
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
-            test::cargo(&test::root(), &bench)
+            shell::cargo(&shell::root(), &bench)
         }
-        Some((verb, rest)) if verb == "mutants" => mutants::run(&test::root(), rest),
+        Some((verb, rest)) if verb == "mutants" => mutants::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "twice" => {
-            twice::run(&test::root(), rest.first().map(String::as_str))
+            twice::run(&shell::root(), rest.first().map(String::as_str))
         }
-        Some((verb, rest)) if verb == "attack" => attack::run(&test::root(), rest),
-        Some((verb, rest)) if verb == "fuzz" => fuzz::run(&test::root(), rest.first()),
+        Some((verb, rest)) if verb == "attack" => attack::run(&shell::root(), rest),
+        Some((verb, rest)) if verb == "fuzz" => fuzz::run(&shell::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         _ => Err(USAGE.to_owned()),
     };

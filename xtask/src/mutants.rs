@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::test::cargo;
+use crate::shell::cargo;
 
 /// Crates that are measured, and the least share of viable mutants that their tests have to kill \[%\].
 const BARS: [(&str, f64); 2] = [("phihat", 95.0), ("phihat-certificate", 90.0)];

@@ -206,5 +206,5 @@ pub(crate) fn packages(root: &Path) -> Result<(), String> {
     let names = arrows::PUBLISHED.iter().flat_map(|name| ["--package", name]);
     let line: Vec<&str> =
         ["package", "--quiet", "--allow-dirty"].into_iter().chain(names).collect();
-    crate::test::cargo(root, &line)
+    crate::shell::cargo(root, &line)
 }

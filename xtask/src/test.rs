@@ -1,9 +1,10 @@
 //! `cargo xtask test`: everything that must hold, in the order of what fails fastest.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
+use crate::shell::{cargo, command, root};
 use crate::{attack, bindings, bless, book, instructions, mutants, rules, twice};
 
 /// One check: what a person reads, and what runs.
@@ -64,25 +65,6 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     println!("\n{} steps ok in {:.0} s", steps.len(), start.elapsed().as_secs_f64());
     println!("{} passed, 0 failed", steps.len());
     Ok(())
-}
-
-/// The workspace's root folder.
-pub(crate) fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
-}
-
-/// Runs a program in a folder; its output goes to the terminal.
-pub(crate) fn command(folder: &Path, program: &str, args: &[&str]) -> Result<(), String> {
-    let status = Command::new(program)
-        .args(args)
-        .current_dir(folder)
-        .status()
-        .map_err(|e| format!("{program} cannot be started: {e}"))?;
-    if status.success() { Ok(()) } else { Err(format!("{program} {}: {status}", args.join(" "))) }
-}
-
-pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
-    command(root, "cargo", args)
 }
 
 /// Builds what a user runs; nothing in it lets the disk be struck.

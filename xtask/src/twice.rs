@@ -43,9 +43,9 @@ fn build(root: &Path, folder: &str, package: &str, file: &str) -> Result<String,
         .map_err(|e| format!("git cannot be started: {e}"))?;
     let packed = folder.join("source.tar");
     std::fs::write(&packed, archive.stdout).map_err(told)?;
-    crate::test::command(&folder, "tar", &["-xf", "source.tar"])?;
+    crate::shell::command(&folder, "tar", &["-xf", "source.tar"])?;
     let line = ["build", "--release", "--quiet", "--package", package, "--target-dir", "target"];
-    crate::test::cargo(&folder, &line)?;
+    crate::shell::cargo(&folder, &line)?;
     let bytes = std::fs::read(folder.join("target/release").join(file)).map_err(told)?;
     std::fs::remove_dir_all(&folder).map_err(told)?;
     Ok(Sha256::digest(bytes).iter().fold(String::new(), |hex, byte| hex + &format!("{byte:02x}")))

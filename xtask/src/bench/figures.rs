@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 
-use super::ARMS;
+use super::places::ARMS;
 
 /// One algorithm's figure in every round.
 #[derive(Clone)]

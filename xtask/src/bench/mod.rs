@@ -8,17 +8,17 @@
 mod figures;
 mod machine;
 mod peer;
+mod places;
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use figures::Sides;
 use machine::Machine;
 use peer::Peer;
+use places::{Places, output, write};
 
 const USAGE: &str = "usage: cargo xtask bench [--quick] [--cxx COMPILER]";
-const ARMS: [&str; 4] = ["panda", "iiwa14", "ur5", "planar3r"];
 const ROUNDS: usize = 5;
 
 /// Our bench binaries that print figures: package and bench.
@@ -83,29 +83,6 @@ impl Options {
     }
 }
 
-/// The workspace and the folder for what this chore builds and writes.
-struct Places {
-    root: PathBuf,
-    output: PathBuf,
-}
-
-impl Places {
-    fn find() -> Result<Self, String> {
-        let manifest =
-            std::env::var("CARGO_MANIFEST_DIR").map_err(|_| "run it as `cargo xtask`")?;
-        let root =
-            Path::new(&manifest).parent().ok_or("xtask lies outside a workspace")?.to_owned();
-        let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".into());
-        let output = root.join(target).join("bench");
-        fs::create_dir_all(&output).map_err(|e| format!("{}: {e}", output.display()))?;
-        Ok(Self { root, output })
-    }
-
-    fn sources(&self) -> PathBuf {
-        self.root.join("xtask/bench")
-    }
-}
-
 /// The benches of [`OWN`] that exist; says which do not.
 fn present(root: &Path) -> Vec<(&'static str, &'static str)> {
     let (there, missing): (Vec<_>, Vec<_>) = OWN.iter().partition(|(package, bench)| {
@@ -122,21 +99,4 @@ fn cargo_bench(root: &Path, package: &str, bench: &str) -> Command {
     let mut command = Command::new(cargo);
     command.current_dir(root).args(["bench", "--quiet", "-p", package, "--bench", bench]);
     command
-}
-
-/// Runs a command to its end; its standard output, or what went wrong.
-fn output(command: &mut Command) -> Result<String, String> {
-    let result = command
-        .stderr(std::process::Stdio::inherit())
-        .output()
-        .map_err(|e| format!("{command:?}: {e}"))?;
-    if result.status.success() {
-        String::from_utf8(result.stdout).map_err(|e| format!("{command:?}: {e}"))
-    } else {
-        Err(format!("{command:?}: {}", result.status))
-    }
-}
-
-fn write(file: &Path, text: &str) -> Result<(), String> {
-    fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))
 }

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 use super::machine::first_line;
-use super::{ARMS, Places, output, write};
+use super::places::{ARMS, Places, output, write};
 
 /// What Pinocchio's own build asks for, and the optimisation that users of it would choose.
 const FLAGS: [&str; 8] = [
