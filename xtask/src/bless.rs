@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::book;
-use crate::shell::cargo;
+use crate::shell::{cargo, read, write};
 
 /// The README's main job.
 const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda_design.toml"];
@@ -96,20 +96,9 @@ fn output(root: &Path) -> Result<String, String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-pub(crate) fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
 fn copy(from: &Path, to: &Path) -> Result<(), String> {
     if let Some(folder) = to.parent() {
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     fs::copy(from, to).map(|_| ()).map_err(|e| format!("{}: {e}", from.display()))
-}
-
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), String> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    }
-    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }

@@ -19,8 +19,7 @@ use std::process::Command;
 
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 
-use crate::bless::{read, write};
-use crate::shell::{cargo, command};
+use crate::shell::{cargo, command, read, write};
 
 const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";

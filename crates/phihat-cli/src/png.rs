@@ -1,5 +1,8 @@
 //! Figures as PNG, where this program was built with the feature `png` and the machine has a font.
 
+#[cfg(not(feature = "png"))]
+use phihat_paper::PaintError;
+
 #[cfg(feature = "png")]
 pub(crate) use painter::Painter;
 
@@ -7,6 +10,7 @@ pub(crate) use painter::Painter;
 mod painter {
     use std::sync::Arc;
 
+    use phihat_paper::PaintError;
     use resvg::tiny_skia::{Color, Pixmap, Transform};
     use resvg::usvg::{Options, Tree, fontdb};
 
@@ -24,14 +28,14 @@ mod painter {
 
     impl Painter {
         /// With the machine's fonts.
-        pub(crate) fn new() -> Result<Self, String> {
+        pub(crate) fn new() -> Result<Self, PaintError> {
             let mut fonts = fontdb::Database::new();
             fonts.load_system_fonts();
             Self::with(fonts)
         }
 
         /// Looks for a font without serifs, or any.
-        fn with(mut fonts: fontdb::Database) -> Result<Self, String> {
+        fn with(mut fonts: fontdb::Database) -> Result<Self, PaintError> {
             let has =
                 |family: &str| fonts.faces().any(|f| f.families.iter().any(|n| n.0 == family));
             let known = ["DejaVu Sans", "Arial", "Liberation Sans", "Noto Sans", "Helvetica"];
@@ -44,13 +48,14 @@ mod painter {
         }
 
         /// An SVG as PNG.
-        pub(crate) fn paint(&self, svg: &str) -> Result<Vec<u8>, String> {
+        pub(crate) fn paint(&self, svg: &str) -> Result<Vec<u8>, PaintError> {
             let options = Options {
                 fontdb: Arc::clone(&self.fonts),
                 font_family: self.family.clone(),
                 ..Options::default()
             };
-            let tree = Tree::from_str(svg, &options).map_err(|e| format!("no PNG: {e}"))?;
+            let tree = Tree::from_str(svg, &options)
+                .map_err(|e| PaintError::from(format!("no PNG: {e}")))?;
             let scale = PIXELS_PER_CM / CSS_PIXELS_PER_CM;
             let size = tree.size().scale_by(scale);
             let size = size.ok_or("no PNG: the figure has no size")?.to_int_size();
@@ -58,7 +63,7 @@ mod painter {
                 .ok_or("no PNG: the figure is too large")?;
             pixels.fill(Color::WHITE);
             resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-            pixels.encode_png().map_err(|e| format!("no PNG: {e}"))
+            pixels.encode_png().map_err(|e| PaintError::from(format!("no PNG: {e}")))
         }
     }
 
@@ -98,11 +103,14 @@ mod painter {
             };
             match Painter::new() {
                 Ok(painter) => assert!(dark(&pixels(&painter, words)) > 200, "no text"),
-                Err(why) => assert!(why.contains("no font"), "{why}"),
+                Err(why) => assert!(why.to_string().contains("no font"), "{why}"),
             }
             let none = Painter::with(fontdb::Database::new()).unwrap_err();
-            assert_eq!(none, "no PNG: this machine has no font; the SVG files are complete");
-            assert!(bare().paint("<svg").unwrap_err().starts_with("no PNG: "));
+            assert_eq!(
+                none.to_string(),
+                "no PNG: this machine has no font; the SVG files are complete"
+            );
+            assert!(bare().paint("<svg").unwrap_err().to_string().starts_with("no PNG: "));
         }
     }
 }
@@ -114,12 +122,12 @@ pub(crate) struct Painter;
 
 #[cfg(not(feature = "png"))]
 impl Painter {
-    pub(crate) fn new() -> Result<Self, String> {
-        Err("no PNG: build with `--features png` for them; the SVG files are complete".to_owned())
+    pub(crate) fn new() -> Result<Self, PaintError> {
+        Err("no PNG: build with `--features png` for them; the SVG files are complete".into())
     }
 
     #[allow(clippy::unused_self, reason = "the same call with and without the feature")]
-    pub(crate) fn paint(&self, _svg: &str) -> Result<Vec<u8>, String> {
-        Err(String::new())
+    pub(crate) fn paint(&self, _svg: &str) -> Result<Vec<u8>, PaintError> {
+        Err("".into())
     }
 }

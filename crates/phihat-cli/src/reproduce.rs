@@ -60,7 +60,7 @@ impl Reproduce {
         };
         let painter = png::Painter::new();
         let with = painter.as_ref().ok();
-        let paint = with.map(|painter| move |svg: &str| painter.paint(svg).map_err(Into::into));
+        let paint = with.map(|painter| move |svg: &str| painter.paint(svg));
         let mut shown = Shown::bar(BAR, INTERRUPTED.to_owned());
         let answer = options.run(paint.as_ref().map(|paint| paint as Paint<'_>), &mut shown)?;
         let reproduction = &answer.reproduction;
@@ -74,7 +74,8 @@ impl Reproduce {
             }
             println!("report: {}", answer.page.display());
         }
-        if let Some(why) = painter.as_ref().err().or(answer.no_pictures.as_ref()) {
+        let no_painter = painter.as_ref().err().map(ToString::to_string);
+        if let Some(why) = no_painter.or(answer.no_pictures.clone()) {
             eprintln!("{why}");
         }
         let same = differs.is_none_or(|lines| lines.is_empty());

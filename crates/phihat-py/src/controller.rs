@@ -9,6 +9,7 @@ use crate::arrays::per_joint;
 use crate::failure;
 use crate::gains::Gains;
 use crate::laws::Laws;
+use crate::raised;
 
 /// Periods between two stamped samples, at most.
 const GAP_MAX: u64 = 3;
@@ -232,6 +233,6 @@ impl Controller {
             let held: Vec<f64> = self.states.iter().map(JointState::tau).collect();
             carried.set_item("tau", PyArray1::from_vec(py, held))
         };
-        fill().map_or_else(|e| e, |()| failure::raise(py, "SampleRefused", &message, &carried))
+        fill().map_or_else(|e| e, |()| raised::raise(py, "SampleRefused", &message, &carried))
     }
 }

@@ -8,20 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::json;
-
-/// An exception of the class `name`, made from `(message, **carried)`.
-pub(crate) fn raise(
-    py: Python<'_>,
-    name: &str,
-    message: &str,
-    carried: &Bound<'_, PyDict>,
-) -> PyErr {
-    let made = py
-        .import("phihat._errors")
-        .and_then(|module| module.getattr(name))
-        .and_then(|class| class.call((message,), Some(carried)));
-    made.map_or_else(|why| why, PyErr::from_value)
-}
+pub(crate) use crate::raised::internal;
+use crate::raised::{plain, raise};
 
 /// One value of one argument that cannot be; `joint` names the joint where one is meant.
 pub(crate) fn argument(
@@ -40,10 +28,6 @@ pub(crate) fn argument(
         carried.set_item("limit", limit)
     };
     fill().map_or_else(|why| why, |()| raise(py, "ArgumentError", message, &carried))
-}
-
-fn plain(py: Python<'_>, class: &str, message: &str) -> PyErr {
-    raise(py, class, message, &PyDict::new(py))
 }
 
 pub(crate) fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
@@ -133,9 +117,4 @@ pub(crate) fn refuted(py: Python<'_>, why: &phihat_design::claims::Refutation) -
         carried.set_item("right", why.right)
     };
     fill().map_or_else(|e| e, |()| raise(py, "Refuted", &why.to_string(), &carried))
-}
-
-/// A document that cannot be what it says: a mistake of this package.
-pub(crate) fn internal(py: Python<'_>, why: impl core::fmt::Display) -> PyErr {
-    plain(py, "Error", &format!("a mistake of phihat, please report it: {why}"))
 }

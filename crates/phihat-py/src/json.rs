@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use crate::failure::internal;
+use crate::raised::internal;
 
 /// Anything that can be written as JSON.
 pub(crate) fn to_python<'py, T: Serialize + ?Sized>(

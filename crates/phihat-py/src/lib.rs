@@ -11,6 +11,7 @@ mod failure;
 mod gains;
 mod json;
 mod laws;
+mod raised;
 mod robot;
 mod run;
 mod study;

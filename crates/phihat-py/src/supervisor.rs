@@ -83,11 +83,8 @@ impl Supervisor {
             per_joint_values(py, field, values.as_ref().map(Vec::len), n)?;
         }
         per_joint_values(py, "position_range", position_range.as_ref().map(Vec::len), n)?;
-        let motion = reference_limits.map(|(velocity, acceleration, jerk)| MotionLimits {
-            velocity,
-            acceleration,
-            jerk,
-        });
+        let motion = |(velocity, acceleration, jerk)| MotionLimits { velocity, acceleration, jerk };
+        let motion = reference_limits.map(motion);
         let arm = ArmRules::new(&options).map_err(|e| refused(py, &names, &e))?;
         let at = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map(|values| values[i]);
         let rule = |i: usize| {

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use phihat_design::claims::Refutation;
-use phihat_design::{Gains, GainsError, Infeasible};
+use phihat_design::{GainsError, Infeasible};
 use phihat_study::StudyError;
 
 use crate::disk::DiskError;
@@ -113,13 +113,4 @@ impl From<DiskError> for SessionError {
     fn from(why: DiskError) -> Self {
         Self::Disk(why)
     }
-}
-
-/// Reads gains from their file.
-///
-/// # Errors
-///
-/// [`SessionError::File`]: it cannot be read, or holds no gains.
-pub fn read_gains(path: &Path) -> Result<Gains, SessionError> {
-    Gains::from_json(&crate::files::read(path)?).map_err(|why| SessionError::at(path, why))
 }

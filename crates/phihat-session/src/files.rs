@@ -5,6 +5,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use crate::disk::{Lock, Whole, folder_of, takes_files};
+use phihat_design::Gains;
 use phihat_model::input;
 
 use crate::error::SessionError;
@@ -86,6 +87,15 @@ pub fn read(path: &Path) -> Result<String, SessionError> {
 pub fn open(path: &Path) -> Result<BufReader<File>, SessionError> {
     let file = input::open(path);
     file.map(BufReader::new).map_err(|e| SessionError::at(path, format!("cannot be read: {e}")))
+}
+
+/// Reads gains from their file.
+///
+/// # Errors
+///
+/// [`SessionError::File`]: it cannot be read, or holds no gains.
+pub fn read_gains(path: &Path) -> Result<Gains, SessionError> {
+    Gains::from_json(&read(path)?).map_err(|why| SessionError::at(path, why))
 }
 
 #[cfg(test)]

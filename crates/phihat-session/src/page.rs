@@ -6,24 +6,6 @@ use phihat_report::{FIGURES, Record};
 
 use crate::disk::{Lock, Whole, folder_of};
 use crate::error::SessionError;
-use crate::run_record::RunRecord;
-
-/// Makes the page of a record again, from its files alone; says where it is, and what the record is.
-///
-/// # Errors
-///
-/// [`SessionError`]: the files are not of one run, or the page cannot be written.
-pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
-    let folder = folder_of(trace);
-    RunRecord::is_named(trace)?;
-    // Nobody may put another run there between reading it and writing its page.
-    let beside = folder_of(page) == folder;
-    let held =
-        if beside { Some(Lock::take(folder)?) } else { Lock::take_if_used(folder_of(page))? };
-    let kept = RunRecord::read(trace)?;
-    write_page(&kept.record(), page, held.as_ref())?;
-    Ok(kept)
-}
 
 /// Writes the page, and its figures into `figures/` beside it: all of them or none.
 ///
@@ -36,7 +18,11 @@ pub fn write_report(record: &Record<'_>, page: &Path) -> Result<PathBuf, Session
     Ok(page.to_owned())
 }
 
-fn write_page(record: &Record<'_>, page: &Path, held: Option<&Lock>) -> Result<(), SessionError> {
+pub(crate) fn write_page(
+    record: &Record<'_>,
+    page: &Path,
+    held: Option<&Lock>,
+) -> Result<(), SessionError> {
     let mut whole = Whole::where_held(held);
     add_page(&mut whole, record, page)?;
     Ok(whole.commit()?)

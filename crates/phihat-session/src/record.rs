@@ -13,9 +13,9 @@ use serde_json::json;
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
+use crate::layout::{INPUTS, Origin, PARQUET, RUN, TRACE};
 use crate::observer::figures;
 use crate::page::{add_page, remove_page};
-use crate::run_record::{INPUTS, Origin, PARQUET, RUN, TRACE};
 
 /// A finished run.
 #[derive(Debug)]

@@ -1,40 +1,20 @@
 //! The record of an earlier run, read back: its files are of one run, or it is refused.
 
-use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
-use crate::disk::folder_of;
+use crate::disk::{Lock, folder_of};
 use crate::hash::sha256;
 use phihat_design::Gains;
 use phihat_report::{Record, RunInfo};
 use phihat_sim::{BLOCK, Trace};
 use phihat_study::Study;
-use serde::{Deserialize, Serialize};
 
 use crate::error::SessionError;
 use crate::files;
+use crate::layout::{FILES, INPUTS, Origin, RUN, TRACE};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
+use crate::page::write_page;
 use crate::record::Done;
-
-/// The file that is moved to its place last and removed first: the record is whole where it is.
-pub(crate) const RUN: &str = "run.json";
-/// The recorded signals of a run, by this name in its folder.
-pub const TRACE: &str = "trace.csv";
-/// What every record has beside it.
-const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
-/// The folder of files that the study names.
-pub(crate) const INPUTS: &str = "inputs";
-/// What a record may have.
-pub(crate) const PARQUET: &str = "trace.parquet";
-
-/// What `run.json` says.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct Origin {
-    #[serde(flatten)]
-    pub(crate) run: RunInfo,
-    /// The SHA-256 of every other file of the record, by its name.
-    pub(crate) files: BTreeMap<String, String>,
-}
 
 /// A record whose files belong together.
 #[derive(Debug)]
@@ -149,6 +129,23 @@ pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     let RunRecord { run, study, gains, seen: RunFigures { metrics, drawing, tube } } = kept;
     let done = Done { study, gains, run, drawing, metrics, tube, divergence: None, abort: None };
     Ok((done, whole))
+}
+
+/// Makes the page of a record again, from its files alone; says where it is, and what the record is.
+///
+/// # Errors
+///
+/// [`SessionError`]: the files are not of one run, or the page cannot be written.
+pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
+    let folder = folder_of(trace);
+    RunRecord::is_named(trace)?;
+    // Nobody may put another run there between reading it and writing its page.
+    let beside = folder_of(page) == folder;
+    let held =
+        if beside { Some(Lock::take(folder)?) } else { Lock::take_if_used(folder_of(page))? };
+    let kept = RunRecord::read(trace)?;
+    write_page(&kept.record(), page, held.as_ref())?;
+    Ok(kept)
 }
 
 /// Whether gains that are to be written to a file take the place of those of a run.

@@ -10,7 +10,8 @@ use phihat_study::{LawForm, Study};
 
 use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
-use crate::error::{SessionError, read_gains};
+use crate::error::SessionError;
+use crate::files::read_gains;
 use crate::observer::{RunFigures, RunObserver, settle};
 use crate::record::{Done, TraceFiles};
 use crate::watch::Watch;

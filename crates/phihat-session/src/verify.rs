@@ -10,8 +10,10 @@ use phihat_study::Study;
 
 use crate::design;
 use crate::drawn_worlds::{DrawnRuns, runs};
-use crate::error::{SessionError, read_gains};
-use crate::run_record::{RunRecord, TRACE};
+use crate::error::SessionError;
+use crate::files::read_gains;
+use crate::layout::TRACE;
+use crate::run_record::RunRecord;
 
 /// What is to be checked.
 #[derive(Debug, Clone, Copy)]

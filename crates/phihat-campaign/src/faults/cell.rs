@@ -1,12 +1,12 @@
 //! What a run came to.
 
 use phihat::{Events, Mode};
-use phihat_sim::{Motion, Outcome, Simulation, Supervision, Survival, Trace};
+use phihat_sim::{Motion, Outcome, Supervision, Survival, Trace};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::matrix::Matrix;
+use super::matrix::{Matrix, RunError};
 
 /// Most samples from the reason of a stop to the stop.
 pub const STOP_SAMPLES: u64 = 3;
@@ -62,18 +62,14 @@ impl Matrix {
     pub fn run(&self, case: &Case) -> Cell {
         match self.outcome(case) {
             Ok((study, outcome)) => self.observe(case, &study, &outcome),
-            Err(why) => Cell { refused: Some(why), ..self.nothing(case) },
+            Err(why) => Cell { refused: Some(why.to_string()), ..self.nothing(case) },
         }
     }
 
-    fn outcome(&self, case: &Case) -> Result<(Study, Outcome), String> {
-        let study = self.study(case).map_err(|e| e.to_string())?;
-        let outcome = self.simulation(case, &study)?.run(|_| ());
+    fn outcome(&self, case: &Case) -> Result<(Study, Outcome), RunError> {
+        let study = self.study(case)?;
+        let outcome = self.build(case, &study)?.run(|_| ());
         Ok((study, outcome))
-    }
-
-    fn simulation(&self, case: &Case, study: &Study) -> Result<Simulation, String> {
-        self.build(case, study).map_err(|e| e.to_string())
     }
 
     fn nothing(&self, case: &Case) -> Cell {

@@ -27,7 +27,7 @@ pub struct Arm {
     pub name: String,
     /// The study's file.
     pub path: PathBuf,
-    sha256: String,
+    pub(crate) sha256: String,
     table: Table,
     /// Where its reference starts.
     start: Vec<f64>,
@@ -113,6 +113,8 @@ impl From<StudyError> for FaultsError {
 /// Why a run cannot begin.
 #[derive(Debug, Error)]
 pub(crate) enum RunError {
+    #[error(transparent)]
+    Study(#[from] FaultsError),
     #[error("{0}")]
     Gains(#[from] GainsError),
     #[error("{0}")]
@@ -325,14 +327,6 @@ impl Arm {
             arm.orders.push((order, study, gains));
         }
         Ok(arm)
-    }
-
-    pub(crate) fn record(&self) -> super::ArmRecord {
-        super::ArmRecord {
-            name: self.name.clone(),
-            study: self.path.display().to_string(),
-            study_sha256: self.sha256.clone(),
-        }
     }
 
     /// The gains of each order, with the file name they are kept under.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::catalogue::{Bar, End, FAULTS};
 use super::cell::{Cell, STOP_SAMPLES};
-use super::matrix::Matrix;
+use super::matrix::{Arm, Matrix};
 use crate::runner::Ended;
 
 /// What `format` says in every summary.
@@ -40,6 +40,16 @@ pub struct ArmRecord {
     pub study: String,
     /// SHA-256 of its text.
     pub study_sha256: String,
+}
+
+impl ArmRecord {
+    fn of(arm: &Arm) -> Self {
+        Self {
+            name: arm.name.clone(),
+            study: arm.path.display().to_string(),
+            study_sha256: arm.sha256.clone(),
+        }
+    }
 }
 
 /// A fault of the matrix.
@@ -184,7 +194,7 @@ impl Summary {
         Self {
             format: FORMAT.to_owned(),
             phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
-            arms: matrix.arms.iter().map(super::Arm::record).collect(),
+            arms: matrix.arms.iter().map(ArmRecord::of).collect(),
             faults: FAULTS.iter().filter(|f| used(f.name)).map(fault).collect(),
             totals: Totals::of(&runs),
             runs,

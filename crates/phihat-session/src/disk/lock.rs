@@ -4,7 +4,9 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-use super::{DiskError, Operation, make_folder, strike};
+use super::error::DiskError;
+use super::folder::make_folder;
+use super::seam::{Operation, strike};
 
 /// A folder that no other process writes to until this is dropped, or its process ends in any way.
 #[derive(Debug)]

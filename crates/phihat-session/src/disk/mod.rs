@@ -3,6 +3,8 @@
 //! [`Whole`] prepares files beside their places; [`Whole::commit`] takes away the file that says that the older ones are
 //! whole, moves the new ones in, and the one that says so of them last. [`Lock`] keeps a second process out of a folder.
 
+mod error;
+mod folder;
 mod lock;
 mod seam;
 
@@ -14,8 +16,9 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 use tempfile::TempPath;
-use thiserror::Error;
 
+pub use error::DiskError;
+pub use folder::{folder_of, make_folder, sync_folder};
 pub use lock::Lock;
 pub use lock::locked;
 pub use seam::{Operation, strike, write_all};
@@ -38,76 +41,6 @@ pub struct Whole {
 struct Ready {
     path: PathBuf,
     partial: Partial,
-}
-
-/// Why files could not be written, and what is there now.
-#[derive(Debug, Error)]
-pub enum DiskError {
-    /// What was there is as it was.
-    #[error("{}: cannot be written: {why}\n  = note: nothing that was there has changed", path.display())]
-    Untouched {
-        /// What could not be written.
-        path: PathBuf,
-        /// Why.
-        why: String,
-    },
-    /// The older files are no longer whole, and the new ones not yet.
-    #[error(
-        "{}: cannot be written: {why}\n  = note: the older results were taken away; new: {}; not written: {}; the same \
-         command again writes all of them", path.display(), Names(new), Names(missing)
-    )]
-    Broken {
-        /// What could not be written, moved or removed.
-        path: PathBuf,
-        /// Why.
-        why: String,
-        /// Files in their places.
-        new: Vec<PathBuf>,
-        /// Files that are not.
-        missing: Vec<PathBuf>,
-    },
-    /// All files are in their places; whether they outlive a power cut is not known.
-    #[error(
-        "{}: every file was written, but the disk did not confirm it: {why}\n  = note: after a power cut they may be \
-         missing; the same command again writes them", path.display()
-    )]
-    Unconfirmed {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        why: String,
-    },
-    /// Another process is at work in this folder.
-    #[error(
-        "{}: another phihat is at work in this folder; wait for it, or choose another folder", .0.display()
-    )]
-    Busy(PathBuf),
-}
-
-impl DiskError {
-    /// A file that cannot be written, before anything that was there has changed.
-    pub fn untouched(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Untouched { path: path.to_owned(), why: why.to_string() }
-    }
-}
-
-/// File names for people.
-struct Names<'a>(&'a [PathBuf]);
-
-/// Names that are told.
-const SHOWN: usize = 10;
-
-impl fmt::Display for Names<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name =
-            |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let names: Vec<_> = self.0.iter().take(SHOWN).map(name).collect();
-        match self.0.len().saturating_sub(SHOWN) {
-            0 if names.is_empty() => f.write_str("none"),
-            0 => f.write_str(&names.join(", ")),
-            more => write!(f, "{} and {more} more", names.join(", ")),
-        }
-    }
 }
 
 impl Whole {
@@ -349,29 +282,6 @@ pub fn takes_files(folder: &Path) -> io::Result<()> {
     Partial::beside(&folder.join("phihat")).map(drop)
 }
 
-/// Makes a folder, parents included; what is new is synced.
-///
-/// # Errors
-///
-/// What the system says.
-pub fn make_folder(path: &Path) -> io::Result<()> {
-    if path.as_os_str().is_empty() || path.is_dir() {
-        return Ok(());
-    }
-    let parent = folder_of(path);
-    make_folder(parent)?;
-    strike(Operation::MakeFolder, path)?;
-    match fs::create_dir(path) {
-        Err(error) if error.kind() == ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
-        made => made.and_then(|()| sync_folder(parent)),
-    }
-}
-
-/// The folder that a file is in; the empty path is the folder that the program runs in.
-pub fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 /// Removes a file if there is one.
 fn remove(path: &Path) -> io::Result<()> {
     strike(Operation::Remove, path)?;
@@ -396,22 +306,4 @@ fn sweep(folder: &Path) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Asks the disk to keep what a folder lists; where folders cannot be synced there is nothing to ask.
-///
-/// # Errors
-///
-/// What the system says.
-pub fn sync_folder(folder: &Path) -> io::Result<()> {
-    strike(Operation::Sync, folder)?;
-    if cfg!(not(unix)) {
-        return Ok(());
-    }
-    match File::open(folder)?.sync_all() {
-        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {
-            Ok(())
-        }
-        synced => synced,
-    }
 }

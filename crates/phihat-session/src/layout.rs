@@ -1,0 +1,26 @@
+//! The files of a record, by name.
+
+use std::collections::BTreeMap;
+
+use phihat_report::RunInfo;
+use serde::{Deserialize, Serialize};
+
+/// The file that is moved to its place last and removed first: the record is whole where it is.
+pub(crate) const RUN: &str = "run.json";
+/// The recorded signals of a run, by this name in its folder.
+pub const TRACE: &str = "trace.csv";
+/// What every record has beside it.
+pub(crate) const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
+/// The folder of files that the study names.
+pub(crate) const INPUTS: &str = "inputs";
+/// What a record may have.
+pub(crate) const PARQUET: &str = "trace.parquet";
+
+/// What `run.json` says.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Origin {
+    #[serde(flatten)]
+    pub(crate) run: RunInfo,
+    /// The SHA-256 of every other file of the record, by its name.
+    pub(crate) files: BTreeMap<String, String>,
+}
