@@ -49,7 +49,7 @@ impl<'a> TubeSeen<'a> {
         self.watch.block(self.tube, &trace.t_ns, &runs);
     }
 
-    /// What came of it, in a run of a study with this SHA-256.
+    /// The figures of the run that was held against the tube, for a study with this SHA-256.
     #[must_use]
     pub fn run(self, study_sha256: &str) -> TubeRun {
         let left_out = |certificate: &Certificate| {
