@@ -10,22 +10,35 @@
 #![allow(clippy::disallowed_methods, reason = "an attack tells how long it took")]
 
 mod arm;
+mod chain_text;
 mod claim;
 mod draft;
 mod draw;
+mod draw_reference;
+mod drawn;
+mod hand;
+mod held;
+mod judged;
+mod link;
 mod phase;
+mod record;
+mod run;
 mod second;
 mod summary;
 mod trial;
 mod vary;
 
 pub use arm::Arm;
-pub use claim::{Claim, Found, JointClaim, JointFound, Violation, claimed, held};
+pub use claim::{Claim, JointClaim, NoClaim, claimed};
 pub use draft::{Draft, Load, Scope, World};
 pub use draw::draw;
+pub use held::{Found, JointFound, Violation, held};
+pub use judged::{Verdict, judged};
+pub use record::{Ended, Record};
+pub use run::{NoRun, run};
 pub use second::Second;
 pub use summary::Summary;
-pub use trial::{Ended, Record, Trial, Verdict, judged, run};
+pub use trial::Trial;
 pub use vary::worlds;
 
 pub use phihat_session::Dice;

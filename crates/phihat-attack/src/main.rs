@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a command speaks to a terminal")]
 
+use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -63,12 +64,12 @@ fn main() -> ExitCode {
 }
 
 /// Whether nothing was broken.
-fn attack(arguments: &Arguments) -> Result<bool, String> {
+fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let folder = arguments.out.join(format!("seed-{}", arguments.seed));
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let path = folder.join("journal.jsonl");
     let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
-    let mut journal = journal.map_err(|e| e.to_string())?;
+    let mut journal = journal?;
     let program = program()?;
     let Arguments { seed, runs, keep_every, .. } = *arguments;
     let python = arguments.python.as_deref();
@@ -96,7 +97,7 @@ fn attack(arguments: &Arguments) -> Result<bool, String> {
     });
     bar.finish_and_clear();
     let (mut records, mut panics): (Vec<Record>, Vec<String>) = (Vec::new(), Vec::new());
-    for (index, ended) in places.iter().zip(done.map_err(|e| e.to_string())?) {
+    for (index, ended) in places.iter().zip(done?) {
         match ended {
             Ended::With(record) => records.push(record),
             Ended::Panicked(why) => panics.push(format!("study {index}: {why}")),
@@ -110,7 +111,7 @@ fn report(
     records: &[Record],
     panics: Vec<String>,
     folder: &Path,
-) -> Result<bool, String> {
+) -> Result<bool, Box<dyn Error>> {
     let summary = Summary::of(records, panics);
     println!("{summary}");
     for record in records.iter().filter(|record| !record.violations.is_empty()) {
@@ -139,8 +140,8 @@ fn report(
 }
 
 /// A number that stands for this program: another build attacks other code, so what it did counts for itself (FNV-1a).
-fn program() -> Result<u64, String> {
-    let path = std::env::current_exe().map_err(|e| e.to_string())?;
+fn program() -> Result<u64, Box<dyn Error>> {
+    let path = std::env::current_exe()?;
     let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     Ok(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))

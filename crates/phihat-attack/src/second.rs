@@ -1,11 +1,13 @@
 //! A second opinion: the same study, run by a program that shares no line with ours.
 
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use crate::claim::Violation;
+use crate::held::Violation;
 
 /// The script that asks Pinocchio and MuJoCo.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python/second_opinion.py");
@@ -46,18 +48,41 @@ struct Worst {
     claimed: (f64, f64),
 }
 
+/// Why there is no second opinion.
+#[derive(Debug, Error)]
+pub(crate) enum NoOpinion {
+    /// The Python does not start.
+    #[error("{}: {why}", python.display())]
+    Start {
+        /// The Python.
+        python: PathBuf,
+        /// Why.
+        why: io::Error,
+    },
+    /// The script gave no answer.
+    #[error("second opinion: {why}: {said}")]
+    Answer {
+        /// What is wrong with what it printed.
+        why: serde_json::Error,
+        /// Its messages.
+        said: String,
+    },
+}
+
 /// Asks about a kept study.
 ///
 /// # Errors
 ///
-/// Why there is no answer.
-pub(crate) fn opinion(python: &Path, folder: &Path) -> Result<(Second, Vec<Violation>), String> {
+/// [`NoOpinion`]: the program does not start, or gives no answer.
+pub(crate) fn opinion(python: &Path, folder: &Path) -> Result<(Second, Vec<Violation>), NoOpinion> {
     let mut command = Command::new(python);
     command.arg(SCRIPT).arg(folder).env("OMP_NUM_THREADS", "1");
-    let output = command.output().map_err(|e| format!("{}: {e}", python.display()))?;
+    let output =
+        command.output().map_err(|why| NoOpinion::Start { python: python.to_owned(), why })?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let answer: Answer = serde_json::from_str(text.trim()).map_err(|e| {
-        format!("second opinion: {e}: {}", String::from_utf8_lossy(&output.stderr).trim())
+    let answer: Answer = serde_json::from_str(text.trim()).map_err(|why| NoOpinion::Answer {
+        why,
+        said: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
     })?;
     let worst = answer.runs.iter().map(|run| run.worst.ratio).fold(0.0, f64::max);
     let left = answer.runs.iter().filter(|run| run.left).map(|run| Violation {

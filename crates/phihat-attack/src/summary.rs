@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::trial::{Ended, Record};
+use crate::record::{Ended, Record};
 
 /// Share of the largest error of an arm below which a joint's is small.
 const SMALL: f64 = 0.15;

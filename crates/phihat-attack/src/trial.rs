@@ -3,18 +3,17 @@
 use std::path::Path;
 use std::time::Instant;
 
-use phihat::{Form, JointDesign, JointGains};
-use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
-use phihat_session::designed;
-use phihat_sim::{Outcome, SimError, Simulation};
-use phihat_study::{LawForm, Study};
-use serde::{Deserialize, Serialize};
 
-use crate::claim::{Claim, JointFound, Violation, claimed, held};
+use crate::claim::Claim;
 use crate::draft::Draft;
-use crate::draw::draw;
-use crate::second::{Second, opinion};
+use crate::drawn::drawn;
+use crate::held::{JointFound, held};
+use crate::judged::{Verdict, judged};
+use crate::record::{Ended, Record};
+use crate::run::run;
+use crate::second::opinion;
 use crate::vary::worlds;
 
 /// Draws until one is a study.
@@ -23,102 +22,6 @@ const DRAWS: usize = 8;
 const ROUNDS: usize = 3;
 /// The world in which other simulators run a study besides its own.
 const SECOND: usize = 2;
-/// Finer integration than this makes a study too slow to be worth it.
-const SUBSTEPS_MAX: u32 = 40;
-
-/// What a design came to, and what its certificate says of it.
-#[derive(Debug)]
-pub enum Verdict {
-    /// No gains, with the clauses in the way.
-    Infeasible(Vec<Clause>),
-    /// No claim, and why.
-    NotProved(String),
-    /// Gains with a certificate that was verified, and what it claims.
-    Certified(Box<Gains>, Claim),
-}
-
-/// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
-pub fn judged(study: &Study, path: &Path) -> Verdict {
-    let gains = match designed(study, path) {
-        Ok(Designed::Designed(gains)) => gains,
-        Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
-        Err(why) => return Verdict::NotProved(format!("design: {why}")),
-    };
-    let read = gains.to_json().and_then(|text| Gains::from_json(&text));
-    let gains = match read {
-        Ok(gains) => gains,
-        Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
-    };
-    if let Some(why) = gains.certificate.as_ref().and_then(|c| c.verify(&gains).err()) {
-        return Verdict::NotProved(format!("verify: {why}"));
-    }
-    match claimed(&gains, study) {
-        Ok(claim) => Verdict::Certified(Box::new(gains), claim),
-        Err(why) => Verdict::NotProved(why),
-    }
-}
-
-/// Runs a study with gains, whatever is claimed of them; its encoders displaced by shares of a quantum, if any.
-///
-/// # Errors
-///
-/// Why it cannot run, in words.
-pub fn run(study: &Study, gains: &Gains, phase: &[f64]) -> Result<Outcome, String> {
-    let mut study = study.clone();
-    gains.give_filter(&mut study).map_err(|e| e.to_string())?;
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
-    let period = study.control.period_ns;
-    let law = gains.joint_gains(&names, period, form(&study)).map_err(|e| e.to_string())?;
-    crate::phase::run(&study, &law, phase).map_err(|e| e.to_string())
-}
-
-fn form(study: &Study) -> Form {
-    match study.control.form {
-        LawForm::Observer => Form::Observer,
-        LawForm::Literal => Form::Literal,
-    }
-}
-
-/// How a trial ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Ended {
-    /// No study could be drawn.
-    NoStudy,
-    /// No gains.
-    Infeasible,
-    /// No claim.
-    NotProved,
-    /// Certified and run.
-    Certified,
-}
-
-/// What is recorded of a trial.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// Its number in the attack.
-    pub index: u64,
-    /// What is in it.
-    pub tags: Vec<String>,
-    /// Number of joints.
-    pub joints: usize,
-    /// How it ended.
-    pub ended: Ended,
-    /// Why, where it was not certified.
-    pub reason: String,
-    /// Why drafts before it were no studies.
-    pub redrawn: Vec<String>,
-    /// Runs made, and how many of them the claim leaves out since a limit acted.
-    pub runs: (usize, usize),
-    /// Worst over the runs, per joint.
-    pub found: Vec<JointFound>,
-    /// Bounds that were left.
-    pub violations: Vec<Violation>,
-    /// What other simulators said, where they were asked.
-    pub second: Option<Second>,
-    /// Time of design and verification, and of the runs \[s\].
-    pub seconds: (f64, f64),
-}
 
 /// A trial, and its files where they are to be kept.
 #[derive(Debug)]
@@ -160,7 +63,7 @@ impl Trial<'_> {
                     self.examine(draft, &mut dice, &folder, &mut record);
                     break;
                 }
-                Err(why) => record.redrawn.push(why),
+                Err(why) => record.redrawn.push(why.to_string()),
             }
         }
         let kept =
@@ -273,7 +176,7 @@ impl Trial<'_> {
                     record.second = Some(second);
                     record.violations.extend(violations);
                 }
-                Err(why) => record.redrawn.push(why),
+                Err(why) => record.redrawn.push(why.to_string()),
             }
         }
     }
@@ -293,31 +196,5 @@ fn worst(all: &mut Vec<JointFound>, one: &[JointFound]) {
     for (all, one) in all.iter_mut().zip(one) {
         all.error_rad = all.error_rad.max(one.error_rad);
         all.velocity_rad_s = all.velocity_rad_s.max(one.velocity_rad_s);
-    }
-}
-
-/// A draft that is a study and that can be simulated, its arm's files in the folder.
-fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, String> {
-    let mut draft = draw(dice).map_err(|e| format!("arm: {e}"))?;
-    std::fs::create_dir_all(folder).map_err(|e| e.to_string())?;
-    for (name, text) in draft.arm.section().1 {
-        std::fs::write(folder.join(name), text).map_err(|e| e.to_string())?;
-    }
-    let mut stiffest = draft.nominal.clone();
-    stiffest.coulomb.clone_from(&draft.scope.coulomb.1);
-    let mut study = draft.study(&stiffest, folder).map_err(|e| e.to_string())?;
-    study.sensor.velocity_filter_designed = false;
-    let period = study.control.period_ns as f64 * 1e-9;
-    let design =
-        JointDesign { inertia: 1.0, kp: 100.0, kd: 20.0, a: &[20.0], period, form: form(&study) };
-    let law = JointGains::new(&design).map_err(|e| e.to_string())?;
-    match Simulation::new(&study, &vec![law; study.robot.joints.len()]) {
-        Ok(_) => Ok(draft),
-        Err(SimError::TooStiff { needed, .. }) if needed <= SUBSTEPS_MAX => {
-            draft.substeps = needed + needed / 4 + 1;
-            Ok(draft)
-        }
-        Err(SimError::TooStiff { .. }) => Err("too stiff to be integrated quickly".to_owned()),
-        Err(why) => Err(why.to_string()),
     }
 }

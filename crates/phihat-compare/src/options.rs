@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::record::Comparison;
 use crate::repeat::{self, Repeated};
 
-/// What a comparison is told.
+/// Options of a comparison.
 #[derive(Debug, Clone, Default)]
 pub struct CompareOptions {
     /// The study files (TOML), one per arm; the worlds are made from them.

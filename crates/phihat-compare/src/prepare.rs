@@ -49,7 +49,7 @@ pub(crate) struct Preparation {
     pub(crate) share: f64,
 }
 
-/// What one choice of gains came to on the training motions.
+/// The result of one choice of gains on the training motions.
 struct Trained {
     /// \[rad\]
     cost: f64,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::mark::Mark;
 use crate::run_outcome::{Figures, RunOutcome, Sketch};
 
-/// What one rival came to on one arm.
+/// The results of one rival on one arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The arm's name.
@@ -128,7 +128,7 @@ pub struct Run {
     pub name: String,
     /// Seed.
     pub seed: u64,
-    /// What became of it.
+    /// How it ended.
     #[serde(rename = "fate")]
     pub outcome: RunOutcome,
     /// Its figures; `None` unless it ran to its end.

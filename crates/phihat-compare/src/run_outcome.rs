@@ -1,8 +1,8 @@
-//! What one run came to, as data: how it ended, its figures, its trace in few numbers.
+//! The result of one run, as data: how it ended, its figures, its trace in few numbers.
 
 use serde::{Deserialize, Serialize};
 
-/// What became of a run, from good to bad.
+/// How a run ended, from good to bad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunOutcome {

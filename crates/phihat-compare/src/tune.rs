@@ -10,7 +10,7 @@ const STEP: f64 = 0.25;
 /// What stands for a cost that is no number: worse than any that is.
 const WORST: f64 = 1e300;
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuned {
     /// The best values that were tried, in the order of the scalars.

@@ -15,7 +15,7 @@ use crate::page::reproduction_page;
 use crate::record::Reproduction;
 use crate::{Extent, ReproduceError, parts, reproduce_only, studies};
 
-/// What a reproduction is told.
+/// Options of a reproduction.
 #[derive(Debug, Clone)]
 pub struct ReproduceOptions {
     /// Coarser maps and sweeps.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the layout of [`Reproduction`].
 pub const FORMAT: u32 = 1;
 
-/// Every statement of the paper that was looked at, and what came of it.
+/// Every statement of the paper that was looked at, and whether it holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reproduction {
     /// [`FORMAT`].
@@ -86,7 +86,7 @@ pub struct Statement {
     pub paper: String,
     /// Ours, with its unit.
     pub ours: String,
-    /// What came of it.
+    /// Whether it holds.
     pub verdict: Verdict,
     /// Why, and what would be right.
     pub why: String,
@@ -111,7 +111,7 @@ pub enum Origin {
     Ours,
 }
 
-/// What came of a statement.
+/// Whether a statement of the paper holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

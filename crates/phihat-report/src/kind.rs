@@ -43,7 +43,7 @@ pub(crate) struct Kind {
     pub stem: &'static str,
     /// What it shows; the second where there is a tube around the first curve.
     pub title: [&'static str; 2],
-    /// The same for a figure of the steady part alone, where there is one: file stem and titles. On paper nobody can
+    /// File stem and titles of a figure of the steady part alone, where there is one. On paper nobody can
     /// zoom: the start-up would hide how the error sits in its bound.
     pub steady: Option<(&'static str, [&'static str; 2])>,
     pub x_label: &'static str,

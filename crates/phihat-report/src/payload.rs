@@ -89,7 +89,7 @@ fn chart_data(chart: &Chart) -> ChartData {
     }
 }
 
-/// The same JSON without any character that HTML or old JavaScript reads on its own.
+/// A JSON text without any character that HTML or old JavaScript reads on its own.
 fn escaped(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for c in json.chars() {

@@ -141,7 +141,7 @@ fn free_key(model_free: &str) -> u8 {
     }
 }
 
-/// What became of the arm in this world.
+/// How the arm's run ended in this world.
 fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     if let Some(why) = &row.refused {
         return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };

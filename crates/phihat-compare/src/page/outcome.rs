@@ -9,7 +9,7 @@ use crate::row::Cell;
 use crate::run_outcome::RunOutcome;
 use crate::world::SATURATION;
 
-/// What became of a run: a symbol and a word, so that no colour is needed.
+/// How a run ended: a symbol and a word, so that no colour is needed.
 pub(super) fn symbol_and_word(outcome: &RunOutcome) -> (&'static str, &'static str) {
     match outcome {
         RunOutcome::Followed => ("✓", "followed"),

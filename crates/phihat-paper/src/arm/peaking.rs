@@ -174,7 +174,7 @@ fn flat(study: &Study) -> Result<f64, PartError> {
     Ok((0..run.joints().len()).map(|joint| run.overshoot(joint)).fold(0.0, f64::max))
 }
 
-/// The same in the vertical plane: φ jumps from the observer's zero to the arm's weight as well.
+/// The largest overshoot in the vertical plane, where φ jumps from the observer's zero to the arm's weight as well.
 fn upright(study: &Study) -> Result<f64, PartError> {
     let mut study = study.clone();
     study.world.gravity = [0.0, 0.0, -9.81];

@@ -65,7 +65,8 @@ impl Run {
         self.ladder(self.steady_from())
     }
 
-    /// The same with integrals counted from the first sample on: those of the printed form are its state.
+    /// The largest errors of [`Run::steady`], with integrals counted from the first sample on: those of the printed form
+    /// are its state.
     pub(crate) fn since_start(&self) -> Option<[f64; 4]> {
         self.ladder(0)
     }
@@ -183,7 +184,7 @@ impl Run {
     }
 }
 
-/// The same arm with links `links` times as heavy and rotors of `armature` \[kg·m²\]; friction and torque limits
+/// An arm with links `links` times as heavy and rotors of `armature` \[kg·m²\]; friction and torque limits
 /// grow with the links.
 ///
 /// Divided by `links`, the equation of motion is that of the arm as it is with the rotors and `M̄` divided by it.

@@ -92,7 +92,7 @@ impl Studies {
         Self { texts: SHIPPED.iter().map(own).collect() }
     }
 
-    /// The same with `old` replaced by `new` in every study: to see what an answer depends on.
+    /// These studies with `old` replaced by `new` in every study: to see what an answer depends on.
     #[must_use]
     pub fn replaced(mut self, old: &str, new: &str) -> Self {
         self.texts.values_mut().for_each(|text| *text = text.replace(old, new));

@@ -212,7 +212,7 @@ fn gain_on(law: &Law, c: &Certified, phi: &Phi) -> f64 {
     cost / energy
 }
 
-/// The same at one frequency: `x_i = (jω)^{i−1} d/(D A_o)`, `φ̂ = −a_{m−1} g d/A_o`.
+/// The gain at one frequency: `x_i = (jω)^{i−1} d/(D A_o)`, `φ̂ = −a_{m−1} g d/A_o`.
 fn gain_at(law: &Law, c: &Certified, omega: f64) -> f64 {
     let w = omega * omega;
     let size = |p: &[f64]| polynomial::value(&polynomial::magnitude_squared(p), w);

@@ -68,7 +68,7 @@ pub(super) fn unmeasured() -> Section {
         statements: Vec::new(),
         tables: vec![Table {
             id: "without-a-number-list".to_owned(),
-            title: "What is listed, and what can be listed of it".to_owned(),
+            title: "What is said, and what can be said of it".to_owned(),
             columns: words(&["place", "said", "what can be said of it"]),
             rows: rows.iter().map(|row| words(row)).collect(),
         }],

@@ -1,0 +1,41 @@
+//! A study designed for and verified, as a user does it.
+
+use std::path::Path;
+
+use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_session::designed;
+use phihat_study::Study;
+
+use crate::claim::{Claim, claimed};
+
+/// The result of a design, and what its certificate says of it.
+#[derive(Debug)]
+pub enum Verdict {
+    /// No gains, with the clauses in the way.
+    Infeasible(Vec<Clause>),
+    /// No claim, and why.
+    NotProved(String),
+    /// Gains with a certificate that was verified, and what it claims.
+    Certified(Box<Gains>, Claim),
+}
+
+/// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
+pub fn judged(study: &Study, path: &Path) -> Verdict {
+    let gains = match designed(study, path) {
+        Ok(Designed::Designed(gains)) => gains,
+        Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
+        Err(why) => return Verdict::NotProved(format!("design: {why}")),
+    };
+    let read = gains.to_json().and_then(|text| Gains::from_json(&text));
+    let gains = match read {
+        Ok(gains) => gains,
+        Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
+    };
+    if let Some(why) = gains.certificate.as_ref().and_then(|c| c.verify(&gains).err()) {
+        return Verdict::NotProved(format!("verify: {why}"));
+    }
+    match claimed(&gains, study) {
+        Ok(claim) => Verdict::Certified(Box::new(gains), claim),
+        Err(why) => Verdict::NotProved(why.to_string()),
+    }
+}

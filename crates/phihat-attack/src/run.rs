@@ -1,0 +1,41 @@
+//! A study run with gains.
+
+use phihat::Form;
+use phihat_design::{Gains, GainsError};
+use phihat_sim::{Outcome, SimError};
+use phihat_study::{LawForm, Study};
+use thiserror::Error;
+
+use crate::phase;
+
+/// Why a study cannot run with gains.
+#[derive(Debug, Error)]
+pub enum NoRun {
+    /// The gains are none of this study.
+    #[error(transparent)]
+    Gains(#[from] GainsError),
+    /// It cannot be simulated.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+}
+
+/// Runs a study with gains, whatever is claimed of them; its encoders displaced by shares of a quantum, if any.
+///
+/// # Errors
+///
+/// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
+pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<Outcome, NoRun> {
+    let mut study = study.clone();
+    gains.give_filter(&mut study)?;
+    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let period = study.control.period_ns;
+    let law = gains.joint_gains(&names, period, form(&study))?;
+    Ok(phase::run(&study, &law, shares)?)
+}
+
+pub(crate) fn form(study: &Study) -> Form {
+    match study.control.form {
+        LawForm::Observer => Form::Observer,
+        LawForm::Literal => Form::Literal,
+    }
+}
