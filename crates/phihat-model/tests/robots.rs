@@ -37,9 +37,8 @@ fn an_unknown_arm_is_answered_with_the_nearest() {
 
 #[test]
 fn files_are_read_from_disk_by_their_path() {
-    let path = |name: &str| {
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name)
-    };
+    let path =
+        |name: &str| std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name);
     let robot = Robot::read(&path("ur5.toml")).unwrap();
     assert_eq!((robot.name.as_str(), robot.tip.as_str()), ("ur5", "tool0"));
     // Named by its URDF, the arm is the same: the file beside it is read.

@@ -42,7 +42,7 @@ impl<'a> Names<'a> {
                 match item {
                     Item::Use(_) => scope.imports.extend(imports(item)),
                     Item::Macro(i) => {
-                        scope.defined.extend(i.ident.as_ref().map(ToString::to_string))
+                        scope.defined.extend(i.ident.as_ref().map(ToString::to_string));
                     }
                     _ => scope.defined.extend(defined(item)),
                 }

@@ -60,15 +60,14 @@ impl Tree {
                 let name = child.ident.to_string();
                 let path: Vec<String> = path.iter().cloned().chain([name.clone()]).collect();
                 let inside = format!("{folder}{name}/");
-                match child.content.take() {
-                    Some((_, items)) => self.module(file, &inside, path, items, read)?,
-                    None => {
-                        let places = [format!("{folder}{name}.rs"), format!("{inside}mod.rs")];
-                        let Some(place) = places.iter().find(|place| read(place).is_some()) else {
-                            return Err(format!("{file}: no file of mod {name}"));
-                        };
-                        self.file(place, &inside, path, read)?;
-                    }
+                if let Some((_, items)) = child.content.take() {
+                    self.module(file, &inside, path, items, read)?;
+                } else {
+                    let places = [format!("{folder}{name}.rs"), format!("{inside}mod.rs")];
+                    let Some(place) = places.iter().find(|place| read(place).is_some()) else {
+                        return Err(format!("{file}: no file of mod {name}"));
+                    };
+                    self.file(place, &inside, path, read)?;
                 }
             }
             kept.push(item);

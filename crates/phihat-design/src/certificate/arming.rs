@@ -6,11 +6,11 @@ use phihat_study::Study;
 use super::inside::inside;
 use super::scope::unmodelled;
 use super::start::start_inside_window;
+use crate::Arm;
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
-use crate::Arm;
 use crate::{Certificate, Gains, JointRecord};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
