@@ -29,7 +29,7 @@ const KNOWN: [Known; 16] = [
     Known { name: "phihat-certificate", circles: 35, long: 3, texts: 0 },
     Known { name: "phihat-cli", circles: 0, long: 0, texts: 0 },
     Known { name: "phihat-compare", circles: 17, long: 0, texts: 4 },
-    Known { name: "phihat-design", circles: 30, long: 2, texts: 0 },
+    Known { name: "phihat-design", circles: 28, long: 2, texts: 0 },
     Known { name: "phihat-model", circles: 0, long: 0, texts: 1 },
     Known { name: "phihat-paper", circles: 26, long: 0, texts: 143 },
     Known { name: "phihat-py", circles: 0, long: 0, texts: 0 },

@@ -3,13 +3,14 @@
 use phihat_certificate::extremes::{larger, smaller};
 use phihat_study::Study;
 
+use super::inside::inside;
 use super::scope::unmodelled;
 use super::start::start_inside_window;
+use crate::Arm;
 use crate::claims::law::holds;
 use crate::claims::{Law, Refutation};
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
-use crate::{Arm, ArmInertia};
 use crate::{Certificate, Gains, JointRecord};
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
@@ -128,18 +129,4 @@ pub(super) fn shared_law(gains: &Gains) -> Result<(), Refutation> {
         holds(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;
     }
     Ok(())
-}
-
-/// Whether an arm's range, widened by the margin, lies inside a window.
-pub(crate) fn inside(
-    window: &InertiaWindow,
-    arm: &ArmInertia,
-    margin: f64,
-) -> Result<(), Refutation> {
-    let (low, high) = (arm.low / margin, arm.high * margin);
-    let claim = "inertia window";
-    let lower = format!("window.low ≤ arm.low/{margin}");
-    holds(claim, &lower, window.low, low, window.low <= low)?;
-    let upper = format!("{margin}·arm.high ≤ window.high");
-    holds(claim, &upper, high, window.high, high <= window.high)
 }

@@ -3,6 +3,7 @@
 mod arming;
 mod bounds;
 mod find;
+mod inside;
 mod moving;
 mod scope;
 mod start;
@@ -10,9 +11,9 @@ mod start;
 use phihat_study::Study;
 
 pub use arming::arm_inside_window;
-pub(crate) use arming::inside;
 use arming::shared_law;
 pub(crate) use bounds::Evidence;
+pub(crate) use inside::inside;
 pub use moving::find_moving;
 pub(crate) use scope::{as_modelled, missing};
 

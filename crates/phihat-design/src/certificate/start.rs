@@ -2,7 +2,7 @@
 
 use phihat_study::Study;
 
-use super::arming::inside;
+use super::inside::inside;
 use crate::ArmInertia;
 use crate::JointRecord;
 use crate::claims::Refutation;

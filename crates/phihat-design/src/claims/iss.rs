@@ -1,6 +1,7 @@
 //! Input-to-state stability of the closed loop, with explicit constants.
 
 pub use phihat_certificate::Iss;
+use phihat_certificate::PeakGain;
 
 use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::{
@@ -8,7 +9,6 @@ use crate::claims::matrix::{
     transpose,
 };
 use crate::claims::optimality::{Certified, last_column};
-use crate::claims::performance::PeakGain;
 use crate::claims::response::Response;
 
 const CLAIM: &str = "input-to-state stability";

@@ -1,8 +1,8 @@
 //! How large the errors get: peak-to-peak gains of the loop, and the paper's bound beside them.
 
+use phihat_certificate::Iss;
 pub use phihat_certificate::{PaperRadius, PeakGain, PeakGains};
 
-use crate::claims::iss::Iss;
 use crate::claims::law::{Law, Refutation};
 use crate::claims::response::Response;
 

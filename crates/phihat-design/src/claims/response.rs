@@ -1,10 +1,11 @@
 //! The loop's answer to an impulse of φ, stepped by the matrix exponential, with bounds between the steps.
 
+use phihat_certificate::PeakGain;
+
 use crate::claims::law::{Law, Refutation, holds};
 use crate::claims::matrix::{
     Matrix, absolute, dot, exponential, identity, norm_frobenius, norm_inf, product,
 };
-use crate::claims::performance::PeakGain;
 use crate::claims::polynomial;
 
 const CLAIM: &str = "response";
