@@ -8,10 +8,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use phihat::Form;
-use phihat_design::tube::{Desired, tube};
-use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, arm_inside_window, search};
-use phihat_sim::{Demand, Metrics, Motion, Simulation};
+use phihat_design::Outcome;
+use phihat_session::{Session, designed};
 use phihat_study::Study;
 
 const STUDY: &str = r#"
@@ -50,56 +48,20 @@ amplitude_rad = [0.3, 0.3, 0.3]
 frequency_hz = [0.3, 0.4, 0.5]
 "#;
 
-fn study(error_max: &str) -> Result<Study, Box<dyn Error>> {
-    Ok(Study::from_text(&STUDY.replace("ERROR", error_max), "planar.toml", Path::new("."))?)
-}
-
-/// Searches gains. What the search may know: the arm's inertia over its postures and payloads, and the torque φ
-/// that the reference asks for beyond `M̄ q̈`.
-fn find(study: &Study) -> Result<(Arm, Outcome), Box<dyn Error>> {
-    let arm = Arm::of(study)?;
-    let demand = Demand::along(study)?;
-    let phi = |joint: usize, inertia: f64| {
-        let along = demand.phi(joint, inertia);
-        Phi {
-            basis: PhiBasis::Reference,
-            source: "inverse dynamics along the reference".to_owned(),
-            size_nm: Some(along.size),
-            rate_nm_s: along.rate,
-            jump_nm: along.jump,
-            motion: None,
-        }
-    };
-    let outcome = search(study, &arm, &phi)?;
-    Ok((arm, outcome))
-}
-
-/// Puts the tube into the certificate: an envelope of `e` and `ė` that no run in the study's scope leaves. It takes
-/// the place of the bounds that count joint after joint, which the search works with: they do not hold for joints
-/// that push each other. A tube may be wider than the study allows, or not close at all; then ask the search for a
-/// smaller error, as `phihat design` does by itself.
-fn add_tube(study: &Study, gains: &mut Gains) -> Result<(), Box<dyn Error>> {
-    let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
-    let desired = Desired::of(study, |joint, t| motion.at(joint, t));
-    let tube = tube(study, gains, &desired)?;
-    let certificate = gains.certificate.as_mut().ok_or("designed gains have a certificate")?;
-    for joint in &mut certificate.joints {
-        (joint.bounds, joint.phi) = (None, None);
-    }
-    certificate.tube = Some(tube);
-    Ok(())
+fn study(error_max: &str) -> Result<Box<Study>, Box<dyn Error>> {
+    let text = STUDY.replace("ERROR", error_max);
+    Ok(Box::new(Study::from_text(&text, "planar.toml", Path::new("."))?))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let study_of_2_mrad = study("2e-3")?;
-    let (arm, outcome) = find(&study_of_2_mrad)?;
-    let Outcome::Designed(mut gains) = outcome else { return Err("2 mrad is possible".into()) };
-    add_tube(&study_of_2_mrad, &mut gains)?;
+    let path = Path::new("planar.toml");
+    let outcome = designed(&study_of_2_mrad, path)?;
+    let Outcome::Designed(gains) = outcome else { return Err("2 mrad is possible".into()) };
 
     // The certificate is data. What checks it is another crate, which cannot see what found it.
     let certificate = gains.certificate.as_ref().ok_or("designed gains have a certificate")?;
     certificate.verify(&gains)?;
-    arm_inside_window(&study_of_2_mrad, &arm, &gains)?;
     let mut bounds = Vec::new();
     for (i, joint) in certificate.joints.iter().enumerate() {
         let window = joint.window.ok_or("no window")?;
@@ -115,18 +77,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     assert!(bounds.iter().all(|bound| *bound <= 2e-3));
 
-    // Does a run keep it? This one carries 0.3 kg, of which nobody told the controller.
-    let names: Vec<String> = study_of_2_mrad.robot.joints.iter().map(|j| j.name.clone()).collect();
-    let law = gains.joint_gains(&names, study_of_2_mrad.control.period_ns, Form::Observer)?;
-    let run = Simulation::new(&study_of_2_mrad, &law)?.run(|_| ());
-    let metrics = Metrics::of(&run.trace, &study_of_2_mrad);
-    for (joint, bound) in metrics.joints.iter().zip(&bounds) {
+    // Does a run keep it? This one carries 0.3 kg, of which nobody told the controller. A session arms the gains: it
+    // refuses those whose window does not hold the arm.
+    let given = Some((*gains, Path::new("gains.json")));
+    let session = Session::new(study_of_2_mrad, path, given, false)?;
+    let (done, _) = session.run(|_| ());
+    for (joint, bound) in done.metrics.joints.iter().zip(&bounds) {
         println!("{}: {:.3} mrad measured", joint.name, 1e3 * joint.error_steady_max_rad);
         assert!(joint.error_steady_max_rad <= *bound);
     }
+    assert_eq!(done.verdict(), "within_spec");
 
     // What cannot be had is an answer, not an error: the clause in the way, and what is possible.
-    let (_, outcome) = find(&study("1e-7")?)?;
+    let outcome = designed(&*study("1e-7")?, path)?;
     let Outcome::Infeasible(no) = outcome else { return Err("1e-7 rad is not possible".into()) };
     for clause in &no.clauses {
         let possible = clause.possible.map_or("nothing is".to_owned(), |x| format!("{x:.1e} is"));
