@@ -5,8 +5,11 @@
 mod sampled_support;
 
 use phihat::Delay;
+use phihat_design::JointRecord;
 use phihat_design::prelude::*;
-use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, Margins, ModulusMargin, bode};
+use phihat_design::sampled::{
+    LoopForm, LoopModel, LoopTorque, LoopVelocity, Margins, ModulusMargin, bode,
+};
 use sampled_support::{Random, Rig, estimator, plain, record};
 
 fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel) {
@@ -111,4 +114,33 @@ fn a_larger_modulus_is_refused() {
     let peak = bode.sensitivity.iter().fold(0.0_f64, |a, b| a.max(*b));
     let alone = Margins::at(&gains, &model, 1.0).unwrap();
     assert!((peak * alone.modulus - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_resonance_between_two_points_of_the_grid_counts() {
+    // Found by `cargo xtask attack` (seed 41, study 21): |L| rises to 1.28 near 1.551 rad/sample, above the lower end of the
+    // range for 0.003 rad/sample only. Without it 2.6 samples of delay were claimed, and the checker refused them.
+    let gains = JointRecord {
+        name: "joint".to_owned(),
+        inertia_kg_m2: 0.375_918_070_067_183_25,
+        kp_per_s2: 613.401_598_791_595_5,
+        kd_per_s: 49.533_891_379_199_98,
+        a: vec![5_371.978_045_197_343],
+    };
+    let model = LoopModel {
+        period_s: 5e-4,
+        delay_samples: 3,
+        sample_delay_samples: 0,
+        torque: LoopTorque::Applied,
+        velocity: LoopVelocity::Measured,
+        velocity_filter_hz: Some(42.265_325_663_467_86),
+        form: LoopForm::Observer,
+        drive_bandwidth_hz: None,
+    };
+    let range = (1.259_497_080_555_276_5, 12.553_640_726_681_966);
+    let found = Margins::find(&gains, &model, range).unwrap();
+    found.verify(&gains, &model).unwrap();
+    let samples = found.delay_s / model.period_s;
+    // By hand at the peak: |L| = 1.2754 with a lag of 2.567 rad at 1.5509 rad/sample.
+    assert!((1.6..1.66).contains(&samples), "{samples}");
 }

@@ -79,7 +79,7 @@ const STUDIES: &[(&str, &str)] = &{
     all
 };
 
-/// The studies behind the statements: path, as [`Statement::studies`] names it, and text.
+/// The studies behind the statements: path, as [`Statement::studies`](crate::Statement::studies) names it, and text.
 pub fn studies() -> &'static [(&'static str, &'static str)] {
     STUDIES
 }

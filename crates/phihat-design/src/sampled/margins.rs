@@ -126,6 +126,7 @@ impl Search<'_> {
 
     /// Smallest turn \[rad\], and smallest lag over frequency \[samples\], that bring some `L/μ` to −1.
     fn phase_and_delay(&self, grid: &[f64]) -> (f64, f64) {
+        let grid = &self.with_hidden_peaks(grid)[..];
         let phase = |value: Complex<f64>| (-value).arg().abs();
         let lag = |theta: f64, value: Complex<f64>| (-value).arg().rem_euclid(TAU) / theta;
         let inside = |value: Complex<f64>| {
@@ -144,6 +145,36 @@ impl Search<'_> {
             delay = delay.min(lag(theta, value));
         }
         (turn, delay)
+    }
+
+    /// The grid, with the peaks and valleys of `|L|` between its points that reach across an end of the range: a narrow
+    /// resonance may pass `low` or `high` twice within a cell.
+    fn with_hidden_peaks(&self, grid: &[f64]) -> Vec<f64> {
+        let size = |theta: f64| self.open.at_angle(theta).norm();
+        let sizes: Vec<f64> = grid.iter().map(|theta| size(*theta)).collect();
+        let mut all = grid.to_vec();
+        for mu in [self.low, self.high] {
+            for (i, at) in sizes.windows(3).enumerate() {
+                let sign = if at[1] < mu { 1.0 } else { -1.0 };
+                let peak = sign * (at[1] - at[0]) >= 0.0 && sign * (at[1] - at[2]) >= 0.0;
+                let near = at[1] < HIDDEN * mu && mu < HIDDEN * at[1];
+                if !(peak && near) {
+                    continue;
+                }
+                let (mut a, mut b) = (grid[i], grid[i + 2]);
+                for _ in 0..40 {
+                    let third = (b - a) / 3.0;
+                    let gain = sign * (size(b - third) - size(a + third));
+                    if gain > 0.0 { a += third } else { b -= third }
+                }
+                let theta = 0.5 * (a + b);
+                if sign * (size(theta) - mu) >= 0.0 {
+                    all.push(theta);
+                }
+            }
+        }
+        all.sort_by(f64::total_cmp);
+        all
     }
 
     /// Where `|L|` passes through `low` or `high`.
@@ -167,6 +198,9 @@ impl Search<'_> {
         edges
     }
 }
+
+/// Peaks of `|L|` on the grid that are this much below an end of the range, or valleys above, are looked at between its points.
+const HIDDEN: f64 = 2.0;
 
 /// Valleys of the grid this much above the lowest are refined too.
 const NEAR: f64 = 1.1;
