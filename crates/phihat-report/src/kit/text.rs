@@ -33,7 +33,7 @@ pub fn line(text: &str) -> String {
     visible(text).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// As [`line`], with magnitudes kept whole: a browser may break a line after a bar, and `|φ|` would fall apart.
+/// As [`line()`], with magnitudes kept whole: a browser may break a line after a bar, and `|φ|` would fall apart.
 pub fn prose(text: &str) -> String {
     let line = line(text);
     let mut shown = String::with_capacity(line.len());
