@@ -35,6 +35,7 @@ const USAGE: &str = "usage:
                                changes the core in one place at a time and counts what no test notices (hours; K from 0);
                                files of phihat-certificate: its mutants
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
+  cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
   cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
     let result = match args.split_first() {
         Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
         Some((verb, _)) if verb == "check" => check::run(&shell::root()),
+        Some((verb, _)) if verb == "packages" => rules::packages(&shell::root(), true),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&shell::root()),

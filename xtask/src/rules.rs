@@ -201,10 +201,10 @@ fn inspect(object: &Path) -> Result<usize, String> {
     Ok(symbols.lines().filter(|line| line.contains(" T freestanding::")).count())
 }
 
-/// Packs every library crate and the command as a registry would get them, and builds each from its package alone.
-pub(crate) fn packages(root: &Path) -> Result<(), String> {
+/// Packs every library crate and the command as a registry would get them; with `built`, builds each from its package alone.
+pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
     let names = arrows::PUBLISHED.iter().flat_map(|name| ["--package", name]);
-    let line: Vec<&str> =
-        ["package", "--quiet", "--allow-dirty"].into_iter().chain(names).collect();
+    let line = ["package", "--quiet", "--allow-dirty"].into_iter().chain(names);
+    let line: Vec<&str> = line.chain((!built).then_some("--no-verify")).collect();
     crate::shell::cargo(root, &line)
 }

@@ -40,7 +40,7 @@ const STEPS: [Step; 22] = [
     ("the paper's reproduction is what the repository keeps", bless::reproduced),
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
-    ("packages for a registry", rules::packages),
+    ("packages for a registry", |root| rules::packages(root, false)),
     ("two builds, one library", |root| twice::run(root, Some("phihat-c"))),
     ("some mutants of the core", mutants::rotate),
     ("Python", bindings::python),
