@@ -91,6 +91,7 @@ impl Journal {
         let folder = disk::folder_of(path);
         disk::make_folder(folder).map_err(|error| io(folder, "cannot be made", error))?;
         let journal = if fresh { Self::afresh(path) } else { Self::open(path) }?;
+        watch.saved_in(path);
         if let Some(damage) = journal.damage() {
             watch.warn(&format!("{}: {damage}", path.display()));
         }

@@ -13,10 +13,12 @@
 #![forbid(unsafe_code)]
 
 pub mod faults;
+mod folder;
 mod journal;
 mod page;
 mod runner;
 
+pub use folder::{JOURNAL, results_of};
 pub use journal::{Journal, JournalError};
 pub use page::faults_page;
 pub use runner::{Ended, Progress, run_all};

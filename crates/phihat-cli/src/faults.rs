@@ -6,11 +6,10 @@ use std::process::ExitCode;
 use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
-use phihat_campaign::faults::{FaultsAnswer, FaultsOptions, JOURNAL, Summary};
+use phihat_campaign::faults::{FaultsAnswer, FaultsOptions, Summary};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::interrupt;
 use crate::shown::Shown;
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
@@ -70,8 +69,7 @@ impl Faults {
             threads: self.threads,
             out: self.out.clone(),
         };
-        let journal = options.folder()?.join(JOURNAL);
-        let mut shown = Shown::bar(BAR, interrupt::resumable(&journal, self.fresh));
+        let mut shown = Shown::resumable(BAR, self.fresh);
         let answer = options.run(&mut shown)?;
         self.tell(&answer);
         let good = answer.summary.totals.good;

@@ -1,6 +1,6 @@
 //! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_session::Watch;
@@ -12,6 +12,8 @@ pub(crate) struct Shown {
     bar: ProgressBar,
     /// What Ctrl-C says while results are on their way.
     words: String,
+    /// Whether the command was told to begin again.
+    fresh: bool,
 }
 
 impl Shown {
@@ -21,7 +23,12 @@ impl Shown {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        Self { bar, words }
+        Self { bar, words, fresh: false }
+    }
+
+    /// A bar of this look over work that goes on from its journal, unless it is told to begin again.
+    pub(crate) fn resumable(template: &str, fresh: bool) -> Self {
+        Self { fresh, ..Self::bar(template, String::new()) }
     }
 }
 
@@ -31,8 +38,12 @@ impl Watch for Shown {
         self.bar.set_position(done);
     }
 
-    fn resumed(&mut self, _: u64) {
+    fn resumed(&mut self) {
         self.bar.reset_eta();
+    }
+
+    fn saved_in(&mut self, journal: &Path) {
+        self.words = interrupt::resumable(journal, self.fresh);
     }
 
     fn step(&mut self, what: &str) {

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_campaign::Journal;
-use phihat_campaign::faults::{JOURNAL, results_of, threads};
-use phihat_session::{Watch, files};
+use phihat_campaign::{JOURNAL, Journal, results_of};
+use phihat_session::{Watch, files, threads};
 
 use crate::error::CompareError;
 use crate::extent::Extent;
@@ -130,7 +129,7 @@ impl CompareOptions {
             watch.step(&format!("{} of {} jobs", progress.done, progress.all));
             watch.progress(format!("{share:.0}").parse().unwrap_or(0), 1000);
             if progress.done == progress.resumed {
-                watch.resumed(progress.done as u64);
+                watch.resumed();
             }
         });
         watch.ended();

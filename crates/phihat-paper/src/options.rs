@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::thread::available_parallelism;
 
 use phihat_session::disk::{Lock, Whole};
-use phihat_session::{Watch, files};
+use phihat_session::{Watch, files, threads};
 
 use crate::choice::part;
 use crate::figure::reproduction_figures;
@@ -99,9 +98,8 @@ impl ReproduceOptions {
             // A share of a thousand.
             watch.progress(format!("{:.0}", 1000.0 * done).parse().unwrap_or(0), 1000);
         };
-        let cores = available_parallelism().map_or(1, usize::from);
-        let threads = self.threads.map_or(cores, usize::from);
-        let done = reproduce_only(only, Extent { quick: self.quick }, threads, &progress);
+        let extent = Extent { quick: self.quick };
+        let done = reproduce_only(only, extent, threads(self.threads), &progress);
         watch.ended();
         done
     }

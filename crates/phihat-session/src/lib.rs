@@ -60,5 +60,5 @@ pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};
 pub use session::{RunOptions, Session};
 pub use typed_phi::typed_phi_holds;
 pub use verify::{Checked, Stage, Verification, verify};
-pub use watch::Watch;
+pub use watch::{Watch, threads};
 pub use words::stopped;

@@ -1,6 +1,7 @@
-//! Who looks on while something takes long.
+//! Work that takes long: on how many threads, and who looks on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
 
 /// Told how far a piece of work is; `()` looks away.
 pub trait Watch: Send {
@@ -9,9 +10,12 @@ pub trait Watch: Send {
         let _ = (done, all);
     }
 
-    /// So much was done before, and says nothing about the time left.
-    fn resumed(&mut self, done: u64) {
-        let _ = done;
+    /// What was done up to here was done before, and says nothing about the time left.
+    fn resumed(&mut self) {}
+
+    /// What is done is saved in this journal, from which the same work goes on.
+    fn saved_in(&mut self, journal: &Path) {
+        let _ = journal;
     }
 
     /// What is being done now, in a few words.
@@ -34,3 +38,8 @@ pub trait Watch: Send {
 }
 
 impl Watch for () {}
+
+/// Runs at a time: what was asked for, else one per core.
+pub fn threads(asked: Option<u16>) -> usize {
+    asked.map_or_else(|| available_parallelism().map_or(1, usize::from), usize::from)
+}

@@ -1,13 +1,13 @@
 //! A fault matrix as a user asks for it, taken to its answer.
 
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
-use phihat_session::{Session, Watch, files};
+use phihat_session::{Session, Watch, files, threads};
 
 use super::case::Case;
 use super::matrix::{Extent, FaultsError, Matrix};
 use super::summary::Summary;
+use crate::folder::{JOURNAL, results_of};
 use crate::journal::Journal;
 use crate::page::faults_page;
 use crate::runner::run_all;
@@ -64,9 +64,6 @@ pub struct FaultsAnswer {
     /// The page.
     pub page: PathBuf,
 }
-
-/// The journal of a campaign, in its folder.
-pub const JOURNAL: &str = "journal.jsonl";
 
 impl FaultsOptions {
     /// Where the results go.
@@ -145,10 +142,10 @@ impl FaultsOptions {
             threads(self.threads),
             &|at| matrix.run(&matrix.cases[at]),
             |p| {
-                if p.done == p.resumed {
-                    watch.resumed(p.done as u64);
-                }
                 watch.progress(p.done as u64, p.all as u64);
+                if p.done == p.resumed {
+                    watch.resumed();
+                }
             },
         );
         watch.ended();
@@ -164,31 +161,6 @@ impl FaultsOptions {
         }
         command
     }
-}
-
-/// Where the results of a campaign go: the folder that was named, else one with the study's name where there is one study.
-///
-/// # Errors
-///
-/// [`phihat_session::SessionError`]: the study cannot be read.
-pub fn results_of(
-    studies: &[PathBuf],
-    out: Option<&Path>,
-    campaign: &str,
-) -> Result<PathBuf, phihat_session::SessionError> {
-    match (out, studies) {
-        (Some(folder), _) => Ok(folder.to_owned()),
-        (None, [one]) => {
-            let study = phihat_session::read(one)?;
-            Ok(Path::new("out").join(study.name).join(campaign))
-        }
-        (None, _) => Ok(Path::new("out").join(campaign)),
-    }
-}
-
-/// Runs at a time: what was asked for, else one per core.
-pub fn threads(asked: Option<u16>) -> usize {
-    asked.map_or_else(|| available_parallelism().map_or(1, usize::from), usize::from)
 }
 
 /// Repeats a run with everything it leaves: study, gains, trace, report.

@@ -4,12 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_campaign::faults::JOURNAL;
 use phihat_compare::{CompareAnswer, CompareOptions, Comparison, Repeated, RunOutcome, losses};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::interrupt;
 use crate::shown::Shown;
 
 mod list;
@@ -89,8 +87,7 @@ impl Compare {
             threads: self.threads,
             out: self.out.clone(),
         };
-        let journal = options.folder()?.join(JOURNAL);
-        let mut shown = Shown::bar(BAR, interrupt::resumable(&journal, self.fresh));
+        let mut shown = Shown::resumable(BAR, self.fresh);
         if let Some(name) = &self.trace {
             self.tell_run(&options.repeat(name, &mut shown)?);
             return Ok(ExitCode::SUCCESS);

@@ -1,0 +1,28 @@
+//! Where a campaign leaves its journal and its results.
+
+use std::path::{Path, PathBuf};
+
+use phihat_session::SessionError;
+
+/// The journal of a campaign, in its folder.
+pub const JOURNAL: &str = "journal.jsonl";
+
+/// Where the results of a campaign go: the folder that was named, else one with the study's name where there is one study.
+///
+/// # Errors
+///
+/// [`SessionError`]: the study cannot be read.
+pub fn results_of(
+    studies: &[PathBuf],
+    out: Option<&Path>,
+    campaign: &str,
+) -> Result<PathBuf, SessionError> {
+    match (out, studies) {
+        (Some(folder), _) => Ok(folder.to_owned()),
+        (None, [one]) => {
+            let study = phihat_session::read(one)?;
+            Ok(Path::new("out").join(study.name).join(campaign))
+        }
+        (None, _) => Ok(Path::new("out").join(campaign)),
+    }
+}
