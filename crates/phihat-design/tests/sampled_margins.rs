@@ -12,7 +12,7 @@ use phihat_design::sampled::{
 };
 use sampled_support::{Random, Rig, estimator, plain, record};
 
-fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel) {
+fn draw(random: &mut Random) -> (JointRecord, LoopModel) {
     let order = 1 + random.below(3) as usize;
     let w = random.around(8.0, 25.0);
     let a = estimator(order, random.around(15.0, 60.0), 1.0);
@@ -25,7 +25,7 @@ fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel) {
         form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
         drive_bandwidth_hz: None,
         sample_delay_samples: 0,
-        torque: phihat_design::sampled::LoopTorque::Applied,
+        torque: LoopTorque::Applied,
     };
     (gains, model)
 }
