@@ -87,7 +87,7 @@ impl RunArguments {
 fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
     let diverged = done.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
     let stopped_at = done.abort.as_ref().map(
-        |a| json!({ "t_s": a.t, "interface": a.interface, "joint": a.joint, "reason": a.reason }),
+        |a| json!({ "t_s": a.t, "interface": a.interface, "joint": a.joint, "reason": a.reason.to_string() }),
     );
     if as_json {
         let document = json!({

@@ -1,5 +1,6 @@
 //! Rigid bodies as a description states them.
 
+use crate::NotRigid;
 use crate::placement::{Matrix3, Placement, add, apply, dot, mul, transpose};
 
 /// A rigid body in some frame: mass, centre of mass, inertia about the centre of mass.
@@ -17,14 +18,14 @@ pub struct Body {
 const ROUNDING: f64 = 1e-9;
 
 impl Body {
-    /// Says what no rigid body could have: the error is one clause without the body's name.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    /// Says what no rigid body could have.
+    pub(crate) fn check(&self) -> Result<(), NotRigid> {
         let Self { mass, com, inertia } = self;
         if !(mass.is_finite() && *mass >= 0.0) {
-            return Err(format!("mass is {mass} kg; it must be finite and at least 0"));
+            return Err(NotRigid::Mass(*mass));
         }
         if com.iter().chain(inertia).any(|x| !x.is_finite()) {
-            return Err("centre of mass and inertia must be finite numbers".to_owned());
+            return Err(NotRigid::NotFinite);
         }
         let [xx, xy, xz, yy, yz, zz] = *inertia;
         let tiny = ROUNDING * (xx.abs() + yy.abs() + zz.abs());
@@ -33,14 +34,7 @@ impl Body {
         let definite = [xx, yy, zz].iter().all(|d| *d >= -tiny)
             && minors.iter().all(|m| *m >= -tiny * tiny)
             && determinant >= -tiny * tiny * tiny;
-        if definite {
-            Ok(())
-        } else {
-            Err(format!(
-                "inertia [{xx}, {xy}, {xz}, {yy}, {yz}, {zz}] (xx, xy, xz, yy, yz, zz) has a \
-                 negative principal moment; all three must be at least 0"
-            ))
-        }
+        if definite { Ok(()) } else { Err(NotRigid::Inertia(*inertia)) }
     }
 
     /// Whether some mass distribution has this inertia: no principal moment above the sum of the

@@ -24,8 +24,27 @@ pub enum ModelError {
         /// Frame the body was to be welded to.
         frame: String,
         /// What is wrong with it.
-        why: String,
+        why: NotRigid,
     },
+    /// A payload on a frame that the robot has not.
+    #[error("payload on frame \"{0}\": there is no frame of this name")]
+    PayloadFrame(String),
+}
+
+/// Why no rigid body has these figures: one clause, without the body's name.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum NotRigid {
+    /// A mass below 0, or none \[kg\].
+    #[error("mass is {0} kg; it must be finite and at least 0")]
+    Mass(f64),
+    /// Not a number, or an infinite one.
+    #[error("centre of mass and inertia must be finite numbers")]
+    NotFinite,
+    /// An inertia about which some axis turns with less than nothing \[kg·m²\].
+    #[error(
+        "inertia {0:?} (xx, xy, xz, yy, yz, zz) has a negative principal moment; all three must be at least 0"
+    )]
+    Inertia([f64; 6]),
 }
 
 /// Why a robot could not be read. `origin` is the file, or what stands for it.

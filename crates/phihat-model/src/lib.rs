@@ -87,7 +87,7 @@ mod vector;
 mod workspace;
 
 pub use body::Body;
-pub use error::{ModelError, RobotError};
+pub use error::{ModelError, NotRigid, RobotError};
 pub use four::Quad;
 pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, Target};

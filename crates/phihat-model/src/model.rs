@@ -182,13 +182,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`ModelError::Payload`] if there is no such frame, or no rigid body is like that.
+    /// [`ModelError::PayloadFrame`] if there is no such frame, [`ModelError::Payload`] if no rigid body is like that.
     pub fn with_payload_on(self, frame: &str, body: &Body) -> Result<Self, ModelError> {
-        let unknown = || ModelError::Payload {
-            frame: frame.to_owned(),
-            why: "there is no frame of this name".to_owned(),
-        };
-        let seat = self.frame(frame).ok_or_else(unknown)?;
+        let seat = self.frame(frame).ok_or_else(|| ModelError::PayloadFrame(frame.to_owned()))?;
         self.with_payload(seat, body)
     }
 

@@ -2,10 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use phihat_model::{FrameId, IkOptions, Model, Robot, Target, Workspace};
+use phihat_model::{FrameId, IkError, IkOptions, Model, Robot, Target, Workspace};
 use phihat_study::{Curve, Reference};
 
-use crate::error::SimError;
+use crate::error::{OutOfReach, SimError};
 use crate::spline::Spline;
 
 /// Longest time between samples \[s\].
@@ -39,13 +39,14 @@ pub(crate) fn joint_samples(
     };
     let curve = Shape::new(curve);
     let at = |t: f64| curve.point(travelled(t, *fade_in) / period);
-    let unreachable = |t: f64, reason: String| SimError::Unreachable { t, point: at(t), reason };
+    let unreachable =
+        |t: f64, reason: OutOfReach| SimError::Unreachable { t, point: at(t), reason };
     let frame = robot
         .model
         .frame(frame)
-        .ok_or_else(|| unreachable(0.0, format!("the robot has no frame {frame}")))?;
+        .ok_or_else(|| unreachable(0.0, OutOfReach::NoFrame(frame.clone())))?;
     let mut follower = Follower::new(robot, frame);
-    let mut q = follower.solve(at(0.0), seed, 16).map_err(|e| unreachable(0.0, e))?;
+    let mut q = follower.solve(at(0.0), seed, 16).map_err(|e| unreachable(0.0, e.into()))?;
     if *hold_orientation {
         follower.hold(&q);
     }
@@ -168,23 +169,21 @@ impl<'a> Follower<'a> {
     }
 
     /// The position near `q` for the next point.
-    fn next(&mut self, p: [f64; 3], q: &[f64]) -> Result<Vec<f64>, String> {
+    fn next(&mut self, p: [f64; 3], q: &[f64]) -> Result<Vec<f64>, OutOfReach> {
         let next = self.solve(p, q, 0)?;
         let jump = next.iter().zip(q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if jump > JUMP_MAX {
-            return Err(format!("a joint would jump by {jump:.3} rad"));
+            return Err(OutOfReach::Jump(jump));
         }
         Ok(next)
     }
 
-    fn solve(&mut self, p: [f64; 3], seed: &[f64], restarts: usize) -> Result<Vec<f64>, String> {
+    fn solve(&mut self, p: [f64; 3], seed: &[f64], restarts: usize) -> Result<Vec<f64>, IkError> {
         let target = match self.orientation {
             Some(r) => Target::Pose(phihat_model::Pose { p, r }),
             None => Target::Position(p),
         };
         self.options.restarts = restarts;
-        self.model
-            .inverse_kinematics(&mut self.workspace, self.frame, &target, seed, &self.options)
-            .map_err(|e| e.to_string())
+        self.model.inverse_kinematics(&mut self.workspace, self.frame, &target, seed, &self.options)
     }
 }

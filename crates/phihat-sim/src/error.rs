@@ -1,6 +1,21 @@
 //! Why a study cannot be run.
 
+use phihat_model::IkError;
 use thiserror::Error;
+
+/// Why an arm cannot be brought to a point of its reference.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum OutOfReach {
+    /// The frame that should follow is not there.
+    #[error("the robot has no frame {0}")]
+    NoFrame(String),
+    /// Inverse kinematics found no posture.
+    #[error(transparent)]
+    NoPosture(#[from] IkError),
+    /// The next posture is on another branch \[rad\].
+    #[error("a joint would jump by {0:.3} rad")]
+    Jump(f64),
+}
 
 /// A study that reads well, yet cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -23,8 +38,8 @@ pub enum SimError {
         t: f64,
         /// Where \[m\].
         point: [f64; 3],
-        /// What inverse kinematics said.
-        reason: String,
+        /// What stands in the way.
+        reason: OutOfReach,
     },
     /// Friction, a spring or a wall is too stiff for the integration step.
     #[error(

@@ -79,7 +79,7 @@ mod world;
 
 pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};
-pub use error::SimError;
+pub use error::{OutOfReach, SimError};
 pub use forecast::forecast;
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};
 pub use metrics::{JointMetrics, Measured, Metrics};
@@ -92,4 +92,4 @@ pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};
 #[cfg(feature = "parquet")]
 pub use trace_parquet::ParquetTrace;
-pub use world::{Abort, COULOMB_VELOCITY, Friction};
+pub use world::{Abort, COULOMB_VELOCITY, Friction, StopReason};

@@ -50,7 +50,7 @@ impl Survival {
         let step = |joint| study.limits(joint).1.map(|rate| rate * period);
         Self {
             finite: outcome.divergence.is_none(),
-            stopped: outcome.abort.as_ref().map(|abort| abort.reason.clone()),
+            stopped: outcome.abort.as_ref().map(|abort| abort.reason.to_string()),
             error_max_rad: worst(first, |joint| &joint.e),
             error_end_rad: worst(last, |joint| &joint.e),
             velocity_max_rad_s: worst(first, |joint| &joint.dq),

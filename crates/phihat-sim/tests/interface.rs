@@ -10,7 +10,7 @@
 mod support;
 
 use phihat_model::Workspace;
-use phihat_sim::{Survival, forecast};
+use phihat_sim::{StopReason, Survival, forecast};
 use support::{read, rod_study, run};
 
 const FAR: &str = "[start]\nq_rad = 0.0\n[reference]\nkind = \"hold\"\nq_rad = 0.5\n";
@@ -78,11 +78,14 @@ fn franka_stops_on_a_torque_that_changes_too_fast() {
     let abort = run(&study).abort.unwrap();
     // The first command is M̄ K_p Δq = 0.52·400·0.5 = 104 N·m.
     assert_eq!((abort.t, abort.joint.as_deref()), (0.0, Some("hinge")));
-    assert!(abort.reason.contains("changed by 104.000 N·m"), "{}", abort.reason);
+    assert_eq!(
+        abort.reason.to_string(),
+        "the torque changed by 104.000 N·m in one sample, at most 1 is allowed"
+    );
     let reckless = profile("franka", "controller_keeps = false");
     let abort =
         run(&rod_study("duration_s = 1.0", &format!("{reckless}{FLAT}{FAR}"))).abort.unwrap();
-    assert!(abort.reason.contains("first torque of 104.000 N·m"), "{}", abort.reason);
+    assert!(matches!(abort.reason, StopReason::FirstTorque { .. }), "{}", abort.reason);
 }
 
 #[test]
@@ -113,11 +116,12 @@ fn the_twentieth_loss_in_a_row_stops_a_franka_and_ten_a_ur() {
         assert_eq!(survival.stopped.is_some(), outcome.abort.is_some());
         outcome.abort
     };
-    for (name, rate, most) in [("franka", 1000.0, 20.0), ("ur", 500.0, 10.0)] {
-        assert_eq!(stop(name, rate, most - 1.0), None);
-        let abort = stop(name, rate, most).unwrap();
-        assert!((abort.t - (0.5 + (most - 1.0) / rate)).abs() < 1e-9, "{}", abort.t);
-        assert!(abort.joint.is_none() && abort.reason.contains("in a row"), "{}", abort.reason);
+    for (name, rate, most) in [("franka", 1000.0, 20), ("ur", 500.0, 10)] {
+        let losses = f64::from(most);
+        assert_eq!(stop(name, rate, losses - 1.0), None);
+        let abort = stop(name, rate, losses).unwrap();
+        assert!((abort.t - (0.5 + (losses - 1.0) / rate)).abs() < 1e-9, "{}", abort.t);
+        assert_eq!((abort.joint, abort.reason), (None, StopReason::Lost { losses: most, most }));
     }
 }
 

@@ -107,7 +107,7 @@ impl Matrix {
             noticed: noticed.map(|(what, k)| (what, after(k))),
             stopped: stop.map(|k| (fault(k), after(k))),
             stop_delay: watch.as_ref().and_then(Watch::delay),
-            robot_stopped: outcome.abort.as_ref().map(|abort| abort.reason.clone()),
+            robot_stopped: outcome.abort.as_ref().map(|abort| abort.reason.to_string()),
             excursion_rad: excursion(
                 study,
                 trace,

@@ -103,7 +103,7 @@ fn read_matter(link: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<Lum
     let [yy, yz, zz] = [entry("iyy")?, entry("iyz")?, entry("izz")?];
     let at = link.placement(inertial)?;
     let stated = Body { mass, com: [0.0; 3], inertia: [xx, xy, xz, yy, yz, zz] };
-    stated.check().map_err(|why| link.error(why))?;
+    stated.check().map_err(|why| link.error(why.to_string()))?;
     if !stated.obeys_triangle_inequality() {
         let name = link.name;
         warnings.push(format!(

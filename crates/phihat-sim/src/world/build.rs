@@ -6,6 +6,7 @@ use phihat_study::{FaultKind, Study};
 use super::bristle::Bristle;
 use super::contact::Contacts;
 use super::drive::Drive;
+use super::fault::Acts;
 use super::forces::Push;
 use super::friction::Friction;
 use super::payload::{Carried, loaded};
@@ -44,8 +45,7 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
 }
 
 fn of_plant(kind: FaultKind) -> bool {
-    use FaultKind::{Brake, DriveGain, DriveLimit, Friction};
-    matches!(kind, DriveGain | DriveLimit | Friction | Brake)
+    matches!(Acts::of(kind), Acts::Drive(_) | Acts::Friction(_))
 }
 
 /// The plant with the study's payload, whenever it is picked up, under its gravity.

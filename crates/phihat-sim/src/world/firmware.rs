@@ -2,6 +2,7 @@
 
 use phihat_model::{Model, Profile, Workspace};
 use phihat_study::Study;
+use thiserror::Error;
 
 use super::build::frictions_of_robot;
 use super::friction::Friction;
@@ -18,8 +19,40 @@ pub struct Abort {
     pub interface: String,
     /// The joint it was about, if it was about one.
     pub joint: Option<String>,
-    /// Why, in words, with the figure and the limit.
-    pub reason: String,
+    /// Why, with the figure and the limit.
+    pub reason: StopReason,
+}
+
+/// Why a robot's torque interface stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum StopReason {
+    /// A command that is no number \[N·m\].
+    #[error("a torque of {0} N·m")]
+    NotFinite(f64),
+    /// A first command above what the interface takes \[N·m\].
+    #[error("a first torque of {torque:.3} N·m, at most {most} is allowed")]
+    FirstTorque {
+        /// The command.
+        torque: f64,
+        /// The largest that is taken.
+        most: f64,
+    },
+    /// A change of the command above what the interface takes \[N·m per sample\].
+    #[error("the torque changed by {step:.3} N·m in one sample, at most {most} is allowed")]
+    TorqueRate {
+        /// The change.
+        step: f64,
+        /// The largest that is taken.
+        most: f64,
+    },
+    /// Too many samples in a row without a command.
+    #[error("{losses} commands in a row were lost, {most} stop it")]
+    Lost {
+        /// How many.
+        losses: u32,
+        /// How many stop the robot.
+        most: u32,
+    },
 }
 
 /// The interface's state. It sees commands as they arrive, before the transport delay.
@@ -120,34 +153,32 @@ impl Firmware {
         self.losses += 1;
         match self.profile.losses_max {
             Some(most) if self.losses >= most => {
-                let reason = format!("{} commands in a row were lost, {most} stop it", self.losses);
+                let reason = StopReason::Lost { losses: self.losses, most };
                 Err(self.abort(t, None, reason))
             }
             _ => Ok(()),
         }
     }
 
-    fn check(&self, i: usize, command: f64) -> Result<(), String> {
+    fn check(&self, i: usize, command: f64) -> Result<(), StopReason> {
         if !command.is_finite() {
-            return Err(format!("a torque of {command} N·m"));
+            return Err(StopReason::NotFinite(command));
         }
         if let Some(most) = self.profile.first_torque_max.filter(|_| !self.started)
             && command.abs() > most
         {
-            return Err(format!("a first torque of {command:.3} N·m, at most {most} is allowed"));
+            return Err(StopReason::FirstTorque { torque: command, most });
         }
         if let Some(rate) = self.profile.torque_rate_max {
             let (most, step) = (rate * self.period, (command - self.accepted[i]).abs());
             if step > most * (1.0 + ROUNDING) {
-                return Err(format!(
-                    "the torque changed by {step:.3} N·m in one sample, at most {most} is allowed"
-                ));
+                return Err(StopReason::TorqueRate { step, most });
             }
         }
         Ok(())
     }
 
-    fn abort(&self, t: f64, joint: Option<usize>, reason: String) -> Abort {
+    fn abort(&self, t: f64, joint: Option<usize>, reason: StopReason) -> Abort {
         let joint = joint.map(|i| self.names[i].clone());
         Abort { t, interface: self.profile.name.clone(), joint, reason }
     }

@@ -3,6 +3,8 @@
 use phihat_model::Sigmoid;
 use phihat_study::{Fault, FaultKind};
 
+use super::fault::{Acts, FrictionFault};
+
 /// Velocity at which the regularised Coulomb law reaches 1/√2 of its level \[rad/s\].
 ///
 /// Small against what encoders resolve at 1 kHz (an 18-bit encoder: 24 mrad/s), large enough for RK4 at
@@ -47,10 +49,10 @@ impl Friction {
     ) -> Self {
         let mut friction = self;
         for fault in faults.iter().filter(|fault| fault.concerns(i) && chosen(fault)) {
-            match fault.kind {
-                FaultKind::Friction => friction = friction.times(fault.size),
-                FaultKind::Brake => friction.coulomb += fault.size,
-                _ => {}
+            let Acts::Friction(what) = Acts::of(fault.kind) else { continue };
+            match what {
+                FrictionFault::Times => friction = friction.times(fault.size),
+                FrictionFault::Brake => friction.coulomb += fault.size,
             }
         }
         friction

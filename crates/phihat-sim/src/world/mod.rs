@@ -4,6 +4,7 @@ mod bristle;
 mod build;
 mod contact;
 mod drive;
+mod fault;
 mod firmware;
 mod forces;
 mod friction;
@@ -19,7 +20,7 @@ mod spring;
 mod stiffness;
 
 pub(crate) use build::{frictions, loaded_model};
-pub use firmware::Abort;
+pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
 pub(crate) use payload::loaded;
 

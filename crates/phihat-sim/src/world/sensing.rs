@@ -7,6 +7,7 @@ use phihat::Measurement;
 use phihat_model::JointKind;
 use phihat_study::{Fault, FaultKind, Study, TorqueSource, VelocitySource};
 
+use super::fault::{Acts, MessageFault, ReadingFault};
 use super::loss::Loss;
 use super::noise::{Effect, Noise};
 use super::path::CommandPath;
@@ -154,10 +155,10 @@ impl Sensing {
             dq += own.velocity.0 * own.velocity.1.normal(k);
             tau_applied += own.torque.0 * own.torque.1.normal(k);
             for fault in self.faults.iter().filter(|f| f.concerns(i) && f.active(t)) {
-                match fault.kind {
-                    FaultKind::SensorBias => q += fault.size,
-                    FaultKind::SensorNoise => q += fault.size * own.fault.normal(k),
-                    _ => {}
+                let Acts::Reading(what) = Acts::of(fault.kind) else { continue };
+                match what {
+                    ReadingFault::Bias => q += fault.size,
+                    ReadingFault::Noise => q += fault.size * own.fault.normal(k),
                 }
             }
         }
@@ -173,14 +174,17 @@ impl Sensing {
         for fault in self.faults.iter().filter(|fault| fault.active(t)) {
             let concerned = self.fresh.joints.iter_mut().zip(&self.sample.joints).enumerate();
             let concerned = concerned.filter(|(i, _)| fault.concerns(*i));
-            match fault.kind {
-                FaultKind::SensorFreeze if k > 0 => concerned.for_each(|(_, (new, old))| {
+            let Acts::Message(what) = Acts::of(fault.kind) else { continue };
+            match what {
+                // The first message has none before it that it could repeat.
+                MessageFault::Freeze if k == 0 => {}
+                MessageFault::Freeze => concerned.for_each(|(_, (new, old))| {
                     (new.q, new.dq) = (old.q, old.dq);
                 }),
-                FaultKind::SensorNan => concerned.for_each(|(_, (new, _))| {
+                MessageFault::Nan => concerned.for_each(|(_, (new, _))| {
                     (new.q, new.dq) = (f64::NAN, f64::NAN);
                 }),
-                FaultKind::JointOrder => {
+                MessageFault::JointOrder => {
                     #[allow(
                         clippy::cast_possible_truncation,
                         clippy::cast_sign_loss,
@@ -189,8 +193,7 @@ impl Sensing {
                     let places = fault.size as usize % self.fresh.joints.len();
                     self.fresh.joints.rotate_left(places);
                 }
-                FaultKind::ClockJump => self.fresh.t_ns += nanoseconds(fault.size),
-                _ => {}
+                MessageFault::ClockJump => self.fresh.t_ns += nanoseconds(fault.size),
             }
         }
     }
@@ -206,8 +209,7 @@ impl Errors {
             &asked.velocity_noise,
             &asked.torque_noise,
         ];
-        let kinds = [FaultKind::SensorBias, FaultKind::SensorNoise];
-        let faulty = study.faults.iter().any(|fault| kinds.contains(&fault.kind));
+        let faulty = study.faults.iter().any(|f| matches!(Acts::of(f.kind), Acts::Reading(_)));
         let stated = lists.iter().any(|list| list.iter().any(|x| x.abs() > 0.0));
         if !(stated || faulty || asked.jitter > 0.0) {
             return None;
@@ -240,15 +242,7 @@ impl Errors {
 }
 
 fn of_sensor(kind: FaultKind) -> bool {
-    matches!(
-        kind,
-        FaultKind::SensorFreeze
-            | FaultKind::SensorNan
-            | FaultKind::SensorBias
-            | FaultKind::SensorNoise
-            | FaultKind::JointOrder
-            | FaultKind::ClockJump
-    )
+    matches!(Acts::of(kind), Acts::Reading(_) | Acts::Message(_))
 }
 
 /// Into `[−π, π)`.

@@ -1,7 +1,8 @@
 //! What a drive makes of the torque it means to give.
 
-use phihat_study::{Fault, FaultKind, Study};
+use phihat_study::{Fault, Study};
 
+use super::fault::{Acts, DriveFault};
 use super::noise::{Effect, Noise};
 
 /// One joint's imperfections.
@@ -29,8 +30,7 @@ pub(super) struct Shape {
 impl Shape {
     /// One per joint; `None` where all drives are perfect.
     pub(super) fn all(study: &Study) -> Option<Vec<Self>> {
-        let kinds = [FaultKind::DriveGain, FaultKind::DriveLimit];
-        let faulty = study.faults.iter().any(|fault| kinds.contains(&fault.kind));
+        let faulty = study.faults.iter().any(|f| matches!(Acts::of(f.kind), Acts::Drive(_)));
         if study.world.drive.is_none() && !faulty {
             return None;
         }
@@ -67,10 +67,10 @@ impl Shape {
     pub(super) fn fault(&mut self, faults: &[Fault], i: usize, t: f64) {
         (self.fault_gain, self.fault_max) = (1.0, f64::INFINITY);
         for fault in faults.iter().filter(|fault| fault.concerns(i) && fault.active(t)) {
-            match fault.kind {
-                FaultKind::DriveGain => self.fault_gain *= fault.size,
-                FaultKind::DriveLimit => self.fault_max = self.fault_max.min(fault.size),
-                _ => {}
+            let Acts::Drive(what) = Acts::of(fault.kind) else { continue };
+            match what {
+                DriveFault::Gain => self.fault_gain *= fault.size,
+                DriveFault::Limit => self.fault_max = self.fault_max.min(fault.size),
             }
         }
     }

@@ -1,0 +1,80 @@
+//! Where in the world each kind of fault acts.
+
+use phihat_study::FaultKind;
+
+/// The place that a fault acts at. What acts at a place is matched there to the last kind, so that a new kind
+/// of fault does not compile before something happens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Acts {
+    /// On what a drive makes of its torque.
+    Drive(DriveFault),
+    /// On a joint's friction.
+    Friction(FrictionFault),
+    /// As an external torque.
+    Push,
+    /// As a mass at the tip.
+    Payload,
+    /// On what one joint's sensor reads.
+    Reading(ReadingFault),
+    /// On a whole message of measurements.
+    Message(MessageFault),
+    /// On the way from the sensors.
+    SampleLoss,
+    /// On the way to the drives.
+    CommandLoss,
+    /// On the controller itself.
+    Controller,
+}
+
+/// What is wrong with a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DriveFault {
+    Gain,
+    Limit,
+}
+
+/// What is wrong with a joint's friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FrictionFault {
+    Times,
+    Brake,
+}
+
+/// What is wrong with what a sensor reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ReadingFault {
+    Bias,
+    Noise,
+}
+
+/// What is wrong with a message of measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MessageFault {
+    Freeze,
+    Nan,
+    JointOrder,
+    ClockJump,
+}
+
+impl Acts {
+    /// The place of a kind.
+    pub(super) fn of(kind: FaultKind) -> Self {
+        match kind {
+            FaultKind::DriveGain => Self::Drive(DriveFault::Gain),
+            FaultKind::DriveLimit => Self::Drive(DriveFault::Limit),
+            FaultKind::Friction => Self::Friction(FrictionFault::Times),
+            FaultKind::Brake => Self::Friction(FrictionFault::Brake),
+            FaultKind::Push => Self::Push,
+            FaultKind::Payload => Self::Payload,
+            FaultKind::SensorBias => Self::Reading(ReadingFault::Bias),
+            FaultKind::SensorNoise => Self::Reading(ReadingFault::Noise),
+            FaultKind::SensorFreeze => Self::Message(MessageFault::Freeze),
+            FaultKind::SensorNan => Self::Message(MessageFault::Nan),
+            FaultKind::JointOrder => Self::Message(MessageFault::JointOrder),
+            FaultKind::ClockJump => Self::Message(MessageFault::ClockJump),
+            FaultKind::SampleLoss => Self::SampleLoss,
+            FaultKind::CommandLoss => Self::CommandLoss,
+            FaultKind::ControllerStop => Self::Controller,
+        }
+    }
+}
