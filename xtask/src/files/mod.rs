@@ -23,7 +23,7 @@ struct Known {
 }
 
 const KNOWN: [Known; 4] = [
-    Known { name: "phihat-certificate", circles: 8, long: 3, texts: 0 },
+    Known { name: "phihat-certificate", circles: 0, long: 2, texts: 0 },
     Known { name: "phihat-design", circles: 28, long: 2, texts: 0 },
     Known { name: "phihat-model", circles: 0, long: 0, texts: 1 },
     Known { name: "phihat-sim", circles: 0, long: 0, texts: 3 },

@@ -3,8 +3,8 @@
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
-use super::Inputs;
 use super::dense::{count, reaches};
+use super::inputs::Inputs;
 use super::law::Loop;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal};
 
