@@ -41,6 +41,7 @@ mod shifted;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod window;
 
 pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
 pub use document::derive;
