@@ -52,6 +52,7 @@ mod filter;
 mod gains;
 mod iss;
 mod law;
+mod loaded;
 mod margins;
 mod model;
 mod moving;

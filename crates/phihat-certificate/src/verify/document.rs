@@ -3,8 +3,8 @@
 use crate::check::agree::agrees;
 use crate::check::plausible::{self, at_most};
 use crate::{
-    ArmBasis, ArmInertia, Certificate, FORMAT, Gains, JointCertificate, Law, LoopModel, Moving,
-    Refutation, VERSION,
+    ArmBasis, Certificate, FORMAT, Gains, JointCertificate, Law, LoopModel, Moving, Refutation,
+    VERSION,
 };
 
 const CLAIM: &str = "certificate";
@@ -190,19 +190,4 @@ fn filter(gains: &Gains, model: &LoopModel) -> Result<(), Refutation> {
 fn positive(what: &str, value: f64) -> Result<(), Refutation> {
     let sensible = value > 0.0 && value.is_finite();
     Refutation::unless(CLAIM, &format!("0 < {what} < ∞"), value, 0.0, sensible)
-}
-
-impl ArmInertia {
-    fn plausible(&self) -> Result<(), Refutation> {
-        let sensible = 0.0 < self.low && self.low <= self.high && self.high.is_finite();
-        Refutation::unless("arm", "0 < low ≤ high < ∞", self.low, self.high, sensible)?;
-        if let Some(searched) = &self.searched {
-            searched.agrees(self.low, self.high)?;
-        }
-        let told = !self.source.trim().is_empty();
-        Refutation::unless("arm", "the range says where it comes from", 0.0, 0.0, told)?;
-        let apart = self.searched.is_none() || self.basis == ArmBasis::Postures;
-        Refutation::unless("arm", "only postures have witnesses", 0.0, 0.0, apart)?;
-        self.searched.as_ref().map_or(Ok(()), |searched| searched.plausible(self))
-    }
 }
