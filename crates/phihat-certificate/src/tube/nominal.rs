@@ -87,7 +87,7 @@ impl Plant<'_> {
     /// How far a sample's integration may be off that went from `start` to `(q, v)`: against those in so many steps.
     fn defect(
         &mut self,
-        start: (Vec<f64>, Vec<f64>),
+        start: &(Vec<f64>, Vec<f64>),
         (q, v): (&[f64], &[f64]),
         (period, others): (f64, [usize; 2]),
     ) -> (Vec<f64>, Vec<f64>) {
@@ -206,7 +206,7 @@ impl Nominal {
             let (command, held) = laws.sample((k, t), (&q, &v), &mut plant);
             let start = (q.clone(), v.clone());
             run.pass(&mut plant, (&mut q, &mut v), (period, fine));
-            let defect = plant.defect(start, (&q, &v), (period, [fine / 2, theirs]));
+            let defect = plant.defect(&start, (&q, &v), (period, [fine / 2, theirs]));
             let beyond = |x: &f64| reaches(x.abs(), 1e3);
             if q.iter().chain(&v).any(beyond) {
                 return Err(Refusal::NominalDiverges { t });
