@@ -6,10 +6,11 @@ use phihat_study::{InertiaSource, PhiSource, Study};
 use crate::check::agree::agrees;
 use crate::check::definite::definite_within;
 use crate::extremes::Extremes as _;
+use crate::loaded::loaded;
 use crate::refutation::refuse;
 use crate::{
     ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, LoopModel, Matrix, NotCounted,
-    PhiBasis, Refutation, Searched, Statement, TorqueNoise, Witness,
+    PhiBasis, Refutation, Statement, TorqueNoise, Witness,
 };
 
 const CLAIM: &str = "study";
@@ -184,54 +185,8 @@ impl Certificate {
     }
 }
 
-impl Searched {
-    /// That the witnesses are those of a range.
-    pub(crate) fn plausible(&self, arm: &ArmInertia) -> Result<(), Refutation> {
-        let n = arm.nominal_kg_m2.len();
-        for (what, witness, end) in [("low", &self.low, arm.low), ("high", &self.high, arm.high)] {
-            let name = format!("{what} is its witness's eigenvalue");
-            agrees("arm", &name, (end, witness.eigenvalue), SAME)?;
-            let sized = witness.q.len() == n && witness.q.iter().all(|q| q.is_finite());
-            let (own, right) = (witness.q.len() as f64, n as f64);
-            Refutation::unless("arm", "a witness is a posture of the arm", own, right, sized)?;
-            let all = witness.com_m.iter().chain(&witness.inertia_kg_m2);
-            let finite = witness.mass_kg >= 0.0
-                && all.chain([&witness.mass_kg]).all(|value| value.is_finite());
-            let mass = witness.mass_kg;
-            Refutation::unless("arm", "a witness's payload is a body", mass, 0.0, finite)?;
-        }
-        let tried = f64::from(self.postures);
-        let some = self.postures > 0 && self.of_reference <= self.postures;
-        Refutation::unless("arm", "some postures were looked at", tried, 0.0, some)?;
-        if let Some(proved) = &self.proved {
-            let low = 0.0 < proved.low && proved.low <= arm.low * (1.0 + SAME);
-            Refutation::unless("arm", "0 < proved.low ≤ low", proved.low, arm.low, low)?;
-            let high = proved.high.is_finite() && proved.high >= arm.high * (1.0 - SAME);
-            Refutation::unless("arm", "high ≤ proved.high < ∞", arm.high, proved.high, high)?;
-        }
-        Ok(())
-    }
-}
-
 fn body(witness: &Witness) -> Body {
     Body { mass: witness.mass_kg, com: witness.com_m, inertia: witness.inertia_kg_m2 }
-}
-
-pub(crate) fn loaded(study: &Study, body: &Body, frame: &str) -> Result<Model, Refutation> {
-    let bare = study.robot.plant_model();
-    if body.mass > 0.0 {
-        let refused = |why: String| {
-            refuse(
-                CLAIM,
-                &format!("the payload can be attached to {frame} ({why})"),
-                body.mass,
-                0.0,
-            )
-        };
-        bare.with_payload_on(frame, body).map_err(|why| refused(why.to_string()))
-    } else {
-        Ok(bare)
-    }
 }
 
 /// `M̄^{-1/2} M(q) M̄^{-1/2}`.

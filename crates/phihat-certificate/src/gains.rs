@@ -2,33 +2,16 @@
 
 use phihat::{Form, GainError, JointDesign, JointGains};
 use phihat_model::input::plain;
-use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, TradeOff};
+use crate::{Certificate, JointRecord, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
 
 /// The version of the document's shape that this crate writes and reads.
 pub const VERSION: u32 = 2;
-
-/// Gains of one joint, in SI units; see NOTATION.md.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointRecord {
-    /// Joint name.
-    pub name: String,
-    /// Nominal inertia `M̄` \[kg·m²\].
-    pub inertia_kg_m2: f64,
-    /// Outer loop `K_p` \[1/s²\].
-    pub kp_per_s2: f64,
-    /// Outer loop `K_d` \[1/s\].
-    pub kd_per_s: f64,
-    /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\]; the length is the order `m`.
-    pub a: Vec<f64>,
-}
 
 /// The whole document, `gains.json`.
 ///
@@ -167,19 +150,6 @@ impl Gains {
     /// [`GainsError::Json`], when a number is not finite.
     pub fn to_json(&self) -> Result<String, GainsError> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
-    /// Gives a study the velocity filter that the gains carry, where it leaves that to the design.
-    ///
-    /// # Errors
-    ///
-    /// [`GainsError::NoFilter`].
-    pub fn give_filter(&self, study: &mut Study) -> Result<(), GainsError> {
-        if study.sensor.velocity_filter_designed {
-            study.sensor.velocity_filter_hz =
-                Some(self.velocity_filter_hz.ok_or(GainsError::NoFilter)?);
-        }
-        Ok(())
     }
 
     /// The controller's gains for a robot, bound by joint name and order.

@@ -6,7 +6,7 @@ use crate::check::agree::agrees;
 use crate::check::definite::definite_within;
 use crate::check::free::Free;
 use crate::check::polynomial::product;
-use crate::performance::encloses;
+use crate::peak_gain::encloses;
 use crate::{Law, Matrix, PeakGain, Refutation};
 
 const CLAIM: &str = "input-to-state stability";

@@ -3,8 +3,6 @@
 use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
 use serde::{Deserialize, Serialize};
 
-use crate::Gains;
-
 /// Which form of the law runs in a sampled loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -93,14 +91,5 @@ impl LoopModel {
             },
             drive_bandwidth_hz: drives.and_then(|d| d.get(joint)).copied(),
         }
-    }
-
-    /// This loop with the velocity filter that gains carry, where the study leaves it to them.
-    #[must_use]
-    pub fn with_filter_of(mut self, gains: &Gains, study: &Study) -> Self {
-        if study.sensor.velocity_filter_designed {
-            self.velocity_filter_hz = gains.velocity_filter_hz;
-        }
-        self
     }
 }

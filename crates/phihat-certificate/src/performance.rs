@@ -1,25 +1,12 @@
-//! How large the errors of the continuous law get: peak-to-peak gains, and the paper's bound beside them.
+//! How large the errors of the continuous law get: peak-to-peak gains.
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::agree::agrees;
 use crate::check::free::Free;
-use crate::{Iss, Law, Refutation};
+use crate::peak_gain::encloses;
+use crate::{Law, PeakGain, Refutation};
 
 const CLAIM: &str = "performance";
-
-/// Rounding of two ways to compute the same.
-const AGAIN: f64 = 1e-8;
-
-/// A number known from both sides.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PeakGain {
-    /// The number is at least this.
-    pub lower: f64,
-    /// The number is at most this: the guarantee.
-    pub upper: f64,
-}
 
 /// Peak-to-peak gains of one joint at a frozen inertia ratio `μ`, for `M̄ = 1` (divide by `M̄` for real units).
 ///
@@ -47,25 +34,6 @@ pub struct PeakGains {
     pub states: Vec<PeakGain>,
     /// From φ to the estimation error `φ̂ − φ`.
     pub estimate: PeakGain,
-}
-
-/// The paper's bound on `|x|` per unit of φ, as printed and as it can be proven.
-///
-/// # Claim
-///
-/// ```text
-/// printed:    |x| ≤ 2 |SB|/λ_min φ_max                                                      (40)
-/// corrected:  limsup |x(t)| ≤ √cond(S) 2 |SB|/λ_min φ_max
-/// ```
-///
-/// `V̇ < 0` outside the printed ball; what is invariant is the smallest level set of `V` around it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PaperRadius {
-    /// (40) as printed; not a bound.
-    pub printed: f64,
-    /// The ultimate bound.
-    pub corrected: f64,
 }
 
 impl PeakGains {
@@ -124,33 +92,5 @@ impl PeakGains {
         let jump = 1.0 / self.mu;
         let again = PeakGain { lower: jump + rest.lower, upper: jump + rest.upper };
         encloses("‖G_(φ̂−φ)‖₁", self.estimate, again)
-    }
-}
-
-/// A claimed pair is right when it encloses the true one.
-pub(crate) fn encloses(what: &str, claimed: PeakGain, again: PeakGain) -> Result<(), Refutation> {
-    let enough = claimed.upper >= again.upper * (1.0 - AGAIN) && claimed.upper.is_finite();
-    let above = format!("{what} ≤ its bound");
-    Refutation::unless(CLAIM, &above, again.upper, claimed.upper, enough)?;
-    let attained = claimed.lower <= again.lower * (1.0 + AGAIN);
-    let below = format!("{what} ≥ its lower bound");
-    Refutation::unless(CLAIM, &below, again.lower, claimed.lower, attained)?;
-    let (low, high) = (claimed.lower, claimed.upper);
-    let pair = format!("{what}: 0 ≤ lower bound ≤ bound");
-    Refutation::unless(CLAIM, &pair, low, high, 0.0 <= low && low <= high)
-}
-
-impl PaperRadius {
-    /// Checks the evidence, then the two numbers.
-    ///
-    /// # Errors
-    ///
-    /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law, iss: &Iss) -> Result<(), Refutation> {
-        iss.verify(law)?;
-        let printed = 2.0 * iss.sb_norm / iss.w_min;
-        agrees(CLAIM, "(40) = 2|SB|/λ_min", (self.printed, printed), 1e-9)?;
-        let corrected = printed * iss.overshoot;
-        agrees(CLAIM, "bound = √cond(S) (40)", (self.corrected, corrected), 1e-9)
     }
 }

@@ -4,7 +4,7 @@ use phihat_model::{Body, Workspace};
 use phihat_study::{PayloadSet, Study};
 
 use crate::check::agree::agrees;
-use crate::derive::loaded;
+use crate::loaded::loaded;
 use crate::{CoupledGains, Refutation, Witness};
 
 const CLAIM: &str = "coupled gains";

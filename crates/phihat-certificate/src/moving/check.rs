@@ -1,118 +1,67 @@
-//! The proof behind [`super::Moving`]: by arcs of the unit circle, from the checker's own loop.
+//! Checking stability while moving: one joint's gains and loop, nothing else.
 
-use core::f64::consts::PI;
-
-use super::{Moving, Unstable};
-use crate::check::complex::{Complex, Disc};
-use crate::check::exclusion::on_circle;
+use super::arcs::Proof;
+use super::document::{Moving, Unstable};
+use crate::check::plausible;
 use crate::check::returns::Returns;
+use crate::{JointRecord, LoopModel, Refutation};
 
-/// Arcs narrower than this share of their frequency prove nothing more in double precision.
-const NARROWEST: f64 = 1e-12;
+const CLAIM: &str = "stability while moving";
 
-/// The same near zero frequency \[rad/sample\].
-const NARROWEST_AT_ZERO: f64 = 1e-16;
+/// Most taps of a multiplier.
+const TAPS: usize = 4096;
 
-/// Arcs after which a proof is given up.
-const MOST: u32 = 1_000_000;
-
-/// Room for the rounding of both sides, relative.
-const ROOM: f64 = 1e-12;
-
-/// One loop and what is claimed of it.
-pub(super) struct Proof<'a> {
-    moving: &'a Moving,
-    returns: &'a Returns,
-    /// `r² + κ + λη²`.
-    whole: f64,
-    /// `2 Σ j |h_j|`: bounds the slope of `y`.
-    slope: f64,
-}
-
-/// Both sides in the middle of an arc, and whether they stay apart over all of it.
-struct Sides {
-    left: f64,
-    right: f64,
-    apart: bool,
-}
-
-impl<'a> Proof<'a> {
-    pub(super) fn new(moving: &'a Moving, returns: &'a Returns, period: f64) -> Self {
-        let (delta, eta) = moving.step(period);
-        let range = moving.high - moving.low;
-        let taps = || moving.h.iter().enumerate().map(|(j, h)| ((j + 1) as f64, h.abs()));
-        let kappa: f64 = taps().map(|(j, h)| h * (delta * j).min(range)).sum();
-        let whole = 0.25 * range * range + kappa + moving.drift * eta * eta;
-        Self { moving, returns, whole, slope: 2.0 * taps().map(|(j, h)| j * h).sum::<f64>() }
-    }
-
-    /// Halves arcs of the half circle until (M2) holds on each; the turns of `N + cΔ` must add up to those of a stable
-    /// loop.
-    pub(super) fn run(&self) -> Result<(), Unstable> {
-        let mut arcs = vec![(0.0, PI)];
-        let (mut turned, mut seen) = (0.0, 0_u32);
-        while let Some((from, to)) = arcs.pop() {
-            seen += 1;
-            let sides = self.sides(from, to);
-            if sides.apart {
-                turned += self.turn(from, to);
-            } else if to - from < NARROWEST * to + NARROWEST_AT_ZERO || seen > MOST {
-                let what = format!(
-                    "|N + cΔ|² + y Im(NΔ*) > (r² + κ + λη²)(|Δ|² + |K|²/λ) + |K|²y²/4λ at θ = {from:.6} rad/sample"
-                );
-                return Err(Unstable::new(what, from, (sides.left, sides.right)));
-            } else {
-                let middle = 0.5 * (from + to);
-                arcs.extend([(middle, to), (from, middle)]);
-            }
+impl Moving {
+    /// Proves the claim for one joint's gains and loop, from nothing else; they have to be the same for all joints.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`], with the frequency at which the proof fails.
+    pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+        let (delta, _) = self.step(model.period_s);
+        let same = (self.delta - delta).abs() <= 1e-9 * delta;
+        Refutation::unless(CLAIM, "δ = rate·T (1 + χ²/12)", self.delta, delta, same)?;
+        for needed in self.needed_motion_per_s.into_iter().chain(self.needed_limits_per_s) {
+            let sensible = needed >= 0.0 && needed.is_finite();
+            Refutation::unless(CLAIM, "0 ≤ needed rate < ∞", needed, 0.0, sensible)?;
         }
-        let wanted = PI * self.returns.degree() as f64;
-        if (turned - wanted).abs() < 1e-6 {
-            return Ok(());
+        self.stable(gains, model).map_err(|why| Refutation {
+            claim: CLAIM.to_owned(),
+            inequality: why.inequality,
+            left: why.left,
+            right: why.right,
+        })
+    }
+
+    /// The proof alone: whoever looks for a multiplier learns at which frequency it fails.
+    ///
+    /// # Errors
+    ///
+    /// The first inequality that does not hold.
+    pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
+        let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
+        plausible::gains(CLAIM, gains).map_err(refused)?;
+        plausible::model(CLAIM, model).map_err(refused)?;
+        self.plausible()?;
+        if let Some(hz) = model.drive_bandwidth_hz {
+            let what = "the torque acts at once: a drive's lag is not in the proof";
+            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::MAX)));
         }
-        let what = "argument of N + cΔ over the half circle = π · degree".to_owned();
-        Err(Unstable::new(what, 0.0, (turned, wanted)))
+        Proof::new(self, &Returns::new(gains, model), model.period_s).run()
     }
 
-    fn sides(&self, from: f64, to: f64) -> Sides {
-        let (theta, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let w = Disc::new(on_circle(theta), half * (1.0 + 1e-12) + 1e-300);
-        let (at, kick) = (self.returns.at(w), self.returns.kicked(w));
-        let shifted = self.shifted(at.back, at.open);
-        let (n, d) = (at.back, at.open);
-        let y = self.moving.multiplier(theta);
-        let dy = (half + 64.0 * f64::EPSILON) * self.slope;
-        let cross = n.centre.im * d.centre.re - n.centre.re * d.centre.im;
-        let spread = n.centre.size() * d.radius
-            + d.centre.size() * n.radius
-            + n.radius * d.radius
-            + 8.0 * f64::EPSILON * n.centre.size() * d.centre.size();
-        let least = shifted.least().max(0.0);
-        let low = least * least + y * cross - y.abs() * spread - dy * (cross.abs() + spread);
-        let high = self.right(d.most(), kick.most(), y.abs() + dy);
-        let left = shifted.centre.size() * shifted.centre.size() + y * cross;
-        let right = self.right(d.centre.size(), kick.centre.size(), y.abs());
-        let apart = shifted.least() > 0.0 && low > high + ROOM * (high + least * least);
-        Sides { left, right, apart }
-    }
-
-    fn right(&self, open: f64, kick: f64, y: f64) -> f64 {
-        let lambda = self.moving.drift;
-        self.whole * (open * open + kick * kick / lambda) + kick * kick * y * y / (4.0 * lambda)
-    }
-
-    /// `N + cΔ`.
-    fn shifted(&self, back: Disc, open: Disc) -> Disc {
-        back + open.times(0.5 * (self.moving.low + self.moving.high))
-    }
-
-    /// How far the argument turns over an arc on which the values keep to one side of 0.
-    fn turn(&self, from: f64, to: f64) -> f64 {
-        let at = |theta: f64| -> Complex {
-            let at = self.returns.at(Disc::new(on_circle(theta), 0.0));
-            self.shifted(at.back, at.open).centre
-        };
-        let (start, middle, end) = (at(from), at(0.5 * (from + to)), at(to));
-        middle.over(start).angle() + end.over(middle).angle()
+    fn plausible(&self) -> Result<(), Unstable> {
+        let Self { low, high, rate_per_s: rate, drift, .. } = *self;
+        let taps = self.h.len() <= TAPS && self.h.iter().all(|h| h.is_finite());
+        let all = [
+            ("0 < low ≤ high < ∞", low, high, 0.0 < low && low <= high && high.is_finite()),
+            ("0 ≤ rate < ∞", rate, 0.0, 0.0 <= rate && rate.is_finite()),
+            ("0 < λ < ∞", drift, 0.0, 0.0 < drift && drift.is_finite()),
+            ("taps are finite, and not too many", self.h.len() as f64, TAPS as f64, taps),
+        ];
+        let bad = all.into_iter().find(|(.., holds)| !holds);
+        bad.map_or(Ok(()), |(what, left, right, _)| {
+            Err(Unstable::new(what.to_owned(), 0.0, (left, right)))
+        })
     }
 }

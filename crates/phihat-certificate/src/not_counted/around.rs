@@ -3,7 +3,7 @@
 use phihat_model::Profile;
 use phihat_study::{Interface, SupervisorRequest};
 
-use super::{LeftOut, List};
+use super::list::{LeftOut, List};
 
 impl List {
     pub(super) fn interface(&mut self, interface: &Interface) {

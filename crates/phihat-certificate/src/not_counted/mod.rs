@@ -4,34 +4,13 @@
 //! decision: in the loop model, in what is known of arm and φ, or on the list.
 
 mod around;
+mod list;
 mod world;
 
 use phihat_study::{Control, Fault, Sensor, Study};
-use serde::{Deserialize, Serialize};
 
-/// Something in a study that the claims leave out. The law's linear loop is as certified all the same.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NotCounted {
-    /// Key in the study.
-    pub key: String,
-    /// Value of the key in the study.
-    pub value: String,
-    /// Which claims do not count it.
-    pub claims: LeftOut,
-}
-
-/// Which claims leave something out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LeftOut {
-    /// Bounds on the error, and the tube; the loop stays the one whose stability is claimed.
-    Bounds,
-    /// Bounds, tube and stability: while it acts, the loop is another one.
-    BoundsAndStability,
-    /// Bounds from φ and the claims about the loop; the tube of the run counts it.
-    AllButTube,
-}
+pub use list::{LeftOut, NotCounted};
+use list::{List, text};
 
 impl NotCounted {
     /// Everything in a study that claims about its gains leave out. Where this is empty and nothing is refused, the
@@ -97,28 +76,7 @@ fn control_counts(control: &Control) {
     } = control;
 }
 
-struct List(Vec<NotCounted>);
-
 impl List {
-    #[allow(clippy::needless_pass_by_value, reason = "numbers and words alike")]
-    fn add(&mut self, key: &str, value: impl ToString, claims: LeftOut) {
-        self.0.push(NotCounted { key: key.to_owned(), value: value.to_string(), claims });
-    }
-
-    /// A list in which a value differs from the one that is counted; one number where all are the same.
-    fn values(&mut self, key: &str, values: &[f64], counted: f64) {
-        if values.iter().any(|value| value.is_nan() || (value - counted).abs() > 0.0) {
-            self.add(key, text(values), LeftOut::Bounds);
-        }
-    }
-
-    /// Values that change the loop while they act.
-    fn acting(&mut self, key: &str, values: Option<&Vec<f64>>) {
-        if let Some(values) = values {
-            self.add(key, text(values), LeftOut::BoundsAndStability);
-        }
-    }
-
     fn sensor(&mut self, sensor: &Sensor) {
         let Sensor {
             // In the bounds.
@@ -156,14 +114,5 @@ impl List {
         // Whatever kind: a payload changes the inertia, a weak drive the gain, a lost sample the loop.
         let value = format!("{} from {start} s for {duration} s", kind.word());
         self.add("fault.kind", value, LeftOut::BoundsAndStability);
-    }
-}
-
-/// One number where all are the same.
-fn text(values: &[f64]) -> String {
-    let same = values.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
-    match values.first() {
-        Some(value) if same => format!("{value}"),
-        _ => format!("{values:?}"),
     }
 }

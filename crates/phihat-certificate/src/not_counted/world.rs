@@ -2,7 +2,7 @@
 
 use phihat_study::{Drive, Loss, Network, Payload, World};
 
-use super::{LeftOut, List};
+use super::list::{LeftOut, List};
 
 impl List {
     pub(super) fn world(&mut self, world: &World) {

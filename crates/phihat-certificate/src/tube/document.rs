@@ -4,13 +4,17 @@ use std::sync::Mutex;
 
 use super::chain::{Chain, NotAChain};
 use super::dense::{count, inverse};
+use super::inputs::{Inputs, Law};
 use super::law::Loop;
 use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
+use super::setting::Setting;
 use super::sweep::{Sweep, Swept};
-use super::{Inputs, ROUNDING};
 use crate::extremes::{Extremes as _, hull};
 use crate::{PayloadSet, Tube, TubeJoint};
+
+/// What covers rounding: the relative width that is added to every bound.
+const ROUNDING: f64 = 1e-8;
 
 /// Most slices of the mass that are tried.
 const SLICES_MAX: u32 = 8;
@@ -41,8 +45,9 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
         let run = Nominal::run(inputs, &loops, slice, (&dry, &adds))?;
         let smooth = smooth(study);
         let of_loops = (&loops[..], &drives[..]);
-        let sweep = Sweep::new(inputs, (&chain, slice, &smooth), (&run, &dry, &adds), of_loops);
-        Ok(Half::new(inputs, &run, &sweep.run(progress)?))
+        let arm = (&chain, slice, &smooth[..]);
+        let setting = Setting::new(inputs, arm, (&run, &dry, &adds), of_loops);
+        Ok(Half::new(inputs, &run, &Sweep::new(setting).run(progress)?))
     };
     let Some(set) = set else {
         return Ok(tube(inputs, &[one(None, &progress)?]));
@@ -98,7 +103,7 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
     let long = rows.iter().all(|r| r.len() == reference.q.len() && r.len() > 1);
     let wide = rows.iter().all(|r| r.iter().all(|x| x.len() == n));
     let levels = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite() && *x >= 0.0);
-    let sound = |l: &super::Law| {
+    let sound = |l: &Law| {
         let positive = |x: &f64| x.is_finite() && *x > 0.0;
         let four = [l.inertia, l.kp, l.kd];
         four.iter().chain(&l.a).all(positive) && !l.a.is_empty() && l.a.len() <= 4

@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 
 use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
 
-use super::Law;
 use super::dense::{exponential, product};
+use super::inputs::Law;
 
 /// One joint's loop from reading to the torque that is told to the drive.
 ///

@@ -3,10 +3,10 @@
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
-use super::Inputs;
 use super::dense::{count, reaches};
+use super::inputs::Inputs;
 use super::law::Loop;
-use super::scope::{Adds, Dry, PayloadSlice, Refusal};
+use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth, smooth};
 
 /// Largest step of the fine integration \[s\].
 const STEP: f64 = 2.5e-4;
@@ -34,7 +34,7 @@ pub(super) struct Nominal {
 struct Plant<'a> {
     model: &'a Model,
     ws: Workspace<f64>,
-    smooth: &'a [super::scope::Smooth],
+    smooth: &'a [Smooth],
     torque: Vec<f64>,
     /// What drives are off at the start of the sample, and how fast that goes \[1/s\]; empty without drives.
     gap: Vec<(f64, f64)>,
@@ -83,10 +83,97 @@ impl Plant<'_> {
             }
         }
     }
+
+    /// How far a sample's integration may be off that went from `start` to `(q, v)`: against those in so many steps.
+    fn defect(
+        &mut self,
+        start: &(Vec<f64>, Vec<f64>),
+        (q, v): (&[f64], &[f64]),
+        (period, others): (f64, [usize; 2]),
+    ) -> (Vec<f64>, Vec<f64>) {
+        let n = q.len();
+        let mut defect = (vec![1e-15; n], vec![1e-13; n]);
+        for steps in others {
+            let (mut other_q, mut other_v) = start.clone();
+            let step = (period / steps as f64, steps);
+            self.advance((&mut other_q, &mut other_v), 0.0, step);
+            for i in 0..n {
+                // Half the steps are off by some 16 times as much; doubled where steps are as fine.
+                defect.0[i] += 2.0 * (other_q[i] - q[i]).abs();
+                defect.1[i] += 2.0 * (other_v[i] - v[i]).abs();
+            }
+        }
+        defect
+    }
+}
+
+/// The laws of all joints, and what the robot adds to what they command.
+struct Command<'a> {
+    inputs: &'a Inputs<'a>,
+    loops: &'a [Loop],
+    states: Vec<Vec<f64>>,
+    dry: &'a Dry,
+    adds: &'a Adds,
+    /// The arm with nothing in its hand, as the robot knows it.
+    bare: Model,
+    ws: Workspace<f64>,
+    rest: Vec<f64>,
+    weight: Vec<f64>,
+}
+
+impl<'a> Command<'a> {
+    fn new(inputs: &'a Inputs<'a>, loops: &'a [Loop], dry: &'a Dry, adds: &'a Adds) -> Self {
+        let study = inputs.study;
+        let n = loops.len();
+        let bare = study.robot.plant_model().with_gravity(study.world.gravity);
+        Self {
+            inputs,
+            loops,
+            states: loops.iter().map(|l| vec![0.0; l.size]).collect(),
+            dry,
+            adds,
+            ws: Workspace::new(&bare),
+            bare,
+            rest: vec![0.0; n],
+            weight: vec![0.0; n],
+        }
+    }
+
+    /// Sample `k`, at `t`: gives the plant its torques; the commands and the dry friction that is held.
+    fn sample(
+        &mut self,
+        (k, t): (usize, f64),
+        (q, v): (&[f64], &[f64]),
+        plant: &mut Plant<'_>,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let n = q.len();
+        let mut held = vec![0.0; n];
+        let mut command = vec![0.0; n];
+        if self.adds.gravity {
+            self.bare.bias(&mut self.ws, q, &self.rest, &mut self.weight);
+        }
+        plant.gap.clear();
+        for (i, (own, state)) in self.loops.iter().zip(&mut self.states).enumerate() {
+            let reference = self.inputs.reference;
+            let wanted = [reference.q[k][i], reference.dq[k][i], reference.ddq[k][i]];
+            own.sample(k, state, (q[i], v[i]), wanted);
+            command[i] = state[own.newest()];
+            held[i] = self.dry.middle[i] * self.dry.wide(v[i]);
+            let added = self.weight[i] + self.adds.friction(i, v[i], self.dry);
+            plant.torque[i] = state[own.acting()] + added - held[i];
+            let off = own.gap().zip(own.drive_rate());
+            plant.gap.extend(off.map(|(at, rate)| (state[at], rate)));
+        }
+        for push in &self.inputs.study.world.pushes {
+            if push.start <= t && t < push.start + push.duration {
+                plant.torque[push.joint] += push.torque;
+            }
+        }
+        (command, held)
+    }
 }
 
 impl Nominal {
-    #[allow(clippy::too_many_lines, reason = "one sample after the other")]
     pub(super) fn run(
         inputs: &Inputs<'_>,
         loops: &[Loop],
@@ -94,88 +181,63 @@ impl Nominal {
         (dry, adds): (&Dry, &Adds),
     ) -> Result<Self, Refusal> {
         let study = inputs.study;
-        let n = loops.len();
         let period = study.control.period_ns as f64 * 1e-9;
         let samples = inputs.reference.q.len() - 1;
         let model = loaded(study, slice)?;
-        let smooth = super::scope::smooth(study);
+        let smooth = smooth(study);
         let mut plant = Plant {
             ws: Workspace::new(&model),
             model: &model,
             smooth: &smooth,
-            torque: vec![0.0; n],
+            torque: vec![0.0; loops.len()],
             gap: Vec::new(),
-            tau: vec![0.0; n],
+            tau: vec![0.0; loops.len()],
         };
-        let bare = study.robot.plant_model().with_gravity(study.world.gravity);
-        let mut bare_ws = Workspace::new(&bare);
-        let rest = vec![0.0; n];
-        let mut weight = vec![0.0; n];
+        let mut laws = Command::new(inputs, loops, dry, adds);
         let (mut q, mut v) = match &study.world.start {
             Some(start) => (start.q.clone(), start.dq.clone()),
             None => (inputs.reference.q[0].clone(), inputs.reference.dq[0].clone()),
         };
-        let mut states: Vec<Vec<f64>> = loops.iter().map(|l| vec![0.0; l.size]).collect();
         let mut run = Self { q: vec![q.clone()], v: vec![v.clone()], ..Self::default() };
         let fine = 2 * count((period / (2.0 * STEP)).ceil().max(1.0));
         let theirs = study.world.substeps as usize;
         for k in 0..samples {
             let t = k as f64 * period;
-            let mut held = vec![0.0; n];
-            let mut command = vec![0.0; n];
-            if adds.gravity {
-                bare.bias(&mut bare_ws, &q, &rest, &mut weight);
-            }
-            plant.gap.clear();
-            for i in 0..n {
-                let reference = inputs.reference;
-                let wanted = [reference.q[k][i], reference.dq[k][i], reference.ddq[k][i]];
-                loops[i].sample(k, &mut states[i], (q[i], v[i]), wanted);
-                command[i] = states[i][loops[i].newest()];
-                held[i] = dry.middle[i] * dry.wide(v[i]);
-                let added = weight[i] + adds.friction(i, v[i], dry);
-                plant.torque[i] = states[i][loops[i].acting()] + added - held[i];
-                let off = loops[i].gap().zip(loops[i].drive_rate());
-                plant.gap.extend(off.map(|(at, rate)| (states[i][at], rate)));
-            }
-            for push in &study.world.pushes {
-                if push.start <= t && t < push.start + push.duration {
-                    plant.torque[push.joint] += push.torque;
-                }
-            }
+            let (command, held) = laws.sample((k, t), (&q, &v), &mut plant);
             let start = (q.clone(), v.clone());
-            let mut a = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-            let (step, half) = ((period / fine as f64, fine / 2), 0.5 * period);
-            plant.acceleration(0.0, (&q, &v), &mut a[0]);
-            plant.advance((&mut q, &mut v), 0.0, step);
-            plant.acceleration(half, (&q, &v), &mut a[1]);
-            run.q_mid.push(q.clone());
-            run.v_mid.push(v.clone());
-            plant.advance((&mut q, &mut v), half, step);
-            plant.acceleration(period, (&q, &v), &mut a[2]);
-            let mut defect = (vec![1e-15; n], vec![1e-13; n]);
-            for steps in [fine / 2, theirs] {
-                let (mut other_q, mut other_v) = start.clone();
-                let step = (period / steps as f64, steps);
-                plant.advance((&mut other_q, &mut other_v), 0.0, step);
-                for i in 0..n {
-                    // Half the steps are off by some 16 times as much; doubled where steps are as fine.
-                    defect.0[i] += 2.0 * (other_q[i] - q[i]).abs();
-                    defect.1[i] += 2.0 * (other_v[i] - v[i]).abs();
-                }
-            }
+            run.pass(&mut plant, (&mut q, &mut v), (period, fine));
+            let defect = plant.defect(&start, (&q, &v), (period, [fine / 2, theirs]));
             let beyond = |x: &f64| reaches(x.abs(), 1e3);
             if q.iter().chain(&v).any(beyond) {
                 return Err(Refusal::NominalDiverges { t });
             }
             run.q.push(q.clone());
             run.v.push(v.clone());
-            run.a.push(a);
             run.command.push(command);
             run.dry.push(held);
             run.defect.push(defect);
         }
         Ok(run)
+    }
+
+    /// Takes the plant through a sample in so many fine steps, and records its middle and its accelerations.
+    fn pass(
+        &mut self,
+        plant: &mut Plant<'_>,
+        (q, v): (&mut [f64], &mut [f64]),
+        (period, fine): (f64, usize),
+    ) {
+        let n = q.len();
+        let mut a = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let (step, half) = ((period / fine as f64, fine / 2), 0.5 * period);
+        plant.acceleration(0.0, (q, v), &mut a[0]);
+        plant.advance((q, v), 0.0, step);
+        plant.acceleration(half, (q, v), &mut a[1]);
+        self.q_mid.push(q.to_vec());
+        self.v_mid.push(v.to_vec());
+        plant.advance((q, v), half, step);
+        plant.acceleration(period, (q, v), &mut a[2]);
+        self.a.push(a);
     }
 }
 

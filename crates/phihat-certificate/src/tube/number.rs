@@ -28,7 +28,7 @@ impl Number for f64 {
 
 /// All reals within `r` of `m`. The middle of a result is the result at the middles.
 ///
-/// Rounding is not directed: [`ROUNDING`](super::ROUNDING) covers it once, at the end.
+/// Rounding is not directed: [`ROUNDING`](super::document::ROUNDING) covers it once, at the end.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Ball {
     pub(super) m: f64,

@@ -3,7 +3,7 @@
 use super::dense::apply;
 use super::frame::Frame;
 use super::law::Loop;
-use super::sweep::Sweep;
+use super::setting::Setting;
 
 /// One forward run.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl Shapes {
     /// than in the nominal run.
     pub(super) fn advance(
         &self,
-        sweep: &Sweep<'_>,
+        setting: &Setting<'_>,
         frame: &Frame,
         (signs, added): (&[Vec<f64>], &[Vec<f64>]),
     ) -> (Self, Spread) {
@@ -56,80 +56,80 @@ impl Shapes {
         let mut after = self.clone();
         let mut spread = Spread {
             twist: vec![0.0; if self.load > 0 { 12 } else { 0 }],
-            gap: vec![0.0; sweep.arm.drives.len()],
+            gap: vec![0.0; setting.arm.drives.len()],
             ..Spread::default()
         };
-        after.look(sweep, frame, &mut spread, true);
+        after.look(setting, frame, &mut spread, true);
         for (at, signs) in signs.iter().enumerate() {
             let k = frame.first + at;
             for (c, run) in after.runs.iter_mut().enumerate() {
                 let mut torque = vec![0.0; n];
                 if c < self.load {
-                    let middle = sweep.load_torque(k);
+                    let middle = setting.load_torque(k);
                     torque.iter_mut().zip(&middle[c * n..]).for_each(|(t, y)| *t = -y);
                 } else if c < self.load + n {
                     torque[c - self.load] = -signs[c - self.load];
                 } else {
-                    let levels = &sweep.dry.middle;
+                    let levels = &setting.dry.middle;
                     for i in 0..n {
-                        torque[i] = sweep.run.dry[k][i] - levels[i] * signs[i];
+                        torque[i] = setting.run.dry[k][i] - levels[i] * signs[i];
                     }
                     torque.iter_mut().zip(&added[at]).for_each(|(t, added)| *t += added);
                 }
-                sweep.step_shape(frame, k, &torque, (&mut run.plant, &mut run.loops));
+                setting.step_shape(frame, k, &torque, (&mut run.plant, &mut run.loops));
             }
-            after.look(sweep, frame, &mut spread, false);
+            after.look(setting, frame, &mut spread, false);
         }
         (after, spread)
     }
 
-    fn look(&self, sweep: &Sweep<'_>, frame: &Frame, spread: &mut Spread, entering: bool) {
+    fn look(&self, setting: &Setting<'_>, frame: &Frame, spread: &mut Spread, entering: bool) {
         let n = frame.bend.len();
-        let span = |values: &dyn Fn(&Shape) -> f64| self.span(sweep, values);
+        let span = |values: &dyn Fn(&Shape) -> f64| self.span(setting, values);
         let all = |of: &dyn Fn(&Shape, usize) -> f64| -> (Vec<f64>, Vec<f64>) {
             (0..n).map(|i| span(&|shape| of(shape, i))).unzip()
         };
         spread.position.push(all(&|shape, i| shape.plant[i]));
         let rates: Vec<Vec<f64>> =
             self.runs.iter().map(|run| apply(&frame.m_inverse, &run.plant[n..])).collect();
-        spread.velocity.push((0..n).map(|i| self.span_of(sweep, &|c| rates[c][i])).unzip());
+        spread.velocity.push((0..n).map(|i| self.span_of(setting, &|c| rates[c][i])).unzip());
         for c in 0..spread.twist.len() {
             let row = &frame.outlook[c * n..(c + 1) * n];
             let (low, high) =
-                self.span_of(sweep, &|run| row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum());
+                self.span_of(setting, &|run| row.iter().zip(&rates[run]).map(|(j, v)| j * v).sum());
             spread.twist[c] = spread.twist[c].max(low.abs()).max(high.abs());
         }
         if entering {
             return;
         }
         for (i, gap) in spread.gap.iter_mut().enumerate() {
-            let Some(at) = sweep.joint(i).gap else { continue };
+            let Some(at) = setting.joints[i].gap else { continue };
             let (low, high) = span(&|shape| shape.loops[i][at]);
             *gap = gap.max(low.abs()).max(high.abs());
         }
-        let newest = |i: usize| sweep.loops[i].newest();
+        let newest = |i: usize| setting.loops[i].newest();
         spread.torque.push(all(&|shape, i| shape.loops[i][newest(i)]));
         spread
             .step
             .push(all(&|shape, i| shape.loops[i][newest(i)] - shape.loops[i][newest(i) + 1]));
     }
 
-    fn span(&self, sweep: &Sweep<'_>, value: &dyn Fn(&Shape) -> f64) -> (f64, f64) {
-        self.span_of(sweep, &|c| value(&self.runs[c]))
+    fn span(&self, setting: &Setting<'_>, value: &dyn Fn(&Shape) -> f64) -> (f64, f64) {
+        self.span_of(setting, &|c| value(&self.runs[c]))
     }
 
     /// Over all payloads of the slice and all levels of friction.
-    fn span_of(&self, sweep: &Sweep<'_>, value: &dyn Fn(usize) -> f64) -> (f64, f64) {
+    fn span_of(&self, setting: &Setting<'_>, value: &dyn Fn(usize) -> f64) -> (f64, f64) {
         let n = self.runs.len() - self.load - 1;
         let rest = value(self.load + n);
         let (mut low, mut high) = (rest, rest);
         for i in 0..n {
-            let dry = &sweep.dry;
+            let dry = &setting.dry;
             let half = 0.5 * (dry.high[i] - dry.low[i]) * value(self.load + i).abs();
             low -= half;
             high += half;
         }
-        if let Some(slice) = sweep.arm.slice {
+        if let Some(slice) = setting.arm.slice {
             let slopes = core::array::from_fn(value);
             let (a, b) = slice.range(&slopes);
             low += a;
@@ -139,14 +139,14 @@ impl Shapes {
     }
 }
 
-impl Sweep<'_> {
+impl Setting<'_> {
     /// Torques of the payload's moments in the middle of a sample.
-    pub(super) fn load_torque(&self, k: usize) -> &[f64] {
-        &self.load_at(k)[1]
+    fn load_torque(&self, k: usize) -> &[f64] {
+        &self.load[k][1]
     }
 
     /// One sample of the reference system under a held torque.
-    pub(super) fn step_shape(
+    fn step_shape(
         &self,
         frame: &Frame,
         k: usize,
@@ -160,11 +160,10 @@ impl Sweep<'_> {
         for (matrix, x) in added {
             acting.iter_mut().zip(apply(matrix, x)).for_each(|(acting, added)| *acting += added);
         }
-        let rates =
-            if self.reads_rate() { apply(&frame.m_inverse, momentum) } else { vec![0.0; n] };
+        let rates = if self.reads_rate { apply(&frame.m_inverse, momentum) } else { vec![0.0; n] };
         let mut off = Vec::new();
         for (i, own) in loops.iter_mut().enumerate() {
-            let joint = self.joint(i);
+            let joint = &self.joints[i];
             joint.at(k).sample(own, (plant[i], rates[i]));
             acting[i] += own[joint.acting];
             off.extend(joint.gap.map(|at| own[at]));

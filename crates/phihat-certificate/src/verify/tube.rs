@@ -18,7 +18,7 @@ impl Certificate {
     /// # Errors
     ///
     /// The first [`Refutation`].
-    pub(crate) fn tube_fits(&self) -> Result<(), Refutation> {
+    pub(super) fn tube_fits(&self) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         let both = self.tube.is_some() && self.tube_refused.is_some();
         yes(CLAIM, "a tube, or the reason why there is none", 1.0, 0.0, !both)?;

@@ -1,0 +1,11 @@
+//! Checking a whole certificate against the gains that carry it.
+//!
+//! Every claim's own file checks that claim; here it is asked whether the claims fit together, and each is put to its check.
+
+mod arm;
+mod bounds;
+mod document;
+mod joint;
+mod tube;
+
+pub use joint::RATIOS;
