@@ -22,9 +22,8 @@ struct Known {
     texts: usize,
 }
 
-const KNOWN: [Known; 4] = [
+const KNOWN: [Known; 3] = [
     Known { name: "phihat-certificate", circles: 35, long: 3, texts: 0 },
-    Known { name: "phihat-design", circles: 28, long: 2, texts: 0 },
     Known { name: "phihat-model", circles: 0, long: 0, texts: 1 },
     Known { name: "phihat-sim", circles: 0, long: 0, texts: 3 },
 ];
