@@ -11,65 +11,25 @@ use std::path::Path;
 
 use tree::Tree;
 
-/// What is only to become less, per crate; every crate that is not named has none of any.
-struct Known {
-    name: &'static str,
-    /// Files that lie on a circle.
-    circles: usize,
-    /// Functions of more than 80 lines.
-    long: usize,
-    /// `Result<_, String>`.
-    texts: usize,
-}
-
-const KNOWN: [Known; 2] = [
-    Known { name: "phihat-certificate", circles: 35, long: 3, texts: 0 },
-    Known { name: "phihat-design", circles: 28, long: 2, texts: 0 },
-];
-
 /// Everything that the rules do not allow, over every crate of the workspace.
 pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
     let (mut wrong, mut lines) = (Vec::new(), Vec::new());
     for (name, tree) in crates(root)? {
-        let known = KNOWN.iter().find(|known| known.name == name);
-        let (on_circles, told) = circles::told(&tree);
-        wrong.extend(more(
-            &name,
-            "files on circles",
-            on_circles,
-            known.map_or(0, |k| k.circles),
-            &told,
-        ));
-        let long = figures::long_functions(&tree);
-        wrong.extend(more(
-            &name,
-            "functions over 80 lines",
-            long.len(),
-            known.map_or(0, |k| k.long),
-            &long,
-        ));
+        wrong.extend(some(&name, "files on circles", &circles::told(&tree).1));
+        wrong.extend(some(&name, "functions over 80 lines", &figures::long_functions(&tree)));
         lines.extend(figures::lines(&tree));
         // The project's chores tell a person, and nobody else.
-        if name == "xtask" {
-            continue;
+        if name != "xtask" {
+            wrong.extend(some(&name, "Result<_, String>", &figures::errors_of_text(&tree)));
         }
-        let texts = figures::errors_of_text(&tree);
-        wrong.extend(more(
-            &name,
-            "Result<_, String>",
-            texts.len(),
-            known.map_or(0, |k| k.texts),
-            &texts,
-        ));
     }
     wrong.extend(figures::median(lines));
     Ok(wrong)
 }
 
-/// One line, and the places, if something is there more often than it was.
-fn more(name: &str, what: &str, count: usize, most: usize, places: &[String]) -> Option<String> {
-    (count > most)
-        .then(|| format!("{name}: {count} {what}, where {most} were:\n  {}", places.join("\n  ")))
+/// One line, and the places, if something is there that no crate has.
+fn some(name: &str, what: &str, places: &[String]) -> Option<String> {
+    (!places.is_empty()).then(|| format!("{name}: {what}:\n  {}", places.join("\n  ")))
 }
 
 /// The name and the files of every crate, without its tests.

@@ -1,6 +1,7 @@
 //! What is known of an arm's inertia: the range that a constant nominal inertia has to stand for.
 
 mod ascent;
+mod error;
 mod postures;
 mod prove;
 mod rates;
@@ -9,44 +10,14 @@ use nalgebra::DMatrix;
 use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use phihat_certificate::{ArmBasis, ArmInertia, Searched};
 use phihat_study::{InertiaSource, Study};
-use thiserror::Error;
 
+pub use error::ArmError;
 pub use prove::{ProofProgress, Unproved};
 pub use rates::InertiaRates;
 
 use crate::trace::InertiaEstimate;
 use ascent::{End, STARTS, extreme};
 use postures::{Postures, scaled};
-
-/// Why the range cannot be found.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum ArmError {
-    /// The payload cannot be attached.
-    #[error("payload: {0}")]
-    Payload(String),
-    /// A mass matrix has an entry that is not a number.
-    #[error(
-        "the mass matrix of the robot is not finite at q = {0:?}: check masses, inertias, rotor inertias and \
-         lengths in its description"
-    )]
-    NotFinite(Vec<f64>),
-    /// The inertia has no range in the nominal inertias.
-    #[error(
-        "the arm's inertia reaches from {low:e} to {high:e} times M̄ = {nominal:?} kg m^2; a range has to be \
-         above 0, finite, and its ends less than 1e13 apart: check M̄, masses and rotor inertias"
-    )]
-    Range {
-        /// Smallest eigenvalue.
-        low: f64,
-        /// Largest eigenvalue.
-        high: f64,
-        /// Nominal inertias \[kg·m²\].
-        nominal: Vec<f64>,
-    },
-    /// The study wants an estimate from a trace that was not given.
-    #[error("design.inertia_from is \"trace\": the trace's estimate is missing")]
-    NoEstimate,
-}
 
 /// An eigenvalue is not told apart from 0 below this share of the largest.
 const TOLD: f64 = 1e-13;

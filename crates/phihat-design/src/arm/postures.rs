@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use phihat_model::{Body, Joint, JointKind, Model, Workspace};
 use phihat_study::{PayloadSet, Study};
 
-use super::ArmError;
+use super::error::ArmError;
 
 /// Postures inside the joints' travel looked at per payload.
 pub(super) const SAMPLES: u32 = 1500;

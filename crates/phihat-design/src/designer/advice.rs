@@ -3,8 +3,10 @@
 use phihat_study::{Study, VelocitySource};
 use serde::{Deserialize, Serialize};
 
-use super::search::Search;
-use super::{Attempt, COARSE, DesignError, PhiOf};
+use super::attempt::Attempt;
+use super::error::DesignError;
+use super::known::PhiOf;
+use super::search::{COARSE, Search};
 use crate::arm::Arm;
 
 /// Multiples of the loop's rate that are tried, the smallest first, and the highest rate \[Hz\].

@@ -1,7 +1,9 @@
 //! `φ` over a range of nominal inertias, looked up once.
 
-use super::PhiOf;
 use crate::Phi;
+
+/// What is known of `φ` for a joint and its nominal inertia.
+pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
 
 /// Factors on a nominal inertia at which `φ` is looked up: from the first, by this factor, so many.
 const NODES: (f64, f64, u32) = (0.125, 1.25, 19);

@@ -1,7 +1,9 @@
 //! From a specification to gains with a certificate, or a "no" with its reason.
 
 mod advice;
+mod attempt;
 mod candidate;
+mod error;
 mod infeasible;
 mod known;
 mod nominal;
@@ -11,21 +13,16 @@ mod search;
 mod verdict;
 
 use phihat_study::{DesignMethod, Study};
-use thiserror::Error;
 
 pub use advice::{Alternative, alternatives};
+pub use error::DesignError;
 pub use infeasible::{Clause, Infeasible};
+pub use known::PhiOf;
 
 use crate::Gains;
-use crate::Phi;
-use crate::arm::{Arm, ArmError};
-use crate::claims::{PaperError, Refutation};
-use candidate::Candidate;
-use search::{COARSE, FINE, Grid, Search};
-use verdict::{KEYS, Nearest};
-
-/// What is known of `φ` for a joint and its nominal inertia.
-pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
+use crate::arm::Arm;
+use attempt::Attempt;
+use search::{FINE, Search};
 
 /// What a design comes to: gains, or why there are none.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,26 +32,6 @@ pub enum Outcome {
     Designed(Box<Gains>),
     /// No gains keep every clause.
     Infeasible(Infeasible),
-}
-
-/// Why a design cannot begin.
-#[derive(Debug, Error)]
-pub enum DesignError {
-    /// The study does not say which error is allowed.
-    #[error("spec.error_max_rad is missing: a design needs the largest error you can live with")]
-    NoSpec,
-    /// The paper's recipe lacks a limit.
-    #[error("{0} is missing: the paper's recipe starts from φ_max and limits on ∫e, e and ė")]
-    PaperSpec(&'static str),
-    /// The paper's recipe has no gains for these limits.
-    #[error("the paper's recipe: {0}")]
-    Paper(#[from] PaperError),
-    /// The arm's inertia cannot be found.
-    #[error("{0}")]
-    Arm(#[from] ArmError),
-    /// A claim that the search relies on cannot be made.
-    #[error("{0}")]
-    Claim(#[from] Refutation),
 }
 
 /// Finds gains that keep a study's specification, by the method it asks for.
@@ -143,83 +120,4 @@ pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
     let clauses = search.clauses(&attempt.nearest);
     let (tried, stable) = (attempt.tried, attempt.stable);
     Ok(Outcome::Infeasible(Infeasible { clauses, alternatives: Vec::new(), tried, stable }))
-}
-
-/// One search for gains.
-struct Attempt {
-    gains: Option<Gains>,
-    nearest: Nearest,
-    tried: u32,
-    stable: u32,
-}
-
-impl Attempt {
-    fn of(search: &Search<'_>, grid: &Grid) -> Result<Self, DesignError> {
-        let (mut candidates, tried) = search.candidates(grid);
-        candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
-        let stable = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
-        let mut found = Self { gains: None, nearest: Nearest::default(), tried, stable };
-        let mut verdicts = Vec::with_capacity(candidates.len());
-        for candidate in &candidates {
-            let verdict = search.judge(candidate);
-            if verdict.within() && found.take(search, &candidates, candidate)? {
-                return Ok(found);
-            }
-            found.nearest.note(&verdict);
-            verdicts.push(verdict);
-        }
-        for clause in (0..KEYS.len()).filter(|clause| search.limit(*clause).is_some()) {
-            for &order in &search.study.design.orders {
-                let of_order =
-                    (0..candidates.len()).filter(|i| candidates[*i].shape.order == order);
-                let price = |i: &usize| refine::cost(&verdicts[*i], clause);
-                let Some(start) = of_order.min_by(|a, b| price(a).total_cmp(&price(b))) else {
-                    continue;
-                };
-                if price(&start) > grid.reach {
-                    continue;
-                }
-                let (mut quietest, mut closest): (Option<Candidate>, Option<(f64, Candidate)>) =
-                    (None, None);
-                search.refine(&candidates[start], clause, |candidate, verdict| {
-                    found.nearest.note(verdict);
-                    if !verdict.within() {
-                        return;
-                    }
-                    let cost = refine::cost(verdict, clause);
-                    if quietest.as_ref().is_none_or(|q| candidate.noise() < q.noise()) {
-                        quietest = Some(candidate.clone());
-                    }
-                    if closest.as_ref().is_none_or(|(least, _)| cost < *least) {
-                        closest = Some((cost, candidate.clone()));
-                    }
-                });
-                // The estimate that is furthest inside may hold where the quietest does not.
-                for candidate in quietest.iter().chain(closest.iter().map(|(_, c)| c)) {
-                    if found.take(search, &candidates, candidate)? {
-                        return Ok(found);
-                    }
-                }
-            }
-        }
-        Ok(found)
-    }
-
-    /// Takes a candidate if its certificate keeps the specification too.
-    fn take(
-        &mut self,
-        search: &Search<'_>,
-        candidates: &[Candidate],
-        chosen: &Candidate,
-    ) -> Result<bool, DesignError> {
-        let Some(mut gains) = search.certify(chosen)? else { return Ok(false) };
-        let mut all = candidates.to_vec();
-        if !all.contains(chosen) {
-            let at = all.partition_point(|other| other.noise() < chosen.noise());
-            all.insert(at, chosen.clone());
-        }
-        gains.trade_off = search.trade_off(&all, chosen);
-        self.gains = Some(gains);
-        Ok(true)
-    }
 }

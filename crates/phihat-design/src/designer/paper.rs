@@ -3,7 +3,8 @@
 use phihat_certificate::extremes::Extremes as _;
 use phihat_study::Study;
 
-use super::{DesignError, PhiOf};
+use super::error::DesignError;
+use super::known::PhiOf;
 use crate::Certificate;
 use crate::arm::Arm;
 use crate::claims::paper::Feedback;

@@ -4,10 +4,10 @@ use phihat_certificate::extremes::Extremes as _;
 use phihat_study::Study;
 
 use super::candidate::{Candidate, Shape};
-use super::known::Known;
+use super::error::DesignError;
+use super::known::{Known, PhiOf};
 use super::nominal::shared_out;
 use super::verdict::{KEYS, Verdict};
-use super::{DesignError, PhiOf};
 use crate::Certificate;
 use crate::TradeOff;
 use crate::certificate::{Evidence, as_modelled};

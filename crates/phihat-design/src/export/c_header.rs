@@ -2,8 +2,9 @@
 
 use core::fmt::Write;
 
+use super::notes;
 use super::number::exact;
-use super::{notes, period};
+use super::period::period;
 use crate::sampled::estimator_coefficients;
 use crate::{Gains, JointRecord};
 

@@ -1,7 +1,8 @@
 //! The gains as a table.
 
+use super::notes;
 use super::number::exact;
-use super::{notes, period};
+use super::period::period;
 use crate::Gains;
 use crate::sampled::estimator_coefficients;
 

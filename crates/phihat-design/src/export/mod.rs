@@ -5,18 +5,20 @@
 
 mod c_header;
 mod csv;
+mod error;
 mod notes;
 mod number;
+mod period;
 mod pid;
 mod ros;
 
+pub use error::ExportError;
 pub use pid::{Pid, PidClaims};
 
+use period::period_ns;
 use phihat::Form;
-use thiserror::Error;
 
-use crate::claims::Refutation;
-use crate::{Gains, GainsError};
+use crate::Gains;
 
 /// The format that gains are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,45 +29,6 @@ pub enum Target {
     CHeader,
     /// A table, one row per joint; notes in lines that begin with `#`.
     Csv,
-}
-
-/// Why gains cannot be exported.
-#[derive(Debug, Error)]
-pub enum ExportError {
-    /// Not gains that the core runs.
-    #[error("{0}")]
-    Gains(#[from] GainsError),
-    /// No joint.
-    #[error("there is no joint in these gains")]
-    NoJoints,
-    /// Two joints have one name.
-    #[error("two joints are named {0:?}")]
-    SameName(String),
-    /// The certificate does not hold.
-    #[error("the certificate is refuted: {0}")]
-    Refuted(Refutation),
-    /// The estimator integrates more than once.
-    #[error(
-        "joint {joint}: its estimator has order {order}, which integrates the error {order} times; the PID of \
-         ROS 2 controllers does so once\n  = help: design with `orders = [1]` under [design], or take \
-         --format c-header and run the law of order {order}"
-    )]
-    Order {
-        /// The joint.
-        joint: String,
-        /// Order of its estimator.
-        order: usize,
-    },
-    /// The rate is no whole number.
-    #[error("rate_hz is {0}; a ROS 2 controller manager runs at a whole number of Hz")]
-    Rate(f64),
-    /// Without the torque that acted, the same gains do not hold the arm.
-    #[error(
-        "as a PID these gains do not hold the arm: {0}\n  = help: the certificate is about the observer form, \
-         which knows the torque that acted; design with `form = \"literal\"` under [loop], or raise \
-         design.window_margin"
-    )]
-    Pid(Refutation),
 }
 
 /// Writes gains for a target.
@@ -122,23 +85,4 @@ fn check(gains: &Gains) -> Result<(), ExportError> {
         Some(certificate) => certificate.verify(gains).map_err(ExportError::Refuted),
         None => Ok(()),
     }
-}
-
-/// The period \[s\] of the core.
-fn period(gains: &Gains) -> f64 {
-    period_ns(gains).map_or(f64::NAN, |ns| ns as f64 * 1e-9)
-}
-
-/// The period as the core counts it.
-fn period_ns(gains: &Gains) -> Result<u64, ExportError> {
-    let period = (1e9 / gains.rate_hz).round();
-    if !(1.0..=1e12).contains(&period) {
-        return Err(ExportError::Gains(GainsError::Rate { found: gains.rate_hz, expected: 1e3 }));
-    }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 1 and 1e12, a whole number"
-    )]
-    Ok(period as u64)
 }

@@ -2,9 +2,10 @@
 
 use core::fmt::Write;
 
+use super::error::ExportError;
+use super::notes;
 use super::number::{exact, up};
 use super::pid::{Pid, PidClaims};
-use super::{ExportError, notes};
 use crate::Gains;
 
 const HOW: [&str; 10] = [

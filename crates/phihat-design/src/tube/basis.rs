@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::{larger, smaller};
 use phihat_model::Model;
 
-use super::TubeRefusal;
+use super::refusal::TubeRefusal;
 use super::scene::{Scene, half};
 use phihat_study::PayloadSet;
 
@@ -51,7 +51,7 @@ impl Slice {
         (0..count).map(slice).collect()
     }
 
-    pub(super) fn middle(&self) -> f64 {
+    fn middle(&self) -> f64 {
         0.5 * (self.mass.0 + self.mass.1)
     }
 
@@ -61,9 +61,14 @@ impl Slice {
     }
 
     /// The model with some mass of the slice, all else in the middle.
-    pub(super) fn with(&self, scene: &Scene<'_>, mass: f64) -> Result<Model, TubeRefusal> {
+    fn with(&self, scene: &Scene<'_>, mass: f64) -> Result<Model, TubeRefusal> {
         let [xx, _, _, yy, _, zz] = self.inertia;
         scene.loaded(mass, [0.0; 3], [xx, 0.0, 0.0, yy, 0.0, zz])
+    }
+
+    /// The models with the smallest and the largest mass of the slice.
+    pub(super) fn ends(&self, scene: &Scene<'_>) -> Result<Vec<Model>, TubeRefusal> {
+        Ok(vec![self.with(scene, self.mass.0)?, self.with(scene, self.mass.1)?])
     }
 
     /// The ten parameters in their order: mass, first moments, inertia. `None` where it does not vary.

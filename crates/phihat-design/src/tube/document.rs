@@ -4,7 +4,10 @@ use phihat_certificate::extremes::{Extremes as _, hull};
 use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
-use super::{Desired, JointEnvelope, TubeRefusal, find};
+use super::desired::Desired;
+use super::envelope::JointEnvelope;
+use super::refusal::TubeRefusal;
+use super::slices::find;
 use crate::sampled::TorqueNoise;
 
 /// Bins of the sweep in one bin of the document.

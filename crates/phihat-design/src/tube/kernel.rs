@@ -146,11 +146,12 @@ pub(super) type Scale = Vec<f64>;
 
 impl<'a> Course<'a> {
     /// The interval from sample `t`; beyond the run, the last one goes on.
-    fn interval(&self, t: usize) -> &'a Interval {
+    pub(super) fn interval(&self, t: usize) -> &'a Interval {
         &self.intervals[t.min(self.intervals.len() - 1)]
     }
 
-    fn jacobian(&self, t: usize) -> &'a [f64] {
+    /// The payload's Jacobian at a sample; empty where there is none.
+    pub(super) fn jacobian(&self, t: usize) -> &'a [f64] {
         self.jacobians.get(t.min(self.jacobians.len().saturating_sub(1))).map_or(&[], Vec::as_slice)
     }
 

@@ -3,8 +3,8 @@
 use phihat_certificate::extremes::hull;
 use phihat_model::{Model, Workspace};
 
-use super::TubeRefusal;
 use super::controller::Control;
+use super::refusal::TubeRefusal;
 use super::scene::{Scene, dry};
 
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].

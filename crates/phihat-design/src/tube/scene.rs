@@ -5,7 +5,8 @@ use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
 
 use super::controller::{JointLaw, Law};
-use super::{Desired, TubeRefusal};
+use super::desired::Desired;
+use super::refusal::TubeRefusal;
 use crate::certificate::missing;
 use crate::sampled::{LoopModel, LoopVelocity, TorqueNoise};
 use phihat_certificate::{Gains, NotCounted};

@@ -3,11 +3,9 @@
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::Complex;
 use phihat_certificate::extremes::Extremes as _;
-
 use phihat_certificate::{Moving, Unstable};
 
-use super::Cut;
-
+use super::cut::Cut;
 use crate::sampled::polynomial::on_circle;
 use crate::sampled::window::angles;
 

@@ -1,0 +1,68 @@
+//! What each parameter of the payload does to the run, to first order.
+
+use super::basis::Direction;
+use super::deviation::Deviation;
+use super::kernel::Course;
+use super::lanes::WIDE;
+use super::linear::{Differences, middle};
+use super::nominal::Nominal;
+
+/// One linear run, recorded.
+#[derive(Debug, Clone)]
+pub(super) struct Shape {
+    /// `n` per sample.
+    pub(super) e: Vec<f64>,
+    pub(super) v: Vec<f64>,
+    /// `n` per interval.
+    pub(super) command: Vec<f64>,
+}
+
+/// The linear runs of the payload's parameters.
+pub(super) fn shapes(
+    course: &Course<'_>,
+    nominal: &Nominal,
+    directions: &[Option<Direction>],
+) -> Vec<Option<Shape>> {
+    let scene = course.scene;
+    let n = scene.n;
+    if directions.is_empty() {
+        return Vec::new();
+    }
+    let mut pairs: Vec<Option<(Differences<'_>, Differences<'_>, f64)>> = directions
+        .iter()
+        .map(|d| {
+            d.as_ref().map(|d| (Differences::new(&d.plus), Differences::new(&d.minus), d.scale))
+        })
+        .collect();
+    let empty = Shape { e: vec![0.0; n], v: vec![0.0; n], command: Vec::new() };
+    let mut shapes: Vec<Option<Shape>> =
+        directions.iter().map(|d| d.as_ref().map(|_| empty.clone())).collect();
+    let mut runs = [Deviation::<WIDE>::new(scene), Deviation::<WIDE>::new(scene)];
+    let (mut plus, mut minus) = (vec![0.0; n], vec![0.0; n]);
+    for (k, interval) in course.intervals.iter().enumerate() {
+        let [q, v, a] = middle(scene, nominal, k);
+        let mut torque = vec![[0.0_f64; 2 * WIDE]; n];
+        for (d, pair) in pairs.iter_mut().enumerate() {
+            let Some((with, without, scale)) = pair else { continue };
+            with.torque((&q, &v, &a), &mut plus);
+            without.torque((&q, &v, &a), &mut minus);
+            for i in 0..n {
+                torque[i][d] = -(plus[i] - minus[i]) * *scale;
+            }
+        }
+        for (pack, run) in runs.iter_mut().enumerate() {
+            let held = |i: usize| core::array::from_fn(|c| torque[i][pack * WIDE + c]);
+            run.step(scene, (k, interval), held);
+        }
+        for (d, shape) in shapes.iter_mut().enumerate() {
+            let Some(shape) = shape else { continue };
+            let (run, c) = (&runs[d / WIDE], d % WIDE);
+            for i in 0..n {
+                shape.e.push(run.state[i][c]);
+                shape.v.push(run.state[n + i][c]);
+                shape.command.push(run.control.command[i][c]);
+            }
+        }
+    }
+    shapes
+}

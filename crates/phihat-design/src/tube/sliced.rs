@@ -1,0 +1,122 @@
+//! The tube of one slice of the payload: the loop made linear around its nominal run, and a sweep along it.
+
+use super::along::Along;
+use super::basis::Slice;
+use super::envelope::Envelope;
+use super::group::Groups;
+use super::intervals::intervals;
+use super::kernel::Course;
+use super::moved::Moved;
+use super::nominal::Nominal;
+use super::parallel::parallel;
+use super::refusal::TubeRefusal;
+use super::relative::relative;
+use super::scene::Scene;
+use super::segments::segments;
+use super::shapes::shapes;
+use super::sweep::{Bin, Sweep};
+use super::twist::jacobians;
+
+/// Length of a bin \[s\].
+const BIN: f64 = 0.005;
+
+/// Length of a group of bins that share a launch \[s\]: a share of what the loop remembers, between two ends.
+const GROUP: (f64, f64) = (0.04, 0.16);
+const GROUPS_REMEMBERED: f64 = 16.0;
+
+/// Second derivatives are looked at so often \[s\].
+const LOOK: f64 = 0.04;
+
+/// A loop has forgotten when its state is below this share of its peak.
+const FORGOTTEN: f64 = 1e-3;
+
+/// The tube of one slice of the payload.
+pub(super) fn sliced(
+    scene: &Scene<'_>,
+    slice: Option<&Slice>,
+    threads: usize,
+) -> Result<Envelope, TubeRefusal> {
+    let model = match slice {
+        Some(slice) => slice.model(scene)?,
+        None => scene.bare.clone(),
+    };
+    let nominal = Nominal::run(scene, &model)?;
+    let intervals = intervals(scene, &nominal, &model, threads)?;
+    let jacobians = match slice {
+        Some(_) => jacobians(scene, &nominal, &model),
+        None => Vec::new(),
+    };
+    let bin = whole(BIN / scene.period, 1);
+    let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
+    let (scale, memory) = course.pilot(FORGOTTEN);
+    let group = bins_of_group(scene, bin, memory);
+    let samples = intervals.len();
+    let bins = samples.div_ceil(bin);
+    let length = (memory.div_ceil(bin * group) + 1) * bin * group;
+    let segments = segments(&course, length, &scale, threads);
+    let (directions, ends) = match slice {
+        Some(slice) => (slice.directions(scene)?, slice.ends(scene)?),
+        None => (Vec::new(), vec![scene.bare.clone()]),
+    };
+    let shapes = shapes(&course, &nominal, &directions);
+    let along = Along {
+        course: &course,
+        nominal: &nominal,
+        slice,
+        shapes: &shapes,
+        bins,
+        segments: &segments,
+    };
+    let groups = Groups {
+        along: &along,
+        scale: &scale,
+        moved: &Moved::new(&course, group),
+        ends: &ends,
+        directions: &directions,
+        bins: group,
+        looks: whole(LOOK / scene.period, 1),
+        length,
+    };
+    let first = course.kernel(0, length.min(samples + bin), &scale);
+    let swept = swept(Sweep::new(&along, first), &groups, threads)?;
+    relative(scene, &nominal, bin, &swept)
+}
+
+/// Goes through all bins, whose groups are made side by side, a few per thread at a time.
+fn swept(
+    mut sweep: Sweep<'_>,
+    groups: &Groups<'_>,
+    threads: usize,
+) -> Result<Vec<Bin>, TubeRefusal> {
+    let (count, bins) = (groups.count(), groups.along.bins);
+    let chunk = 4 * threads;
+    for start in (0..count).step_by(chunk) {
+        let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
+        let made = parallel(&list, threads, |g| groups.group(g));
+        for (g, made) in list.iter().zip(&made) {
+            for b in g * groups.bins..((g + 1) * groups.bins).min(bins) {
+                sweep.bin(b, made)?;
+            }
+        }
+    }
+    Ok(sweep.bin_results)
+}
+
+/// Bins that share a launch, an even number.
+fn bins_of_group(scene: &Scene<'_>, bin: usize, memory: usize) -> usize {
+    let shared = (memory as f64 * scene.period / GROUPS_REMEMBERED).clamp(GROUP.0, GROUP.1);
+    // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
+    let shared = if scene.measured_velocity { 0.25 * shared } else { shared };
+    2 * whole(0.5 * shared / (bin as f64 * scene.period), 1)
+}
+
+/// The whole number nearest to a count.
+fn whole(x: f64, least: usize) -> usize {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small positive number"
+    )]
+    let x = x.round().max(0.0) as usize;
+    x.max(least)
+}

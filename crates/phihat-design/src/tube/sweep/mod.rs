@@ -1,0 +1,201 @@
+//! One pass along the motion: bounds that one evaluation of the causal sums finds again, smaller.
+
+mod dry;
+mod guess;
+mod inputs;
+mod outputs;
+mod stretch;
+
+use phihat_certificate::extremes::larger;
+
+pub(super) use outputs::Bin;
+
+use super::along::Along;
+use super::group::Group;
+use super::kernel::Kernel;
+use super::refusal::TubeRefusal;
+use dry::{DryFriction, DryRuns};
+use guess::Guess;
+use inputs::inputs_of;
+use outputs::Outputs;
+use stretch::Stretch;
+
+/// Rounds in one bin before it is given up.
+const ROUNDS: u32 = 80;
+
+/// What a hypothesis is widened by when it does not hold.
+const WIDER: f64 = 1.01;
+
+/// For what is left out of the sums: curvature of responses within a sample, rounding.
+const SLACK: f64 = 1.01;
+
+/// Where a bound has grown so far, nothing will close \[rad\].
+const LOST: f64 = 1.0;
+
+/// The state of a sweep.
+pub(super) struct Sweep<'a> {
+    along: &'a Along<'a>,
+    /// Outputs of bins to come, from inputs so far: `[bin][row]`.
+    ahead: Vec<Vec<f64>>,
+    /// Inputs of the bin before.
+    before: Vec<f64>,
+    /// Sizes of scaled state that arrive at each segment's start.
+    arriving: Vec<f64>,
+    friction: DryFriction,
+    tail: Vec<f64>,
+    first_reading: Kernel,
+    pub(super) bin_results: Vec<Bin>,
+}
+
+impl<'a> Sweep<'a> {
+    pub(super) fn new(along: &'a Along<'a>, first_reading: Kernel) -> Self {
+        let inputs = along.course.inputs();
+        Self {
+            along,
+            ahead: vec![vec![0.0; inputs.rows()]; along.bins],
+            before: vec![0.0; inputs.count()],
+            arriving: vec![0.0; along.segments.len() + 1],
+            friction: DryFriction::new(along.course.scene),
+            tail: vec![0.0; along.segments.len() + 1],
+            first_reading,
+            bin_results: Vec::with_capacity(along.bins),
+        }
+    }
+
+    /// Goes through one bin.
+    pub(super) fn bin(&mut self, b: usize, group: &Group) -> Result<(), TubeRefusal> {
+        let at = Stretch::new(self.along, group, b);
+        let tail = self.tails(b);
+        let mut guess = self.first_guess(&at);
+        let mut rounds = 0;
+        let (bin, inputs, runs) = loop {
+            let inputs = inputs_of(&at, &guess);
+            let runs = self.friction.over(&at, &guess);
+            let (bin, found) = self.outputs(&at, &inputs, &tail, &runs);
+            let inside = guess.hold(&found);
+            rounds += 1;
+            if inside {
+                // One more evaluation, of the smaller bounds: whatever stays in `found` gives no larger inputs.
+                break (bin, inputs, runs);
+            }
+            let lost = found.e.iter().any(|e| e.is_nan() || *e > LOST);
+            if rounds > ROUNDS || lost {
+                let worst =
+                    (0..at.n).max_by(|i, j| found.e[*i].total_cmp(&found.e[*j])).unwrap_or(0);
+                let scene = self.along.course.scene;
+                let joint = scene.names[worst].clone();
+                let t = at.from as f64 * scene.period;
+                return Err(TubeRefusal::Open { joint, t });
+            }
+            guess.widen(&found, if rounds > 20 { 1.05 } else { WIDER });
+        };
+        self.scatter(b, group, &inputs);
+        self.friction.go_on(runs);
+        self.before = inputs;
+        self.bin_results.push(bin);
+        Ok(())
+    }
+
+    /// A little more than at the end of the bin before.
+    fn first_guess(&self, at: &Stretch<'_>) -> Guess {
+        let n = at.n;
+        let rows = &self.ahead[at.b];
+        let own = |i: usize| rows[i].abs() * 1.05 + 1e-9;
+        let last = self.bin_results.last();
+        let (mut e, mut v) = (vec![0.0; n], vec![(0.0, 0.0); n]);
+        for i in 0..n {
+            let before = last.map_or((0.0, 0.0), |bin| bin.v[bin.v.len() - n + i]);
+            v[i] = (before.0 - 1e-7, before.1 + 1e-7);
+            let before = last.map_or(0.0, |bin| {
+                let at = bin.e[bin.e.len() - n + i];
+                larger(at.1, -at.0)
+            });
+            e[i] = larger(before, own(i));
+        }
+        let twist = (0..at.inputs.twist).map(|c| own(2 * n + c)).collect();
+        Guess {
+            v: (at.from..=at.to).flat_map(|_| v.clone()).collect(),
+            e,
+            summed: [(0..n).map(own).collect(), (0..n).map(|i| own(n + i)).collect()],
+            twist,
+        }
+    }
+
+    /// Bounds that follow in a bin, and the guess that they would be.
+    fn outputs(
+        &self,
+        at: &Stretch<'_>,
+        inputs: &[f64],
+        tail: &[f64],
+        runs: &DryRuns,
+    ) -> (Bin, Guess) {
+        let boxes = &self.boxes(inputs);
+        let summed = &self.summed(at, boxes, tail);
+        Outputs { at, boxes, summed, friction: &self.friction, runs }.bounds()
+    }
+
+    /// The larger box of each input, of this bin and the one before.
+    fn boxes(&self, inputs: &[f64]) -> Vec<f64> {
+        inputs.iter().zip(&self.before).map(|(now, before)| larger(*now, *before)).collect()
+    }
+
+    /// Sums over all inputs so far, per row of the outputs.
+    fn summed(&self, at: &Stretch<'_>, boxes: &[f64], tail: &[f64]) -> Vec<f64> {
+        let misread = &self.along.course.scene.misread;
+        let mut summed = vec![0.0; at.inputs.rows()];
+        for (row, sum) in summed.iter_mut().enumerate() {
+            let own = at.group.kernel.lag(0, row);
+            let own: f64 = own.iter().zip(boxes).map(|(k, u)| f64::from(*k) * u).sum();
+            *sum = SLACK * (self.ahead[at.b][row] + own + tail[row]);
+            if at.b < self.first_reading.lags {
+                let first = &self.first_reading.lag(at.b, row)[at.inputs.reading()..];
+                let first: f64 = first.iter().zip(misread).map(|(k, u)| f64::from(*k) * u).sum();
+                *sum += first;
+            }
+        }
+        summed
+    }
+
+    /// Puts what a bin's inputs do into the bins to come, and what is left of it into the tails.
+    fn scatter(&mut self, b: usize, group: &Group, inputs: &[f64]) {
+        let boxes = self.boxes(inputs);
+        let kernel = &group.kernel;
+        for lag in 1..kernel.lags.min(self.along.bins.saturating_sub(b)) {
+            let ahead = &mut self.ahead[b + lag];
+            for (row, slot) in ahead.iter_mut().enumerate() {
+                let sum: f64 =
+                    kernel.lag(lag, row).iter().zip(&boxes).map(|(k, u)| f64::from(*k) * u).sum();
+                *slot += sum;
+            }
+        }
+        if let Some(segment) = self.along.segments.iter().position(|s| s.from == kernel.end) {
+            let size: f64 = kernel.left.iter().zip(&boxes).map(|(l, u)| l * u).sum();
+            self.arriving[segment] += self.along.course.bin as f64 * size;
+        }
+    }
+
+    /// What states left over from long ago may do in a bin.
+    fn tails(&mut self, b: usize) -> Vec<f64> {
+        let along = self.along;
+        let rows = along.course.inputs().rows();
+        let sample = b * along.course.bin;
+        let Some(now) = along.segments.iter().rposition(|s| s.from <= sample) else {
+            return vec![0.0; rows];
+        };
+        // All that arrives here and at the next segment's start is known: kernels are at least a segment long.
+        if along.segments[now].from == sample {
+            let before =
+                if now > 0 { self.tail[now - 1] * along.segments[now - 1].left } else { 0.0 };
+            self.tail[now] = before + self.arriving[now];
+        }
+        let here = self.tail[now];
+        let mut out: Vec<f64> = along.segments[now].rows.iter().map(|row| row * here).collect();
+        if let Some(next) = along.segments.get(now + 1) {
+            let there = here * along.segments[now].left + self.arriving[now + 1];
+            for (out, row) in out.iter_mut().zip(&next.rows) {
+                *out += row * there;
+            }
+        }
+        out
+    }
+}
