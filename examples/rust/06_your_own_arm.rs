@@ -8,10 +8,11 @@ use std::error::Error;
 
 use phihat::{
     Controller, Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
+    TorqueSource, VelocitySource,
 };
 use phihat_design::JointRecord;
 use phihat_design::prelude::*;
-use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use phihat_design::sampled::{InertiaWindow, LoopModel};
 use phihat_model::{Body, Robot, Workspace};
 
 /// Two links in the vertical plane.
@@ -77,10 +78,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         period_s: T,
         delay_samples: 1,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
-        velocity: LoopVelocity::Differenced,
+        torque: TorqueSource::Applied,
+        velocity: VelocitySource::Differenced,
         velocity_filter_hz: None,
-        form: LoopForm::Observer,
+        form: Form::Observer,
         drive_bandwidth_hz: None,
     };
     let (kp, kd, a) = (400.0, 40.0, vec![70.0 * 70.0, 2.0 * 70.0]);

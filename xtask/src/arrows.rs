@@ -24,7 +24,7 @@ const CRATES: [Row; 19] = [
     ),
     (
         "phihat-study",
-        &["phihat-model"],
+        &["phihat", "phihat-model"],
         "the study file: text to checked plain data, with errors that name file, line and key. It computes nothing",
     ),
     (

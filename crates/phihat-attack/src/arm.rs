@@ -8,7 +8,7 @@ use crate::link::{Part, moved};
 
 /// An arm as its user has it.
 #[derive(Debug, Clone)]
-pub enum Arm {
+pub enum UserArm {
     /// One of `robots/`.
     Named(&'static str),
     /// A chain, as texts.
@@ -22,7 +22,7 @@ pub enum Arm {
     },
 }
 
-impl Arm {
+impl UserArm {
     /// One of `robots/` in three of ten, else a random chain.
     pub fn draw(dice: &mut Dice) -> Self {
         if dice.chance(0.3) { Self::Named(dice.pick(&NAMED)) } else { chain(dice) }
@@ -62,7 +62,7 @@ impl Arm {
 
 const NAMED: [&str; 4] = ["planar3r", "panda", "iiwa14", "ur5"];
 
-fn chain(dice: &mut Dice) -> Arm {
+fn chain(dice: &mut Dice) -> UserArm {
     let n = dice.pick(&[2, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12]);
     let reach = dice.log_between(0.25, 1.5);
     let (first, taper) = (dice.log_between(0.5, 10.0), dice.between(0.6, 0.95));
@@ -80,7 +80,11 @@ fn chain(dice: &mut Dice) -> Arm {
         parts.push(part);
     }
     let rotor = rotors(dice, &parts);
-    Arm::Written { joints: n, urdf: urdf(dice, &parts, before), toml: toml(dice, &parts, &rotor) }
+    UserArm::Written {
+        joints: n,
+        urdf: urdf(dice, &parts, before),
+        toml: toml(dice, &parts, &rotor),
+    }
 }
 
 /// Rotor inertia: a share of what the joint moves at most; none at all now and then.
@@ -96,13 +100,13 @@ fn rotors(dice: &mut Dice, parts: &[Part]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::Arm;
+    use super::UserArm;
     use phihat_session::Dice;
 
     #[test]
     fn every_chain_is_read() {
         for index in 0..200 {
-            let arm = Arm::draw(&mut Dice::new(7, index));
+            let arm = UserArm::draw(&mut Dice::new(7, index));
             let robot = arm.robot().unwrap();
             assert!(!robot.joints.is_empty());
         }

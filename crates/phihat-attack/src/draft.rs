@@ -5,7 +5,7 @@ use std::path::Path;
 
 use phihat_study::{Study, StudyError};
 
-use crate::arm::Arm;
+use crate::arm::UserArm;
 
 /// A body that the arm carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub struct Scope {
 #[derive(Debug, Clone)]
 pub struct Draft {
     /// The arm.
-    pub arm: Arm,
+    pub arm: UserArm,
     /// Simulated time \[s\].
     pub duration: f64,
     /// When the steady part begins \[s\].

@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use phihat_model::{JointKind, RobotError};
 use phihat_session::Dice;
 
-use crate::arm::Arm;
+use crate::arm::UserArm;
 use crate::draft::{Draft, Load, Scope, World};
 use crate::hand::Hand;
 
@@ -15,7 +15,7 @@ use crate::hand::Hand;
 ///
 /// [`RobotError`]: a fault of the generator of arms.
 pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
-    let arm = Arm::draw(dice);
+    let arm = UserArm::draw(dice);
     let robot = arm.robot()?;
     let mut hand = Hand { robot, dice, tags: vec![arm.name()], rate: 0.0, duration: 0.0 };
     let control = hand.control();

@@ -12,7 +12,6 @@ use thiserror::Error;
 
 use crate::draft::Draft;
 use crate::draw::draw;
-use crate::run::form;
 
 /// Finer integration than this makes a study too slow to be worth it.
 const SUBSTEPS_MAX: u32 = 40;
@@ -58,8 +57,14 @@ pub(crate) fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, NoDraft> {
     let mut study = draft.study(&stiffest, folder)?;
     study.sensor.velocity_filter_designed = false;
     let period = study.control.period_ns as f64 * 1e-9;
-    let design =
-        JointDesign { inertia: 1.0, kp: 100.0, kd: 20.0, a: &[20.0], period, form: form(&study) };
+    let design = JointDesign {
+        inertia: 1.0,
+        kp: 100.0,
+        kd: 20.0,
+        a: &[20.0],
+        period,
+        form: study.control.form,
+    };
     let law = JointGains::new(&design)?;
     match Simulation::new(&study, &vec![law; study.robot.joints.len()]) {
         Ok(_) => Ok(draft),

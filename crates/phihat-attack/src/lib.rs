@@ -28,7 +28,7 @@ mod summary;
 mod trial;
 mod vary;
 
-pub use arm::Arm;
+pub use arm::UserArm;
 pub use claim::{Claim, JointClaim, NoClaim, claimed};
 pub use draft::{Draft, Load, Scope, World};
 pub use draw::draw;

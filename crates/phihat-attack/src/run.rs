@@ -1,9 +1,8 @@
 //! A study run with gains.
 
-use phihat::Form;
 use phihat_design::{Gains, GainsError};
 use phihat_sim::{Outcome, SimError};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 use thiserror::Error;
 
 use crate::phase;
@@ -29,13 +28,6 @@ pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<Outcome, NoRu
     gains.give_filter(&mut study)?;
     let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
     let period = study.control.period_ns;
-    let law = gains.joint_gains(&names, period, form(&study))?;
+    let law = gains.joint_gains(&names, period, study.control.form)?;
     Ok(phase::run(&study, &law, shares)?)
-}
-
-pub(crate) fn form(study: &Study) -> Form {
-    match study.control.form {
-        LawForm::Observer => Form::Observer,
-        LawForm::Literal => Form::Literal,
-    }
 }

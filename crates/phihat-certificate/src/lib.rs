@@ -93,7 +93,7 @@ pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;
 pub use law::Law;
 pub use margins::Margins;
-pub use model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+pub use model::LoopModel;
 pub use moving::{Moving, Unstable};
 pub use noise::TorqueNoise;
 pub use norm::NormH;

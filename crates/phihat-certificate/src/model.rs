@@ -1,37 +1,33 @@
 //! The sampled loop around one joint: what is between the law and the inertia.
 
-use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
+use phihat::{Form, TorqueSource, VelocitySource};
+use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
-/// Which form of the law runs in a sampled loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LoopForm {
-    /// Disturbance observer fed with the torque that acted.
-    Observer,
-    /// The paper's integrals of the error.
-    Literal,
-}
+/// How a document spells the core's words: the core itself knows no file format.
+mod spelling {
+    use serde::{Deserialize, Serialize};
 
-/// Where the law's velocity comes from in a sampled loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LoopVelocity {
-    /// The true velocity at the sample.
-    Measured,
-    /// Backward difference of the position.
-    Differenced,
-}
+    #[derive(Serialize, Deserialize)]
+    #[serde(remote = "phihat::Form", rename_all = "snake_case")]
+    pub(super) enum Form {
+        Observer,
+        Literal,
+    }
 
-/// Which torque the observer is fed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LoopTorque {
-    /// The torque that acted: mean over the interval just ended, behind the drive.
-    #[default]
-    Applied,
-    /// The torque that the drive was told over that interval.
-    Demanded,
+    #[derive(Serialize, Deserialize)]
+    #[serde(remote = "phihat::VelocitySource", rename_all = "snake_case")]
+    pub(super) enum VelocitySource {
+        Measured,
+        Differenced,
+    }
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(remote = "phihat::TorqueSource", rename_all = "snake_case")]
+    pub(super) enum TorqueSource {
+        Applied,
+        Demanded,
+    }
 }
 
 /// Everything of the sampled loop that is neither gain nor inertia.
@@ -56,14 +52,16 @@ pub struct LoopModel {
     #[serde(default)]
     pub sample_delay_samples: u32,
     /// Torque that the observer is fed.
-    #[serde(default)]
-    pub torque: LoopTorque,
+    #[serde(default, with = "spelling::TorqueSource")]
+    pub torque: TorqueSource,
     /// Velocity source.
-    pub velocity: LoopVelocity,
+    #[serde(with = "spelling::VelocitySource")]
+    pub velocity: VelocitySource,
     /// First-order low-pass on the velocity \[Hz\]; `None`: none.
     pub velocity_filter_hz: Option<f64>,
     /// Form of the law.
-    pub form: LoopForm,
+    #[serde(with = "spelling::Form")]
+    pub form: Form,
     /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
     pub drive_bandwidth_hz: Option<f64>,
 }
@@ -76,19 +74,10 @@ impl LoopModel {
             period_s: study.control.period_ns as f64 * 1e-9,
             delay_samples: study.control.delay_samples,
             sample_delay_samples: study.sensor.delay_samples,
-            torque: match study.sensor.torque {
-                TorqueSource::Applied => LoopTorque::Applied,
-                TorqueSource::Demanded => LoopTorque::Demanded,
-            },
-            velocity: match study.sensor.velocity {
-                VelocitySource::Measured => LoopVelocity::Measured,
-                VelocitySource::Differenced => LoopVelocity::Differenced,
-            },
+            torque: study.sensor.torque,
+            velocity: study.sensor.velocity,
             velocity_filter_hz: study.sensor.velocity_filter_hz,
-            form: match study.control.form {
-                LawForm::Observer => LoopForm::Observer,
-                LawForm::Literal => LoopForm::Literal,
-            },
+            form: study.control.form,
             drive_bandwidth_hz: drives.and_then(|d| d.get(joint)).copied(),
         }
     }

@@ -1,12 +1,13 @@
 //! Peak-to-peak gains of the sampled loop: how large an error a bounded `φ` can make.
 
+use phihat::Form;
 use serde::{Deserialize, Serialize};
 
 use crate::check::decay::{Decay, Output};
 use crate::check::integral::{of_line, of_parabola};
 use crate::check::plausible::{self, enough};
 use crate::check::sample::{Loop, Signals};
-use crate::{JointRecord, LoopForm, LoopModel, Refutation};
+use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "sampled peak gains";
 
@@ -134,7 +135,7 @@ impl Found {
 /// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` where nothing is late, a constant else.
 fn servo_type(of: &Loop) -> usize {
     let late = of.late > 0 || of.drives();
-    if of.model.form == LoopForm::Observer && late { of.order.min(1) } else { of.order }
+    if of.model.form == Form::Observer && late { of.order.min(1) } else { of.order }
 }
 
 /// The state in which a loop bears a constant `φ = 1`: it demands that torque, at rest on its reference.
@@ -144,8 +145,8 @@ fn bearing(of: &Loop) -> Signals {
         *command = 1.0;
     }
     match of.model.form {
-        LoopForm::Observer => x.memory[0] = 1.0,
-        LoopForm::Literal => x.memory[of.order - 1] = of.integral_of_one(),
+        Form::Observer => x.memory[0] = 1.0,
+        Form::Literal => x.memory[of.order - 1] = of.integral_of_one(),
     }
     x
 }

@@ -1,10 +1,10 @@
 //! What a check has shown, what it has taken on trust, and what it leaves out.
 
+use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, Gains, JointCertificate, LoopForm, LoopTorque, LoopVelocity, NotCounted,
-    PhiBasis, Refutation, TubeAgain,
+    ArmBasis, Certificate, Gains, JointCertificate, NotCounted, PhiBasis, Refutation, TubeAgain,
 };
 
 /// One line of a checked certificate.
@@ -200,16 +200,16 @@ fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     let model = &joint.model;
     let form = match model.form {
-        LoopForm::Observer => "observer form",
-        LoopForm::Literal => "literal form",
+        Form::Observer => "observer form",
+        Form::Literal => "literal form",
     };
     let velocity = match model.velocity {
-        LoopVelocity::Measured => "velocity measured",
-        LoopVelocity::Differenced => "velocity differenced",
+        VelocitySource::Measured => "velocity measured",
+        VelocitySource::Differenced => "velocity differenced",
     };
     let torque = match model.torque {
-        LoopTorque::Applied => "told the torque that acted",
-        LoopTorque::Demanded => "told the torque demanded",
+        TorqueSource::Applied => "told the torque that acted",
+        TorqueSource::Demanded => "told the torque demanded",
     };
     let hertz = |what: &str, hz: Option<f64>| {
         hz.map_or_else(|| format!("no {what}"), |hz| format!("{what} {hz} Hz"))

@@ -1,6 +1,6 @@
 //! What is known of a rival before a run: the bound it states, its condition, its certificate.
 
-use phihat_rivals::{Arm, Condition, Entry, Tick, Tuning};
+use phihat_rivals::{Condition, DeclaredArm, Entry, Tick, Tuning};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -9,10 +9,10 @@ use crate::mark::Mark;
 use crate::row::ConditionRecord;
 
 /// What is declared of an arm in a study before its run, `demand` along its reference.
-fn declared(arm: &ArmCase, study: &Study, demand: &Demand) -> Arm {
+fn declared(arm: &ArmCase, study: &Study, demand: &Demand) -> DeclaredArm {
     let along: Vec<_> =
         arm.units.iter().enumerate().map(|(i, unit)| demand.phi(i, *unit)).collect();
-    Arm {
+    DeclaredArm {
         inertia_min: arm.eigenvalues[0],
         inertia_max: arm.eigenvalues[1],
         ratio: arm.ratio,
@@ -51,7 +51,7 @@ pub(crate) fn bound(
 }
 
 /// Whether what is declared asks for more torque than the drives have: then nobody's bound is worth asking for.
-fn saturates(arm: &Arm, study: &Study) -> bool {
+fn saturates(arm: &DeclaredArm, study: &Study) -> bool {
     let limits = study.control.torque_max.as_deref().unwrap_or_default();
     arm.phi_max.iter().zip(limits).any(|(phi, limit)| phi > limit)
 }

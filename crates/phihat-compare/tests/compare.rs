@@ -8,14 +8,14 @@ use phihat_campaign::Journal;
 use phihat_compare::{Cell, Comparison, Extent, Figures, GainsKind, Mark, Plan, RunOutcome};
 use phihat_model::Workspace;
 use phihat_rivals::{
-    Arm, Card, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
+    Card, DeclaredArm, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
 };
 
 /// What a test's rival does.
 trait Way: core::fmt::Debug + Send + 'static {
     const ID: &'static str;
     fn torque(t: f64, e: f64, de: f64, unit: f64, gain: f64) -> f64;
-    fn bound(_: &[f64], _: f64, _: &Arm) -> Option<Vec<f64>> {
+    fn bound(_: &[f64], _: f64, _: &DeclaredArm) -> Option<Vec<f64>> {
         None
     }
 }
@@ -69,7 +69,7 @@ impl<W: Way> Rival for Of<W> {
         1
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let [gain] = tuning.values().ok()?;
         W::bound(tuning.units(), gain, arm)
     }
@@ -83,7 +83,7 @@ impl Way for Spring {
     fn torque(_: f64, e: f64, de: f64, unit: f64, gain: f64) -> f64 {
         -unit * (gain * gain * e + 2.0 * gain * de)
     }
-    fn bound(units: &[f64], gain: f64, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(units: &[f64], gain: f64, arm: &DeclaredArm) -> Option<Vec<f64>> {
         Some(arm.phi_max.iter().zip(units).map(|(phi, u)| phi / (u * gain * gain)).collect())
     }
 }

@@ -109,7 +109,8 @@ fn walk(
 mod tests {
     use super::Quick;
     use crate::JointRecord;
-    use crate::sampled::{LoopForm, LoopModel, LoopTorque, LoopVelocity, StateMatrix};
+    use crate::sampled::{LoopModel, StateMatrix};
+    use phihat::{Form, TorqueSource, VelocitySource};
 
     /// An encoder's error to `e`: the sum of the whole response.
     fn whole(law: &JointRecord, model: &LoopModel, mu: f64) -> f64 {
@@ -129,7 +130,7 @@ mod tests {
     fn what_an_encoder_does_to_the_error_is_not_cut_off() {
         let mut worst = 0.0_f64;
         for (k, w) in [4.0_f64, 10.0, 30.0].into_iter().enumerate() {
-            for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
+            for velocity in [VelocitySource::Measured, VelocitySource::Differenced] {
                 for (velocity_filter_hz, period_s) in [(None, 1e-3), (Some(160.0), 5e-4)] {
                     let a = [vec![0.7 * w], vec![w * w, 2.0 * w]][k % 2].clone();
                     let name = "joint".to_owned();
@@ -144,10 +145,10 @@ mod tests {
                         period_s,
                         delay_samples: 1,
                         sample_delay_samples: 0,
-                        torque: LoopTorque::Applied,
+                        torque: TorqueSource::Applied,
                         velocity,
                         velocity_filter_hz,
-                        form: LoopForm::Observer,
+                        form: Form::Observer,
                         drive_bandwidth_hz: None,
                     };
                     for mu in [0.3, 1.0] {

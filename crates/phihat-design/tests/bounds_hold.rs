@@ -5,12 +5,11 @@
 use std::fs;
 use std::path::Path;
 
-use phihat::Form;
 use phihat_design::prelude::*;
 use phihat_design::{Arm, Certificate, Gains, NotCounted, Outcome, design, requested_gains};
 use phihat_session::phi_along;
 use phihat_sim::{Demand, Metrics, Simulation};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 /// Seconds of steady motion that are looked at.
 const STEADY: f64 = 2.0;
@@ -48,10 +47,7 @@ fn tightest(mut study: Study) -> Option<f64> {
     gains.give_filter(&mut study).unwrap();
     let certificate = gains.certificate.as_ref().unwrap();
     certificate.verify(&gains).unwrap();
-    let form = match study.control.form {
-        LawForm::Observer => Form::Observer,
-        LawForm::Literal => Form::Literal,
-    };
+    let form = study.control.form;
     let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
     let law = gains.joint_gains(&names, study.control.period_ns, form).unwrap();
     let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());

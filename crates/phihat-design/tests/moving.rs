@@ -5,10 +5,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use nalgebra::{DMatrix, DVector};
+use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{
-    InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity, Moving, StateMatrix,
-};
+use phihat_design::sampled::{InertiaWindow, LoopModel, Moving, StateMatrix};
 use phihat_design::{
     Arm, Certificate, Gains, JointRecord, Outcome, Phi, PhiBasis, Proved, design, find_moving,
 };
@@ -26,15 +25,15 @@ fn law(kp: f64, kd: f64, a: &[f64]) -> JointRecord {
     }
 }
 
-fn model(velocity: LoopVelocity, filter: Option<f64>) -> LoopModel {
+fn model(velocity: VelocitySource, filter: Option<f64>) -> LoopModel {
     LoopModel {
         period_s: 1e-3,
         delay_samples: 1,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
+        torque: TorqueSource::Applied,
         velocity,
         velocity_filter_hz: filter,
-        form: LoopForm::Observer,
+        form: Form::Observer,
         drive_bandwidth_hz: None,
     }
 }
@@ -42,9 +41,9 @@ fn model(velocity: LoopVelocity, filter: Option<f64>) -> LoopModel {
 /// Laws in loops, over a range that begins near the lower edge of their window: the multiplier is needed there.
 fn cases() -> Vec<(JointRecord, LoopModel, (f64, f64))> {
     let all = [
-        (law(400.0, 40.0, &[60.0]), model(LoopVelocity::Measured, None)),
-        (law(900.0, 60.0, &[90.0]), model(LoopVelocity::Differenced, Some(60.0))),
-        (law(400.0, 40.0, &[3600.0, 120.0]), model(LoopVelocity::Differenced, Some(100.0))),
+        (law(400.0, 40.0, &[60.0]), model(VelocitySource::Measured, None)),
+        (law(900.0, 60.0, &[90.0]), model(VelocitySource::Differenced, Some(60.0))),
+        (law(400.0, 40.0, &[3600.0, 120.0]), model(VelocitySource::Differenced, Some(100.0))),
     ];
     let inside = |(gains, model): (JointRecord, LoopModel)| {
         let window = InertiaWindow::find(&gains, &model).unwrap().inside(1.2, 1.2);

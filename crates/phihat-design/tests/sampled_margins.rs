@@ -4,12 +4,10 @@
 
 mod sampled_support;
 
-use phihat::Delay;
+use phihat::{Delay, Form, TorqueSource, VelocitySource};
 use phihat_design::JointRecord;
 use phihat_design::prelude::*;
-use phihat_design::sampled::{
-    LoopForm, LoopModel, LoopTorque, LoopVelocity, Margins, ModulusMargin, bode,
-};
+use phihat_design::sampled::{LoopModel, Margins, ModulusMargin, bode};
 use sampled_support::{Random, Rig, estimator, plain, record};
 
 fn draw(random: &mut Random) -> (JointRecord, LoopModel) {
@@ -20,12 +18,12 @@ fn draw(random: &mut Random) -> (JointRecord, LoopModel) {
     let model = LoopModel {
         period_s: 1e-3,
         delay_samples: random.below(3),
-        velocity: [LoopVelocity::Measured, LoopVelocity::Differenced][random.below(2) as usize],
+        velocity: [VelocitySource::Measured, VelocitySource::Differenced][random.below(2) as usize],
         velocity_filter_hz: (random.unit() < 0.5).then_some(120.0),
-        form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
+        form: [Form::Observer, Form::Literal][random.below(2) as usize],
         drive_bandwidth_hz: None,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
+        torque: TorqueSource::Applied,
     };
     (gains, model)
 }
@@ -95,7 +93,7 @@ fn the_worst_of_a_range_is_the_worst_of_its_members() {
 #[test]
 fn a_larger_modulus_is_refused() {
     let gains = record(400.0, 40.0, &[4900.0, 140.0], 1.0);
-    let model = LoopModel { form: LoopForm::Observer, ..plain(1) };
+    let model = LoopModel { form: Form::Observer, ..plain(1) };
     let found = Margins::find(&gains, &model, (0.5, 3.0)).unwrap();
     println!("{found:?}");
     let claim = |distance| ModulusMargin { low: 0.5, high: 3.0, distance };
@@ -131,10 +129,10 @@ fn a_resonance_between_two_points_of_the_grid_counts() {
         period_s: 5e-4,
         delay_samples: 3,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
-        velocity: LoopVelocity::Measured,
+        torque: TorqueSource::Applied,
+        velocity: VelocitySource::Measured,
         velocity_filter_hz: Some(42.265_325_663_467_86),
-        form: LoopForm::Observer,
+        form: Form::Observer,
         drive_bandwidth_hz: None,
     };
     let range = (1.259_497_080_555_276_5, 12.553_640_726_681_966);

@@ -5,15 +5,18 @@
 
 mod sampled_support;
 
-use phihat::Reference;
+use phihat::{Form, Reference, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{
-    LargestStep, LoopForm, LoopModel, LoopVelocity, StateMatrix, TorqueNoise,
-};
+use phihat_design::sampled::{LargestStep, LoopModel, StateMatrix, TorqueNoise};
 use sampled_support::{Outside, Random, Rig, plain, record};
 
-fn differenced(filter: Option<f64>, form: LoopForm) -> LoopModel {
-    LoopModel { velocity: LoopVelocity::Differenced, velocity_filter_hz: filter, form, ..plain(1) }
+fn differenced(filter: Option<f64>, form: Form) -> LoopModel {
+    LoopModel {
+        velocity: VelocitySource::Differenced,
+        velocity_filter_hz: filter,
+        form,
+        ..plain(1)
+    }
 }
 
 /// rms of the torque's high frequencies and of its change, on a slow sweep, against the same without quantum.
@@ -46,9 +49,9 @@ fn simulated(gains: &phihat_design::JointRecord, model: &LoopModel, quantum: f64
 fn f03_prediction_is_what_the_core_shows() {
     let mut worst = 0.0_f64;
     for (a, filter, form) in [
-        (vec![68.9], None, LoopForm::Literal),
-        (vec![4900.0, 140.0], None, LoopForm::Observer),
-        (vec![4900.0, 140.0], Some(100.0), LoopForm::Observer),
+        (vec![68.9], None, Form::Literal),
+        (vec![4900.0, 140.0], None, Form::Observer),
+        (vec![4900.0, 140.0], Some(100.0), Form::Observer),
     ] {
         let gains = record(400.0, 40.0, &a, 0.8);
         let model = differenced(filter, form);
@@ -76,7 +79,7 @@ fn f03_prediction_is_what_the_core_shows() {
 #[test]
 fn the_bound_on_the_change_is_reached() {
     let gains = record(400.0, 40.0, &[4900.0, 140.0], 0.8);
-    let model = differenced(Some(100.0), LoopForm::Observer);
+    let model = differenced(Some(100.0), Form::Observer);
     let claim = TorqueNoise::find(&gains, &model, 1e-4, (1.0, 1.0), 1).unwrap();
     let matrix = StateMatrix::new(&gains, &model, 1.0);
     // Impulse response of the change, from the matrix; the worst sequence is its sign, backwards in time.
@@ -110,7 +113,7 @@ fn the_largest_step_stays_within_the_limits_and_more_does_not() {
         let a =
             [vec![60.0], vec![4900.0, 140.0], vec![1600.0, 80.0]][random.below(3) as usize].clone();
         let gains = record(w * w, 2.0 * w, &a, random.around(0.1, 3.0));
-        let form = [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize];
+        let form = [Form::Observer, Form::Literal][random.below(2) as usize];
         let model = differenced(Some(100.0), form);
         let limits = (Some(20.0), (random.unit() < 0.5).then_some(1000.0));
         let Ok(found) = LargestStep::find(&gains, &model, limits, (0.6, 2.0), 5) else { continue };

@@ -5,16 +5,17 @@
 mod sampled_support;
 
 use nalgebra::DVector;
+use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, SampledPeaks, StateMatrix};
+use phihat_design::sampled::{LoopModel, SampledPeaks, StateMatrix};
 use sampled_support::{Outside, Random, Rig, plain, record};
 
 const SAMPLES: usize = 4_000;
 
 fn loops() -> Vec<(phihat_design::JointRecord, LoopModel, f64)> {
-    let observer = LoopModel { form: LoopForm::Observer, ..plain(1) };
+    let observer = LoopModel { form: Form::Observer, ..plain(1) };
     let rough = LoopModel {
-        velocity: LoopVelocity::Differenced,
+        velocity: VelocitySource::Differenced,
         velocity_filter_hz: Some(100.0),
         drive_bandwidth_hz: Some(200.0),
         ..observer
@@ -159,7 +160,7 @@ fn random_disturbances_stay_below() {
 #[test]
 fn a_late_observer_grows_under_a_ramp_and_smaller_gains_are_refused() {
     let gains = record(400.0, 40.0, &[4900.0, 140.0], 1.0);
-    let late = LoopModel { form: LoopForm::Observer, ..plain(1) };
+    let late = LoopModel { form: Form::Observer, ..plain(1) };
     let at = |model: &LoopModel| SampledPeaks::at(&gains, model, 1.0).unwrap();
     assert!(at(&late).ramp[0].is_none());
     assert!(at(&LoopModel { delay_samples: 0, ..late }).ramp[0].is_some());

@@ -4,10 +4,10 @@
 
 mod sampled_support;
 
-use phihat::Reference;
+use phihat::{Form, Reference, VelocitySource};
 use phihat_design::JointRecord;
 use phihat_design::prelude::*;
-use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity, ReferenceError};
+use phihat_design::sampled::{LoopModel, ReferenceError};
 use sampled_support::{Outside, Rig, record};
 
 /// Samples after which the slowest loop here has forgotten.
@@ -68,10 +68,10 @@ impl Case {
 
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for form in [LoopForm::Literal, LoopForm::Observer] {
+    for form in [Form::Literal, Form::Observer] {
         for (delay_samples, drive_bandwidth_hz) in [(0, None), (1, None), (2, Some(150.0))] {
             for (velocity, velocity_filter_hz) in
-                [(LoopVelocity::Measured, None), (LoopVelocity::Differenced, Some(100.0))]
+                [(VelocitySource::Measured, None), (VelocitySource::Differenced, Some(100.0))]
             {
                 for (mu, a, feed_forward) in [
                     (0.6, &[60.0][..], true),
@@ -87,7 +87,7 @@ fn cases() -> Vec<Case> {
                         form,
                         drive_bandwidth_hz,
                         sample_delay_samples: 0,
-                        torque: phihat_design::sampled::LoopTorque::Applied,
+                        torque: phihat::TorqueSource::Applied,
                     };
                     let record = record(900.0, 60.0, a, 0.7);
                     cases.push(Case { record, model, feed_forward, mu });

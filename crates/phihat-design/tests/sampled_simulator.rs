@@ -5,9 +5,9 @@
 use std::path::Path;
 
 use nalgebra::DVector;
-use phihat::Form;
+use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopVelocity, StateMatrix};
+use phihat_design::sampled::{InertiaWindow, LoopModel, StateMatrix};
 use phihat_design::{Arm, Certificate, LeftOut, arm_inside_window, requested_gains};
 use phihat_sim::Simulation;
 use phihat_study::Study;
@@ -33,10 +33,7 @@ fn study(form: &str, delay: u32, velocity: &str, filter: &str, drive: &str) -> S
 fn difference(study: &Study) -> f64 {
     let document = requested_gains(study).unwrap();
     let model = LoopModel::from_study(study, 0);
-    let form = match model.form {
-        LoopForm::Observer => Form::Observer,
-        LoopForm::Literal => Form::Literal,
-    };
+    let form = model.form;
     let names = [document.joints[0].name.clone()];
     let gains = document.joint_gains(&names, study.control.period_ns, form).unwrap();
     let trace = Simulation::new(study, &gains).unwrap().run(|_| ()).trace;
@@ -55,15 +52,15 @@ fn start(model: &LoopModel, unit: f64, length: usize) -> DVector<f64> {
     let (q, dq) = (0.01, 0.2);
     let mut x = DVector::zeros(length);
     (x[0], x[1]) = (q, dq / unit);
-    if model.form == LoopForm::Literal {
+    if model.form == Form::Literal {
         x[2] = -model.period_s * q * unit;
     }
     let mut next = 4;
-    if model.velocity == LoopVelocity::Differenced {
+    if model.velocity == VelocitySource::Differenced {
         x[next] = q - model.period_s * dq;
         next += 1;
     }
-    if model.form == LoopForm::Observer || model.velocity_filter_hz.is_some() {
+    if model.form == Form::Observer || model.velocity_filter_hz.is_some() {
         x[next] = dq / unit;
     }
     x
@@ -113,10 +110,7 @@ fn rod(mu: f64, [control, sensor, world]: [&str; 3]) -> Study {
 /// Whether the simulator's oscillation dies out.
 fn settles(study: &Study) -> bool {
     let document = requested_gains(study).unwrap();
-    let form = match LoopModel::from_study(study, 0).form {
-        LoopForm::Observer => Form::Observer,
-        LoopForm::Literal => Form::Literal,
-    };
+    let form = LoopModel::from_study(study, 0).form;
     let names = [document.joints[0].name.clone()];
     let gains = document.joint_gains(&names, study.control.period_ns, form).unwrap();
     let q = &Simulation::new(study, &gains).unwrap().run(|_| ()).trace.joints[0].q;

@@ -4,10 +4,9 @@
 
 mod sampled_support;
 
+use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{
-    LoopForm, LoopModel, LoopVelocity, SampledVarying, StateMatrix, VaryingWindow,
-};
+use phihat_design::sampled::{LoopModel, SampledVarying, StateMatrix, VaryingWindow};
 use sampled_support::{Random, estimator, plain, record};
 
 #[test]
@@ -102,8 +101,8 @@ fn damage_is_refused() {
 /// A loop with everything in it: delay, differenced velocity, filter.
 fn rough() -> LoopModel {
     LoopModel {
-        form: LoopForm::Observer,
-        velocity: LoopVelocity::Differenced,
+        form: Form::Observer,
+        velocity: VelocitySource::Differenced,
         velocity_filter_hz: Some(100.0),
         ..plain(1)
     }

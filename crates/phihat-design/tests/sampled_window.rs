@@ -4,13 +4,14 @@
 
 mod sampled_support;
 
+use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
-use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopVelocity, StateMatrix};
+use phihat_design::sampled::{InertiaWindow, LoopModel, StateMatrix};
 use sampled_support::{Random, Rig, estimator, plain, record};
 
-fn differenced(delay: u32, form: LoopForm, filter: Option<f64>) -> LoopModel {
+fn differenced(delay: u32, form: Form, filter: Option<f64>) -> LoopModel {
     LoopModel {
-        velocity: LoopVelocity::Differenced,
+        velocity: VelocitySource::Differenced,
         form,
         velocity_filter_hz: filter,
         ..plain(delay)
@@ -27,11 +28,11 @@ fn reference_values() {
         (vec![69.6 * 69.6, 139.2], plain(0), 0.0897, 6.65),
         (vec![69.6 * 69.6, 139.2], plain(1), 0.1854, 6.34),
     ];
-    let literal = differenced(1, LoopForm::Literal, None);
+    let literal = differenced(1, Form::Literal, None);
     // An earlier prototype, whose integrals were summed otherwise, had 11.9 and 3.18 here.
     cases.push((vec![68.9], literal, 0.137, 12.03));
     cases.push((vec![69.6 * 68.9, 68.9], literal, 0.146, 3.25));
-    let observer = |filter| differenced(1, LoopForm::Observer, filter);
+    let observer = |filter| differenced(1, Form::Observer, filter);
     cases.push((vec![4900.0, 140.0], observer(None), 0.186, 5.92));
     cases.push((vec![4900.0, 140.0], observer(Some(100.0)), 0.218, 5.57));
     cases.push((vec![2500.0, 100.0], observer(Some(50.0)), 0.202, 4.67));
@@ -59,12 +60,13 @@ pub fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, Iner
         let model = LoopModel {
             period_s: 1e-3 / f64::from(1 + random.below(3)),
             delay_samples: random.below(4),
-            velocity: [LoopVelocity::Measured, LoopVelocity::Differenced][random.below(2) as usize],
-            form: [LoopForm::Observer, LoopForm::Literal][random.below(2) as usize],
+            velocity: [VelocitySource::Measured, VelocitySource::Differenced]
+                [random.below(2) as usize],
+            form: [Form::Observer, Form::Literal][random.below(2) as usize],
             velocity_filter_hz: some(random.unit() < 0.5, filter),
             drive_bandwidth_hz: some(random.unit() < 0.5, drive),
             sample_delay_samples: 0,
-            torque: phihat_design::sampled::LoopTorque::Applied,
+            torque: phihat::TorqueSource::Applied,
         };
         if let Ok(window) = InertiaWindow::find(&gains, &model)
             && window.low < 0.95
@@ -132,7 +134,7 @@ fn an_unstable_loop_has_no_window() {
 #[test]
 fn decay_is_that_of_the_slowest_eigenvalue() {
     let gains = record(400.0, 40.0, &[4900.0, 140.0], 1.0);
-    let model = differenced(1, LoopForm::Observer, Some(100.0));
+    let model = differenced(1, Form::Observer, Some(100.0));
     let window = InertiaWindow::find(&gains, &model).unwrap();
     let narrow = InertiaWindow { low: 0.5, high: 2.0, ..window };
     let slowest = (0..=60)

@@ -7,7 +7,7 @@ use phihat_design::claims::matrix::{Matrix, apply, dot, exponential, norm_inf, p
 
 /// Which of the paper's two forms of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum PaperForm {
     /// (8) as a differential equation for `φ̂`; state `(e, ė, φ̂, …)`, `m + 2` long.
     Estimator,
     /// (16), feedback of `x = (∫…∫e, …, ∫e, e, ė)`.
@@ -69,10 +69,10 @@ pub(crate) struct Instant {
 }
 
 /// `ẋ = A x + b φ`, and the row that gives `φ̂`.
-pub(crate) fn system(law: &Law, form: Form) -> (Matrix, Vec<f64>, Vec<f64>) {
+pub(crate) fn system(law: &Law, form: PaperForm) -> (Matrix, Vec<f64>, Vec<f64>) {
     let (m, n) = (law.order(), law.order() + 2);
     let mut b = vec![0.0; n];
-    if form == Form::Ladder {
+    if form == PaperForm::Ladder {
         b[n - 1] = -1.0;
         return (law.closed_loop(), b, law.k().iter().map(|k| -k).collect());
     }
@@ -95,7 +95,7 @@ pub(crate) fn system(law: &Law, form: Form) -> (Matrix, Vec<f64>, Vec<f64>) {
 /// The loop from `start`, at `steps + 1` instants `dt` \[s\] apart, the first at 0.
 pub(crate) fn run(
     law: &Law,
-    form: Form,
+    form: PaperForm,
     start: &[f64],
     phi: &Phi,
     (dt, steps): (f64, usize),
@@ -108,7 +108,7 @@ pub(crate) fn run(
     };
     let whole = beside(&a, &outer(&b, &sum), &f);
     let per_step = flow(&whole, dt);
-    let at = if form == Form::Ladder { n - 2 } else { 0 };
+    let at = if form == PaperForm::Ladder { n - 2 } else { 0 };
     let mut z = start.to_vec();
     z.resize(n, 0.0);
     z.extend(match phi {

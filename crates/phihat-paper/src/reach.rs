@@ -1,9 +1,10 @@
 //! How far the law as printed holds: over the size of the arm and the sample rate.
 
+use phihat::{Form, TorqueSource, VelocitySource};
 use std::path::Path;
 
 use phihat_design::prelude::*;
-use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use phihat_design::sampled::{InertiaWindow, LoopModel};
 use phihat_design::{Arm, JointRecord};
 use phihat_study::Study;
 
@@ -123,13 +124,13 @@ fn record(a: &[f64]) -> JointRecord {
     }
 }
 
-fn model(form: LoopForm, rate: f64) -> LoopModel {
+fn model(form: Form, rate: f64) -> LoopModel {
     LoopModel {
         period_s: 1.0 / rate,
         delay_samples: 1,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
-        velocity: LoopVelocity::Measured,
+        torque: TorqueSource::Applied,
+        velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
         form,
         drive_bandwidth_hz: None,
@@ -138,8 +139,8 @@ fn model(form: LoopForm, rate: f64) -> LoopModel {
 
 /// Classes of all scales at one rate.
 fn column(arm: &Measured, a: &[f64], rate: f64, scales: &[f64]) -> Vec<u8> {
-    let printed = Window::of(a, LoopForm::Literal, rate);
-    let ours = Window::of(a, LoopForm::Observer, rate).holds(arm.per_joint);
+    let printed = Window::of(a, Form::Literal, rate);
+    let ours = Window::of(a, Form::Observer, rate).holds(arm.per_joint);
     let class = |scale: &f64| {
         let range = Range { low: arm.printed.low * scale, high: arm.printed.high * scale };
         u8::from(printed.holds(range)) + 2 * u8::from(ours)
@@ -156,7 +157,7 @@ struct Window {
 }
 
 impl Window {
-    fn of(a: &[f64], form: LoopForm, rate: f64) -> Self {
+    fn of(a: &[f64], form: Form, rate: f64) -> Self {
         let (law, model) = (record(a), model(form, rate));
         Self { around_one: InertiaWindow::find(&law, &model).ok(), law, model }
     }
@@ -174,7 +175,7 @@ impl Window {
 
 /// Between which scales the printed law is stable at the printed rate; `None` where no scale is.
 fn held(arm: &Measured, a: &[f64]) -> Option<(f64, f64)> {
-    let window = Window::of(a, LoopForm::Literal, PRINTED_HZ).around_one?;
+    let window = Window::of(a, Form::Literal, PRINTED_HZ).around_one?;
     let scales = (window.low / arm.printed.low, window.high / arm.printed.high);
     (scales.0 < scales.1).then_some(scales)
 }

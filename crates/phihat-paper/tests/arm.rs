@@ -6,7 +6,7 @@ use phihat_design::{Arm, arm_inside_window, requested_gains};
 use phihat_paper::arm::{Kind, Setting, Studies, experiment, resized, simulation};
 use phihat_paper::{Extent, Part, Statement, Verdict};
 use phihat_sim::{Outcome, Simulation};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 const QUICK: Extent = Extent { quick: true };
 
@@ -23,8 +23,8 @@ fn value(part: &Part, id: &str, name: &str) -> Option<f64> {
 fn run(study: &Study) -> Outcome {
     let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
     let form = match study.control.form {
-        LawForm::Literal => Form::Literal,
-        LawForm::Observer => Form::Observer,
+        Form::Literal => Form::Literal,
+        Form::Observer => Form::Observer,
     };
     let gains = requested_gains(study).unwrap();
     let law = gains.joint_gains(&names, study.control.period_ns, form).unwrap();
@@ -132,7 +132,7 @@ fn both_forms_are_judged_by_the_same_quantities() {
     let name =
         |what: &str, form: &str| format!("largest |{what}| of the steady part, m = 2, {form}");
     let ours = value(&part, "fig11-m2", &name("∬e", "observer form")).unwrap();
-    assert!((ours - worst(LawForm::Observer)).abs() < 1e-9 * ours, "{ours}");
+    assert!((ours - worst(Form::Observer)).abs() < 1e-9 * ours, "{ours}");
     // It is over 1e-4: our own form does not keep (49).
     assert!(ours > 1e-4 && ours < 2e-4, "{ours}");
     let table = part.sections.iter().flat_map(|section| &section.tables);
@@ -177,7 +177,7 @@ fn peaking_is_told_apart() {
 fn a_start_on_the_path_at_rest_is_no_zero_start() {
     let studies = Studies::shipped();
     let part = simulation(&studies, QUICK, &|_| ()).unwrap();
-    let study = studies.study(Kind::Simulation, Setting::First, LawForm::Observer).unwrap();
+    let study = studies.study(Kind::Simulation, Setting::First, Form::Observer).unwrap();
     let joints = run(&study).trace.joints;
     let fastest = joints.iter().map(|joint| joint.dq_desired[0].abs()).fold(0.0, f64::max);
     let rests = value(&part, "zero-start", "largest |φ̂(0)|, printed form, at rest on the path");
@@ -201,7 +201,7 @@ fn the_error_keeps_its_bound_from_phi() {
 #[test]
 fn the_printed_form_winds_up_and_the_observer_cannot() {
     let study = |form| Studies::shipped().study(Kind::Experiment, Setting::First, form).unwrap();
-    let outcome = run(&study(LawForm::Literal));
+    let outcome = run(&study(Form::Literal));
     let joint = &outcome.trace.joints[0];
     let (mut integral, mut saturated) = (0.0, 0);
     for k in 0..3000 {
@@ -214,7 +214,7 @@ fn the_printed_form_winds_up_and_the_observer_cannot() {
         saturated += usize::from(joint.saturated[k]);
     }
     assert!(saturated > 2900, "{saturated}");
-    let outcome = run(&study(LawForm::Observer));
+    let outcome = run(&study(Form::Observer));
     for joint in &outcome.trace.joints {
         // The average of φ over a sample: φ is recorded where it begins.
         let most = joint.phi.iter().fold(0.0, |most: f64, phi| most.max(phi.abs()));
@@ -226,7 +226,7 @@ fn the_printed_form_winds_up_and_the_observer_cannot() {
 /// A heavier arm is run as this one in other units: against an arm that really is heavier.
 #[test]
 fn a_heavier_surrogate_is_the_arm_it_stands_for() {
-    let study = Studies::shipped().study(Kind::Simulation, Setting::H1, LawForm::Literal).unwrap();
+    let study = Studies::shipped().study(Kind::Simulation, Setting::H1, Form::Literal).unwrap();
     let in_units = run(&resized(study.clone(), 2.0, 0.6));
     let mut heavier = study;
     heavier.robot.model = heavier.robot.model.with_masses_times(2.0).unwrap();

@@ -1,8 +1,9 @@
 //! Studies: a file, or a document made in Python.
 
+use phihat::{Form, VelocitySource};
 use std::path::{Path, PathBuf};
 
-use phihat_study::{LawForm, Study, StudyError, VelocitySource};
+use phihat_study::{Study, StudyError};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -63,7 +64,7 @@ pub(crate) fn study_document<'py>(
         "error_max_rad": study.spec.error_max,
         "period_ns": study.control.period_ns,
         "delay_samples": study.control.delay_samples,
-        "form": if study.control.form == LawForm::Literal { "literal" } else { "observer" },
+        "form": if study.control.form == Form::Literal { "literal" } else { "observer" },
         "torque_max_nm": study.control.torque_max,
         "torque_rate_max_nm_s": study.control.torque_rate_max,
         "encoder_bits": study.sensor.encoder_bits,

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What is declared of an arm, its load and its loop before a run. The judge fills it in; rivals only read it in
 /// their claims, never in their law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Arm {
+pub struct DeclaredArm {
     /// Smallest eigenvalue of `M(q)` over the postures \[kg·m²\].
     pub inertia_min: f64,
     /// Largest eigenvalue of `M(q)` over the postures \[kg·m²\].
@@ -24,7 +24,7 @@ pub struct Arm {
     pub demand_max: Vec<f64>,
 }
 
-impl Arm {
+impl DeclaredArm {
     /// Smallest inertia ratio `μ` at which a sampled velocity feedback of `gain` \[1/s\] per unit of inertia is
     /// stable behind the arm's delay of `d` samples:
     ///
@@ -70,8 +70,8 @@ impl Condition {
         Self { text: self.text, holds: self.holds && other.holds, margin }
     }
 
-    /// The condition that the arm's smallest inertia ratio is above [`Arm::ratio_min`] of a velocity gain \[1/s\].
-    pub fn sampled(text: &'static str, gain: f64, period: f64, arm: &Arm) -> Self {
+    /// The condition that the arm's smallest inertia ratio is above [`DeclaredArm::ratio_min`] of a velocity gain \[1/s\].
+    pub fn sampled(text: &'static str, gain: f64, period: f64, arm: &DeclaredArm) -> Self {
         Self::above(text, arm.ratio[0], arm.ratio_min(gain, period))
     }
 }
@@ -85,7 +85,7 @@ mod tests {
     fn the_smallest_inertia_is_where_the_delayed_loop_turns() {
         for delay_samples in 0..5 {
             let none = vec![];
-            let arm = Arm {
+            let arm = DeclaredArm {
                 inertia_min: 0.0,
                 inertia_max: 0.0,
                 ratio: [1.0, 1.0],

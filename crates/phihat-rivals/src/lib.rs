@@ -50,7 +50,7 @@ mod supply;
 mod tuning;
 
 pub use card::{Card, Grade, Tick, Ticks};
-pub use claim::{Arm, Condition};
+pub use claim::{Condition, DeclaredArm};
 pub use error::Refusal;
 pub use facts::{Designed, Inertia, Nothing, Period, TorqueMax};
 pub use handed::{All, Knows, Sees, Wants};

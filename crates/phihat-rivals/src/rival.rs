@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use crate::card::Card;
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::handed::{All, Knows, Sees, Wants};
 use crate::needs::Needs;
@@ -45,7 +45,7 @@ pub trait Rival: Debug + Send + Sized + 'static {
 
     /// Its published or derived stability condition, checked for an arm. By default it has none that a number
     /// could be given to.
-    fn condition(_tuning: &Tuning, _arm: &Arm) -> Option<Condition> {
+    fn condition(_tuning: &Tuning, _arm: &DeclaredArm) -> Option<Condition> {
         None
     }
 
@@ -57,7 +57,7 @@ pub trait Rival: Debug + Send + Sized + 'static {
 
     /// Largest |e| \[rad\] per joint after the transient that it promises before a run; `None` where it makes no
     /// such promise. `arm` has what is declared of the arm and its load.
-    fn bound(_tuning: &Tuning, _arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(_tuning: &Tuning, _arm: &DeclaredArm) -> Option<Vec<f64>> {
         None
     }
 }
@@ -96,9 +96,9 @@ pub struct Entry {
     /// Its free scalars.
     pub scalars: &'static [Scalar],
     build: Build,
-    condition: fn(&Tuning, &Arm) -> Option<Condition>,
+    condition: fn(&Tuning, &DeclaredArm) -> Option<Condition>,
     optimality: fn(&Tuning) -> Option<Condition>,
-    bound: fn(&Tuning, &Arm) -> Option<Vec<f64>>,
+    bound: fn(&Tuning, &DeclaredArm) -> Option<Vec<f64>>,
 }
 
 impl Entry {
@@ -127,7 +127,7 @@ impl Entry {
     }
 
     /// See [`Rival::condition`].
-    pub fn condition(&self, tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    pub fn condition(&self, tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         (self.condition)(tuning, arm)
     }
 
@@ -137,7 +137,7 @@ impl Entry {
     }
 
     /// See [`Rival::bound`].
-    pub fn bound(&self, tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    pub fn bound(&self, tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         (self.bound)(tuning, arm)
     }
 }

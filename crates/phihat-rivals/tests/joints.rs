@@ -3,7 +3,7 @@
 
 mod support;
 
-use phihat_rivals::{Arm, RIVALS, rival};
+use phihat_rivals::{DeclaredArm, RIVALS, rival};
 use support::PERIOD;
 use support::joints::{Joints, Point};
 
@@ -219,8 +219,8 @@ fn time_delay_estimates_converge_above_half_the_inertia() {
     }
 }
 
-fn arm(ratio: f64) -> Arm {
-    Arm {
+fn arm(ratio: f64) -> DeclaredArm {
+    DeclaredArm {
         inertia_min: 0.0,
         inertia_max: 0.0,
         ratio: [ratio, ratio],

@@ -4,13 +4,12 @@ use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
 use crate::typed_phi::typed_phi_holds;
-use phihat::Form;
 use phihat_design::{
     Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
     find_moving, search, typed_inertia_holds,
 };
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
-use phihat_study::{InertiaSource, LawForm, PhiSource, Study};
+use phihat_study::{InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
 use crate::files;
@@ -223,7 +222,7 @@ fn run(study: &Study, gains: &Gains) -> Result<Observed, SessionError> {
     let mut study = study.clone();
     gains.give_filter(&mut study).map_err(SessionError::other)?;
     let law = gains
-        .joint_gains(&names(&study), study.control.period_ns, form(&study))
+        .joint_gains(&names(&study), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;
     let simulation = Simulation::new(&study, &law).map_err(SessionError::other)?;
     let outcome = simulation.run(|_| ());
@@ -236,13 +235,6 @@ fn run(study: &Study, gains: &Gains) -> Result<Observed, SessionError> {
 
 pub(crate) fn names(study: &Study) -> Vec<String> {
     study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
-}
-
-pub(crate) fn form(study: &Study) -> Form {
-    match study.control.form {
-        LawForm::Observer => Form::Observer,
-        LawForm::Literal => Form::Literal,
-    }
 }
 
 fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {

@@ -41,7 +41,7 @@ pub(crate) fn runs(
     let mut study = study.clone();
     gains.give_filter(&mut study).map_err(SessionError::other)?;
     let law = gains
-        .joint_gains(&design::names(&study), study.control.period_ns, design::form(&study))
+        .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;
     let mut draw = Draw(Dice::at(0x9e37_79b9_7f4a_7c15 ^ study.seed));
     let worlds: Vec<Study> = (0..WORLDS).map(|_| draw.world(&study)).collect();

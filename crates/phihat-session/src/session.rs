@@ -1,12 +1,13 @@
 //! One study and its gains, taken through a run.
 
+use phihat::Form;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
 use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
@@ -86,7 +87,7 @@ impl Session {
         };
         chosen.give_filter(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
-            .joint_gains(&design::names(&study), study.control.period_ns, design::form(&study))
+            .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
@@ -186,8 +187,8 @@ fn run_info(
     divergence: Option<&Divergence>,
 ) -> RunInfo {
     let form = match study.control.form {
-        LawForm::Observer => "observer",
-        LawForm::Literal => "literal",
+        Form::Observer => "observer",
+        Form::Literal => "literal",
     };
     if let Some(d) = divergence {
         let place =

@@ -1,7 +1,8 @@
 //! What a record says in words.
 
+use phihat::VelocitySource;
 use phihat_sim::Abort;
-use phihat_study::{Study, VelocitySource};
+use phihat_study::Study;
 
 /// That the robot's torque interface stopped a run: one sentence.
 pub fn stopped(abort: &Abort) -> String {

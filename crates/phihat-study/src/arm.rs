@@ -16,12 +16,12 @@ const ROUNDING: f64 = 1e-6;
 
 /// The arm of a study and the names by which the study speaks of it.
 #[derive(Debug, Clone)]
-pub(crate) struct Arm {
+pub(crate) struct StudyArm {
     pub(crate) robot: Robot,
     pub(crate) joints: Joints,
 }
 
-impl Arm {
+impl StudyArm {
     /// Reads `[robot]`; files are relative to `base`.
     pub(crate) fn read(node: &Node<'_>, base: Base<'_>) -> Result<Self, StudyError> {
         let robot = if node.either("name", "file")? == "name" {

@@ -1,6 +1,6 @@
 //! A closed curve in space that a frame's origin follows.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::study::{Curve, Reference};
@@ -8,7 +8,7 @@ use crate::study::{Curve, Reference};
 /// Points nearer than this are the same \[m\].
 const SAME_POINT: f64 = 1e-9;
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm) -> Result<Reference, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
     let hold_orientation = node.flag("hold_orientation")?;
     let joints = arm.joints.count();
     if hold_orientation && joints < 6 {

@@ -1,10 +1,12 @@
 //! `[loop]` and `[sensor]`: what runs at which rate, within which limits, from which measurements.
 
-use crate::arm::Arm;
+use phihat::{Form, TorqueSource, VelocitySource};
+
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::robot_value::{choose, limits};
-use crate::study::{Control, LawForm, Sensor, TorqueSource, VelocitySource};
+use crate::study::{Control, Sensor};
 
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
@@ -23,7 +25,7 @@ pub(crate) fn period_ns(top: &Node<'_>, duration: f64) -> Result<u64, StudyError
     Ok(u64::try_from(period.as_nanos()).unwrap_or(1_000_000_000))
 }
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm, period_ns: u64) -> Result<Control, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Control, StudyError> {
     let robot = &arm.robot.joints;
     let torque = robot.iter().map(|joint| joint.torque_max);
     let rate = robot.iter().map(|joint| joint.torque_rate_max);
@@ -31,15 +33,19 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm, period_ns: u64) -> Result<Control
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
         form: match node.word("form")? {
-            "literal" => LawForm::Literal,
-            _ => LawForm::Observer,
+            "literal" => Form::Literal,
+            _ => Form::Observer,
         },
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
     })
 }
 
-pub(crate) fn read_sensor(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Sensor, StudyError> {
+pub(crate) fn read_sensor(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    rate: f64,
+) -> Result<Sensor, StudyError> {
     let bits = arm.robot.joints.iter().map(|joint| joint.encoder_bits);
     let key = "encoder_bits";
     let filter = node.number_if("velocity_filter_hz");

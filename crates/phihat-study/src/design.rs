@@ -1,6 +1,6 @@
 //! `[design]`: what gains shall be found from.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::base::Base;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -11,7 +11,7 @@ use crate::study::{DesignMethod, DesignRequest, InertiaSource, PaperRequest, Phi
 /// Reads `[design]`; the trace it names is relative to `base`.
 pub(crate) fn read(
     node: &Node<'_>,
-    (arm, world): (&Arm, &World),
+    (arm, world): (&StudyArm, &World),
     base: Base<'_>,
 ) -> Result<DesignRequest, StudyError> {
     let joints = &arm.joints;
@@ -36,7 +36,11 @@ pub(crate) fn read(
 }
 
 /// The interval of each joint's dry friction; the world's level is inside.
-fn coulomb(node: &Node<'_>, arm: &Arm, world: &World) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
+fn coulomb(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    world: &World,
+) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
     let (first, second) = ("coulomb_min_nm", "coulomb_max_nm");
     let own =
         |j: usize| if world.robot_friction { arm.robot.joints[j].friction.coulomb } else { 0.0 };

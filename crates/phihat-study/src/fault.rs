@@ -1,6 +1,6 @@
 //! `[[fault]]`: what goes wrong, when, and how badly.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::Bounds;
 use crate::node::Node;
@@ -115,11 +115,15 @@ impl FaultKind {
     }
 }
 
-pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<Vec<Fault>, StudyError> {
+pub(crate) fn read(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    duration: f64,
+) -> Result<Vec<Fault>, StudyError> {
     top.children("fault").iter().map(|node| fault(node, arm, duration)).collect()
 }
 
-fn fault(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<Fault, StudyError> {
+fn fault(node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Fault, StudyError> {
     let kind = FaultKind::named(node.word("kind")?).ok_or_else(|| node.missing("kind"))?;
     let start = node.number("start_s")?;
     if start >= duration {

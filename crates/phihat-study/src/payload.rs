@@ -2,7 +2,7 @@
 
 use phihat_model::Body;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 
@@ -30,7 +30,7 @@ impl Payload {
     }
 }
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm) -> Result<Option<Payload>, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Payload>, StudyError> {
     if !node.exists() {
         return Ok(None);
     }

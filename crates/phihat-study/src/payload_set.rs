@@ -2,7 +2,7 @@
 
 use phihat_model::Body;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload::Payload;
@@ -77,7 +77,7 @@ impl PayloadSet {
 /// Reads the set; the world's payload is inside, and so is none where the world has none for a while.
 pub(crate) fn read(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     world: Option<&Payload>,
 ) -> Result<PayloadSet, StudyError> {
     let mass = mass(node, world)?;
@@ -128,7 +128,7 @@ fn mass(node: &Node<'_>, world: Option<&Payload>) -> Result<(f64, f64), StudyErr
 
 fn frame(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     (world, heaviest): (Option<&Payload>, f64),
 ) -> Result<String, StudyError> {
     let key = "payload_frame";

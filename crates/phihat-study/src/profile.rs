@@ -2,7 +2,7 @@
 
 use phihat_model::Profile;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::node::Node;
@@ -77,7 +77,7 @@ pub(crate) static PROFILE: Section = Section {
 };
 
 /// The interface; without the section, ideal drives.
-pub(crate) fn read(node: &Node<'_>, arm: &Arm, rate: f64) -> Result<Interface, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, rate: f64) -> Result<Interface, StudyError> {
     let refuse = |error| node.error(Kind::Robot, "name", format!("{error}"));
     if !node.exists() {
         let profile = Profile::named("ideal").map_err(refuse)?;

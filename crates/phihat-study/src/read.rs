@@ -7,7 +7,7 @@ use phihat_model::input;
 use sha2::{Digest, Sha256};
 use toml::de::DeTable;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::base::Base;
 use crate::check::check_table;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
@@ -77,7 +77,7 @@ fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
 /// The robot's files and the reference's: what they are called in a record, and where they are.
 fn inputs(
     top: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     base: Base<'_>,
 ) -> Result<Vec<(PathBuf, PathBuf)>, StudyError> {
     let robot = &arm.robot.files;
@@ -99,7 +99,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let duration = top.number("duration_s")?;
     let period_ns = control::period_ns(top, duration)?;
     let rate = top.child("loop").number("rate_hz")?;
-    let arm = Arm::read(&top.child("robot"), base)?;
+    let arm = StudyArm::read(&top.child("robot"), base)?;
     let run = Run { duration, rate, base };
     let gains = stated_gains(top, &arm, rate)?;
     let sensor = control::read_sensor(&top.child("sensor"), &arm, rate)?;
@@ -136,7 +136,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
 /// `[gains]`, unless they are left to `[design]`.
 fn stated_gains(
     top: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     rate: f64,
 ) -> Result<Option<crate::GainsRequest>, StudyError> {
     let node = top.child("gains");

@@ -1,13 +1,13 @@
 //! `[reference]`: what the arm shall do, refused where the joints' limits do not allow it.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::run::{QUINTIC_SLOPE_MAX, Run};
 use crate::study::Reference;
 use crate::{cartesian, samples, sines};
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
     match node.word("kind")? {
         "sines" => sines::read(node, arm, run),
         "waypoints" => waypoints(node, arm),
@@ -19,7 +19,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference
     }
 }
 
-fn waypoints(node: &Node<'_>, arm: &Arm) -> Result<Reference, StudyError> {
+fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
     let (mut t, mut q): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     for node in node.children("waypoint") {
         let time = node.number("t_s")?;
@@ -52,7 +52,7 @@ fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError
 /// The leg's largest velocity is exact: the quintic's slope is largest in the middle.
 fn check_leg(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     from: &[f64],
     to: &[f64],
     time: f64,

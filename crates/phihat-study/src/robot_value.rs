@@ -1,6 +1,6 @@
 //! Values that a study states, takes from the robot, or does without.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::per_joint::PerJoint;
@@ -8,7 +8,7 @@ use crate::per_joint::PerJoint;
 /// Numbers of `key`, the robot's own, or none.
 pub(crate) fn limits(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     key: &str,
     robot: impl Iterator<Item = Option<f64>>,
 ) -> Result<Option<Vec<f64>>, StudyError> {
@@ -18,7 +18,7 @@ pub(crate) fn limits(
 /// What is given for `key`, the robot's own, or none.
 pub(crate) fn choose<T: Copy>(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     key: &str,
     given: PerJoint<'_, T>,
     robot: impl Iterator<Item = Option<T>>,

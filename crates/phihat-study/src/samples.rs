@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use phihat_model::input;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::entries::clip;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -17,7 +17,7 @@ const LINE_MAX: u64 = 4096;
 const COLUMNS_MAX: usize = 512;
 const ROWS_MAX: usize = 1_000_000;
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
     let name = node.word("file")?;
     let path = run.base.join(name);
     let refuse =
@@ -64,7 +64,7 @@ impl<'f, R: BufRead> Table<'f, R> {
         Self { file, reader, line: String::new(), number: 0, start: 0 }
     }
 
-    fn read(&mut self, arm: &Arm) -> Result<Samples, StudyError> {
+    fn read(&mut self, arm: &StudyArm) -> Result<Samples, StudyError> {
         if !self.next_line()? {
             let place = Place::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
@@ -120,7 +120,7 @@ impl<'f, R: BufRead> Table<'f, R> {
         Ok(true)
     }
 
-    fn header(&self, arm: &Arm) -> Result<Vec<Column>, StudyError> {
+    fn header(&self, arm: &StudyArm) -> Result<Vec<Column>, StudyError> {
         let cells = cells(&self.line);
         if cells.len() > COLUMNS_MAX {
             return Err(self.error(Kind::TooLarge, 0, format!("more than {COLUMNS_MAX} columns")));
@@ -150,7 +150,7 @@ impl<'f, R: BufRead> Table<'f, R> {
         }
     }
 
-    fn column(&self, arm: &Arm, i: usize, cell: &str) -> Result<Column, StudyError> {
+    fn column(&self, arm: &StudyArm, i: usize, cell: &str) -> Result<Column, StudyError> {
         if cell == "t_s" {
             return Ok(Column::Time);
         }
@@ -210,7 +210,7 @@ impl<'f, R: BufRead> Table<'f, R> {
 
     fn check_row(
         &self,
-        arm: &Arm,
+        arm: &StudyArm,
         columns: &[Column],
         before: Option<(f64, &[f64])>,
         (time, row): (f64, &[f64]),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::run::{QUINTIC_SLOPE_MAX, Run};
@@ -13,7 +13,7 @@ const STEP: f64 = 1e-3;
 /// Steps of that search at most; longer runs are searched in longer steps.
 const STEPS_MAX: u32 = 200_000;
 
-pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
     let center = arm.position(node, "center_rad", "center")?;
     let fade_in = node.number("fade_in_s")?;
     let terms: Vec<Sine> =
@@ -24,7 +24,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Reference
     Ok(Reference::Sines { center, terms, fade_in })
 }
 
-fn term(node: &Node<'_>, arm: &Arm, run: Run<'_>) -> Result<Sine, StudyError> {
+fn term(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Sine, StudyError> {
     let frequency = arm.joints.numbers(node, "frequency_hz")?;
     if let Some(j) = frequency.iter().position(|&f| f >= run.rate / 2.0) {
         let name = arm.joints.names[j].as_str();
@@ -60,7 +60,7 @@ impl JointSines {
     ///
     /// The triangle inequality settles most cases. Where it does not, the sum itself is evaluated
     /// along the run, so that nothing valid is refused.
-    fn check(&self, node: &Node<'_>, arm: &Arm, duration: f64) -> Result<(), StudyError> {
+    fn check(&self, node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<(), StudyError> {
         let reach: f64 = self.terms.iter().map(|[a, _, _]| a.abs()).sum();
         let speed: f64 = self.terms.iter().map(|[a, w, _]| (a * w).abs()).sum();
         let fading =
@@ -71,7 +71,7 @@ impl JointSines {
         if safe { Ok(()) } else { self.search(node, arm, duration) }
     }
 
-    fn search(&self, node: &Node<'_>, arm: &Arm, duration: f64) -> Result<(), StudyError> {
+    fn search(&self, node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<(), StudyError> {
         let steps = (1..STEPS_MAX).find(|&n| f64::from(n) * STEP >= duration).unwrap_or(STEPS_MAX);
         for i in 0..=steps {
             let t = duration * f64::from(i) / f64::from(steps);
@@ -91,7 +91,7 @@ impl JointSines {
     }
 
     /// The error, at the term with the largest share in it.
-    fn refuse(&self, node: &Node<'_>, arm: &Arm, fact: &str) -> StudyError {
+    fn refuse(&self, node: &Node<'_>, arm: &StudyArm, fact: &str) -> StudyError {
         let name = arm.joints.names[self.joint].as_str();
         let share = |i: usize| self.terms.get(i).map_or(0.0, |[a, _, _]| a.abs());
         let terms = node.children("sine");

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_model::{Profile, Robot};
 
 use crate::Fault;
@@ -225,15 +226,6 @@ pub enum LawRequest {
     },
 }
 
-/// Which form of the law runs: observer or literal (docs/theory.md, section 2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LawForm {
-    /// Disturbance observer fed with the applied torque: the default.
-    Observer,
-    /// The paper's (9), (10), (16): integrals of the error.
-    Literal,
-}
-
 /// `[loop]`: rate, delay and form of the control loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Control {
@@ -242,20 +234,11 @@ pub struct Control {
     /// Transport delay from sample to acting torque \[samples\], 0 … 8.
     pub delay_samples: u32,
     /// Which form of the law runs.
-    pub form: LawForm,
+    pub form: Form,
     /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.
     pub torque_max: Option<Vec<f64>>,
     /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.
     pub torque_rate_max: Option<Vec<f64>>,
-}
-
-/// Where the controller's velocity comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum VelocitySource {
-    /// The true velocity.
-    Measured,
-    /// Backward difference of the (quantised) position.
-    Differenced,
 }
 
 /// `[sensor]`: what the controller measures.
@@ -296,15 +279,6 @@ pub struct Interface {
     pub profile: Profile,
     /// Whether the controller keeps its limits and its start rule.
     pub kept: bool,
-}
-
-/// Where the law's applied torque comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TorqueSource {
-    /// The torque that acted.
-    Applied,
-    /// The torque that the drive was told.
-    Demanded,
 }
 
 /// `[world.drive]`: what a drive makes of the torque it is told.

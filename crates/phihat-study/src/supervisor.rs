@@ -1,6 +1,6 @@
 //! `[supervisor]`: guard, limits and modes around the law.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::robot_value::limits;
@@ -69,7 +69,7 @@ pub enum RequestedMode {
 
 pub(crate) fn read(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     duration: f64,
 ) -> Result<Option<Box<SupervisorRequest>>, StudyError> {
     if !node.exists() {
@@ -120,7 +120,7 @@ pub(crate) fn read(
 /// Keys that make sense together only.
 fn together<const K: usize>(
     node: &Node<'_>,
-    arm: &Arm,
+    arm: &StudyArm,
     keys: [&str; K],
 ) -> Result<Option<[Vec<f64>; K]>, StudyError> {
     if keys.iter().all(|key| !node.has(key)) {
@@ -133,7 +133,7 @@ fn together<const K: usize>(
     Ok(Some(all))
 }
 
-fn funnel(node: &Node<'_>, arm: &Arm) -> Result<Option<[Vec<f64>; 2]>, StudyError> {
+fn funnel(node: &Node<'_>, arm: &StudyArm) -> Result<Option<[Vec<f64>; 2]>, StudyError> {
     let keys = ["funnel_initial_rad", "funnel_final_rad"];
     let funnel = together(node, arm, keys)?;
     if let Some([initial, last]) = &funnel
@@ -147,7 +147,7 @@ fn funnel(node: &Node<'_>, arm: &Arm) -> Result<Option<[Vec<f64>; 2]>, StudyErro
 }
 
 /// Less than half of each joint's range, and only where every joint has one.
-fn soft_zone(node: &Node<'_>, arm: &Arm) -> Result<Option<Vec<f64>>, StudyError> {
+fn soft_zone(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyError> {
     let key = "soft_zone_rad";
     let zone = arm.joints.numbers_if(node, key)?;
     for (soft, joint) in zone.iter().flatten().zip(&arm.robot.joints) {

@@ -1,6 +1,6 @@
 //! `[world]` and `[start]`: what the arm meets, and where the run begins.
 
-use crate::arm::Arm;
+use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload;
@@ -10,7 +10,7 @@ use crate::study::{
     Drive, EndStops, Flexibility, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
 };
 
-pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, StudyError> {
+pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<World, StudyError> {
     let node = top.child("world");
     let joints = &arm.joints;
     let drives = arm.robot.joints.iter().map(|joint| joint.drive_bandwidth_hz);
@@ -38,7 +38,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &Arm, duration: f64) -> Result<World, St
     })
 }
 
-fn drive(node: &Node<'_>, arm: &Arm) -> Result<Option<Drive>, StudyError> {
+fn drive(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Drive>, StudyError> {
     if !node.exists() {
         return Ok(None);
     }
@@ -83,7 +83,7 @@ fn begins(node: &Node<'_>, duration: f64) -> Result<f64, StudyError> {
     Err(node.error(Kind::Conflict, "start_s", message))
 }
 
-fn push(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<Push, StudyError> {
+fn push(node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Push, StudyError> {
     if node.has("frame") {
         let message = "`frame` belongs to `force_n`, not to `torque_nm`";
         return Err(node.error(Kind::Conflict, "frame", message));
@@ -96,7 +96,7 @@ fn push(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<Push, StudyError> {
     })
 }
 
-fn force(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<ToolForce, StudyError> {
+fn force(node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<ToolForce, StudyError> {
     for key in ["joint", "torque_nm"] {
         if node.has(key) {
             let message = format!("`{key}` beside `force_n`: a push is a torque or a force");
@@ -111,7 +111,7 @@ fn force(node: &Node<'_>, arm: &Arm, duration: f64) -> Result<ToolForce, StudyEr
     })
 }
 
-fn wall(node: &Node<'_>, arm: &Arm) -> Result<Wall, StudyError> {
+fn wall(node: &Node<'_>, arm: &StudyArm) -> Result<Wall, StudyError> {
     let normal: [f64; 3] = node.numbers("normal")?;
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length < 1e-9 {
@@ -138,7 +138,7 @@ fn stiction(node: &Node<'_>, joints: &Joints) -> Result<Option<Stiction>, StudyE
     }))
 }
 
-fn flexibility(node: &Node<'_>, arm: &Arm) -> Result<Option<Flexibility>, StudyError> {
+fn flexibility(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Flexibility>, StudyError> {
     if !node.exists() {
         return Ok(None);
     }
@@ -162,7 +162,7 @@ fn end_stops(node: &Node<'_>, joints: &Joints) -> Result<Option<EndStops>, Study
     Ok(Some(EndStops { stiffness, damping: joints.numbers(node, "damping_nm_s_rad")? }))
 }
 
-fn start(node: &Node<'_>, arm: &Arm) -> Result<Option<Start>, StudyError> {
+fn start(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Start>, StudyError> {
     if !node.exists() {
         return Ok(None);
     }

@@ -6,9 +6,8 @@
 
 mod support;
 
-use phihat_study::{
-    Curve, LawForm, LawRequest, Payload, Push, Reference, Start, Study, VelocitySource,
-};
+use phihat::{Form, VelocitySource};
+use phihat_study::{Curve, LawRequest, Payload, Push, Reference, Start, Study};
 use support::{GOOD, read, studies, with_line, with_reference};
 
 #[test]
@@ -45,7 +44,7 @@ fn what_is_not_said_has_its_default() {
     assert_eq!((gains.inertia, gains.law), (vec![1.0; 3], law));
     let control = &study.control;
     assert_eq!((control.period_ns, control.delay_samples), (1_000_000, 0));
-    assert_eq!(control.form, LawForm::Observer);
+    assert_eq!(control.form, Form::Observer);
     assert_eq!(control.torque_max, Some(vec![50.0; 3]), "the robot's own limit");
     assert_eq!(control.torque_rate_max, None);
     assert_eq!(study.sensor.encoder_bits, None);

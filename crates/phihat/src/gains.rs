@@ -7,7 +7,7 @@ use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
 const VALUE_MAX: f64 = 4_294_967_296.0;
 
 /// Which of the two equivalent forms of the law runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Form {
     /// A disturbance observer fed with the torque that acted (T4): the default.
     #[default]

@@ -75,6 +75,7 @@ mod log;
 mod real;
 mod sampled;
 mod shaper;
+mod source;
 mod supervisor;
 mod unwrap;
 mod velocity;
@@ -89,6 +90,7 @@ pub use limits::Limits;
 pub use log::Log;
 pub use real::Real;
 pub use shaper::{MotionLimits, Shaper};
+pub use source::{TorqueSource, VelocitySource};
 pub use supervisor::{
     Action, Answer, ArmRules, ArmState, Events, Fault, Funnel, JointMemory, JointOptions,
     JointRange, JointRules, Memories, Mode, ModeEvents, ModeRequest, OptionError, Options, Refusal,

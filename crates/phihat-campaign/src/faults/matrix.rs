@@ -4,10 +4,9 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phihat::Form;
 use phihat_design::{Gains, GainsError};
 use phihat_sim::{Motion, SimError, Simulation};
-use phihat_study::{LawForm, Study, StudyError};
+use phihat_study::{Study, StudyError};
 use thiserror::Error;
 use toml::Table;
 
@@ -22,7 +21,7 @@ const EDITION: &str = "faults 1";
 
 /// An arm of the matrix: a study without faults.
 #[derive(Debug, Clone)]
-pub struct Arm {
+pub struct FaultedArm {
     /// The study's name.
     pub name: String,
     /// The study's file.
@@ -50,7 +49,7 @@ pub struct Extent {
 #[derive(Debug, Clone)]
 pub struct Matrix {
     /// The arms.
-    pub arms: Vec<Arm>,
+    pub arms: Vec<FaultedArm>,
     /// The runs, in the order of the answer.
     pub cases: Vec<Case>,
 }
@@ -139,8 +138,8 @@ impl Matrix {
     ) -> Result<Self, FaultsError> {
         let mut arms = Vec::new();
         for path in studies {
-            let arm = Arm::read(path, &extent.orders, cache, choose)?;
-            if arms.iter().any(|other: &Arm| other.name == arm.name) {
+            let arm = FaultedArm::read(path, &extent.orders, cache, choose)?;
+            if arms.iter().any(|other: &FaultedArm| other.name == arm.name) {
                 let why = "another study of the matrix has the same name".into();
                 return Err(FaultsError::Unfit { path: path.clone(), why });
             }
@@ -243,10 +242,7 @@ impl Matrix {
 
     /// The closed loop of a run.
     pub(crate) fn build(&self, case: &Case, study: &Study) -> Result<Simulation, RunError> {
-        let form = match study.control.form {
-            LawForm::Observer => Form::Observer,
-            LawForm::Literal => Form::Literal,
-        };
+        let form = study.control.form;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let gains = self.gains(case).joint_gains(&names, study.control.period_ns, form)?;
         Ok(Simulation::new(study, &gains)?)
@@ -284,7 +280,7 @@ impl Matrix {
     }
 }
 
-impl Arm {
+impl FaultedArm {
     #[allow(clippy::large_stack_frames, reason = "one arm after the other")]
     fn read(
         path: &Path,

@@ -15,7 +15,7 @@ mod summary;
 pub use case::{Case, CaseName};
 pub use catalogue::{Bar, End, FAULTS, Fault, SEVERITIES};
 pub use cell::{BRAKE_S, Cell, STOP_SAMPLES};
-pub use matrix::{Arm, Choose, Extent, FaultsError, Matrix};
+pub use matrix::{Choose, Extent, FaultedArm, FaultsError, Matrix};
 pub use options::{FaultsAnswer, FaultsOptions};
 pub use summary::{
     ArmRecord, EXCURSION_SHARE, FORMAT, FaultRecord, Miss, RunRecord, Summary, Totals,

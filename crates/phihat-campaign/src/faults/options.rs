@@ -97,7 +97,7 @@ impl FaultsOptions {
             [JOURNAL, "faults.json", "report.html"].map(|name| folder.join(name));
         files::check_writable([&path, &data, &page, &cache.join("gains.json")])?;
         let mut journal = Journal::in_folder(&path, self.fresh, watch)?;
-        for (name, gains) in matrix.arms.iter().flat_map(super::Arm::gains) {
+        for (name, gains) in matrix.arms.iter().flat_map(super::FaultedArm::gains) {
             files::write_locked(&[(cache.join(name), gains.to_json()?.into_bytes())])?;
         }
         let summary = self.runs(&matrix, &mut journal, watch)?;

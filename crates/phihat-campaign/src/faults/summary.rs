@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::catalogue::{Bar, End, FAULTS};
 use super::cell::{Cell, STOP_SAMPLES};
-use super::matrix::{Arm, Matrix};
+use super::matrix::{FaultedArm, Matrix};
 use crate::runner::Ended;
 
 /// What `format` says in every summary.
@@ -43,7 +43,7 @@ pub struct ArmRecord {
 }
 
 impl ArmRecord {
-    fn of(arm: &Arm) -> Self {
+    fn of(arm: &FaultedArm) -> Self {
         Self {
             name: arm.name.clone(),
             study: arm.path.display().to_string(),

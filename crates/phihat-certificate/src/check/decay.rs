@@ -1,9 +1,10 @@
 //! How a loop forgets: the norm of its state contracts, and what is still to come is bounded by it.
 
 use super::sample::{LINE, Loop, Outside, Signals};
+use crate::Refutation;
 use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
-use crate::{LoopForm, LoopVelocity, Refutation};
+use phihat::{Form, VelocitySource};
 
 /// Steps after which a loop counts as not decaying.
 const LONGEST: usize = 1 << 21;
@@ -31,14 +32,14 @@ enum Slot {
 impl Layout {
     pub(crate) fn of(of: &Loop) -> Self {
         let w = of.kp.sqrt();
-        let observer = of.model.form == LoopForm::Observer;
+        let observer = of.model.form == Form::Observer;
         let mut slots = vec![(Slot::Position, 1.0), (Slot::Velocity, w)];
         let (mut unit, factor) = if observer { (w * w, w) } else { (1.0 / w, 1.0 / w) };
         for j in 0..of.order {
             slots.push((Slot::Memory(j), unit));
             unit *= factor;
         }
-        if of.model.velocity == LoopVelocity::Differenced {
+        if of.model.velocity == VelocitySource::Differenced {
             slots.push((Slot::LastPosition, 1.0));
         }
         if observer || of.model.velocity_filter_hz.is_some() {
@@ -334,7 +335,8 @@ impl Run {
 mod tests {
     use super::{Decay, Layout, Loop, Output, Outside, Run, Seen};
     use crate::extremes::Extremes as _;
-    use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+    use crate::{JointRecord, LoopModel};
+    use phihat::{Form, TorqueSource, VelocitySource};
 
     fn loops() -> Vec<Loop> {
         let record = JointRecord {
@@ -348,15 +350,15 @@ mod tests {
             period_s: 2e-3,
             delay_samples: 1,
             sample_delay_samples: 1,
-            torque: LoopTorque::Applied,
+            torque: TorqueSource::Applied,
             velocity,
             velocity_filter_hz: Some(90.0),
             form,
             drive_bandwidth_hz,
         };
         [
-            model(LoopForm::Observer, LoopVelocity::Differenced, Some(150.0)),
-            model(LoopForm::Literal, LoopVelocity::Measured, None),
+            model(Form::Observer, VelocitySource::Differenced, Some(150.0)),
+            model(Form::Literal, VelocitySource::Measured, None),
         ]
         .map(|model| Loop::new(&record, &model, 1.3))
         .to_vec()

@@ -1,10 +1,11 @@
 //! The loop in frequency, from gains and model: what returns to the torque.
 
 use core::f64::consts::TAU;
+use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::complex::{Complex, Disc, horner};
 use super::estimator;
-use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use crate::{JointRecord, LoopModel};
 
 /// `Δ(w)` and `N(w)` with the characteristic polynomial `Δ + N/μ`, `w = z − 1`, as products that lose nothing near
 /// `w = 0`.
@@ -25,7 +26,7 @@ use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
 /// acted; `k` of (16); `d` counts both delays.
 #[derive(Debug, Clone)]
 pub(crate) struct Returns {
-    form: LoopForm,
+    form: Form,
     order: usize,
     period: f64,
     late: usize,
@@ -35,7 +36,7 @@ pub(crate) struct Returns {
     b: Vec<f64>,
     /// `k_1 … k_{m+2}` of (16).
     k: Vec<f64>,
-    velocity: LoopVelocity,
+    velocity: VelocitySource,
     filter: Option<f64>,
     drive: Option<Drive>,
     fed_applied: bool,
@@ -108,13 +109,13 @@ impl Returns {
             velocity: model.velocity,
             filter: filter(model),
             drive: Drive::of(model),
-            fed_applied: model.torque == LoopTorque::Applied,
+            fed_applied: model.torque == TorqueSource::Applied,
         }
     }
 
     /// Degree of `Δ + N/μ` in `z`.
     pub(crate) fn degree(&self) -> usize {
-        let filters = self.velocity == LoopVelocity::Differenced || self.filter.is_some();
+        let filters = self.velocity == VelocitySource::Differenced || self.filter.is_some();
         2 + self.order + self.late + usize::from(filters) + usize::from(self.drive.is_some())
     }
 
@@ -124,17 +125,17 @@ impl Returns {
         let t = self.period;
         let n_q = w.times(0.5 * t * t);
         let (y, f) = match (self.velocity, self.filter) {
-            (LoopVelocity::Measured, None) => (Disc::real(0.0), Disc::real(1.0)),
-            (LoopVelocity::Measured, Some(f)) => (Disc::real(0.0), w + Disc::real(f)),
-            (LoopVelocity::Differenced, f) => {
+            (VelocitySource::Measured, None) => (Disc::real(0.0), Disc::real(1.0)),
+            (VelocitySource::Measured, Some(f)) => (Disc::real(0.0), w + Disc::real(f)),
+            (VelocitySource::Differenced, f) => {
                 let f = f.unwrap_or(1.0);
                 ((w * n_q).times(f / t), w + Disc::real(f))
             }
         };
         let one = Disc::real(1.0);
         match self.form {
-            LoopForm::Observer => self.observer(w, (one, f), (n_q, y)).back,
-            LoopForm::Literal => self.literal(w, (one, f), (n_q, y)).back,
+            Form::Observer => self.observer(w, (one, f), (n_q, y)).back,
+            Form::Literal => self.literal(w, (one, f), (n_q, y)).back,
         }
     }
 
@@ -145,16 +146,16 @@ impl Returns {
         let (x, mean, double) = self.drive_at(w);
         let n_q = mean.times(t * t) + w * double;
         let (y, f) = match (self.velocity, self.filter) {
-            (LoopVelocity::Measured, None) => (w * mean.times(t), Disc::real(1.0)),
-            (LoopVelocity::Measured, Some(f)) => ((w * z * mean).times(f * t), w + Disc::real(f)),
-            (LoopVelocity::Differenced, f) => {
+            (VelocitySource::Measured, None) => (w * mean.times(t), Disc::real(1.0)),
+            (VelocitySource::Measured, Some(f)) => ((w * z * mean).times(f * t), w + Disc::real(f)),
+            (VelocitySource::Differenced, f) => {
                 let f = f.unwrap_or(1.0);
                 ((w * n_q).times(f / t), w + Disc::real(f))
             }
         };
         match self.form {
-            LoopForm::Observer => self.observer(w, (x, f), (n_q, y)),
-            LoopForm::Literal => self.literal(w, (x, f), (n_q, y)),
+            Form::Observer => self.observer(w, (x, f), (n_q, y)),
+            Form::Literal => self.literal(w, (x, f), (n_q, y)),
         }
     }
 
@@ -204,9 +205,9 @@ impl Returns {
         let z = at + Disc::real(1.0);
         let (x, _, _) = self.drive_at(at);
         let (f, share) = match (self.velocity, self.filter) {
-            (LoopVelocity::Measured, None) => (Disc::real(1.0), 0.0),
-            (LoopVelocity::Measured, Some(f)) => (at + Disc::real(f), 0.0),
-            (LoopVelocity::Differenced, f) => {
+            (VelocitySource::Measured, None) => (Disc::real(1.0), 0.0),
+            (VelocitySource::Measured, Some(f)) => (at + Disc::real(f), 0.0),
+            (VelocitySource::Differenced, f) => {
                 let f = f.unwrap_or(1.0);
                 (at + Disc::real(f), f / self.period)
             }
@@ -215,13 +216,13 @@ impl Returns {
         let sensed = at.times(share);
         let m = self.order;
         let heard = match self.form {
-            LoopForm::Observer => {
+            Form::Observer => {
                 let part = horner(&self.b, at);
                 let whole = at.power(m) + part;
                 let on_velocity = whole.times(self.kd) + (part * at).times(1.0 / self.period);
                 on_velocity * sensed + (whole * f).times(self.kp)
             }
-            LoopForm::Literal => {
+            Form::Literal => {
                 let plain = sensed.times(self.kd + self.k[m + 1]) + f.times(self.kp + self.k[m]);
                 let sums = |j: usize| z.times(self.period).power(j) * at.power(m - j) * f;
                 let first = at.power(m) * plain;

@@ -2,7 +2,8 @@
 
 use super::estimator;
 use super::returns::{Drive, filter, literal};
-use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use crate::{JointRecord, LoopModel};
+use phihat::{Form, TorqueSource, VelocitySource};
 
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
@@ -130,14 +131,14 @@ impl Loop {
         let mut next = *x;
         next.position = x.q + outside.reading;
         let raw = match self.model.velocity {
-            LoopVelocity::Measured => x.v,
-            LoopVelocity::Differenced => (next.position - x.position) / t - 0.5 * t * before,
+            VelocitySource::Measured => x.v,
+            VelocitySource::Differenced => (next.position - x.position) / t - 0.5 * t * before,
         };
         // The reference's velocity has grown by `before · T` since the last sample.
         let kept = x.velocity - before * t;
         next.velocity = self.filter.map_or(raw, |share| kept + share * (raw - kept));
         let phi_hat = match self.model.form {
-            LoopForm::Observer => {
+            Form::Observer => {
                 let innovation = t * (x.mean - x.memory[0]) - (next.velocity - kept);
                 for j in 0..self.order {
                     let above = if j + 1 < self.order { x.memory[j + 1] } else { 0.0 };
@@ -145,7 +146,7 @@ impl Loop {
                 }
                 next.memory[0]
             }
-            LoopForm::Literal => {
+            Form::Literal => {
                 let m = self.order;
                 let mut sum = next.position;
                 let mut held = self.k[m] * next.position + self.k[m + 1] * next.velocity;
@@ -181,8 +182,8 @@ impl Loop {
             next.end = told + (1.0 - drive.lost) * gap;
         }
         next.mean = match self.model.torque {
-            LoopTorque::Applied => mean,
-            LoopTorque::Demanded => told,
+            TorqueSource::Applied => mean,
+            TorqueSource::Demanded => told,
         };
         next.q = x.q + t * x.v + (double - 0.5 * t * t * phi) / self.mu - 0.5 * t * t * ahead;
         next.v = x.v + t * (mean - phi) / self.mu - t * ahead;

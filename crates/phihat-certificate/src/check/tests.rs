@@ -2,6 +2,7 @@
 //! as one above, or a matrix that is not definite passed.
 
 use core::f64::consts::PI;
+use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::agree::agrees;
 use super::complex::{Complex, Disc, horner};
@@ -12,7 +13,7 @@ use super::plausible::{at_most, enough, gains, model, ratios};
 use super::polynomial::{not_negative, product, squared, value};
 use super::returns::{Drive, literal};
 use crate::dice::Dice;
-use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use crate::{JointRecord, LoopModel};
 
 impl Dice {
     fn disc(&mut self) -> Disc {
@@ -231,10 +232,10 @@ pub(crate) fn plain() -> LoopModel {
         period_s: 1e-3,
         delay_samples: 0,
         sample_delay_samples: 0,
-        torque: LoopTorque::Applied,
-        velocity: LoopVelocity::Measured,
+        torque: TorqueSource::Applied,
+        velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
-        form: LoopForm::Observer,
+        form: Form::Observer,
         drive_bandwidth_hz: None,
     }
 }

@@ -1,9 +1,10 @@
 //! The arm's loop at one posture, played: sensor, law, delay, drive of each joint, one inertia for all. Many runs side by side.
 
 use core::f64::consts::TAU;
+use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::alpha::alpha;
-use crate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use crate::{JointRecord, LoopModel};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
 pub(super) const OUTPUTS: usize = 5;
@@ -50,10 +51,8 @@ impl<'a> Law<'a> {
             }
         }
         let (weights, on_error) = match model.form {
-            LoopForm::Observer => (alpha(a, model.period_s), [0.0; 2]),
-            LoopForm::Literal => {
-                (p[..m].iter().rev().copied().collect(), [p[m] - kp, p[m + 1] - kd])
-            }
+            Form::Observer => (alpha(a, model.period_s), [0.0; 2]),
+            Form::Literal => (p[..m].iter().rev().copied().collect(), [p[m] - kp, p[m + 1] - kd]),
         };
         let t = model.period_s;
         let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
@@ -86,8 +85,8 @@ impl<'a> Law<'a> {
             (Q | LAST_Q, _) => 1.0 / root,
             (DQ | LAST_V, _) => w / root,
             (MEAN | END, _) => w * w / root,
-            (k, LoopForm::Observer) if k < MEMORY + self.order => power(k - MEMORY + 2) / root,
-            (k, LoopForm::Literal) if k < MEMORY + self.order => 1.0 / power(k - MEMORY + 1) / root,
+            (k, Form::Observer) if k < MEMORY + self.order => power(k - MEMORY + 2) / root,
+            (k, Form::Literal) if k < MEMORY + self.order => 1.0 / power(k - MEMORY + 1) / root,
             _ => w * w / root,
         }
     }
@@ -97,12 +96,12 @@ impl<'a> Law<'a> {
         let t = self.model.period_s;
         let position = x[Q] + reading;
         let raw = match self.model.velocity {
-            LoopVelocity::Measured => x[DQ],
-            LoopVelocity::Differenced => (position - x[LAST_Q]) / t,
+            VelocitySource::Measured => x[DQ],
+            VelocitySource::Differenced => (position - x[LAST_Q]) / t,
         };
         let velocity = x[LAST_V] + self.filter * (raw - x[LAST_V]);
         let phi_hat = match self.model.form {
-            LoopForm::Observer => {
+            Form::Observer => {
                 let innovation = t * (x[MEAN] - x[MEMORY]) - (velocity - x[LAST_V]);
                 for j in 0..self.order {
                     let slope = if j + 1 < self.order { x[MEMORY + j + 1] } else { 0.0 };
@@ -110,7 +109,7 @@ impl<'a> Law<'a> {
                 }
                 x[MEMORY]
             }
-            LoopForm::Literal => {
+            Form::Literal => {
                 let mut below = position;
                 let mut total = self.on_error[0] * position + self.on_error[1] * velocity;
                 for j in 0..self.order {
@@ -135,8 +134,8 @@ impl<'a> Law<'a> {
         let lever = 0.5 * t * t * demand + self.gap[1] * gap;
         x[END] = acting - self.lost * gap;
         x[MEAN] = match self.model.torque {
-            LoopTorque::Applied => mean,
-            LoopTorque::Demanded => demand,
+            TorqueSource::Applied => mean,
+            TorqueSource::Demanded => demand,
         };
         Told { commanded, acting, push: t * mean, lever }
     }

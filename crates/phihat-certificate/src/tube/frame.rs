@@ -63,7 +63,7 @@ pub(super) struct Distance {
 }
 
 /// What belongs to the arm for the whole run.
-pub(super) struct Arm<'a> {
+pub(super) struct ArmTerms<'a> {
     pub(super) chain: &'a Chain,
     pub(super) slice: Option<&'a PayloadSlice>,
     pub(super) smooth: &'a [Smooth],
@@ -73,7 +73,7 @@ pub(super) struct Arm<'a> {
     pub(super) period: f64,
 }
 
-impl Arm<'_> {
+impl ArmTerms<'_> {
     pub(super) fn point<S: Number>(&self) -> Option<Load<S>> {
         self.slice.map(|slice| Matter::exact(slice.middle(), [0.0; 3], [[0.0; 3]; 3]))
     }

@@ -1,8 +1,9 @@
 //! The sampled law of one joint with its sensor and delays, and the same as a linear map.
 
 use core::f64::consts::TAU;
+use phihat::{Form, TorqueSource, VelocitySource};
 
-use phihat_study::{LawForm, Study, TorqueSource, VelocitySource};
+use phihat_study::Study;
 
 use super::dense::{exponential, product};
 use super::inputs::Law;
@@ -76,7 +77,7 @@ impl Loop {
             alpha: sampled(a, period),
             on_integrals: (0..m).map(|j| factor(m - j)).collect(),
             on_error: [factor(m + 1), factor(m + 2)],
-            literal: study.control.form == LawForm::Literal,
+            literal: study.control.form == Form::Literal,
             measured: study.sensor.velocity == VelocitySource::Measured,
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,

@@ -3,7 +3,7 @@
 use super::adjoint::Rows;
 use super::chain::Chain;
 use super::dense::count;
-use super::frame::Arm;
+use super::frame::ArmTerms;
 use super::inputs::Inputs;
 use super::law::{LinearLoop, Loop};
 use super::nominal::Nominal;
@@ -12,7 +12,7 @@ use super::scope::{Adds, Dry, PayloadSlice, Smooth};
 /// What stays the same from the first sample to the last.
 pub(super) struct Setting<'a> {
     pub(super) inputs: &'a Inputs<'a>,
-    pub(super) arm: Arm<'a>,
+    pub(super) arm: ArmTerms<'a>,
     pub(super) run: &'a Nominal,
     pub(super) dry: &'a Dry,
     pub(super) loops: &'a [Loop],
@@ -50,7 +50,7 @@ impl<'a> Setting<'a> {
         };
         Self {
             inputs,
-            arm: Arm { chain, slice, smooth, adds, drives, period },
+            arm: ArmTerms { chain, slice, smooth, adds, drives, period },
             run,
             dry,
             loops,

@@ -1,7 +1,7 @@
 //! The frame of a window of the nominal run, and its distance while the arm is near that run.
 
 use super::carried::Carried;
-use super::frame::{Added, Arm, Distance, Frame, arc};
+use super::frame::{Added, ArmTerms, Distance, Frame, arc};
 use super::nominal::Nominal;
 use super::number::{Ball, Number, Screw, Tangent};
 use crate::extremes::Extremes as _;
@@ -16,7 +16,7 @@ struct Around {
     gravity: Vec<Ball>,
 }
 
-impl Arm<'_> {
+impl ArmTerms<'_> {
     /// The frame of a window, and its distance for a reach `E`.
     pub(super) fn window(
         &self,

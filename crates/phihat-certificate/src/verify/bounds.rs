@@ -2,7 +2,8 @@
 
 use crate::check::plausible::enough;
 use crate::refutation::refuse;
-use crate::{Certificate, JointCertificate, JointRecord, LoopForm, LoopVelocity, Refutation};
+use crate::{Certificate, JointCertificate, JointRecord, Refutation};
+use phihat::{Form, VelocitySource};
 
 const CLAIM: &str = "error bound";
 
@@ -49,7 +50,7 @@ impl JointCertificate {
                 + late * motion.acceleration_rad_s2;
         }
         // φ that varies within the intervals shifts a true velocity by T²φ̇/(12M).
-        let seen = model.form == LoopForm::Observer && model.velocity == LoopVelocity::Measured;
+        let seen = model.form == Form::Observer && model.velocity == VelocitySource::Measured;
         let within = if seen {
             let shift =
                 model.period_s * model.period_s * phi.rate_nm_s / (12.0 * whole.arm.low * inertia);
@@ -69,7 +70,8 @@ impl JointCertificate {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Bounds, Gains, LoopForm, LoopVelocity, Motion, Phi, PhiBasis};
+    use crate::{Bounds, Gains, Motion, Phi, PhiBasis};
+    use phihat::{Form, VelocitySource};
 
     /// What a bound is made of; one part after the other is more than nothing.
     struct Case {
@@ -78,8 +80,8 @@ mod tests {
         jump: f64,
         motion: Option<Motion>,
         late: u32,
-        velocity: LoopVelocity,
-        form: LoopForm,
+        velocity: VelocitySource,
+        form: Form,
         quantum: f64,
     }
 
@@ -89,8 +91,8 @@ mod tests {
         jump: 0.0,
         motion: None,
         late: 0,
-        velocity: LoopVelocity::Differenced,
-        form: LoopForm::Observer,
+        velocity: VelocitySource::Differenced,
+        form: Form::Observer,
         quantum: 0.0,
     };
 
@@ -133,7 +135,7 @@ mod tests {
         let motion = |v: f64, a: f64, j: f64| {
             Some(Motion { velocity_rad_s: v, acceleration_rad_s2: a, jerk_rad_s3: j })
         };
-        let measured = LoopVelocity::Measured;
+        let measured = VelocitySource::Measured;
         // M̄ = 2, T = 2 ms, 3 s long: e, ė and what ∫e gets besides T e and 3 s of what lasts.
         let shift = 0.25 * 0.002 * 0.002 / (12.0 * 0.5 * 2.0);
         let cases = [
@@ -160,7 +162,7 @@ mod tests {
             // φ̇ shifts a measured velocity by T²φ̇/12M, which K_d/K_p makes an error that lasts.
             (Case { rate: 6.0, velocity: measured, ..NOTHING }, 0.6, 9.0, 0.03 + 3.0 * 6.0 * shift),
             (
-                Case { rate: 6.0, velocity: measured, form: LoopForm::Literal, ..NOTHING },
+                Case { rate: 6.0, velocity: measured, form: Form::Literal, ..NOTHING },
                 0.6,
                 9.0,
                 0.03,

@@ -1,6 +1,7 @@
 //! Loops of every form, velocity source, filter, drive and delay, and gains of every order.
 
-use phihat_certificate::{JointRecord, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use phihat::{Form, TorqueSource, VelocitySource};
+use phihat_certificate::{JointRecord, LoopModel};
 
 /// Gains whose estimator of order 1 to 4 has all poles at `w`.
 pub(crate) fn record(order: usize, w: f64) -> JointRecord {
@@ -15,13 +16,13 @@ pub(crate) fn record(order: usize, w: f64) -> JointRecord {
 
 pub(crate) fn every_model(period_s: f64) -> Vec<LoopModel> {
     let mut models = Vec::new();
-    for form in [LoopForm::Observer, LoopForm::Literal] {
-        for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
+    for form in [Form::Observer, Form::Literal] {
+        for velocity in [VelocitySource::Measured, VelocitySource::Differenced] {
             for velocity_filter_hz in [None, Some(90.0)] {
                 for (drive_bandwidth_hz, torque) in [
-                    (None, LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Applied),
-                    (Some(150.0), LoopTorque::Demanded),
+                    (None, TorqueSource::Applied),
+                    (Some(150.0), TorqueSource::Applied),
+                    (Some(150.0), TorqueSource::Demanded),
                 ] {
                     for delay_samples in [0, 2] {
                         models.push(LoopModel {

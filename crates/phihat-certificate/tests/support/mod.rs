@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use phihat::{Form, JointDesign, JointGains};
+use phihat::{JointDesign, JointGains};
 use phihat_certificate::Tube;
 use phihat_certificate::tube::{Inputs, Law, Reference, TubeRefusal, derive};
 use phihat_sim::{Motion, Simulation, Trace};
 use phihat_study::PayloadSet;
-use phihat_study::{LawForm, LawRequest, Study};
+use phihat_study::{LawRequest, Study};
 
 /// A study with its laws and its reference.
 pub(crate) struct Case {
@@ -123,10 +123,7 @@ impl Case {
             });
         }
         let period = study.control.period_ns as f64 * 1e-9;
-        let form = match study.control.form {
-            LawForm::Observer => Form::Observer,
-            LawForm::Literal => Form::Literal,
-        };
+        let form = study.control.form;
         let gains: Vec<JointGains<f64>> = self
             .laws
             .iter()

@@ -1,12 +1,11 @@
 //! What peak-to-peak gains and a known `φ` say about one joint's error.
 
+use phihat::{Form, VelocitySource};
 use phihat_certificate::Bounds;
 use phihat_certificate::extremes::Extremes as _;
 
 use crate::sampled::LoopParts;
-use crate::sampled::{
-    LoopForm, LoopModel, LoopVelocity, ReadingError, ReferenceError, SampledPeaks,
-};
+use crate::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks};
 use crate::{JointRecord, Phi};
 
 /// What bounds are made of.
@@ -66,8 +65,8 @@ impl<'a> Evidence<'a> {
         };
         let error_rad = state(1) + besides(0);
         let period = self.model.period_s;
-        let within = if self.model.form == LoopForm::Observer
-            && self.model.velocity == LoopVelocity::Measured
+        let within = if self.model.form == Form::Observer
+            && self.model.velocity == VelocitySource::Measured
         {
             let lag = self.record.kd_per_s / self.record.kp_per_s2;
             lag * period * period * phi.rate_nm_s / (12.0 * self.low * inertia)

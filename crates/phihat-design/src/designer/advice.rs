@@ -1,6 +1,7 @@
 //! Changes of the loop that would make an infeasible specification feasible.
 
-use phihat_study::{Study, VelocitySource};
+use phihat::VelocitySource;
+use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use super::attempt::Attempt;

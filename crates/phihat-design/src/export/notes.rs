@@ -3,8 +3,9 @@
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
 use crate::Gains;
-use crate::sampled::{LoopModel, LoopVelocity, ReferenceError};
+use crate::sampled::{LoopModel, ReferenceError};
 use crate::{Certificate, JointCertificate};
+use phihat::VelocitySource;
 
 /// Where the gains come from.
 pub(super) fn origin(gains: &Gains) -> Vec<String> {
@@ -144,8 +145,8 @@ fn arm(certificate: &Certificate) -> Vec<String> {
 
 fn assumed(model: &LoopModel) -> String {
     let velocity = match model.velocity {
-        LoopVelocity::Measured => "measured velocity",
-        LoopVelocity::Differenced => "velocity = backward difference of the position",
+        VelocitySource::Measured => "measured velocity",
+        VelocitySource::Differenced => "velocity = backward difference of the position",
     };
     let filter = model.velocity_filter_hz.map_or(String::new(), |hz| format!(", low-pass {hz} Hz"));
     let drive = model.drive_bandwidth_hz.map_or(String::new(), |hz| format!(", drive {hz} Hz"));

@@ -4,10 +4,11 @@ use crate::certificate::{Evidence, RATIOS, inside};
 use crate::claims::Refutation;
 use crate::prelude::*;
 use crate::sampled::{
-    InertiaWindow, LoopForm, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
+    InertiaWindow, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
 };
 use crate::{Bounds, Certificate, JointCertificate};
 use crate::{Gains, JointRecord};
+use phihat::Form;
 
 /// The gains of one joint as a PID on `e = q − q_d`.
 ///
@@ -95,7 +96,7 @@ impl PidClaims {
             why.claim = format!("{}: {}", record.name, why.claim);
             why
         };
-        let model = LoopModel { form: LoopForm::Literal, ..joint.model };
+        let model = LoopModel { form: Form::Literal, ..joint.model };
         let window = InertiaWindow::find(record, &model).map_err(named)?;
         window.verify(record, &model).map_err(named)?;
         inside(&window, arm, 1.0).map_err(named)?;

@@ -2,7 +2,8 @@
 
 use core::f64::consts::TAU;
 
-pub use phihat_certificate::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use phihat::Form;
+pub use phihat_certificate::LoopModel;
 
 /// Parts of the loop between the law and the inertia.
 pub(crate) trait LoopParts {
@@ -55,7 +56,7 @@ impl LoopParts for LoopModel {
 
     fn servo_type(&self, order: usize) -> usize {
         let late = self.late() > 0 || self.drive_bandwidth_hz.is_some();
-        if self.form == LoopForm::Observer && late { order.min(1) } else { order }
+        if self.form == Form::Observer && late { order.min(1) } else { order }
     }
 }
 

@@ -1,10 +1,11 @@
 //! The loop cut open at the torque: one rational function that does not depend on the inertia.
 
 use nalgebra::Complex;
+use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::estimator::sampled_coefficients;
+use super::model::LoopModel;
 use super::model::LoopParts;
-use super::model::{LoopForm, LoopModel, LoopTorque, LoopVelocity};
 use super::polynomial::{Polynomial, on_circle};
 use crate::JointRecord;
 
@@ -44,8 +45,8 @@ impl OpenLoop {
     pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
         let plant = Plant::new(model).times(gain);
         let (numerator, denominator) = match model.form {
-            LoopForm::Observer => observer(gains, model, &plant),
-            LoopForm::Literal => literal(gains, model, &plant),
+            Form::Observer => observer(gains, model, &plant),
+            Form::Literal => literal(gains, model, &plant),
         };
         Self { numerator, denominator, period: model.period_s }
     }
@@ -56,13 +57,13 @@ impl OpenLoop {
         let t = model.period_s;
         let q = Polynomial::new(vec![0.0, 0.5 * t * t]);
         let y = match model.velocity {
-            LoopVelocity::Measured => Polynomial::new(vec![0.0]),
-            LoopVelocity::Differenced => q.scaled(model.filter_gain() / t).raised(1),
+            VelocitySource::Measured => Polynomial::new(vec![0.0]),
+            VelocitySource::Differenced => q.scaled(model.filter_gain() / t).raised(1),
         };
         let plant = Plant { q, y, ..Plant::new(model) };
         let (kick, _) = match model.form {
-            LoopForm::Observer => observer(gains, model, &plant),
-            LoopForm::Literal => literal(gains, model, &plant),
+            Form::Observer => observer(gains, model, &plant),
+            Form::Literal => literal(gains, model, &plant),
         };
         (Self::new(gains, model), kick)
     }
@@ -118,11 +119,11 @@ impl Plant {
         let f = model.filter_gain();
         let filtered = Polynomial::new(vec![f, 1.0]);
         let (y, filter) = match (model.velocity, model.filters()) {
-            (LoopVelocity::Measured, false) => (mean.scaled(t).raised(1), Polynomial::one()),
-            (LoopVelocity::Measured, true) => {
+            (VelocitySource::Measured, false) => (mean.scaled(t).raised(1), Polynomial::one()),
+            (VelocitySource::Measured, true) => {
                 (mean.times(&Polynomial::z_power(1)).scaled(f * t).raised(1), filtered)
             }
-            (LoopVelocity::Differenced, _) => (q.scaled(f / t).raised(1), filtered),
+            (VelocitySource::Differenced, _) => (q.scaled(f / t).raised(1), filtered),
         };
         Self { drive, mean, q, y, filter }
     }
@@ -134,8 +135,8 @@ fn observer(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomia
     let whole = part.plus(&Polynomial::one().raised(gains.a.len()));
     let delay = Polynomial::z_power(model.late() as usize);
     let fed = match model.torque {
-        LoopTorque::Applied => &plant.mean,
-        LoopTorque::Demanded => &plant.drive,
+        TorqueSource::Applied => &plant.mean,
+        TorqueSource::Demanded => &plant.drive,
     };
     let unknown = whole.times(&delay).times(&plant.drive).plus(&part.times(fed).scaled(-1.0));
     let on_velocity = whole.scaled(gains.kd_per_s).plus(&part.raised(1).scaled(1.0 / t));

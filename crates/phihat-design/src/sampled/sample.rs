@@ -2,10 +2,11 @@
 //! see [`LoopModel`].
 
 use nalgebra::DVector;
+use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::estimator::estimator_coefficients;
 use super::model::LoopParts;
-use super::model::{Drive, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+use super::model::{Drive, LoopModel};
 use super::open_loop::literal_factors;
 use crate::JointRecord;
 
@@ -41,8 +42,8 @@ impl Layout {
                 length - 1
             })
         };
-        let observer = model.form == LoopForm::Observer;
-        let last_position = entry(model.velocity == LoopVelocity::Differenced);
+        let observer = model.form == Form::Observer;
+        let last_position = entry(model.velocity == VelocitySource::Differenced);
         let last_velocity = entry(observer || model.filters());
         let mean_torque = entry(observer);
         let end_torque = entry(model.drive_bandwidth_hz.is_some());
@@ -54,13 +55,13 @@ impl Layout {
 
 impl Layout {
     /// What one unit of each entry is, in SI.
-    fn scale(&self, w: f64, form: LoopForm) -> DVector<f64> {
+    fn scale(&self, w: f64, form: Form) -> DVector<f64> {
         let mut scale = DVector::from_element(self.length, w * w);
         scale[0] = 1.0;
         scale[1] = w;
         let first = match form {
-            LoopForm::Observer => (w * w, w),
-            LoopForm::Literal => (1.0 / w, 1.0 / w),
+            Form::Observer => (w * w, w),
+            Form::Literal => (1.0 / w, 1.0 / w),
         };
         let ends = [self.last_position, self.last_velocity, self.mean_torque, self.end_torque];
         let end = ends.into_iter().flatten().min().unwrap_or(self.line);
@@ -117,8 +118,8 @@ impl<'a> Sample<'a> {
         let at = |index: Option<usize>| index.map_or(0.0, |i| x[i]);
         let position = x[0] + input.encoder;
         let raw = match self.model.velocity {
-            LoopVelocity::Measured => x[1],
-            LoopVelocity::Differenced => {
+            VelocitySource::Measured => x[1],
+            VelocitySource::Differenced => {
                 (position - at(layout.last_position)) / self.model.period_s
             }
         };
@@ -132,8 +133,8 @@ impl<'a> Sample<'a> {
         let [qd, dqd, ddqd] = input.reference;
         let (e, de) = (position - qd, velocity - dqd);
         let phi_hat = match self.model.form {
-            LoopForm::Observer => self.observe(x, velocity, &mut next),
-            LoopForm::Literal => self.integrate(x, e, de, &mut next),
+            Form::Observer => self.observe(x, velocity, &mut next),
+            Form::Literal => self.integrate(x, e, de, &mut next),
         };
         let u = ddqd - self.gains.kd_per_s * de - self.gains.kp_per_s2 * e + phi_hat;
         if let Some(i) = layout.last_position {
@@ -206,8 +207,8 @@ impl<'a> Sample<'a> {
         }
         if let Some(i) = self.layout.mean_torque {
             next[i] = match self.model.torque {
-                LoopTorque::Applied => mean,
-                LoopTorque::Demanded => demand,
+                TorqueSource::Applied => mean,
+                TorqueSource::Demanded => demand,
             };
         }
         next[0] = x[0] + t * x[1] + (double - 0.5 * t * t * phi) / self.mu;

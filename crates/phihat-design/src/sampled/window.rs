@@ -36,7 +36,8 @@ const EVEN: f64 = PI / 128.0;
 /// ```
 /// use phihat_design::JointRecord;
 /// use phihat_design::prelude::*;
-/// use phihat_design::sampled::{InertiaWindow, LoopForm, LoopModel, LoopTorque, LoopVelocity};
+/// use phihat::{Form, TorqueSource, VelocitySource};
+/// use phihat_design::sampled::{InertiaWindow, LoopModel};
 ///
 /// let gains = JointRecord {
 ///     name: "elbow".to_owned(),
@@ -49,10 +50,10 @@ const EVEN: f64 = PI / 128.0;
 ///     period_s: 1e-3,
 ///     delay_samples: 1,
 ///     sample_delay_samples: 0,
-///     torque: LoopTorque::Applied,
-///     velocity: LoopVelocity::Measured,
+///     torque: TorqueSource::Applied,
+///     velocity: VelocitySource::Measured,
 ///     velocity_filter_hz: None,
-///     form: LoopForm::Observer,
+///     form: Form::Observer,
 ///     drive_bandwidth_hz: None,
 /// };
 /// let window = InertiaWindow::find(&gains, &model)?;

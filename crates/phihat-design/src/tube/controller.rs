@@ -1,10 +1,8 @@
 //! The control side of one sample, for the nominal run and for small deviations from it.
 
 use super::lanes::Lane;
-use crate::sampled::{
-    LoopForm, LoopModel, LoopParts, LoopTorque, LoopVelocity, estimator_coefficients,
-    literal_factors,
-};
+use crate::sampled::{LoopModel, LoopParts, estimator_coefficients, literal_factors};
+use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_certificate::JointRecord;
 
 /// What of the loop does not change from sample to sample: sensors, law, delays, drives, per joint.
@@ -44,12 +42,12 @@ impl JointLaw {
     pub(super) fn new(record: &JointRecord, model: LoopModel) -> Self {
         let m = record.a.len();
         let (on_memory, on_error) = match model.form {
-            LoopForm::Observer => {
+            Form::Observer => {
                 let mut alpha = estimator_coefficients(&record.a, model.period_s);
                 alpha.reverse();
                 (alpha, [0.0; 2])
             }
-            LoopForm::Literal => {
+            Form::Literal => {
                 // x_{m+1} = e, x_{m+2} = ė; memory j is the (j+1)-fold integral, x_{m−j}.
                 let factors = literal_factors(record);
                 let integrals = (0..m).map(|j| factors[m - 1 - j]).collect();
@@ -160,8 +158,8 @@ impl<const W: usize> Control<W> {
             let told = state.delay(&self.command[i]);
             (self.mean[i], self.bulge[i]) = state.drive(joint, law.period, &told);
             state.acted = match joint.model.torque {
-                LoopTorque::Applied => self.mean[i],
-                LoopTorque::Demanded => told,
+                TorqueSource::Applied => self.mean[i],
+                TorqueSource::Demanded => told,
             };
         }
     }
@@ -212,7 +210,7 @@ impl<const W: usize> JointState<W> {
         let share = joint.model.filter_gain();
         let mut sensed = *velocity;
         if k > 0 {
-            if joint.model.velocity == LoopVelocity::Differenced {
+            if joint.model.velocity == VelocitySource::Differenced {
                 for c in 0..W {
                     sensed[c] = (position[c] - self.last_position[c]) / period;
                 }
@@ -251,8 +249,8 @@ impl<const W: usize> JointState<W> {
             error[1][c] = velocity[c] - dq;
         }
         let phi_hat = match joint.model.form {
-            LoopForm::Observer => self.observed(joint, period, first, (velocity, acted)),
-            LoopForm::Literal => self.integrated(joint, period, first, &error),
+            Form::Observer => self.observed(joint, period, first, (velocity, acted)),
+            Form::Literal => self.integrated(joint, period, first, &error),
         };
         let mut command = [0.0; W];
         for c in 0..W {

@@ -1,5 +1,6 @@
 //! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
 
+use phihat::VelocitySource;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
@@ -8,7 +9,7 @@ use super::controller::{JointLaw, Law};
 use super::desired::Desired;
 use super::refusal::TubeRefusal;
 use crate::certificate::missing;
-use crate::sampled::{LoopModel, LoopVelocity, TorqueNoise};
+use crate::sampled::{LoopModel, TorqueNoise};
 use phihat_certificate::{Gains, NotCounted};
 
 /// Velocity at which the simulator's Coulomb law reaches 1/√2 of its level \[rad/s\].
@@ -186,7 +187,7 @@ impl<'a> Scene<'a> {
             edges: edges(study, period),
             start,
             misread: (0..n).map(misread).collect(),
-            measured_velocity: models.iter().any(|m| m.velocity == LoopVelocity::Measured),
+            measured_velocity: models.iter().any(|m| m.velocity == VelocitySource::Measured),
             limits: (0..n).map(limit).collect(),
             bare: study.robot.plant_model().with_gravity(study.world.gravity),
             adds_gravity: profile.adds_gravity,

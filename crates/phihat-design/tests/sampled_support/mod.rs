@@ -10,9 +10,10 @@ use std::f64::consts::TAU;
 
 use phihat::{
     Command, Delay, Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
+    VelocitySource,
 };
 use phihat_design::JointRecord;
-use phihat_design::sampled::{LoopForm, LoopModel, LoopVelocity};
+use phihat_design::sampled::LoopModel;
 
 /// What reaches the loop from outside in one sample.
 #[derive(Debug, Default, Clone, Copy)]
@@ -62,12 +63,12 @@ pub fn plain(delay_samples: u32) -> LoopModel {
     LoopModel {
         period_s: 1e-3,
         delay_samples,
-        velocity: LoopVelocity::Measured,
+        velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
-        form: LoopForm::Literal,
+        form: Form::Literal,
         drive_bandwidth_hz: None,
         sample_delay_samples: 0,
-        torque: phihat_design::sampled::LoopTorque::Applied,
+        torque: phihat::TorqueSource::Applied,
     }
 }
 
@@ -80,10 +81,7 @@ impl Rig {
             kd: record.kd_per_s,
             a: &record.a,
             period: model.period_s,
-            form: match model.form {
-                LoopForm::Observer => Form::Observer,
-                LoopForm::Literal => Form::Literal,
-            },
+            form: model.form,
         })
         .unwrap();
         let mut state = JointState::new();
@@ -118,8 +116,8 @@ impl Rig {
         }
         let (before, filtered) = self.last.unwrap_or((position, self.dq));
         let raw = match self.model.velocity {
-            LoopVelocity::Measured => self.dq,
-            LoopVelocity::Differenced => (position - before) / self.model.period_s,
+            VelocitySource::Measured => self.dq,
+            VelocitySource::Differenced => (position - before) / self.model.period_s,
         };
         let velocity = match self.model.velocity_filter_hz {
             Some(f) => filtered + (1.0 - (-TAU * f * self.model.period_s).exp()) * (raw - filtered),
@@ -225,8 +223,8 @@ impl Random {
 /// Every combination of form, velocity source, filter, drive and delay 0 … 3.
 pub fn every_model() -> Vec<LoopModel> {
     let mut models = Vec::new();
-    for form in [LoopForm::Observer, LoopForm::Literal] {
-        for velocity in [LoopVelocity::Measured, LoopVelocity::Differenced] {
+    for form in [Form::Observer, Form::Literal] {
+        for velocity in [VelocitySource::Measured, VelocitySource::Differenced] {
             for velocity_filter_hz in [None, Some(90.0)] {
                 for drive_bandwidth_hz in [None, Some(150.0)] {
                     for delay_samples in 0..4 {
@@ -238,7 +236,7 @@ pub fn every_model() -> Vec<LoopModel> {
                             form,
                             drive_bandwidth_hz,
                             sample_delay_samples: 0,
-                            torque: phihat_design::sampled::LoopTorque::Applied,
+                            torque: phihat::TorqueSource::Applied,
                         });
                     }
                 }

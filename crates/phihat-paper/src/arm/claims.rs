@@ -1,12 +1,11 @@
 //! The paper's statements on the arm as predicates of runs: decided here for every arm alike.
 
-use phihat_study::LawForm;
-
 use super::run::Run;
 use super::runs::Runs;
 use super::studies::Setting;
 use crate::part::PartError;
 use crate::record::Verdict;
+use phihat::Form;
 
 /// (48) and (49) as one ladder: |∬e| \[rad·s²\], |∫e| \[rad·s\], |e| \[rad\], |ė| \[rad/s\].
 /// (48) has no ∬e.
@@ -55,7 +54,7 @@ pub(crate) fn same_torque(a: &Run, b: &Run) -> bool {
 }
 
 /// A statement on settings: whether it holds for a setting in a form.
-pub(crate) type Holds = fn(&Runs, Setting, LawForm) -> Result<bool, PartError>;
+pub(crate) type Holds = fn(&Runs, Setting, Form) -> Result<bool, PartError>;
 
 /// A statement that is decided on every surrogate.
 #[derive(Debug)]
@@ -137,17 +136,17 @@ pub(crate) const SETTLES: [usize; 2] = [0, 1];
 /// Places in [`EXPERIMENTED`]: (48), (49).
 pub(crate) const KEEPS: [usize; 2] = [2, 3];
 
-fn settles(runs: &Runs, setting: Setting, form: LawForm) -> Result<bool, PartError> {
+fn settles(runs: &Runs, setting: Setting, form: Form) -> Result<bool, PartError> {
     Ok(runs.get(setting, form)?.settled_at().is_some())
 }
 
-fn keeps(runs: &Runs, setting: Setting, form: LawForm) -> Result<bool, PartError> {
+fn keeps(runs: &Runs, setting: Setting, form: Form) -> Result<bool, PartError> {
     Ok(keeps_bounds(runs.get(setting, form)?, setting))
 }
 
 impl Claim {
     /// Whether it holds for every setting in a form.
-    pub(crate) fn everywhere(&self, runs: &Runs, form: LawForm) -> Result<bool, PartError> {
+    pub(crate) fn everywhere(&self, runs: &Runs, form: Form) -> Result<bool, PartError> {
         let each = self.settings.iter().map(|setting| (self.holds)(runs, *setting, form));
         each.collect::<Result<Vec<_>, _>>().map(|all| all.into_iter().all(|holds| holds))
     }

@@ -1,6 +1,7 @@
 //! The part that experiments: Figs. 9 to 11.
 
-use phihat_study::{LawForm, Study};
+use phihat::Form;
+use phihat_study::Study;
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
@@ -78,7 +79,7 @@ fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {
         let samples = run.outcome.trace.len();
         if run.settled_at().is_some() { samples } else { run.outcome.trace.index_at(SHOWN_S) }
     };
-    let panel = |form: LawForm| -> Result<_, PartError> {
+    let panel = |form: Form| -> Result<_, PartError> {
         let tips = |setting: Setting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let tips = run.tips(STRIDE)?;
@@ -101,6 +102,6 @@ fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {
         "fig-10",
         "Fig. 10: the path under a torque limit",
         caption,
-        vec![panel(LawForm::Literal)?, panel(LawForm::Observer)?],
+        vec![panel(Form::Literal)?, panel(Form::Observer)?],
     ))
 }

@@ -1,7 +1,5 @@
 //! Fig. 8 and (50): what the estimate leaves, and whether the order shows in the torque.
 
-use phihat_study::LawForm;
-
 use super::claims::{estimates_better, same_torque, torque_difference, verdict};
 use super::run::Run;
 use super::runs::{Runs, form_name};
@@ -11,6 +9,7 @@ use crate::compose::{
 };
 use crate::part::PartError;
 use crate::record::{Figure, Section, Statement, Table, Verdict};
+use phihat::Form;
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -29,11 +28,11 @@ pub(crate) fn mismatch(runs: &Runs) -> Result<Section, PartError> {
 }
 
 fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
-    let first = runs.get(Setting::First, LawForm::Literal)?;
+    let first = runs.get(Setting::First, Form::Literal)?;
     let rms =
-        |setting: Setting| Ok::<_, PartError>(runs.get(setting, LawForm::Literal)?.mismatch()[1]);
+        |setting: Setting| Ok::<_, PartError>(runs.get(setting, Form::Literal)?.mismatch()[1]);
     let better = |setting: Setting| {
-        Ok::<_, PartError>(estimates_better(runs.get(setting, LawForm::Literal)?, first))
+        Ok::<_, PartError>(estimates_better(runs.get(setting, Form::Literal)?, first))
     };
     let same_rate = better(Setting::H2)? && better(Setting::H3)?;
     let half_rate = better(Setting::H1)?;
@@ -76,7 +75,7 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
 
 fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
     let share = |setting: Setting| -> Result<f64, PartError> {
-        let run = runs.get(setting, LawForm::Literal)?;
+        let run = runs.get(setting, Form::Literal)?;
         Ok(run.mismatch()[0] / run.phi_max())
     };
     let shares = Setting::ALL.into_iter().map(share).collect::<Result<Vec<_>, _>>()?;
@@ -104,11 +103,11 @@ fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
 }
 
 fn torque(runs: &Runs) -> Result<Statement, PartError> {
-    let first = runs.get(Setting::First, LawForm::Literal)?;
+    let first = runs.get(Setting::First, Form::Literal)?;
     let mut shares = Vec::new();
     let mut same = true;
     for setting in Setting::SECOND {
-        let run = runs.get(setting, LawForm::Literal)?;
+        let run = runs.get(setting, Form::Literal)?;
         same &= same_torque(run, first);
         shares.push(torque_difference(run, first));
     }
@@ -148,7 +147,7 @@ fn torque(runs: &Runs) -> Result<Statement, PartError> {
 }
 
 fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {
-    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, PartError> {
+    let row = |(setting, form, run): (Setting, Form, &Run)| -> Result<Vec<String>, PartError> {
         let [most, rms] = run.mismatch();
         let apart = torque_difference(run, runs.get(Setting::First, form)?);
         Ok(vec![
@@ -182,7 +181,7 @@ fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {
 
 fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
     let gap = |setting: Setting| -> Result<_, PartError> {
-        let run = runs.get(setting, LawForm::Literal)?;
+        let run = runs.get(setting, Form::Literal)?;
         let size = |k: usize| {
             run.joints().iter().map(|j| (j.phi_hat[k] - j.phi[k]).powi(2)).sum::<f64>().sqrt()
         };
@@ -192,7 +191,7 @@ fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
     };
     let series = Setting::ALL.into_iter().map(gap).collect::<Result<_, _>>()?;
     let torque = |setting: Setting| -> Result<_, PartError> {
-        let run = runs.get(setting, LawForm::Literal)?;
+        let run = runs.get(setting, Form::Literal)?;
         let from = run.steady_from();
         Ok(curve(
             setting.label(),

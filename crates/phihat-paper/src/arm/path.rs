@@ -1,7 +1,7 @@
 //! Fig. 4: the path and the start.
 
+use phihat::Form;
 use phihat_model::Workspace;
-use phihat_study::LawForm;
 
 use super::claims::verdict;
 use super::run::Run;
@@ -16,7 +16,7 @@ const AGAIN: f64 = 1e-3;
 
 /// Fig. 4.
 pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
-    let run = runs.get(Setting::First, LawForm::Observer)?;
+    let run = runs.get(Setting::First, Form::Observer)?;
     let tips = run.tips(1)?;
     let (Some([start, begin]), Some([_, end])) = (tips.first(), tips.last()) else {
         return Err(PartError::Missing("the run has no sample"));
@@ -78,7 +78,7 @@ fn radial_rate(run: &Run) -> Result<f64, PartError> {
 }
 
 fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
-    let panel = |setting: Setting, form: LawForm| -> Result<_, PartError> {
+    let panel = |setting: Setting, form: Form| -> Result<_, PartError> {
         let tips = runs.get(setting, form)?.tips(4)?;
         let series = vec![
             curve("desired", tips.iter().map(|[_, wanted]| *wanted)),
@@ -90,10 +90,10 @@ fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
         Ok(Panel { equal: true, ..panel })
     };
     let panels = [
-        panel(Setting::First, LawForm::Literal)?,
-        panel(Setting::H1, LawForm::Literal)?,
-        panel(Setting::First, LawForm::Observer)?,
-        panel(Setting::H1, LawForm::Observer)?,
+        panel(Setting::First, Form::Literal)?,
+        panel(Setting::H1, Form::Literal)?,
+        panel(Setting::First, Form::Observer)?,
+        panel(Setting::H1, Form::Observer)?,
     ];
     let caption = "The paper's law as printed (top) and in observer form (bottom), without torque limits. \
                    The printed form goes past the path because its integrals must come back to zero; the \

@@ -1,7 +1,8 @@
 //! What peaks: the printed start, or the order. Orders 1 to 4 at one rate, in both forms, off the path and pushed.
 
+use phihat::Form;
 use phihat_design::claims::times::estimator_at;
-use phihat_study::{LawForm, LawRequest, Push, Study};
+use phihat_study::{LawRequest, Push, Study};
 
 use super::run::Run;
 use super::runs::{FORMS, form_name};
@@ -27,7 +28,7 @@ const GONE: f64 = 0.1;
 /// One order in one form.
 struct Tried {
     order: usize,
-    form: LawForm,
+    form: Form,
     /// Largest overshoot of a joint after the start off the path: lying flat, and upright under gravity.
     start: [f64; 2],
     push: Pushed,
@@ -66,15 +67,15 @@ impl Peaking {
         Ok(Self(all))
     }
 
-    fn by(&self, form: LawForm) -> impl Iterator<Item = &Tried> {
+    fn by(&self, form: Form) -> impl Iterator<Item = &Tried> {
         self.0.iter().filter(move |tried| tried.form == form)
     }
 
     /// "Peaking limits the order".
     pub(crate) fn cause(&self) -> Statement {
         let starts = |form| self.by(form).flat_map(|tried| tried.start);
-        let ours = starts(LawForm::Observer).fold(0.0, f64::max);
-        let printed = starts(LawForm::Literal).fold(f64::INFINITY, f64::min);
+        let ours = starts(Form::Observer).fold(0.0, f64::max);
+        let printed = starts(Form::Literal).fold(f64::INFINITY, f64::min);
         let gone = ours < GONE * printed;
         let list = |form, of: fn(&Tried) -> String| -> String {
             self.by(form).map(of).collect::<Vec<_>>().join(", ")
@@ -92,12 +93,12 @@ impl Peaking {
              {} % and the error swings back by {} % of its peak in observer form ({} % and {} % as \
              printed). That grows with the order in either form, while the peak itself falls from {} to \
              {} mrad. Shown for this arm and one start, all estimator poles at {RATE} rad/s.",
-            list(LawForm::Observer, |tried| format!("{:.0}", tried.push.beyond * 1e2)),
-            list(LawForm::Observer, |tried| format!("{:.0}", tried.push.back * 1e2)),
-            list(LawForm::Literal, |tried| format!("{:.0}", tried.push.beyond * 1e2)),
-            list(LawForm::Literal, |tried| format!("{:.0}", tried.push.back * 1e2)),
-            three(self.by(LawForm::Observer).next().map(|tried| tried.push.peak * 1e3)),
-            three(self.by(LawForm::Observer).last().map(|tried| tried.push.peak * 1e3)),
+            list(Form::Observer, |tried| format!("{:.0}", tried.push.beyond * 1e2)),
+            list(Form::Observer, |tried| format!("{:.0}", tried.push.back * 1e2)),
+            list(Form::Literal, |tried| format!("{:.0}", tried.push.beyond * 1e2)),
+            list(Form::Literal, |tried| format!("{:.0}", tried.push.back * 1e2)),
+            three(self.by(Form::Observer).next().map(|tried| tried.push.peak * 1e3)),
+            three(self.by(Form::Observer).last().map(|tried| tried.push.peak * 1e3)),
         );
         statement(
             [
@@ -110,7 +111,7 @@ impl Peaking {
             (
                 format!(
                     "overshoot of the worst joint after the start, m = 1 … 4: printed form {} %; observer form {:.2} % at most",
-                    list(LawForm::Literal, percent),
+                    list(Form::Literal, percent),
                     ours * 1e2
                 ),
                 why,
@@ -126,7 +127,7 @@ impl Peaking {
         for tried in &self.0 {
             let name =
                 |what: &str| format!("{what}, m = {}, {} form", tried.order, form_name(tried.form));
-            if tried.form == LawForm::Literal {
+            if tried.form == Form::Literal {
                 let [flat, upright] = tried.start;
                 numbers.push(number(&name("overshoot after the start"), "", flat, 1e-2));
                 numbers.push(number(&name("the same under gravity"), "", upright, 1e-2));

@@ -1,7 +1,5 @@
 //! "As long as φ is bounded, φ̂ will approach zero": what φ̂ and φ̂ − φ do in the experiments.
 
-use phihat_study::LawForm;
-
 use super::claims::verdict;
 use super::run::Run;
 use super::runs::Runs;
@@ -9,6 +7,7 @@ use super::studies::Setting;
 use crate::compose::{number, statement, three};
 use crate::part::PartError;
 use crate::record::Statement;
+use phihat::Form;
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -46,9 +45,9 @@ impl Sizes {
 
 /// Without a torque limit, where either form follows; and the printed form under the limit, where it does not.
 pub(crate) fn to_zero(limited: &Runs, free: &Runs) -> Result<Statement, PartError> {
-    let sizes = Sizes::of(free.get(Setting::First, LawForm::Literal)?);
-    let ours = Sizes::of(free.get(Setting::First, LawForm::Observer)?);
-    let wound = limited.get(Setting::First, LawForm::Literal)?;
+    let sizes = Sizes::of(free.get(Setting::First, Form::Literal)?);
+    let ours = Sizes::of(free.get(Setting::First, Form::Observer)?);
+    let wound = limited.get(Setting::First, Form::Literal)?;
     let most = |of: fn(&phihat_sim::JointTrace) -> &Vec<f64>| {
         let values = wound.joints().iter().flat_map(of);
         values.fold(0.0, |most: f64, value| most.max(value.abs()))

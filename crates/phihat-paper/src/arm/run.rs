@@ -1,10 +1,9 @@
 //! One run of the arm, and what is read off it.
 
-use phihat::Form;
 use phihat_design::requested_gains;
 use phihat_model::Workspace;
 use phihat_sim::{JointTrace, Outcome, Simulation};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 use crate::part::PartError;
 
@@ -25,10 +24,7 @@ impl Run {
         let gains =
             requested_gains(&study).ok_or(PartError::Missing("the study states no gains"))?;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
-        let form = match study.control.form {
-            LawForm::Observer => Form::Observer,
-            LawForm::Literal => Form::Literal,
-        };
+        let form = study.control.form;
         let law = gains.joint_gains(&names, study.control.period_ns, form);
         let law = law.map_err(|why| PartError::Law { study: study.name.clone(), why })?;
         let simulation = Simulation::new(&study, &law)

@@ -1,6 +1,7 @@
 //! The runs of every setting in both forms.
 
-use phihat_study::{LawForm, Study};
+use phihat::Form;
+use phihat_study::Study;
 
 use super::run::Run;
 use super::studies::{Kind, Setting, Studies};
@@ -9,17 +10,17 @@ use crate::part::PartError;
 /// Every setting in both forms of the law.
 #[derive(Debug)]
 pub(crate) struct Runs {
-    runs: Vec<(Setting, LawForm, Run)>,
+    runs: Vec<(Setting, Form, Run)>,
 }
 
 /// Both forms.
-pub(crate) const FORMS: [LawForm; 2] = [LawForm::Literal, LawForm::Observer];
+pub(crate) const FORMS: [Form; 2] = [Form::Literal, Form::Observer];
 
 /// `printed` or `observer`: the name of a form for readers.
-pub(crate) fn form_name(form: LawForm) -> &'static str {
+pub(crate) fn form_name(form: Form) -> &'static str {
     match form {
-        LawForm::Literal => "printed",
-        LawForm::Observer => "observer",
+        Form::Literal => "printed",
+        Form::Observer => "observer",
     }
 }
 
@@ -43,13 +44,13 @@ impl Runs {
     }
 
     /// One of them.
-    pub(crate) fn get(&self, setting: Setting, form: LawForm) -> Result<&Run, PartError> {
+    pub(crate) fn get(&self, setting: Setting, form: Form) -> Result<&Run, PartError> {
         let found = self.runs.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
         found.map(|(.., run)| run).ok_or(PartError::NotRun(setting.label()))
     }
 
     /// All of them, in the order of [`Setting::ALL`], printed form first.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (Setting, LawForm, &Run)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Setting, Form, &Run)> {
         self.runs.iter().map(|(setting, form, run)| (*setting, *form, run))
     }
 }

@@ -1,7 +1,5 @@
 //! What a torque limit does to the transient, and how much torque the transient needs.
 
-use phihat_study::LawForm;
-
 use super::claims::{SETTLES, verdict};
 use super::runs::{FORMS, Runs, form_name};
 use super::studies::{Kind, Setting, Studies};
@@ -10,6 +8,7 @@ use super::variations::limited;
 use crate::compose::{axis, curve, figure, lines, log_axis, number, statement, three};
 use crate::part::{Extent, PartError};
 use crate::record::{Figure, Statement, Verdict};
+use phihat::Form;
 
 /// Torque limits that are tried \[N·m\].
 const LIMITS: &[f64] =
@@ -19,7 +18,7 @@ const LIMITS: &[f64] =
 const LONG: f64 = 1.5;
 
 /// When each setting settles, per form and limit \[s\].
-pub(crate) type Settling = Vec<(Setting, LawForm, Vec<(f64, Option<f64>)>)>;
+pub(crate) type Settling = Vec<(Setting, Form, Vec<(f64, Option<f64>)>)>;
 
 /// Every setting in both forms at every limit.
 pub(crate) fn sweep(
@@ -44,7 +43,7 @@ pub(crate) fn sweep(
 }
 
 /// Longest time to settle over the settings \[s\]; `None` where one does not.
-fn slowest(runs: &Runs, form: LawForm) -> Result<Option<f64>, PartError> {
+fn slowest(runs: &Runs, form: Form) -> Result<Option<f64>, PartError> {
     let at = |setting: &Setting| Ok(runs.get(*setting, form)?.settled_at());
     let all: Vec<Option<f64>> = Setting::ALL.iter().map(at).collect::<Result<_, PartError>>()?;
     let all: Option<Vec<f64>> = all.into_iter().collect();
@@ -57,16 +56,15 @@ pub(crate) fn long_transient(
     free: &Runs,
     swept: &Settling,
 ) -> Result<Statement, PartError> {
-    let times = |form: LawForm| -> Result<_, PartError> {
-        Ok((slowest(runs, form)?, slowest(free, form)?))
-    };
-    let (printed, observer) = (times(LawForm::Literal)?, times(LawForm::Observer)?);
+    let times =
+        |form: Form| -> Result<_, PartError> { Ok((slowest(runs, form)?, slowest(free, form)?)) };
+    let (printed, observer) = (times(Form::Literal)?, times(Form::Observer)?);
     let is_long = |with: f64, without: Option<f64>| without.is_some_and(|at| with >= LONG * at);
     // At which of the limits tried the printed form settles, and late.
     let mut elsewhere = Vec::new();
     for setting in Setting::ALL {
-        let without = free.get(setting, LawForm::Literal)?.settled_at();
-        let times = settling_of(swept, setting, LawForm::Literal).iter();
+        let without = free.get(setting, Form::Literal)?.settled_at();
+        let times = settling_of(swept, setting, Form::Literal).iter();
         let late = times.filter(|(_, at)| at.is_some_and(|at| is_long(at, without)));
         let late: Vec<String> = late.map(|(limit, _)| three(Some(*limit))).collect();
         elsewhere.push((setting, late));
@@ -149,7 +147,7 @@ fn whole(swept: &Settling) -> bool {
 }
 
 /// When a setting settles, by limit.
-fn settling_of(swept: &Settling, setting: Setting, form: LawForm) -> &[(f64, Option<f64>)] {
+fn settling_of(swept: &Settling, setting: Setting, form: Form) -> &[(f64, Option<f64>)] {
     let of = swept.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
     of.map_or(&[], |(.., times)| times)
 }
@@ -163,8 +161,8 @@ pub(crate) fn in_phi(
     swept: &Settling,
     varied: &Varied,
 ) -> Result<Statement, PartError> {
-    let (printed, observer) = (slowest(runs, LawForm::Literal)?, slowest(runs, LawForm::Observer)?);
-    let least = |setting: Setting, form: LawForm| {
+    let (printed, observer) = (slowest(runs, Form::Literal)?, slowest(runs, Form::Observer)?);
+    let least = |setting: Setting, form: Form| {
         let times = settling_of(swept, setting, form);
         // The smallest limit from which on it settles at every limit tried.
         let last_failure = times.iter().rposition(|(_, at)| at.is_none());
@@ -173,7 +171,7 @@ pub(crate) fn in_phi(
     let mut numbers = Vec::new();
     let mut listed = Vec::new();
     for setting in Setting::ALL {
-        let limit = least(setting, LawForm::Literal);
+        let limit = least(setting, Form::Literal);
         let named = number(
             &format!("least limit from which on it settles, {}, printed form", setting.label()),
             "N·m",
@@ -183,12 +181,12 @@ pub(crate) fn in_phi(
         numbers.extend(whole(swept).then_some(named));
         listed.push(format!("{}: {} N·m", setting.label(), three(limit)));
     }
-    let asked = runs_torque(free, LawForm::Literal)?;
+    let asked = runs_torque(free, Form::Literal)?;
     numbers.push(number("largest torque without a limit, printed form", "N·m", asked, 1e-2));
     numbers.push(number(
         "largest torque without a limit, observer form",
         "N·m",
-        runs_torque(free, LawForm::Observer)?,
+        runs_torque(free, Form::Observer)?,
         1e-2,
     ));
     for (claim, order) in SETTLES.into_iter().zip(1..) {
@@ -223,14 +221,14 @@ pub(crate) fn in_phi(
     ))
 }
 
-fn runs_torque(runs: &Runs, form: LawForm) -> Result<f64, PartError> {
+fn runs_torque(runs: &Runs, form: Form) -> Result<f64, PartError> {
     let most = |setting: &Setting| Ok(runs.get(*setting, form)?.torque_max());
     let all: Vec<f64> = Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     Ok(all.into_iter().fold(0.0, f64::max))
 }
 
 pub(crate) fn limit_figure(swept: &Settling) -> Figure {
-    let panel = |form: LawForm| {
+    let panel = |form: Form| {
         let of = swept.iter().filter(|(_, other, _)| *other == form);
         let series = of.map(|(setting, _, times)| {
             curve(setting.label(), times.iter().filter_map(|(limit, at)| at.map(|at| [*limit, at])))

@@ -1,9 +1,9 @@
 //! Figs. 7 and 11: the errors of the steady part against (48) and (49).
 
+use phihat::Form;
 use phihat_design::prelude::*;
 use phihat_design::requested_gains;
 use phihat_design::sampled::{LoopModel, SampledPeaks};
-use phihat_study::LawForm;
 
 use super::claims::{BOUNDS, KEEPS, keeps_bounds, verdict};
 use super::errors::errors_figure;
@@ -63,12 +63,12 @@ pub(crate) fn kept(
     varied: Option<&Varied>,
 ) -> Result<Statement, PartError> {
     let order = if settings == [Setting::First] { 1 } else { 2 };
-    let all = |form: LawForm| -> Result<bool, PartError> {
+    let all = |form: Form| -> Result<bool, PartError> {
         let kept = settings.iter().map(|s| Ok(keeps_bounds(runs.get(*s, form)?, *s)));
         Ok(kept.collect::<Result<Vec<_>, PartError>>()?.into_iter().all(|kept| kept))
     };
-    let (printed, observer) = (all(LawForm::Literal)?, all(LawForm::Observer)?);
-    let worst = |form: LawForm, of: fn(&Run) -> Option<[f64; 4]>| -> Result<_, PartError> {
+    let (printed, observer) = (all(Form::Literal)?, all(Form::Observer)?);
+    let worst = |form: Form, of: fn(&Run) -> Option<[f64; 4]>| -> Result<_, PartError> {
         let mut worst = [0.0_f64; 4];
         for setting in settings {
             let Some(steady) = of(runs.get(*setting, form)?) else { return Ok(None) };
@@ -76,8 +76,8 @@ pub(crate) fn kept(
         }
         Ok::<_, PartError>(Some(worst))
     };
-    let both = [worst(LawForm::Literal, Run::steady)?, worst(LawForm::Observer, Run::steady)?];
-    let own = worst(LawForm::Literal, Run::since_start)?;
+    let both = [worst(Form::Literal, Run::steady)?, worst(Form::Observer, Run::steady)?];
+    let own = worst(Form::Literal, Run::since_start)?;
     let claim = KEEPS[order - 1];
     let mut numbers = ladder_numbers(order, both, own);
     let open = varied.map(|varied| {
@@ -183,10 +183,9 @@ fn as_words(order: usize, worst: Option<[f64; 4]>) -> String {
 
 /// "The maximum error is much smaller than the threshold", and what would have been promised.
 fn margin(runs: &Runs) -> Result<Statement, PartError> {
-    let run = runs.get(Setting::First, LawForm::Literal)?;
-    let most = |setting: &Setting| {
-        Ok(runs.get(*setting, LawForm::Literal)?.steady().map(|steady| steady[2]))
-    };
+    let run = runs.get(Setting::First, Form::Literal)?;
+    let most =
+        |setting: &Setting| Ok(runs.get(*setting, Form::Literal)?.steady().map(|steady| steady[2]));
     let errors: Vec<Option<f64>> =
         Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     let worst = errors
@@ -234,7 +233,7 @@ pub(crate) fn error_bound(run: &Run) -> Result<f64, PartError> {
 
 /// The ladder of every run.
 pub(crate) fn steady_table(runs: &Runs, shown: Shown) -> Table {
-    let row = |(setting, form, run): (Setting, LawForm, &Run)| {
+    let row = |(setting, form, run): (Setting, Form, &Run)| {
         let mut row = vec![setting.label().to_owned(), form_name(form).to_owned()];
         match run.steady() {
             Some(steady) => row.extend(steady.iter().enumerate().map(|(i, value)| {

@@ -1,9 +1,10 @@
 //! The studies of the paper's three-joint arm, as shipped in `studies/paper/`.
 
+use phihat::Form;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 use crate::part::PartError;
 
@@ -109,7 +110,7 @@ impl Studies {
     /// # Errors
     ///
     /// What is wrong with its text.
-    pub fn study(&self, kind: Kind, setting: Setting, form: LawForm) -> Result<Study, PartError> {
+    pub fn study(&self, kind: Kind, setting: Setting, form: Form) -> Result<Study, PartError> {
         let mut study = self.read(&name(kind, setting))?;
         study.control.form = form;
         Ok(study)

@@ -1,6 +1,7 @@
 //! The same statements on other arms, paths and worlds: how much of an answer is the surrogate's.
 
-use phihat_study::{LawForm, Study};
+use phihat::Form;
+use phihat_study::Study;
 
 use super::claims::{Claim, EXPERIMENTED, SIMULATED};
 use super::run::resized;
@@ -70,10 +71,7 @@ fn vary(
         done += 1.0;
         progress(done / all);
         let both = |claim: &Claim| -> Result<[bool; 2], PartError> {
-            Ok([
-                claim.everywhere(&runs, LawForm::Literal)?,
-                claim.everywhere(&runs, LawForm::Observer)?,
-            ])
+            Ok([claim.everywhere(&runs, Form::Literal)?, claim.everywhere(&runs, Form::Observer)?])
         };
         claims.iter().map(both).collect()
     };

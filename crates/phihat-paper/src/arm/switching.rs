@@ -1,7 +1,7 @@
 //! The part on order switching: the paper's remedy against peaking.
 
-use phihat::Events;
-use phihat_study::{LawForm, Study};
+use phihat::{Events, Form};
+use phihat_study::Study;
 
 use super::order_switch::switched;
 use super::run::Run;
@@ -65,7 +65,7 @@ pub fn order_switching(
 
 /// A setting in the printed form.
 fn printed(studies: &Studies, setting: Setting) -> Result<Run, PartError> {
-    Run::of(studies.study(Kind::Simulation, setting, LawForm::Literal)?)
+    Run::of(studies.study(Kind::Simulation, setting, Form::Literal)?)
 }
 
 /// The supervised study, with or without its first-order start.

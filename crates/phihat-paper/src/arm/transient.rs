@@ -1,6 +1,7 @@
 //! Figs. 5 and 6: the transient.
 
-use phihat_study::{LawForm, Start};
+use phihat::Form;
+use phihat_study::Start;
 
 use super::claims::{peaks_more, verdict};
 use super::peaking::Peaking;
@@ -48,8 +49,7 @@ impl Transients {
     fn of(runs: &Runs) -> Result<Self, PartError> {
         let (mut joint, mut tip) = (Vec::new(), Vec::new());
         for setting in Setting::ALL {
-            let both =
-                [runs.get(setting, LawForm::Literal)?, runs.get(setting, LawForm::Observer)?];
+            let both = [runs.get(setting, Form::Literal)?, runs.get(setting, Form::Observer)?];
             joint.push(both.map(|run| run.overshoot(1)));
             tip.push([both[0].tip_overshoot()?, both[1].tip_overshoot()?]);
         }
@@ -107,8 +107,8 @@ impl Transients {
     }
 
     fn joint(&self, runs: &Runs) -> Result<Statement, PartError> {
-        let first = runs.get(Setting::First, LawForm::Literal)?;
-        let more = |setting: &Setting| Ok(peaks_more(runs.get(*setting, LawForm::Literal)?, first));
+        let first = runs.get(Setting::First, Form::Literal)?;
+        let more = |setting: &Setting| Ok(peaks_more(runs.get(*setting, Form::Literal)?, first));
         let more: Vec<bool> = Setting::SECOND.iter().map(more).collect::<Result<_, PartError>>()?;
         let percent: Vec<String> =
             self.joint.iter().map(|joint| format!("{:.0}", joint[0] * 1e2)).collect();
@@ -152,9 +152,8 @@ fn zero_start(runs: &Runs) -> Result<Statement, PartError> {
         Ok(all.collect::<Result<Vec<_>, PartError>>()?.into_iter().fold(0.0, f64::max))
     };
     let here = |run: &Run| Ok(run.phi_hat_at_start());
-    let (printed, observer) =
-        (largest(&here, LawForm::Literal)?, largest(&here, LawForm::Observer)?);
-    let rests = largest(&at_rest_on_the_path, LawForm::Literal)?;
+    let (printed, observer) = (largest(&here, Form::Literal)?, largest(&here, Form::Observer)?);
+    let rests = largest(&at_rest_on_the_path, Form::Literal)?;
     Ok(statement(
         [
             "zero-start",
@@ -193,7 +192,7 @@ fn at_rest_on_the_path(run: &Run) -> Result<f64, PartError> {
 }
 
 fn transient_table(runs: &Runs) -> Result<Table, PartError> {
-    let row = |(setting, form, run): (Setting, LawForm, &Run)| -> Result<Vec<String>, PartError> {
+    let row = |(setting, form, run): (Setting, Form, &Run)| -> Result<Vec<String>, PartError> {
         Ok(vec![
             setting.label().to_owned(),
             form_name(form).to_owned(),
@@ -222,7 +221,7 @@ pub(crate) fn joint_figure(
     runs: &Runs,
     within: f64,
 ) -> Result<Figure, PartError> {
-    let panel = |form: LawForm| -> Result<_, PartError> {
+    let panel = |form: Form| -> Result<_, PartError> {
         let error = |setting: Setting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let points =
@@ -238,7 +237,7 @@ pub(crate) fn joint_figure(
             Vec::new(),
         ))
     };
-    let panels = vec![panel(LawForm::Literal)?, panel(LawForm::Observer)?];
+    let panels = vec![panel(Form::Literal)?, panel(Form::Observer)?];
     let caption = "Error of joint 2 over the time that the paper shows. The paper draws position against \
                    the desired one; the difference is what its text is about. Errors beyond the frame are \
                    drawn at its edge.";

@@ -1,7 +1,7 @@
 //! What the estimators of Figs. 12 and 13 are run with: gains, rates and φ.
 
 use crate::gains::equal_rate;
-use crate::joint::{Form, Instant, Phi, run};
+use crate::joint::{Instant, PaperForm, Phi, run};
 
 /// `a_0` of Fig. 12 [1/s]: the paper prints none.
 pub(super) const GAINS: [f64; 4] = [10.0, 20.0, 40.0, 69.6];
@@ -33,5 +33,5 @@ fn steps(phi: &Phi) -> usize {
 }
 
 pub(super) fn runs(order: usize, rate: f64, phi: &Phi) -> Vec<Instant> {
-    run(&equal_rate(order, rate), Form::Estimator, &[], phi, (STEP, steps(phi)))
+    run(&equal_rate(order, rate), PaperForm::Estimator, &[], phi, (STEP, steps(phi)))
 }

@@ -4,13 +4,12 @@ mod cases;
 mod figures;
 mod statements;
 
-use phihat_study::LawForm;
-
 use crate::arm::{Kind, Run, Setting, Studies};
 use crate::compose::section;
 use crate::joint::Phi;
 use crate::part::{Extent, Part, PartError};
 use figures::{fig_12, fig_13};
+use phihat::Form;
 use statements::{gain, left_over, parabolic, polynomials, real, torques};
 
 /// Figs. 12, 13 and the statements beside them.
@@ -31,7 +30,7 @@ pub(super) fn orders(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Par
 
 /// φ of the second joint over one turn of Fig. 4, at every sample of the study.
 fn real_phi(studies: &Studies, _: Extent) -> Result<Phi, PartError> {
-    let study = studies.study(Kind::Simulation, Setting::H3, LawForm::Observer)?;
+    let study = studies.study(Kind::Simulation, Setting::H3, Form::Observer)?;
     let run = Run::of(study)?;
     let joint = run.joints().get(1).ok_or(PartError::Missing("the arm has a second joint"))?;
     // Without the transient, which is not the motion's.

@@ -5,7 +5,7 @@ use phihat_design::claims::polynomial;
 use super::cases::{CASES, Case, GAINS, RATE, STEP, runs};
 use crate::compose::{number, table, three, words};
 use crate::gains::{equal_rate, law};
-use crate::joint::{Form, Instant, Phi, largest, run};
+use crate::joint::{Instant, PaperForm, Phi, largest, run};
 use crate::published::Published;
 use crate::record::{Statement, Table, Verdict};
 
@@ -18,7 +18,8 @@ fn left(rows: &[Instant]) -> f64 {
 pub(super) fn gain(phi: &Phi) -> Statement {
     let mismatch = GAINS.map(|a| left(&runs(1, a, phi)));
     let effort = GAINS.map(|a| {
-        let off = run(&law(&[a]), Form::Ladder, &[0.0, 0.1], &Phi::polynomial(&[0.0]), (STEP, 500));
+        let off =
+            run(&law(&[a]), PaperForm::Ladder, &[0.0, 0.1], &Phi::polynomial(&[0.0]), (STEP, 500));
         largest(off.iter().map(|x| x.phi_hat - 40.0 * x.de - 400.0 * x.e))
     });
     let falls = mismatch.windows(2).all(|w| w[1] < w[0]);
@@ -60,7 +61,7 @@ fn last_mismatch(order: usize, case: &Case) -> f64 {
 
 fn mismatch_after(steps: usize, order: usize, case: &Case) -> f64 {
     let phi = Phi::polynomial(case.coefficients);
-    let rows = run(&equal_rate(order, RATE), Form::Estimator, &[], &phi, (STEP, steps));
+    let rows = run(&equal_rate(order, RATE), PaperForm::Estimator, &[], &phi, (STEP, steps));
     rows.last().map_or(f64::NAN, |x| (x.phi_hat - x.phi).abs())
 }
 
@@ -150,7 +151,7 @@ pub(super) fn real(phi: &Phi) -> Statement {
 /// (50) on a joint.
 pub(super) fn torques() -> Statement {
     let torque = |order: usize, phi: &Phi| -> Vec<f64> {
-        let rows = run(&equal_rate(order, RATE), Form::Estimator, &[0.1], phi, (STEP, 3000));
+        let rows = run(&equal_rate(order, RATE), PaperForm::Estimator, &[0.1], phi, (STEP, 3000));
         rows.iter().map(|x| x.phi_hat - 40.0 * x.de - 400.0 * x.e).collect()
     };
     let apart = |phi: &Phi, from: usize, to: usize| {
@@ -164,7 +165,8 @@ pub(super) fn torques() -> Statement {
     let ramp = apart(&Phi::polynomial(&[0.0, 20.0]), 2500, 3000);
     // ë from the rate of ė, between samples: the sum against φ + q̈_d + ë, with q̈_d = 0.
     let off = largest((1..=3).map(|order| {
-        let rows = run(&equal_rate(order, RATE), Form::Estimator, &[0.1], &constant, (STEP, 3000));
+        let rows =
+            run(&equal_rate(order, RATE), PaperForm::Estimator, &[0.1], &constant, (STEP, 3000));
         let rest = |w: &[Instant]| {
             let sum = w[1].phi_hat - 40.0 * w[1].de - 400.0 * w[1].e;
             sum - w[1].phi - (w[2].de - w[0].de) / (2.0 * STEP)

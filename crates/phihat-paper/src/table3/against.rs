@@ -1,13 +1,13 @@
 //! The proposed law against PD and against the robust controller.
 
-use super::arm::{Arm, RUNS};
+use super::arm::{ArmScores, RUNS};
 use super::printed::PRINTED;
 use super::ratios::{ends, on_arms, over_proposed, printed_ratios, ratios, span, written};
 use crate::compose::{number, three};
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
-pub(super) fn beats_pd(arms: &[Arm]) -> Statement {
+pub(super) fn beats_pd(arms: &[ArmScores]) -> Statement {
     let (ours, least) = on_arms(arms, |arm| ratios(&arm.stated, 0, 2));
     let paper = written(span(&printed_ratios(0, 2)));
     Published {
@@ -25,12 +25,12 @@ pub(super) fn beats_pd(arms: &[Arm]) -> Statement {
     )
 }
 
-pub(super) fn beats_comparator(arms: &[Arm]) -> Statement {
+pub(super) fn beats_comparator(arms: &[ArmScores]) -> Statement {
     let (ours, least) = on_arms(arms, |arm| ratios(&arm.stated, 1, 2));
     let (weak, _) = on_arms(arms, |arm| over_proposed(arm, &arm.weak));
     let paper = written(span(&printed_ratios(1, 2)));
     let joint_2 = PRINTED[1][1] / PRINTED[1][0];
-    let better = |of: &dyn Fn(&Arm) -> Vec<f64>| -> usize {
+    let better = |of: &dyn Fn(&ArmScores) -> Vec<f64>| -> usize {
         arms.iter().flat_map(of).filter(|ratio| *ratio > 1.0).count()
     };
     let at_defaults = better(&|arm| ratios(&arm.stated, 1, 2));
@@ -66,14 +66,15 @@ pub(super) fn beats_comparator(arms: &[Arm]) -> Statement {
 }
 
 /// A comparison of ours: every law tuned alike.
-pub(super) fn fair(arms: &[Arm]) -> Statement {
+pub(super) fn fair(arms: &[ArmScores]) -> Statement {
     let (ours, least) = on_arms(arms, |arm| ratios(&arm.fair, 1, 2));
-    let wins = |arm: &Arm| ratios(&arm.fair, 1, 2).into_iter().filter(|ratio| *ratio > 1.0).count();
-    let counts: Vec<(&Arm, usize)> = arms.iter().map(|arm| (arm, wins(arm))).collect();
+    let wins =
+        |arm: &ArmScores| ratios(&arm.fair, 1, 2).into_iter().filter(|ratio| *ratio > 1.0).count();
+    let counts: Vec<(&ArmScores, usize)> = arms.iter().map(|arm| (arm, wins(arm))).collect();
     let (pd, _) = on_arms(arms, |arm| ratios(&arm.fair, 0, 2));
     let won = counts.iter().map(|(arm, wins)| format!("{} on {wins} of 7 joints", arm.name()));
     let won: Vec<String> = won.collect();
-    let lost = |(arm, _): &(&Arm, usize)| {
+    let lost = |(arm, _): &(&ArmScores, usize)| {
         let all = ratios(&arm.fair, 1, 2);
         let lost = all.iter().zip(1..).filter(|(ratio, _)| **ratio <= 1.0);
         let lost: Vec<String> = lost.map(|(_, joint): (_, usize)| joint.to_string()).collect();

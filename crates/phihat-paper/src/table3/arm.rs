@@ -10,7 +10,7 @@ pub(super) const RUNS: usize = 40;
 const WEAK: f64 = 0.25;
 
 /// Every run on one arm.
-pub(super) struct Arm {
+pub(super) struct ArmScores {
     pub(super) bench: Bench,
     /// PD and the proposed law with the same gains, the comparator at its defaults.
     pub(super) stated: Vec<Score>,
@@ -24,7 +24,7 @@ pub(super) struct Arm {
     pub(super) values: Vec<Vec<f64>>,
 }
 
-impl Arm {
+impl ArmScores {
     pub(super) fn of(bench: Bench, mut done: impl FnMut()) -> Result<Self, PartError> {
         let (mut stated, mut fair, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for (id, _) in LAWS {

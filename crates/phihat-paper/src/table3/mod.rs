@@ -14,7 +14,7 @@ use super::record::Section;
 use crate::part::{Extent, Part, PartError};
 use crate::record::Assumption;
 use against::{beats_comparator, beats_pd, fair};
-use arm::{Arm, RUNS};
+use arm::{ArmScores, RUNS};
 use bench::Bench;
 use page::{errors_table, fig_14, gains_table};
 use size::{size, unit};
@@ -30,7 +30,7 @@ pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartErro
     let (mut arms, mut done) = (Vec::new(), 0.0);
     for ((path, text), name) in SHIPPED.into_iter().zip(["panda", "iiwa14"]) {
         let bench = Bench::new(path, name, text)?;
-        arms.push(Arm::of(bench, || {
+        arms.push(ArmScores::of(bench, || {
             done += 1.0 / 6.0;
             progress(done);
         })?);
@@ -53,7 +53,7 @@ fn assumptions() -> Vec<Assumption> {
     }]
 }
 
-fn page(arms: &[Arm]) -> Result<Section, PartError> {
+fn page(arms: &[ArmScores]) -> Result<Section, PartError> {
     let text = format!(
         "Gains as far as the paper states them: PD and the proposed law with the same K_p and K_d. Its comparator was tuned by trial \
          and error, to gains that are not printed; here it has this project's default gains, and once a quarter of them. Then, a \

@@ -1,12 +1,12 @@
 //! Table 3 with ours beside it, the gains found, and Fig. 14.
 
-use super::arm::Arm;
+use super::arm::ArmScores;
 use super::bench::{LAWS, Score};
 use super::printed::PRINTED;
 use crate::compose::{axis, curve, figure, lines, table, three, words};
 use crate::record::{Figure, Panel, Table};
 
-pub(super) fn errors_table(arm: &Arm) -> Table {
+pub(super) fn errors_table(arm: &ArmScores) -> Table {
     let cell = |v: f64| three(Some(v * 1e4));
     let rows = (0..7).map(|joint| {
         let printed = PRINTED[joint].map(|v| three(v.into()));
@@ -32,7 +32,7 @@ pub(super) fn errors_table(arm: &Arm) -> Table {
     table(&format!("table-3-{}", arm.bench.arm), &title, &columns, rows.collect())
 }
 
-pub(super) fn gains_table(arm: &Arm) -> Table {
+pub(super) fn gains_table(arm: &ArmScores) -> Table {
     let rows = LAWS.iter().zip(&arm.values).enumerate().map(|(law, ((id, name), values))| {
         let scalars = phihat_rivals::rival(id).map_or(&[][..], |entry| entry.scalars);
         let pairs =
@@ -55,7 +55,7 @@ pub(super) fn gains_table(arm: &Arm) -> Table {
 
 /// Errors over time, joint by joint: of all laws, and of those with integral action by themselves, which the first
 /// leaves one line.
-pub(super) fn fig_14(arm: &Arm) -> [Figure; 2] {
+pub(super) fn fig_14(arm: &ArmScores) -> [Figure; 2] {
     let name = arm.bench.arm;
     let all = figure(
         &format!("fig-14-{name}"),
@@ -74,7 +74,7 @@ pub(super) fn fig_14(arm: &Arm) -> [Figure; 2] {
 }
 
 /// A panel per joint with the laws from `first` on.
-fn errors(arm: &Arm, first: usize) -> Vec<Panel> {
+fn errors(arm: &ArmScores, first: usize) -> Vec<Panel> {
     let panels = (0..7).map(|joint| {
         let series = LAWS.iter().zip(&arm.stated).skip(first).map(|((_, name), score)| {
             let errors = score.errors.get(joint).map_or(&[][..], |e| e);

@@ -1,6 +1,6 @@
 //! How large the errors of Table 3 are, and in what unit.
 
-use super::arm::Arm;
+use super::arm::ArmScores;
 use super::bench::mean_square;
 use super::printed::PRINTED;
 use super::ratios::{ends, on_arms, printed_ratios, ratios, span, written};
@@ -9,16 +9,17 @@ use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
 /// How much better than PD, and what either leaves beside the paper's.
-pub(super) fn size(arms: &[Arm]) -> Statement {
+pub(super) fn size(arms: &[ArmScores]) -> Statement {
     let printed = span(&printed_ratios(0, 2));
     let all: Vec<f64> = arms.iter().flat_map(|arm| ratios(&arm.stated, 0, 2)).collect();
     let ours = span(&all);
     // The paper's over ours, joint by joint, as root mean squares or as they are.
-    let against = |law: usize, arm: &Arm| -> Vec<f64> {
+    let against = |law: usize, arm: &ArmScores| -> Vec<f64> {
         let pairs = PRINTED.iter().zip(&arm.stated[law].square);
         pairs.map(|(row, square)| row[law] * 1e-4 / square).collect()
     };
-    let rms = |arm: &Arm| -> Vec<f64> { against(2, arm).into_iter().map(f64::sqrt).collect() };
+    let rms =
+        |arm: &ArmScores| -> Vec<f64> { against(2, arm).into_iter().map(f64::sqrt).collect() };
     let (proposed, _) = on_arms(arms, rms);
     let (pd, _) = on_arms(arms, |arm| against(0, arm));
     let mut numbers = vec![
@@ -49,7 +50,7 @@ pub(super) fn size(arms: &[Arm]) -> Statement {
 }
 
 /// (51) is a mean square.
-pub(super) fn unit(arms: &[Arm]) -> Statement {
+pub(super) fn unit(arms: &[ArmScores]) -> Statement {
     let errors = arms.first().and_then(|arm| arm.stated[2].errors.first()).map_or(&[][..], |e| e);
     let doubled: Vec<f64> = errors.iter().map(|e| 2.0 * e).collect();
     let factor = mean_square(&doubled) / mean_square(errors);

@@ -3,7 +3,7 @@
 use phihat_design::claims::{Iss, Optimality, PaperRadius};
 use phihat_design::prelude::*;
 
-use super::arm::Arm;
+use super::arm::ArmScores;
 use crate::compose::{number, three};
 use crate::gains::first;
 use crate::part::PartError;
@@ -14,7 +14,7 @@ use crate::record::{Statement, Verdict};
 const K_TILDE: f64 = 68.9;
 
 /// "The performance criterion (40) is satisfied for seven joints".
-pub(super) fn radius(arms: &[Arm]) -> Result<Statement, PartError> {
+pub(super) fn radius(arms: &[ArmScores]) -> Result<Statement, PartError> {
     let law = first();
     let claim = Optimality::at(&law, K_TILDE)?;
     let certified = claim.certified().ok_or(PartError::NoCertificate("m = 1"))?;
@@ -55,7 +55,7 @@ pub(super) fn radius(arms: &[Arm]) -> Result<Statement, PartError> {
 }
 
 /// "A higher order reduces the error; the transient will be worse".
-pub(super) fn higher_order(arms: &[Arm]) -> Statement {
+pub(super) fn higher_order(arms: &[ArmScores]) -> Statement {
     let (mut numbers, mut listed) = (Vec::new(), Vec::new());
     let (mut better, mut worse, mut joints) = (0, true, 0);
     for arm in arms {

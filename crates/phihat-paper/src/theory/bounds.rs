@@ -5,7 +5,7 @@ use phihat_design::claims::{
 };
 use phihat_design::prelude::*;
 
-use crate::joint::{Form, Phi, largest, length, run};
+use crate::joint::{PaperForm, Phi, largest, length, run};
 use crate::part::PartError;
 
 /// One law with everything that bounds its state, per unit of φ.
@@ -67,7 +67,7 @@ fn worst_met(law: &Law) -> Result<[f64; 3], Refutation> {
         let dt = 1e-4;
         let steps = steps((worst.peak_s - from) / dt);
         let phi = (0..=steps).map(|k| worst.phi(from + k as f64 * dt)).collect();
-        let rows = run(law, Form::Ladder, &[], &Phi::Joined(phi), (dt, steps));
+        let rows = run(law, PaperForm::Ladder, &[], &Phi::Joined(phi), (dt, steps));
         let new = [
             largest(rows.iter().map(|x| x.e)),
             largest(rows.iter().map(|x| x.de)),

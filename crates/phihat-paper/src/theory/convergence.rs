@@ -6,7 +6,7 @@ use phihat_design::claims::{Law, polynomial};
 
 use crate::compose::{number, three, words};
 use crate::gains::{OUTER, all, equal_rate};
-use crate::joint::{Form, Phi, largest, run};
+use crate::joint::{PaperForm, Phi, largest, run};
 use crate::published::Published;
 use crate::record::{Section, Statement, Table, Verdict};
 
@@ -28,7 +28,7 @@ pub(super) fn lemma_1() -> Section {
     for order in 1..=4 {
         let law = equal_rate(order, RATE);
         let of = |form| run(&law, form, &[], &lively(), (1e-3, 3000));
-        let (eight, sixteen) = (of(Form::Estimator), of(Form::Ladder));
+        let (eight, sixteen) = (of(PaperForm::Estimator), of(PaperForm::Ladder));
         let size = largest(eight.iter().map(|x| x.phi_hat));
         let apart = largest(eight.iter().zip(&sixteen).map(|(a, b)| a.phi_hat - b.phi_hat)) / size;
         worst = worst.max(apart);
@@ -73,10 +73,10 @@ fn start() -> Statement {
     let ladder = |law: &Law| {
         let mut x = vec![0.0; law.order() + 2];
         x[law.order()] = e;
-        first(law, Form::Ladder, &x)
+        first(law, PaperForm::Ladder, &x)
     };
     let printed = all().map(|(name, law)| (name, ladder(&law)));
-    let eight = largest(all().iter().map(|(_, law)| first(law, Form::Estimator, &[e])));
+    let eight = largest(all().iter().map(|(_, law)| first(law, PaperForm::Estimator, &[e])));
     let least = printed.iter().fold(f64::INFINITY, |least, (_, v)| least.min(v.abs()));
     let listed = printed.iter().map(|(name, v)| format!("{name}: {}", three((*v).into())));
     let number =
@@ -139,11 +139,11 @@ pub(super) fn theorem_1() -> Section {
     for order in 1..=3 {
         let law = equal_rate(order, RATE);
         let degree: Vec<f64> = [20.0, 30.0, 40.0][..order].to_vec();
-        let free = run(&law, Form::Estimator, &[0.1], &Phi::polynomial(&degree), (1e-3, 4000));
+        let free = run(&law, PaperForm::Estimator, &[0.1], &Phi::polynomial(&degree), (1e-3, 4000));
         let left = largest(free.iter().skip(3500).map(|x| x.phi_hat - x.phi)) / 20.0;
         vanish = vanish.max(left);
         let turning = Phi::sines(&[(20.0, TURN, 0.0)]);
-        let driven = run(&law, Form::Estimator, &[], &turning, (1e-3, 12_000));
+        let driven = run(&law, PaperForm::Estimator, &[], &turning, (1e-3, 12_000));
         let steady = largest(driven.iter().skip(5800).map(|x| x.phi_hat - x.phi)) / 20.0;
         let closed = closed_form(&law);
         persist = persist.min(steady);

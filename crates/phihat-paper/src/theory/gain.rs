@@ -8,7 +8,7 @@ use phihat_design::prelude::*;
 use crate::compose::{curve, lines, log_axis, number, three, words};
 use crate::draw::Draw;
 use crate::gains::{K_TILDE, K_TILDE_H3, all as laws, first, second_h3};
-use crate::joint::{Form, Phi, largest, run};
+use crate::joint::{PaperForm, Phi, largest, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Bound, Figure, Number, Panel, Section, Statement, Verdict};
@@ -204,7 +204,7 @@ fn signals() -> Vec<(&'static str, Phi)> {
 /// `∫(xᵀQx + φ̂ᵀRφ̂)/∫φ²` of one run from rest.
 fn gain_on(law: &Law, c: &Certified, phi: &Phi) -> f64 {
     let (mut cost, mut energy) = (0.0, 0.0);
-    for now in run(law, Form::Ladder, &[], phi, (STEP, 20_000)) {
+    for now in run(law, PaperForm::Ladder, &[], phi, (STEP, 20_000)) {
         let state: f64 = c.q.iter().zip(&now.x).map(|(q, x)| q * x * x).sum();
         cost += state + now.phi_hat * now.phi_hat / law.a_top();
         energy += now.phi * now.phi;
@@ -226,7 +226,7 @@ fn not_in_l2() -> Statement {
     let energy = |t: f64| phi * phi * t;
     let (mut most, mut last) = (Vec::new(), 0.0_f64);
     for (name, law) in laws() {
-        let rows = run(&law, Form::Estimator, &[], &Phi::polynomial(&[phi]), (1e-3, 10_000));
+        let rows = run(&law, PaperForm::Estimator, &[], &Phi::polynomial(&[phi]), (1e-3, 10_000));
         most.push((name, largest(rows.iter().map(|x| x.e))));
         last = last.max(rows.last().map_or(f64::NAN, |x| x.e.abs()));
     }

@@ -10,7 +10,7 @@ use super::printed::{Q33, Scalars};
 use crate::compose::{number, three, words};
 use crate::draw::Draw;
 use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, second_h1, second_h2, second_h3};
-use crate::joint::{Form, Phi, largest, length, outer, run};
+use crate::joint::{PaperForm, Phi, largest, length, outer, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Section, Statement, Verdict};
@@ -50,7 +50,7 @@ fn asymptotic() -> Statement {
     let end = |law: &Law, phi: f64| {
         let mut start = vec![0.0; law.order() + 2];
         start[law.order()] = 0.1;
-        let rows = run(law, Form::Ladder, &start, &Phi::polynomial(&[phi]), (1e-3, 5000));
+        let rows = run(law, PaperForm::Ladder, &start, &Phi::polynomial(&[phi]), (1e-3, 5000));
         rows.last().map_or(f64::NAN, |now| length(&now.x))
     };
     let free = largest(all().iter().map(|(_, law)| end(law, 0.0)));
@@ -145,7 +145,7 @@ fn share_of_24(law: &Law, iss: &Iss) -> f64 {
             Some(*sign)
         });
         let phi = Phi::Joined(switched.collect());
-        for now in run(law, Form::Ladder, &start, &phi, (5e-4, 4000)) {
+        for now in run(law, PaperForm::Ladder, &start, &phi, (5e-4, 4000)) {
             let bound = iss.beta(now.t) * length(&start) + iss.gain.upper;
             share = share.max(length(&now.x) / bound);
         }

@@ -1,7 +1,7 @@
 //! Active disturbance rejection control: everything is estimated from the position.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, PositionsAndTorque};
@@ -132,7 +132,7 @@ impl Rival for Adrc {
         3 * self.states.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, w] = tuning.values().ok()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let outer = [kp + 3.0 * w * kd + 3.0 * w * w, kd + 3.0 * w];

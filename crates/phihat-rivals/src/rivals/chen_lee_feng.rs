@@ -1,7 +1,7 @@
 //! Nonlinear H-infinity control of Chen, Lee and Feng, in the coordinates of Johansson.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::nominal::Nominal;
@@ -107,7 +107,7 @@ impl Rival for ChenLeeFeng {
         Some(Condition { text, holds: true, margin: f64::INFINITY })
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping] = tuning.values().ok()?;
         let floor = arm.ratio_min(damping, tuning.period());
         Some(Condition::above("T/β < cμ; c = 2, behind one sample of delay 1", arm.ratio[0], floor))

@@ -1,7 +1,7 @@
 //! The disturbance observer on top of a PD with feed-forward of the acceleration.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndTorque};
@@ -80,11 +80,11 @@ impl Rival for DisturbanceObserver {
         self.0.states()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         First::condition(tuning, arm)
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         First::bound(tuning, arm)
     }
 }

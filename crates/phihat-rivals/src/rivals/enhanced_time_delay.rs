@@ -1,7 +1,7 @@
 //! Time-delay control with nonlinear error dynamics and a correction of its estimate.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::sig;
@@ -140,7 +140,7 @@ impl Rival for EnhancedTimeDelay {
         self.sum.len() + self.rest.states()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [.., share] = tuning.values::<6>().ok()?;
         Some(Condition::above("M̄ < 2 M", arm.ratio[0], 0.5 * share))
     }

@@ -2,7 +2,7 @@
 
 use crate::basis::{BASIS, Basis, sum};
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Period;
 use crate::measured::{Acceleration, Motion};
@@ -134,7 +134,7 @@ impl Rival for Fat {
         self.weights.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping, ..] = tuning.values::<5>().ok()?;
         let period = tuning.period();
         Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))

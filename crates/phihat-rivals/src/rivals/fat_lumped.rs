@@ -2,7 +2,7 @@
 
 use crate::basis::{BASIS, Basis, sum};
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::{Inertia, Period};
 use crate::math::Weighted;
@@ -135,7 +135,7 @@ impl Rival for FatLumped {
         self.weights.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, ..] = tuning.values::<5>().ok()?;
         let (gain, period) = (2.0 * zeta * omega, tuning.period());
         Some(Condition::sampled("K_d T below the smallest inertia's limit", gain, period, arm))

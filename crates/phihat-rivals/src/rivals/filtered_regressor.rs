@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion, MotionAndTorque};
 use crate::regressor::Regressor;
@@ -165,7 +165,7 @@ impl Rival for FilteredRegressor {
         p * (p + 1) / 2 + 2 * p + 3 * self.filtered.len() + self.torque.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping, ..] = tuning.values::<6>().ok()?;
         let period = tuning.period();
         Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))

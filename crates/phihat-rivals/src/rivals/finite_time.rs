@@ -1,7 +1,7 @@
 //! Backstepping with powers below one and an attenuation level.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::nominal::Nominal;
@@ -153,7 +153,7 @@ impl Rival for FiniteTime {
         0
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, second, power, gamma, smooth] = tuning.values().ok()?;
         let gain = second * smooth.powf(power - 1.0) + 0.5 / (gamma * gamma) + 0.5;
         let text = "(k_2 ε^(r−1) + 1/(2γ²) + ½) T below the smallest inertia's limit";

@@ -1,7 +1,7 @@
 //! Funnel control for relative degree two: gains that grow where the error nears a given wall.
 
 use crate::card::{Card, Grade};
-use crate::claim::Arm;
+use crate::claim::DeclaredArm;
 use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
@@ -135,7 +135,7 @@ impl Rival for Hackl {
         2 * self.extra.len()
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let [width, ..] = tuning.values::<5>().ok()?;
         Some(vec![width; arm.phi_max.len()])
     }
@@ -249,7 +249,7 @@ impl Rival for Berger {
         self.extra.len()
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let [width, ..] = tuning.values::<4>().ok()?;
         Some(vec![width; arm.phi_max.len()])
     }

@@ -1,7 +1,7 @@
 //! The H-infinity inverse-optimal PID of Choi, Chung and Suh.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
@@ -97,7 +97,7 @@ pub(crate) fn proof([proportional, integral]: [f64; 2]) -> Condition {
 }
 
 /// Whether (2) and the sampled condition hold for `K_P, K_I, K, γ`.
-pub(crate) fn certificate(values: [f64; 4], period: f64, arm: &Arm) -> Condition {
+pub(crate) fn certificate(values: [f64; 4], period: f64, arm: &DeclaredArm) -> Condition {
     let [proportional, integral, gain, gamma] = values;
     let text = "K_P² > 2 K_I and (K + 1/γ²) T < cμ; c = 2, behind one sample of delay 1";
     let sampled = Condition::sampled(text, gain + 1.0 / (gamma * gamma), period, arm);
@@ -198,7 +198,7 @@ impl Rival for HInfinityPid {
         self.sum.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         Some(certificate(tuning.values().ok()?, tuning.period(), arm))
     }
 
@@ -207,7 +207,7 @@ impl Rival for HInfinityPid {
         Some(proof([proportional, integral]))
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let gain = ultimate_gain(tuning.values().ok()?, arm.ratio[1])?;
         let acting = arm.demand_max.iter().zip(tuning.units()).map(|(w, unit)| w * w / unit);
         let acting = acting.sum::<f64>().sqrt();

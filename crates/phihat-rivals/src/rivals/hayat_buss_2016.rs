@@ -1,7 +1,7 @@
 //! The authors' earlier law: the estimator also hears the error.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::lumped::Lumped;
@@ -123,14 +123,14 @@ impl Rival for HayatBuss2016 {
         self.lumped.states()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let c = closed_loop(tuning)?;
         let window = [arm.ratio_min(c[2], tuning.period()), c[2] * c[1] / c[0]];
         let text = "(K_d + a₀)T/c < μ < c₂c₁/c₀ of (2); c = 2, behind one sample of delay 1";
         Some(Condition::inside(text, arm.ratio, window))
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         error_by_peak_gains(1, &closed_loop(tuning)?, tuning, arm)
     }
 }

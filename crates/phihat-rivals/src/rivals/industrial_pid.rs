@@ -1,7 +1,7 @@
 //! PID with feed-forward, as a user of an industrial drive would set it up.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, Motion};
@@ -115,7 +115,7 @@ impl Rival for IndustrialPid {
         self.sums.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, rate] = tuning.values().ok()?;
         let kd = 2.0 * zeta * omega;
         let floor = arm.ratio_min(kd, tuning.period());

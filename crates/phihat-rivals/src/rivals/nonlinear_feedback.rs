@@ -1,7 +1,7 @@
 //! Computed torque with composite nonlinear feedback.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::math::Weighted;
 use crate::measured::{Acceleration, Motion};
@@ -126,13 +126,13 @@ impl Rival for NonlinearFeedback {
         self.first.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, growth, shape, weight] = tuning.values().ok()?;
         let linear = [omega * omega, 2.0 * zeta * omega];
         let p22 = Weighted::with(linear, [POSITION_WEIGHT, weight]).on_rate;
         let gain = linear[1] + growth * (1.0 - (-shape).exp()) * p22;
         // The gain is on M̂ itself: every eigenvalue of M⁻¹M̂ is taken as 1.
-        let arm = Arm { ratio: [1.0, 1.0], ..arm.clone() };
+        let arm = DeclaredArm { ratio: [1.0, 1.0], ..arm.clone() };
         let text = "(2ζ_0 ω + β (1 − e^−α) p_22) T < 2 with M̂ = M";
         Some(Condition::sampled(text, gain, tuning.period(), &arm))
     }

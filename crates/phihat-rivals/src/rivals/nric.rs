@@ -1,7 +1,7 @@
 //! Nonlinear robust internal-loop compensator of Kim, Choi and Chung.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::TorqueMax;
 use crate::measured::{Acceleration, Motion};
@@ -146,7 +146,7 @@ impl Rival for Nric {
         self.pid.states() + self.q.len() + self.dq.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, _, proportional, integral, gain, gamma] = tuning.values().ok()?;
         let values = [proportional, integral, gain, gamma];
         Some(h_infinity_pid::certificate(values, tuning.period(), arm))

@@ -1,7 +1,7 @@
 //! Orbital stabilisation: the path is followed, the time table is not.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion, NoReference};
 use crate::nominal::Nominal;
@@ -82,7 +82,7 @@ impl Rival for Orbital {
         1
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         PdPlus::condition(tuning, arm)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Positions};
 use crate::regressor::Regressor;
@@ -164,7 +164,7 @@ impl Rival for OutputFeedback {
         2 * self.e.len() + self.integral.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, _, damping, ..] = tuning.values::<6>().ok()?;
         let period = tuning.period();
         Some(Condition::sampled("K_V T below the smallest inertia's limit", damping, period, arm))

@@ -1,7 +1,7 @@
 //! Nonlinear H-infinity control of Park and Chung: the PID with the model ahead of it.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::nominal::Nominal;
@@ -88,7 +88,7 @@ impl Rival for ParkChung {
         self.pid.states()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         Some(certificate(tuning.values().ok()?, tuning.period(), arm))
     }
 

@@ -1,7 +1,7 @@
 //! PD control of every joint with the nominal gravity torque.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
@@ -69,7 +69,7 @@ impl Rival for PdGravity {
         0
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta] = tuning.values().ok()?;
         let (gain, period) = (2.0 * zeta * omega, tuning.period());
         Some(Condition::sampled("K_D T below the smallest inertia's limit", gain, period, arm))

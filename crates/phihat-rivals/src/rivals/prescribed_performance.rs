@@ -1,7 +1,7 @@
 //! Prescribed performance control: a wall around the error that the torque defends.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Motion, Velocity};
@@ -98,7 +98,7 @@ impl Rival for PrescribedPerformance {
         self.extra.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, end, _, gain] = tuning.values().ok()?;
         let floor = arm.ratio_min(2.0 * gain / end, tuning.period());
         Some(Condition::above(
@@ -108,7 +108,7 @@ impl Rival for PrescribedPerformance {
         ))
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let [surface, end, _, _] = tuning.values().ok()?;
         Some(vec![end / surface; arm.phi_max.len()])
     }

@@ -3,7 +3,7 @@
 use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::peak_gain;
@@ -23,7 +23,7 @@ use crate::tuning::{Scalar, Tuning};
 /// # Guarantee
 ///
 /// Frozen inertia of ratio `μ` to `M̄`: stable inside the window (2), its lower end from sampling and delay
-/// ([`Arm::ratio_min`]: `c` is 2 without delay and 1 behind one sample), its upper end in continuous time. The error of a joint by peak gains, with
+/// ([`DeclaredArm::ratio_min`]: `c` is 2 without delay and 1 behind one sample), its upper end in continuous time. The error of a joint by peak gains, with
 /// `G(s) = s/((s² + K_d s + K_p)(s + a_0))` and `‖·‖₁` the integral of the impulse response's modulus:
 ///
 /// ```text
@@ -149,7 +149,7 @@ impl Law {
 }
 
 /// (2): whether the arm's inertia is inside the window of the first-order law.
-pub(crate) fn window(kp: f64, kd: f64, a0: f64, period: f64, arm: &Arm) -> Condition {
+pub(crate) fn window(kp: f64, kd: f64, a0: f64, period: f64, arm: &DeclaredArm) -> Condition {
     let ceiling = (kd + a0) * (kp + a0 * kd) / (a0 * kp);
     Condition::inside(
         "(K_d + a₀)T/c < μ < (K_d + a₀)(K_p + a₀K_d)/(a₀K_p); c = 2, behind one sample of delay 1",
@@ -163,7 +163,7 @@ pub(crate) fn error_by_peak_gains(
     order: usize,
     c: &[f64],
     tuning: &Tuning,
-    arm: &Arm,
+    arm: &DeclaredArm,
 ) -> Option<Vec<f64>> {
     let (rate, jump) = (peak_gain(order - 1, c)?, peak_gain(order, c)?);
     let joints = tuning.units().iter().zip(arm.phi_rate.iter().zip(&arm.phi_jump));
@@ -215,13 +215,13 @@ impl Rival for First {
         self.0.joints()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, a0] = tuning.values().ok()?;
         let [kp, kd] = outer_gains(omega, zeta);
         Some(window(kp, kd, a0, tuning.period(), arm))
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         let [omega, zeta, a0] = tuning.values().ok()?;
         let [kp, kd] = outer_gains(omega, zeta);
         error_by_peak_gains(1, &first_order_loop(kp, kd, a0), tuning, arm)
@@ -264,7 +264,7 @@ impl Rival for Second {
         2 * self.0.joints()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let c = Self::closed_loop(tuning)?;
         let ceiling = (c[3] * c[2] * c[1] - c[3] * c[3] * c[0]) / (c[1] * c[1]);
         let floor = arm.ratio_min(c[3], tuning.period());
@@ -275,7 +275,7 @@ impl Rival for Second {
         ))
     }
 
-    fn bound(tuning: &Tuning, arm: &Arm) -> Option<Vec<f64>> {
+    fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
         error_by_peak_gains(2, &Self::closed_loop(tuning)?, tuning, arm)
     }
 }

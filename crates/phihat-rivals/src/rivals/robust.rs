@@ -1,7 +1,7 @@
 //! Inverse dynamics with a unit-vector term against what the model lacks.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::nominal::Nominal;
@@ -126,11 +126,11 @@ impl Rival for Robust {
         0
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [position, velocity, robust, boundary] = tuning.values().ok()?;
         let gain = (velocity + 2.0 * position.sqrt()).sqrt() + robust / boundary;
         // The gain is on M̂ itself: every eigenvalue of M⁻¹M̂ is taken as 1.
-        let arm = Arm { ratio: [1.0, 1.0], ..arm.clone() };
+        let arm = DeclaredArm { ratio: [1.0, 1.0], ..arm.clone() };
         Some(Condition::sampled("(K_d + ρ/δ) T < 2 with M̂ = M", gain, tuning.period(), &arm))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::regressor::Regressor;
@@ -100,7 +100,7 @@ impl Rival for SlotineLi {
         self.estimate.parameters()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping, ..] = tuning.values::<4>().ok()?;
         let period = tuning.period();
         Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))

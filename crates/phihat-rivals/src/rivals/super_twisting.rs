@@ -1,7 +1,7 @@
 //! Super-twisting sliding mode control of second order.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::sig;
@@ -138,7 +138,7 @@ impl Rival for SuperTwisting {
         self.integrals.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, k1, k2] = tuning.values().ok()?;
         let rates = arm.phi_rate.iter().zip(tuning.units());
         let l = rates.map(|(rate, unit)| rate / unit).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Sliding mode with a disturbance observer, one mode of operation.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion, MotionAndTorque};
 use crate::nominal::Nominal;
@@ -152,7 +152,7 @@ impl Rival for Switching {
         self.z.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping, switching, boundary, _] = tuning.values().ok()?;
         let (gain, period) = (damping + switching / boundary, tuning.period());
         Some(Condition::sampled(

@@ -2,7 +2,7 @@
 
 use crate::adaptation::Estimate;
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
 use crate::planar::{LINKS, Planar, Tip, running};
@@ -151,7 +151,7 @@ impl Rival for TaskSpace {
         self.estimate.parameters() + LINKS
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         SlotineLi::condition(tuning, arm)
     }
 }

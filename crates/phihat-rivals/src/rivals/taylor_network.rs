@@ -1,7 +1,7 @@
 //! A multidimensional Taylor network as inverse controller, for the class of Zhang and Yan.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Nothing;
 use crate::measured::{Acceleration, Motion};
@@ -154,7 +154,7 @@ impl Rival for TaylorNetwork {
         self.weights.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, gain, ..] = tuning.values::<4>().ok()?;
         let floor = arm.ratio_min(gain, tuning.period());
         Some(Condition::above("k T < cμ; c = 2, behind one sample of delay 1", arm.ratio[0], floor))

@@ -1,7 +1,7 @@
 //! Time-delay control: what the last sample did not explain is what acts now.
 
 use crate::card::{Card, Grade};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndTorque};
@@ -132,10 +132,10 @@ impl Rival for TimeDelay {
         self.rest.states()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [omega, zeta, share] = tuning.values().ok()?;
         let [kp, kd] = outer_gains(omega, zeta);
-        let arm = Arm { ratio: arm.ratio.map(|ratio| ratio / share), ..arm.clone() };
+        let arm = DeclaredArm { ratio: arm.ratio.map(|ratio| ratio / share), ..arm.clone() };
         Some(window(kp, kd, 1.0 / tuning.period(), tuning.period(), &arm))
     }
 }

@@ -1,7 +1,7 @@
 //! Decentralised adaptive robust control with disturbance observers, after Yang, Fukushima and Qin.
 
 use crate::card::{Card, Grade, Tick, Ticks};
-use crate::claim::{Arm, Condition};
+use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::lumped::Lumped;
@@ -169,7 +169,7 @@ impl Rival for Yang {
         self.lumped.states() + self.switching.len()
     }
 
-    fn condition(tuning: &Tuning, arm: &Arm) -> Option<Condition> {
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [surface, gain, _, cutoff, ..] = tuning.values::<7>().ok()?;
         Some(window(surface * gain, surface + gain, cutoff, tuning.period(), arm))
     }

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use std::sync::Arc;
 
 use phihat_model::{Model, Robot, Workspace};
-use phihat_rivals::{All, Arm, Curve, DesignedJoint, Entry, Supply, Tuning};
+use phihat_rivals::{All, Curve, DeclaredArm, DesignedJoint, Entry, Supply, Tuning};
 
 /// Sample period \[s\].
 pub(crate) const PERIOD: f64 = 1e-3;
@@ -130,9 +130,9 @@ impl Bench {
     }
 
     /// What is declared of the arm, for conditions.
-    pub(crate) fn declared(&self) -> Arm {
+    pub(crate) fn declared(&self) -> DeclaredArm {
         let n = self.supply.joints();
-        Arm {
+        DeclaredArm {
             inertia_min: 0.0,
             inertia_max: 0.0,
             ratio: self.ratio,

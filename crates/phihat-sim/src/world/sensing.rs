@@ -3,9 +3,9 @@
 use core::f64::consts::{PI, TAU};
 use std::collections::VecDeque;
 
-use phihat::Measurement;
+use phihat::{Measurement, TorqueSource, VelocitySource};
 use phihat_model::JointKind;
-use phihat_study::{Fault, FaultKind, Study, TorqueSource, VelocitySource};
+use phihat_study::{Fault, FaultKind, Study};
 
 use super::fault::{Acts, MessageFault, ReadingFault};
 use super::loss::Loss;

@@ -1,8 +1,7 @@
 //! What the controller sees: quantised position, measured or differenced velocity.
 
 use core::f64::consts::TAU;
-
-use phihat_study::VelocitySource;
+use phihat::VelocitySource;
 
 /// One joint's encoder and velocity source.
 ///

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use phihat::{Form, JointDesign, JointGains};
+use phihat::{JointDesign, JointGains};
 use phihat_sim::{Outcome, Simulation};
-use phihat_study::{LawForm, Study};
+use phihat_study::Study;
 
 /// Inertia of the rod about its hinge \[kg·m²\].
 pub(crate) const ROD_INERTIA: f64 = 0.52;
@@ -28,10 +28,7 @@ pub(crate) fn read(text: &str) -> Study {
 
 /// The study's gains: bandwidth 20 rad/s, estimator 70 rad/s, m = 2, per joint `inertia`.
 pub(crate) fn gains(study: &Study) -> Vec<JointGains<f64>> {
-    let form = match study.control.form {
-        LawForm::Observer => Form::Observer,
-        LawForm::Literal => Form::Literal,
-    };
+    let form = study.control.form;
     let period = study.control.period_ns as f64 * 1e-9;
     let joint = |inertia: &f64| {
         let a = &[4900.0, 140.0];
