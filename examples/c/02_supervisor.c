@@ -58,7 +58,7 @@ int main(void) {
   guard.velocity_max_rad_s = 4.0;
   guard.position_min_rad = -1.5;
   guard.position_max_rad = 1.5;
-  guard.error_max_rad = 0.1;
+  guard.error_stop_rad = 0.1;
 
   supervision.size = sizeof supervision;
   phihat_supervision_default(PERIOD_NS, &supervision);

@@ -34,7 +34,7 @@ arm = phihat.Supervisor(
     torque_rate_max=[1000.0],
     velocity_max=[4.0],
     position_range=[(-1.5, 1.5)],
-    error_max=[0.1],
+    error_stop=[0.1],
 )
 
 

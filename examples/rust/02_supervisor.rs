@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let joint = JointOptions {
         velocity_max: Some(4.0),
         range: Some(JointRange { lower: -1.5, upper: 1.5, soft: 0.05, braking: 5.0 }),
-        error_max: Some(0.1),
+        error_stop: Some(0.1),
         ..JointOptions::default()
     };
     let arm = Supervisor::new([gains], &[joint], &Options::new(T_NS))?;

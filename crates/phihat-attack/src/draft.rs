@@ -54,7 +54,7 @@ pub struct Draft {
     /// When the steady part begins \[s\].
     pub settle: f64,
     /// Largest |e| per joint.
-    pub error_max: Vec<f64>,
+    pub error_bound: Vec<f64>,
     /// The robot's own dry friction, where it acts \[N·m\] per joint.
     pub own_coulomb: Vec<f64>,
     /// Lines of `[design]` besides those of the scope.
@@ -89,7 +89,8 @@ impl Draft {
         line("duration_s", &self.duration);
         let (robot, _) = self.arm.section();
         let _ = writeln!(text, "\n[robot]\n{robot}\n\n[spec]\nsettle_s = {:?}", self.settle);
-        let _ = writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_max, self.design);
+        let _ =
+            writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.design);
         self.ranges(&mut text);
         let _ = write!(text, "\n[loop]\n{}\n[sensor]\n{}\n[world]\n", self.control, self.sensor);
         let _ = writeln!(text, "{}coulomb_extra_nm = {:?}", self.world, world.coulomb);

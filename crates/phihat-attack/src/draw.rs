@@ -31,14 +31,14 @@ pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
     let own = hand.robot.joints.iter().map(|joint| joint.friction.coulomb);
     let own_coulomb = own.map(|c| if friction { c } else { 0.0 }).collect();
     let settle = hand.duration * hand.dice.between(0.3, 0.7);
-    let error_max = hand.error_max();
+    let error_bound = hand.error_bound();
     let design = hand.design();
     let (duration, tags) = (hand.duration, hand.tags);
     Ok(Draft {
         arm,
         duration,
         settle,
-        error_max,
+        error_bound,
         own_coulomb,
         design,
         control,
@@ -245,7 +245,7 @@ impl Hand<'_> {
     }
 
     /// A first guess; what is infeasible is asked for again with what would be possible.
-    fn error_max(&mut self) -> Vec<f64> {
+    fn error_bound(&mut self) -> Vec<f64> {
         // Now and then what nothing keeps: asked for again, it is close to the least that is possible.
         let tight = self.dice.chance(0.4);
         let error = if tight { 1e-6 } else { self.dice.log_between(3e-4, 2e-2) };

@@ -101,7 +101,7 @@ impl Trial<'_> {
             verdict = Some(judged);
             let Some(factor) = worse else { break };
             let factor = factor * dice.between(1.0, 1.6);
-            draft.error_max.iter_mut().for_each(|error| *error *= factor);
+            draft.error_bound.iter_mut().for_each(|error| *error *= factor);
         }
         record.seconds.0 = began.elapsed().as_secs_f64();
         if let Err(why) = std::fs::write(&path, draft.text(&draft.nominal)) {

@@ -324,7 +324,7 @@ typedef struct phihat_guard {
   /**
    * Largest |e| while the law runs [rad]; beyond it the arm stops. INFINITY: not judged.
    */
-  double error_max_rad;
+  double error_stop_rad;
   /**
    * A position that stands still while the joint should have moved this far is frozen [rad]. INFINITY:
    * not judged.

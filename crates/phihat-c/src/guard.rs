@@ -22,7 +22,7 @@ pub struct phihat_guard {
     /// Deceleration that the joint can always afford near a limit [rad/s^2]; used where there are limits.
     pub braking_rad_s2: f64,
     /// Largest |e| while the law runs [rad]; beyond it the arm stops. INFINITY: not judged.
-    pub error_max_rad: f64,
+    pub error_stop_rad: f64,
     /// A position that stands still while the joint should have moved this far is frozen [rad]. INFINITY:
     /// not judged.
     pub frozen_travel_rad: f64,
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn phihat_guard_default(guard: *mut phihat_guard) -> Statu
         position_max_rad: none,
         position_soft_rad: 0.05,
         braking_rad_s2: 5.0,
-        error_max_rad: none,
+        error_stop_rad: none,
         frozen_travel_rad: none,
         reference_velocity_max_rad_s: none,
         reference_acceleration_max_rad_s2: none,
@@ -177,7 +177,7 @@ impl phihat_guard {
         Ok(JointOptions {
             velocity_max: finite(self.velocity_max_rad_s),
             range,
-            error_max: finite(self.error_max_rad),
+            error_stop: finite(self.error_stop_rad),
             frozen_travel: finite(self.frozen_travel_rad),
             motion: (!unlimited).then_some(MotionLimits { velocity, acceleration, jerk }),
             dead_zone: (self.dead_zone_rad.to_bits() != 0).then_some(self.dead_zone_rad),

@@ -6,7 +6,7 @@ use crate::check::agree::agrees;
 use crate::check::polynomial::{not_negative, value};
 use crate::extremes::Extremes as _;
 use crate::weights::{difference, weights};
-use crate::{Law, Refutation};
+use crate::{Refutation, UnitLaw};
 
 const CLAIM: &str = "attenuation";
 
@@ -66,7 +66,7 @@ impl Attenuation {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         law.check(CLAIM)?;
         self.verify_levels(law)?;
         match self.diagonal {
@@ -106,7 +106,7 @@ impl Attenuation {
     }
 
     /// `γ = 1/√(a_{m−1} − K̃)` of both.
-    fn verify_levels(&self, law: &Law) -> Result<(), Refutation> {
+    fn verify_levels(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let pairs = [
             (self.diagonal.map(|i| i.low), self.gamma_diagonal),
             (self.return_difference, self.gamma_return_difference),
@@ -125,7 +125,7 @@ impl Attenuation {
 }
 
 /// `q_i` is affine in `K̃`: positive just inside both ends means positive between them.
-fn verify_diagonal(law: &Law, Interval { low, high }: Interval) -> Result<(), Refutation> {
+fn verify_diagonal(law: &UnitLaw, Interval { low, high }: Interval) -> Result<(), Refutation> {
     let a_top = law.a_top();
     Refutation::unless(CLAIM, "0 ≤ low", low, 0.0, low >= 0.0)?;
     Refutation::unless(CLAIM, "low < high", low, high, low < high)?;
@@ -147,7 +147,7 @@ fn verify_diagonal(law: &Law, Interval { low, high }: Interval) -> Result<(), Re
 }
 
 /// Whether the half-lines `q_i(K̃) > 0` have no point of `(0, a_{m−1})` in common, or `K_p`, `K_d` are not positive.
-fn nowhere_positive(law: &Law) -> bool {
+fn nowhere_positive(law: &UnitLaw) -> bool {
     let (mut from, mut to) = (0.0_f64, law.a_top());
     let whole = law.a_top();
     let (start, end) = (weights(law, 0.0), weights(law, whole));

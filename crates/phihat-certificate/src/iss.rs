@@ -7,7 +7,7 @@ use crate::check::definite::definite_within;
 use crate::check::free::Free;
 use crate::check::polynomial::product;
 use crate::peak_gain::encloses;
-use crate::{Law, Matrix, PeakGain, Refutation};
+use crate::{Matrix, PeakGain, Refutation, UnitLaw};
 
 const CLAIM: &str = "input-to-state stability";
 
@@ -74,7 +74,7 @@ impl Iss {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         law.check(CLAIM)?;
         let (s, n) = (&self.s, law.order() + 2);
@@ -118,7 +118,7 @@ impl Iss {
     }
 
     /// `W = −(A−BK)ᵀS − S(A−BK)`: `A − BK` shifts, and has the characteristic coefficients in its last row.
-    fn fall(&self, law: &Law) -> Matrix {
+    fn fall(&self, law: &UnitLaw) -> Matrix {
         let (s, n) = (&self.s, self.s.len());
         let mut a_o = law.a.clone();
         a_o.push(1.0);
@@ -129,7 +129,7 @@ impl Iss {
     }
 
     /// That `S` belongs to a certificate of optimality at `K̃`: `a_{m−1}BᵀS = K`.
-    fn is_of(&self, law: &Law, k_tilde: f64) -> Result<(), Refutation> {
+    fn is_of(&self, law: &UnitLaw, k_tilde: f64) -> Result<(), Refutation> {
         let n = self.s.len();
         let below = k_tilde < law.a_top();
         Refutation::unless(CLAIM, "K̃ < a_{m−1}", k_tilde, law.a_top(), below)?;

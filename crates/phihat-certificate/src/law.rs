@@ -15,7 +15,7 @@ use crate::{JointRecord, Matrix, Refutation};
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Law {
+pub struct UnitLaw {
     /// Outer loop `K_p` \[1/s²\].
     pub kp: f64,
     /// Outer loop `K_d` \[1/s\].
@@ -24,13 +24,13 @@ pub struct Law {
     pub a: Vec<f64>,
 }
 
-impl From<&JointRecord> for Law {
+impl From<&JointRecord> for UnitLaw {
     fn from(joint: &JointRecord) -> Self {
         Self { kp: joint.kp_per_s2, kd: joint.kd_per_s, a: joint.a.clone() }
     }
 }
 
-impl Law {
+impl UnitLaw {
     /// Order `m` of the estimator.
     pub fn order(&self) -> usize {
         self.a.len()

@@ -91,7 +91,7 @@ pub use certificate::{Certificate, ErrorBound, JointCertificate};
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
 pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;
-pub use law::Law;
+pub use law::UnitLaw;
 pub use margins::Margins;
 pub use model::LoopModel;
 pub use moving::{Moving, Unstable};

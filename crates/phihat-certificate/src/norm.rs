@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::free::Free;
 use crate::check::polynomial::{not_negative, product, squared, value};
-use crate::{Law, Refutation};
+use crate::{Refutation, UnitLaw};
 
 const CLAIM: &str = "H-infinity norm";
 
@@ -38,7 +38,7 @@ impl NormH {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         law.check(CLAIM)?;
         yes(CLAIM, "μ > 0", self.mu, 0.0, self.mu > 0.0)?;

@@ -9,7 +9,7 @@ use crate::check::definite::definite_within;
 use crate::check::polynomial::product;
 use crate::extremes::Extremes as _;
 use crate::weights::weights;
-use crate::{Law, Matrix, Refutation};
+use crate::{Matrix, Refutation, UnitLaw};
 
 const CLAIM: &str = "optimality";
 
@@ -93,7 +93,7 @@ impl Optimality {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         match self {
             Self::Certified(certified) => certified.verify(law),
             Self::Refuted(refused) => refused.verify(law),
@@ -102,7 +102,7 @@ impl Optimality {
 }
 
 impl Certified {
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         law.check(CLAIM)?;
         let n = law.order() + 2;
@@ -135,7 +135,7 @@ impl Certified {
     }
 
     /// (13), entry by entry: `A` shifts the ladder and has `−K_p`, `−K_d` in its last row.
-    fn riccati(&self, law: &Law) -> Result<(), Refutation> {
+    fn riccati(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let (s, n) = (&self.s, self.s.len());
         let last = |j: usize| match n - j {
             1 => -law.kd,
@@ -165,7 +165,7 @@ impl Certified {
 impl Refused {
     /// The quantity that is named must be what it is said to be, not positive, and the condition one of the paper's that
     /// fails, or the quantity's own name.
-    fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         const CLAIM: &str = "refusal of optimality";
         law.check(CLAIM)?;
         let room = law.a_top() - self.k_tilde;
@@ -204,7 +204,7 @@ impl Refused {
     }
 
     /// The last of the paper's conditions of the order that fails here.
-    fn conditions(&self, law: &Law) -> Option<String> {
+    fn conditions(&self, law: &UnitLaw) -> Option<String> {
         let least = law.a.iter().copied().chain([law.kp, law.kd]).least();
         let damping = law.kd * law.kd > 2.0 * law.kp;
         let list = match law.a[..] {
@@ -218,7 +218,7 @@ impl Refused {
     }
 }
 
-fn gains_positive(law: &Law) -> Result<(), Refutation> {
+fn gains_positive(law: &UnitLaw) -> Result<(), Refutation> {
     Refutation::unless(CLAIM, "K_p > 0", law.kp, 0.0, law.kp > 0.0)?;
     Refutation::unless(CLAIM, "K_d > 0", law.kd, 0.0, law.kd > 0.0)?;
     let least = law.a.iter().copied().least();

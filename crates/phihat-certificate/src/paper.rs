@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::check::agree::agrees;
-use crate::{Iss, Law, Refutation};
+use crate::{Iss, Refutation, UnitLaw};
 
 const CLAIM: &str = "performance";
 
@@ -32,7 +32,7 @@ impl PaperRadius {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that fails.
-    pub fn verify(&self, law: &Law, iss: &Iss) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw, iss: &Iss) -> Result<(), Refutation> {
         iss.verify(law)?;
         let printed = 2.0 * iss.sb_norm / iss.w_min;
         agrees(CLAIM, "(40) = 2|SB|/λ_min", (self.printed, printed), 1e-9)?;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::free::Free;
 use crate::peak_gain::encloses;
-use crate::{Law, PeakGain, Refutation};
+use crate::{PeakGain, Refutation, UnitLaw};
 
 const CLAIM: &str = "performance";
 
@@ -70,7 +70,7 @@ impl PeakGains {
     /// # Errors
     ///
     /// [`Refutation`], naming the gain that is not what it should be.
-    pub fn verify(&self, law: &Law) -> Result<(), Refutation> {
+    pub fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         let free = Free::new(CLAIM, law, self.mu)?;
         let n = free.len();
         let (own, right) = (self.states.len() as f64, n as f64);

@@ -37,7 +37,7 @@ impl Settle {
             return stated(SettleFrom::Study);
         }
         let Some(tube) = tube else { return stated(SettleFrom::Default) };
-        let bound = study.spec.error_max.as_ref();
+        let bound = study.spec.error_bound.as_ref();
         match bound.and_then(|bound| tube.settled(bound)) {
             Some(settle_s) => Self { settle_s, from: SettleFrom::Tube },
             None => Self { settle_s: tube.own_settled(), from: SettleFrom::TubeLevel },

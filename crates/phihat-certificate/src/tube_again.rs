@@ -63,11 +63,10 @@ impl Certificate {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Option<Result<Tube, TubeRefusal>> {
         let claimed = self.tube.as_ref()?;
-        let joints: Vec<tube::Law> = gains.joints.iter().map(tube::Law::from).collect();
         let (low, high) = &study.design.coulomb;
         let inputs = Inputs {
             study,
-            joints: &joints,
+            joints: &gains.joints,
             velocity_filter_hz: self.joints.first().and_then(|j| j.model.velocity_filter_hz),
             reference,
             payload: Some(&study.design.payload),
@@ -112,7 +111,7 @@ fn first_only(spec: &Spec, claimed: &Tube, own: &Tube) -> Vec<String> {
         bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
     };
     let clauses: [Clause<'_>; 3] = [
-        ("spec.error_max_rad", &spec.error_max, &|tube, i| tube.joints[i].error_max_rad),
+        ("spec.error_max_rad", &spec.error_bound, &|tube, i| tube.joints[i].error_max_rad),
         ("spec.velocity_error_max_rad_s", &spec.velocity_error_max, &|tube, i| {
             tube.joints[i].velocity_error_max_rad_s
         }),
@@ -171,7 +170,7 @@ mod tests {
     #[test]
     fn a_clause_rests_on_the_first_tube_where_that_alone_keeps_it() {
         let spec = Spec {
-            error_max: Some(vec![2.0]),
+            error_bound: Some(vec![2.0]),
             velocity_error_max: None,
             error_integral_max: Some(vec![2.5]),
             settle: 0.0,

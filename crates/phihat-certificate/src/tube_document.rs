@@ -134,16 +134,17 @@ impl Tube {
         index
     }
 
-    /// From when on the rest of the tube stays inside `|e| ≤ error_max` \[rad\] on every joint: the start of the first
+    /// From when on the rest of the tube stays inside `|e| ≤ error_bound` \[rad\] on every joint: the start of the first
     /// such bin \[s\]. `None`: its last bin does not.
-    pub fn settled(&self, error_max: &[f64]) -> Option<f64> {
+    pub fn settled(&self, error_bound: &[f64]) -> Option<f64> {
         let within = |bin: usize| {
-            let mut joints = self.joints.iter().zip(error_max);
+            let mut joints = self.joints.iter().zip(error_bound);
             joints.all(|(joint, bound)| joint.error_at(bin) <= *bound)
         };
         let outside = (0..self.bins()).rev().find(|bin| !within(*bin));
         let first = outside.map_or(0, |bin| bin + 1);
-        (first < self.bins() && error_max.len() >= self.joints.len()).then(|| self.start_of(first))
+        (first < self.bins() && error_bound.len() >= self.joints.len())
+            .then(|| self.start_of(first))
     }
 
     /// From when on the tube stays at the level of its own second half \[s\]: what is left for a specification that it

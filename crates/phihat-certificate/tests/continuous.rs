@@ -8,7 +8,7 @@ mod edits;
 
 use edits::{Edit, Passed};
 use phihat_certificate::{
-    Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakGain, PeakGains, Refused,
+    Attenuation, Iss, NormH, Optimality, PaperRadius, PeakGain, PeakGains, Refused, UnitLaw,
 };
 use phihat_design::prelude::*;
 
@@ -16,8 +16,8 @@ use phihat_design::prelude::*;
 const BEYOND: f64 = 1e-4;
 
 /// Laws of every order: with a game, without one, and with one above a level only.
-fn laws() -> Vec<Law> {
-    let law = |kp: f64, kd: f64, a: &[f64]| Law { kp, kd, a: a.to_vec() };
+fn laws() -> Vec<UnitLaw> {
+    let law = |kp: f64, kd: f64, a: &[f64]| UnitLaw { kp, kd, a: a.to_vec() };
     vec![
         law(400.0, 40.0, &[60.0]),
         // K_d² < 2K_p: no diagonal weights.
@@ -31,12 +31,12 @@ fn laws() -> Vec<Law> {
     ]
 }
 
-fn gamma(law: &Law, k_tilde: f64) -> f64 {
+fn gamma(law: &UnitLaw, k_tilde: f64) -> f64 {
     1.0 / (law.a_top() - k_tilde).sqrt()
 }
 
 /// An edited claim, its `γ` those of its `K̃`.
-fn stated(found: &Attenuation, law: &Law, edit: &dyn Fn(&mut Attenuation)) -> Attenuation {
+fn stated(found: &Attenuation, law: &UnitLaw, edit: &dyn Fn(&mut Attenuation)) -> Attenuation {
     let mut other = found.clone();
     edit(&mut other);
     other.gamma_diagonal = other.diagonal.map(|i| gamma(law, i.low));
@@ -169,7 +169,7 @@ fn a_game_is_the_laws_own_in_every_entry() {
 #[test]
 fn a_refusal_names_the_condition_that_fails() {
     // Order, damping, K̃ and the paper's condition that fails first from the end; the quantity says so in numbers.
-    let law = |kp: f64, kd: f64, a: &[f64]| Law { kp, kd, a: a.to_vec() };
+    let law = |kp: f64, kd: f64, a: &[f64]| UnitLaw { kp, kd, a: a.to_vec() };
     let cases = [
         (law(400.0, 20.0, &[60.0]), 30.0, "B2"),
         (law(400.0, 20.0, &[3600.0, 120.0]), 90.0, "A2"),
@@ -226,7 +226,7 @@ fn a_refusal_names_the_condition_that_fails() {
 }
 
 /// `|G(jω)|` from `φ` to the error, `M̄ = 1`: `ω^m/|D A_o + (μ−1)s^{m+2}|`.
-fn size(law: &Law, mu: f64, w: f64) -> f64 {
+fn size(law: &UnitLaw, mu: f64, w: f64) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (k, c) in law.denominator(mu).into_iter().enumerate() {
         let term = c * w.powi(i32::try_from(k).unwrap());
@@ -306,7 +306,7 @@ fn peak_gains_are_held_from_both_sides() {
 #[test]
 fn real_poles_keep_the_sign_of_what_they_let_through() {
     // Between real poles every impulse response is positive: its area is the gain at rest, 1/(K_p a_0).
-    let law = Law { kp: 300.0, kd: 40.0, a: vec![60.0] };
+    let law = UnitLaw { kp: 300.0, kd: 40.0, a: vec![60.0] };
     let area = 1.0 / (300.0 * 60.0);
     let found = PeakGains::of(&law, 1.0).unwrap();
     let mut claim = found.clone();

@@ -47,7 +47,7 @@ fn attack(name: &str, case: &Case, tube: &Tube) {
             let held = hold(tube, &case.run(&Draw { payload, coulomb, ..Draw::default() }));
             assert!(held.outside < 0.0, "{name}: left by {:e}", held.outside);
             for i in 0..n {
-                worst[i] = worst[i].max(held.error_max[i]);
+                worst[i] = worst[i].max(held.error_peak[i]);
                 fastest[i] = fastest[i].max(held.velocity_max[i]);
             }
         }

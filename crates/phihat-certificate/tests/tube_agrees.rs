@@ -4,7 +4,7 @@
 
 mod support;
 
-use phihat_certificate::tube::{Inputs, Law, Reference, derive};
+use phihat_certificate::tube::{Inputs, Reference, derive};
 use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
@@ -24,11 +24,10 @@ fn both(text: &str) -> (Tube, Tube) {
     let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
     let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
     let first = tube(&study, &gains, &desired).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let laws: Vec<Law> = gains.joints.iter().map(Law::from).collect();
     let (low, high) = &study.design.coulomb;
     let inputs = Inputs {
         study: &study,
-        joints: &laws,
+        joints: &gains.joints,
         velocity_filter_hz: study.sensor.velocity_filter_hz,
         reference: &reference(&study),
         payload: Some(&study.design.payload),

@@ -34,7 +34,7 @@ pub struct ArmCase {
     /// Eigenvalues of `M` \[kg·m²\].
     pub(crate) eigenvalues: [f64; 2],
     /// `[spec] error_max_rad` per joint.
-    pub(crate) error_max: Vec<f64>,
+    pub(crate) error_bound: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
@@ -54,9 +54,9 @@ impl ArmCase {
             |key: &str, what: &str| unfit(format!("a comparison needs {what}: state {key}").into());
         let limits = study.control.torque_max.clone();
         let limits = limits.ok_or_else(|| lacks("loop.torque_max_nm", "torque limits"))?;
-        let error_max = study.spec.error_max.clone();
-        let error_max =
-            error_max.ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
+        let error_bound = study.spec.error_bound.clone();
+        let error_bound = error_bound
+            .ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
         if study.design.payload.mass.1 <= 0.0 {
             return Err(lacks("design.payload_max_kg", "the heaviest payload"));
         }
@@ -81,7 +81,7 @@ impl ArmCase {
             units,
             ratio: [relative.low, relative.high],
             eigenvalues: [plain.low, plain.high],
-            error_max,
+            error_bound,
             limits,
             designed: OnceLock::new(),
             study,
@@ -128,7 +128,7 @@ impl ArmCase {
             study_sha256: self.study.sha256.clone(),
             joints: self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
             inertia: self.units.clone(),
-            error_max_rad: self.error_max.clone(),
+            error_max_rad: self.error_bound.clone(),
         }
     }
 }

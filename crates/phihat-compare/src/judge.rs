@@ -16,7 +16,7 @@ const LOST: f64 = 1.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bars<'a> {
     /// Largest |e| of the specification \[rad\] per joint.
-    pub(crate) error_max: &'a [f64],
+    pub(crate) error_bound: &'a [f64],
     /// The arm's own torque limits \[N·m\] per joint.
     pub(crate) limits: &'a [f64],
     /// |e| stated before the run \[rad\] per joint, if it was.
@@ -67,13 +67,13 @@ fn figures(study: &Study, trace: &Trace, bars: &Bars<'_>) -> Figures {
     Figures {
         error_rms_rad: over(&|_, joint| rms(&scored(&joint.e))),
         error_max_rad: over(&|_, joint| largest(&joint.e[from..])),
-        error_over_spec: over(&|i, joint| largest(&joint.e[from..]) / bars.error_max[i]),
+        error_over_spec: over(&|i, joint| largest(&joint.e[from..]) / bars.error_bound[i]),
         effort: over(&|i, joint| rms(&scored(&joint.tau_applied)) / bars.limits[i]),
         chatter_nm: over(&|_, joint| mean_step(&joint.tau_command[from..])),
         chatter_over_exact: None,
         noise: over(&|i, joint| noise(&joint.tau_command[from..]) / bars.limits[i]),
         saturated: count as f64 / (trace.len() - from).max(1) as f64,
-        recovery_s: recovery(study, trace, from, bars.error_max),
+        recovery_s: recovery(study, trace, from, bars.error_bound),
         bound_rad: bound.map(|(bound, _)| bound),
         bound_over_measured: bound.map(|(_, ratio)| ratio),
     }
@@ -87,7 +87,7 @@ fn tightest(trace: &Trace, from: usize, bound: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// From the end of the last push until every error stays within twice what it was before, or its specification.
-fn recovery(study: &Study, trace: &Trace, from: usize, error_max: &[f64]) -> Option<f64> {
+fn recovery(study: &Study, trace: &Trace, from: usize, error_bound: &[f64]) -> Option<f64> {
     let pushes = &study.world.pushes;
     let start = pushes.iter().map(|p| p.start).fold(f64::INFINITY, f64::min);
     let end = pushes.iter().map(|p| p.start + p.duration).fold(f64::NEG_INFINITY, f64::max);
@@ -96,9 +96,9 @@ fn recovery(study: &Study, trace: &Trace, from: usize, error_max: &[f64]) -> Opt
     }
     let (begun, ended) = (trace.index_at(start), trace.index_at(end));
     let mut back = ended;
-    for (joint, error_max) in trace.joints.iter().zip(error_max) {
+    for (joint, error_bound) in trace.joints.iter().zip(error_bound) {
         let before = largest(&joint.e[from.min(begun)..begun]);
-        let inside = |e: &f64| e.abs() <= (2.0 * before).max(*error_max);
+        let inside = |e: &f64| e.abs() <= (2.0 * before).max(*error_bound);
         let last = joint.e.iter().rposition(|e| !inside(e)).map_or(0, |k| k + 1);
         back = back.max(last);
     }

@@ -127,7 +127,7 @@ fn train(
     values: &[f64],
     studies: &[Study],
 ) -> Result<Trained, TrialError> {
-    let bars = Bars { error_max: &arm.error_max, limits: &arm.limits, bound: None };
+    let bars = Bars { error_bound: &arm.error_bound, limits: &arm.limits, bound: None };
     let mut sum = Trained { cost: 0.0, kept: true };
     for study in studies {
         let trial = run(arm, entry, values, study)?;

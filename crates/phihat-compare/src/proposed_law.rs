@@ -1,6 +1,6 @@
 //! The law of this project among the rivals: which gains it runs with.
 
-use phihat_design::claims::Law;
+use phihat_design::claims::UnitLaw;
 use phihat_design::{ArmError, Clause, DesignError, Outcome, design};
 use phihat_rivals::{DesignedJoint, Entry, rival};
 use phihat_session::{arm_along, phi_along};
@@ -31,7 +31,7 @@ pub(crate) enum NotDesigned {
 /// The law of this project with the gains of one row: all joints share them, at unit inertia.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProposedLaw {
-    pub(crate) law: Law,
+    pub(crate) law: UnitLaw,
     /// `M̄` \[kg·m²\] per joint.
     pub(crate) inertia: Vec<f64>,
     /// Eigenvalues of `M̄^{-1/2} M M̄^{-1/2}` over postures and payloads.
@@ -51,7 +51,7 @@ impl ProposedLaw {
             }
             _ => return None,
         };
-        let law = Law { kp: omega * omega, kd: 2.0 * zeta * omega, a };
+        let law = UnitLaw { kp: omega * omega, kd: 2.0 * zeta * omega, a };
         Some(Self { law, inertia: inertia.to_vec(), ratio })
     }
 
@@ -75,12 +75,12 @@ impl ProposedLaw {
         let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
         let range = arm.against(inertia.clone())?;
         let first = gains.joints.first().ok_or(NotDesigned::NoJoint)?;
-        Ok(Self { law: Law::from(first), inertia, ratio: [range.low, range.high] })
+        Ok(Self { law: UnitLaw::from(first), inertia, ratio: [range.low, range.high] })
     }
 
     /// The gains of every joint.
     pub(crate) fn joints(&self) -> Vec<DesignedJoint> {
-        let Law { kp, kd, a } = &self.law;
+        let UnitLaw { kp, kd, a } = &self.law;
         let joint = |m: &f64| DesignedJoint { inertia: *m, kp: *kp, kd: *kd, a: a.clone() };
         self.inertia.iter().map(joint).collect()
     }

@@ -58,7 +58,8 @@ impl Plan {
             Err(e) => return refused(e.to_string()),
         };
         let bound = promise::bound(arm, entry, values, &study);
-        let bars = Bars { error_max: &arm.error_max, limits: &arm.limits, bound: bound.as_deref() };
+        let bars =
+            Bars { error_bound: &arm.error_bound, limits: &arm.limits, bound: bound.as_deref() };
         match run(arm, entry, values, &study) {
             Ok(trial) => {
                 let (outcome, figures) = judge(&study, &trial.outcome, trial.broken, &bars);

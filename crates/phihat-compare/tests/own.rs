@@ -8,13 +8,13 @@ use phihat_campaign::Journal;
 use phihat_compare::{Comparison, Extent, GainsKind, Mark, Plan, Row};
 use phihat_rivals::rival;
 
-fn table1(error_max: &str, name: &str) -> PathBuf {
+fn table1(error_bound: &str, name: &str) -> PathBuf {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     let text = fs::read_to_string(studies.join("table1.toml")).unwrap();
     assert!(text.contains("error_max_rad = 5e-3"));
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let path = folder.join(format!("{name}.toml"));
-    fs::write(&path, text.replace("error_max_rad = 5e-3", error_max)).unwrap();
+    fs::write(&path, text.replace("error_max_rad = 5e-3", error_bound)).unwrap();
     path
 }
 

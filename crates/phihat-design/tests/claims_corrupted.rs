@@ -5,22 +5,22 @@ mod claims_support;
 
 use claims_support::{Random, law, random_law};
 use phihat_design::claims::{
-    Attenuation, Certified, Iss, Law, NormH, Optimality, PeakGain, PeakGains,
+    Attenuation, Certified, Iss, NormH, Optimality, PeakGain, PeakGains, UnitLaw,
 };
 use phihat_design::prelude::*;
 
 const OFF: f64 = 1.0 + 1e-6;
 
-fn certified(law: &Law) -> Certified {
+fn certified(law: &UnitLaw) -> Certified {
     let k_tilde = Attenuation::of(law).unwrap().k_tilde().unwrap();
     Optimality::at(law, k_tilde).unwrap().certified().unwrap().clone()
 }
 
-fn refusal(law: &Law, certified: &Certified) -> String {
+fn refusal(law: &UnitLaw, certified: &Certified) -> String {
     Optimality::Certified(certified.clone()).verify(law).unwrap_err().inequality
 }
 
-fn laws() -> Vec<Law> {
+fn laws() -> Vec<UnitLaw> {
     let mut random = Random(7);
     let mut out = vec![law(&[69.6]), law(&[4844.0, 139.2])];
     for case in 0..100 {
@@ -90,7 +90,7 @@ fn a_refusal_must_be_true_too() {
     let Optimality::Refuted(good) = Optimality::at(&experiment, 68.9).unwrap() else {
         unreachable!()
     };
-    let check = |law: &Law, refused| Optimality::Refuted(refused).verify(law);
+    let check = |law: &UnitLaw, refused| Optimality::Refuted(refused).verify(law);
     check(&experiment, good.clone()).unwrap();
     let mut bad = good.clone();
     bad.value *= OFF;

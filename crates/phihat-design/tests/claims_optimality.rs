@@ -9,12 +9,12 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 use phihat_design::claims::matrix::{Matrix, failing_pivot};
 use phihat_design::claims::polynomial::{self, Sign};
 use phihat_design::claims::weights::{conditions, q_diagonal, return_difference};
-use phihat_design::claims::{Attenuation, Certified, Law, Optimality};
+use phihat_design::claims::{Attenuation, Certified, Optimality, UnitLaw};
 use phihat_design::prelude::*;
 
 const CASES: usize = 1000;
 
-fn certified(law: &Law) -> Option<Certified> {
+fn certified(law: &UnitLaw) -> Option<Certified> {
     let k_tilde = Attenuation::of(law).unwrap().k_tilde()?;
     Some(Optimality::at(law, k_tilde).unwrap().certified().unwrap().clone())
 }
@@ -24,7 +24,7 @@ fn dense(x: &Matrix) -> DMatrix<f64> {
 }
 
 /// Coordinates in which all states weigh the same: `T x`, `T = diag(σ^{-i})`.
-fn scale(law: &Law) -> DMatrix<f64> {
+fn scale(law: &UnitLaw) -> DMatrix<f64> {
     let n = law.order() + 2;
     let sigma = law.denominator(1.0)[0].powf(1.0 / n as f64);
     DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| sigma.powi(-i32::try_from(i).unwrap())))
@@ -218,7 +218,7 @@ fn third_order_needs_what_theory_names() {
         let (k_tilde, omega, zeta) =
             (random.between(1.0, 250.0), random.between(5.0, 30.0), random.between(0.3, 1.5));
         let a_top = 300.0;
-        let law = Law {
+        let law = UnitLaw {
             kp: omega * omega,
             kd: 2.0 * zeta * omega,
             a: vec![b[0] * a_top, b[1] * a_top, a_top],

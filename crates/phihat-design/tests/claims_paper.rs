@@ -9,11 +9,12 @@ use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::times;
 use phihat_design::claims::weights::{conditions, q_diagonal};
 use phihat_design::claims::{
-    Attenuation, ErrorLimits, Iss, Law, MinimalGains, Optimality, PaperError, PaperRadius, Refused,
+    Attenuation, ErrorLimits, Iss, MinimalGains, Optimality, PaperError, PaperRadius, Refused,
+    UnitLaw,
 };
 use phihat_design::prelude::*;
 
-fn refused(law: &Law, k_tilde: f64) -> Refused {
+fn refused(law: &UnitLaw, k_tilde: f64) -> Refused {
     match Optimality::at(law, k_tilde).unwrap() {
         Optimality::Refuted(refused) => refused,
         other @ Optimality::Certified(_) => unreachable!("{other:?}"),
@@ -75,16 +76,16 @@ fn table_2_is_judged_by_name() {
     assert_eq!(c2.to_string(), "refused on A3 with Q44 = -70.3000");
     assert!(Optimality::at(&law(&[69.6]), 68.9).unwrap().certified().is_some());
     // (B), m = 1: K_d = 0.
-    let b1 = refused(&Law { kp: 78.0, kd: 0.0, a: vec![3.5] }, 3.3);
+    let b1 = refused(&UnitLaw { kp: 78.0, kd: 0.0, a: vec![3.5] }, 3.3);
     assert_eq!((&*b1.condition, &*b1.quantity), ("B2", "Q22"));
     near(b1.value, -3.3 * 156.0, 1e-9);
     // (A), m = 2: b_0 = 0.
-    let a2 = refused(&Law { kp: 57.0, kd: 39.9, a: vec![0.0, 180.0] }, 174.7);
+    let a2 = refused(&UnitLaw { kp: 57.0, kd: 39.9, a: vec![0.0, 180.0] }, 174.7);
     assert_eq!((&*a2.condition, &*a2.quantity, a2.value.to_bits()), ("A1", "Q11", 0));
     // (A), m = 1, and (B), m = 2, have certificates.
-    let a1 = Optimality::at(&Law { kp: 200.0, kd: 32.3, a: vec![230.0] }, 222.0).unwrap();
+    let a1 = Optimality::at(&UnitLaw { kp: 200.0, kd: 32.3, a: vec![230.0] }, 222.0).unwrap();
     assert!(a1.certified().is_some());
-    let b2 = Law { kp: 100.0, kd: 20.0, a: vec![20.0 * 70.0, 70.0] };
+    let b2 = UnitLaw { kp: 100.0, kd: 20.0, a: vec![20.0 * 70.0, 70.0] };
     assert!(Optimality::at(&b2, 63.4).unwrap().certified().is_some());
     // H1 at any K̃: a_1² < 2a_0 leaves no room at all.
     let h1 = Attenuation::of(&law(&[69.6 * 69.6, 69.6])).unwrap();

@@ -6,7 +6,7 @@ mod claims_support;
 
 use claims_support::{Loop, Random, law, random_law};
 use phihat_design::claims::polynomial;
-use phihat_design::claims::{Attenuation, Iss, Law, NormH, Optimality, PeakGains, WorstCase};
+use phihat_design::claims::{Attenuation, Iss, NormH, Optimality, PeakGains, UnitLaw, WorstCase};
 use phihat_design::prelude::*;
 
 /// The exact gains lie within one part in a million of both sides.
@@ -53,7 +53,7 @@ fn both_sides_are_close_and_enclose_a_simulation() {
 }
 
 /// `∫|x_i|` by simulation from `x_{n−1}(0) = −1/μ`.
-fn brute_force(law: &Law, mu: f64) -> Vec<f64> {
+fn brute_force(law: &UnitLaw, mu: f64) -> Vec<f64> {
     let mut plant = Loop::new(law, mu);
     let n = plant.x.len();
     plant.x[n - 1] = -1.0 / mu;
@@ -168,7 +168,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-fn decays(law: &Law, iss: &Iss, random: &mut Random, case: usize) {
+fn decays(law: &UnitLaw, iss: &Iss, random: &mut Random, case: usize) {
     let (mut free, mut driven) = (Loop::new(law, 1.0), Loop::new(law, 1.0));
     for (i, x) in free.x.iter_mut().enumerate() {
         *x = random.between(-1.0, 1.0) * 1e-2_f64.powi(i32::try_from(i).unwrap() % 3);
@@ -188,7 +188,7 @@ fn decays(law: &Law, iss: &Iss, random: &mut Random, case: usize) {
 }
 
 /// (27) at random states: V̇ from the state equation, not from W.
-fn dissipates(law: &Law, iss: &Iss, random: &mut Random) {
+fn dissipates(law: &UnitLaw, iss: &Iss, random: &mut Random) {
     let a = law.closed_loop();
     let n = a.len();
     for _ in 0..100 {

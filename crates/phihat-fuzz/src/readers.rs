@@ -31,7 +31,7 @@ pub fn study(bytes: &[u8]) {
             let n = study.robot.joints.len();
             assert!(n > 0 && study.duration.is_finite() && study.duration > 0.0);
             assert!(study.control.period_ns > 0);
-            let limits = [&study.spec.error_max, &study.spec.velocity_error_max];
+            let limits = [&study.spec.error_bound, &study.spec.velocity_error_max];
             for limit in limits.into_iter().flatten() {
                 assert!(limit.len() == n && limit.iter().all(|x| *x > 0.0 && x.is_finite()));
             }

@@ -117,7 +117,7 @@ pub fn supervisor(bytes: &[u8]) {
     let Some(gains) = gains(first, Form::Observer) else { panic!("good gains") };
     let options = JointOptions {
         velocity_max: (first & 8 > 0).then_some(3.0),
-        error_max: (first & 16 > 0).then_some(0.5),
+        error_stop: (first & 16 > 0).then_some(0.5),
         frozen_travel: (first & 32 > 0).then_some(0.01),
         dead_zone: (first & 64 > 0).then_some(1e-3),
         oscillation: (first & 128 > 0).then_some(3.0),

@@ -1,6 +1,6 @@
 //! Laws and states drawn at random, the same ones every time.
 
-use phihat_design::claims::{Law, polynomial};
+use phihat_design::claims::{UnitLaw, polynomial};
 use phihat_session::Dice;
 
 /// The seed is the whole state.
@@ -27,7 +27,7 @@ impl Draw {
 
     /// A law whose outer loop has damping `0.4 … 1.5` and whose estimator is 1.5 to 6 times as fast, of single
     /// poles and pairs of damping `0.5 … 1.4`.
-    pub(crate) fn law(&mut self, order: usize) -> Law {
+    pub(crate) fn law(&mut self, order: usize) -> UnitLaw {
         let omega = self.between(5.0, 40.0);
         let zeta = self.between(0.4, 1.5);
         let mut a = vec![1.0];
@@ -41,6 +41,6 @@ impl Draw {
             };
         }
         a.pop();
-        Law { kp: omega * omega, kd: 2.0 * zeta * omega, a }
+        UnitLaw { kp: omega * omega, kd: 2.0 * zeta * omega, a }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Nothing here knows the sampled controller or the claims about it: it is what they are compared with.
 
-use phihat_design::claims::Law;
+use phihat_design::claims::UnitLaw;
 use phihat_design::claims::matrix::{Matrix, apply, dot, exponential, norm_inf, product};
 
 /// Which of the paper's two forms of the estimator.
@@ -69,7 +69,7 @@ pub(crate) struct Instant {
 }
 
 /// `ẋ = A x + b φ`, and the row that gives `φ̂`.
-pub(crate) fn system(law: &Law, form: PaperForm) -> (Matrix, Vec<f64>, Vec<f64>) {
+pub(crate) fn system(law: &UnitLaw, form: PaperForm) -> (Matrix, Vec<f64>, Vec<f64>) {
     let (m, n) = (law.order(), law.order() + 2);
     let mut b = vec![0.0; n];
     if form == PaperForm::Ladder {
@@ -94,7 +94,7 @@ pub(crate) fn system(law: &Law, form: PaperForm) -> (Matrix, Vec<f64>, Vec<f64>)
 
 /// The loop from `start`, at `steps + 1` instants `dt` \[s\] apart, the first at 0.
 pub(crate) fn run(
-    law: &Law,
+    law: &UnitLaw,
     form: PaperForm,
     start: &[f64],
     phi: &Phi,

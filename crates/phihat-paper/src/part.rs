@@ -38,7 +38,7 @@ pub enum PartError {
     NoStudy(String),
     /// The gains of a study do not make a law.
     #[error("{study}: {why}")]
-    Law {
+    UnitLaw {
         /// The study.
         study: String,
         /// Why.

@@ -35,7 +35,7 @@ impl Supervisor {
     #[new]
     #[pyo3(signature = (
         gains, *, torque_max = None, torque_rate_max = None, velocity_max = None, position_range = None,
-        soft_zone = 0.05, braking = 5.0, error_max = None, frozen_travel = None, reference_limits = None,
+        soft_zone = 0.05, braking = 5.0, error_stop = None, frozen_travel = None, reference_limits = None,
         dead_zone = None, oscillation = None, first_motion = None, hold_samples = 5, stop_samples = 20,
         bad_samples = 5, blend = 0.5, start_mismatch_max = 0.05
     ))]
@@ -49,7 +49,7 @@ impl Supervisor {
         position_range: Option<Vec<(f64, f64)>>,
         soft_zone: f64,
         braking: f64,
-        error_max: Option<Vec<f64>>,
+        error_stop: Option<Vec<f64>>,
         frozen_travel: Option<Vec<f64>>,
         reference_limits: Option<(f64, f64, f64)>,
         dead_zone: Option<Vec<f64>>,
@@ -74,7 +74,7 @@ impl Supervisor {
         };
         for (field, values) in [
             ("velocity_max", &velocity_max),
-            ("error_max", &error_max),
+            ("error_stop", &error_stop),
             ("frozen_travel", &frozen_travel),
             ("dead_zone", &dead_zone),
             ("oscillation", &oscillation),
@@ -94,7 +94,7 @@ impl Supervisor {
                 range: ends
                     .filter(|(low, high)| low.is_finite() || high.is_finite())
                     .map(|(lower, upper)| JointRange { lower, upper, soft: soft_zone, braking }),
-                error_max: at(&error_max, i),
+                error_stop: at(&error_stop, i),
                 frozen_travel: at(&frozen_travel, i),
                 motion,
                 dead_zone: at(&dead_zone, i),

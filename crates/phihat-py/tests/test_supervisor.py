@@ -66,7 +66,7 @@ def test_a_lost_link_stops_after_as_many_samples_as_said(gains: phihat.Gains) ->
 
 
 def test_limits_stop_the_arm(gains: phihat.Gains) -> None:
-    arm, k = tracking(gains, position_range=[(-1.0, 1.0)] * N, velocity_max=[2.0] * N, error_max=[0.01, 0.02, 0.03])
+    arm, k = tracking(gains, position_range=[(-1.0, 1.0)] * N, velocity_max=[2.0] * N, error_stop=[0.01, 0.02, 0.03])
     arm.step(**rest(q=np.array([0.0, 0.5, 0.0])), request="track", sequence=k)
     assert "implausible" in arm.events and arm.mode == "tracking", "no joint jumps by half a radian"
     q = np.zeros(N)

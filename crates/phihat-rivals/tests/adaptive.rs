@@ -75,7 +75,7 @@ fn a_held_arm_is_held_without_error() {
         }
         let tuning = Tuning::new(&values, &bench.supply.inertia, PERIOD).unwrap();
         let run = bench.run(entry, &tuning);
-        assert!(run.error_max(19.0) < 1e-4, "{id}: {}", run.error_max(19.0));
+        assert!(run.error_peak(19.0) < 1e-4, "{id}: {}", run.error_peak(19.0));
         for i in 0..3 {
             assert!((run.tau.last().unwrap()[i] - gravity[i]).abs() < 1e-2, "{id} {i}");
         }

@@ -84,7 +84,7 @@ fn pd_with_gravity_comes_to_rest_on_its_set_point() {
     let entry = rival("pd-gravity").unwrap();
     let run = bench.run(entry, &bench.published(entry));
     decreases(&mechanical(&bench, &run, 400.0, |_| 0.0), "V");
-    assert!(run.error_max(2.9) < 1e-6);
+    assert!(run.error_peak(2.9) < 1e-6);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn pd_plus_loses_energy_while_the_arm_moves() {
     let entry = rival("pd-plus").unwrap();
     let run = bench.run(entry, &bench.published(entry));
     decreases(&mechanical(&bench, &run, 400.0, |_| 0.0), "V");
-    assert!(run.error_max(3.9) < 1e-3);
+    assert!(run.error_peak(3.9) < 1e-3);
 }
 
 #[test]
@@ -168,10 +168,10 @@ fn the_observer_of_the_sliding_mode_holds_a_load_that_the_model_lacks() {
     bench.friction.1.fill(0.0);
     let entry = rival("switching").unwrap();
     let held = bench.run(entry, &bench.published(entry));
-    assert!(held.error_max(3.9) < 1e-7, "{}", held.error_max(3.9));
+    assert!(held.error_peak(3.9) < 1e-7, "{}", held.error_peak(3.9));
     // Without the observer the feedback alone holds a fifth of the weight.
     let blind = Tuning::new(&[10.0, 20.0, 8.0, 0.05, 1e-9], &bench.supply.inertia, PERIOD).unwrap();
-    assert!(bench.run(entry, &blind).error_max(3.9) > 1e-4);
+    assert!(bench.run(entry, &blind).error_peak(3.9) > 1e-4);
 }
 
 /// One inertia under a velocity gain, held over a sample: stable below 2, below 1 with a sample of delay.
@@ -204,7 +204,7 @@ fn the_orbit_is_reached_and_run_at_its_own_speed() {
     let turn = run.t.len() - 1 - 6170;
     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 5e-3);
     assert!(near(&run.q[turn], run.q.last().unwrap()), "{:?}", run.q[turn]);
-    assert!(run.error_max(10.0) > 0.05, "not on the time table either");
+    assert!(run.error_peak(10.0) > 0.05, "not on the time table either");
     // Dry friction slows it down: the path is kept, the turn is not completed.
     bench.friction.1.fill(0.2);
     let run = bench.run(entry, &bench.published(entry));

@@ -140,7 +140,7 @@ fn same(one: (&str, &[f64]), other: (&str, &[f64]), tolerance: f64) {
     let errors = first.e.iter().flatten().zip(second.e.iter().flatten());
     let apart = errors.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart <= tolerance, "{} and {}: {apart}", one.0, other.0);
-    assert!(first.error_max(0.0) > 1e3 * apart.max(1e-12));
+    assert!(first.error_peak(0.0) > 1e3 * apart.max(1e-12));
 }
 
 /// Identities between laws, on the coupled arm with dry friction.

@@ -60,7 +60,7 @@ fn follows(bench: &Bench, most: f64) {
         let run = bench.run(entry, &tuning);
         let condition = entry.condition(&tuning, &bench.declared());
         let margin = condition.as_ref().map_or(f64::NAN, |condition| condition.margin);
-        let (mut rms, max) = (run.rms_worst(4.0), run.error_max(4.0));
+        let (mut rms, max) = (run.rms_worst(4.0), run.error_peak(4.0));
         if entry.needs.orbit {
             // Judged by the distance to the path: it follows no time.
             rms = run.distance(bench.supply.orbit.as_deref().unwrap(), 4.0);

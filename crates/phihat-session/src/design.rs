@@ -211,7 +211,7 @@ fn first_gains(
         }
         let spec = &mut easier.spec;
         let bounds =
-            [&mut spec.error_max, &mut spec.velocity_error_max, &mut spec.error_integral_max];
+            [&mut spec.error_bound, &mut spec.velocity_error_max, &mut spec.error_integral_max];
         bounds.into_iter().flatten().flatten().for_each(|bound| *bound *= 2.0);
     }
     Ok(None)

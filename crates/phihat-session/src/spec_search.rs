@@ -230,7 +230,12 @@ fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
                 }
             }
         };
-    clause("spec.error_max_rad", spec.error_max.as_ref(), &|i| tube.joints[i].error_max_rad, true);
+    clause(
+        "spec.error_max_rad",
+        spec.error_bound.as_ref(),
+        &|i| tube.joints[i].error_max_rad,
+        true,
+    );
     clause(
         "spec.velocity_error_max_rad_s",
         spec.velocity_error_max.as_ref(),
@@ -248,7 +253,7 @@ fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
 }
 
 fn scale(study: &mut Study, factor: impl Fn(usize) -> f64) {
-    for limits in [&mut study.spec.error_max, &mut study.spec.velocity_error_max] {
+    for limits in [&mut study.spec.error_bound, &mut study.spec.velocity_error_max] {
         for (i, limit) in limits.iter_mut().flatten().enumerate() {
             *limit *= factor(i);
         }

@@ -200,7 +200,7 @@ fn unmeasured(study: &Study, i: usize) -> JointMetrics {
         error_rms_rad: 0.0,
         error_max_rad: 0.0,
         error_steady_max_rad: 0.0,
-        error_spec_rad: per(&study.spec.error_max),
+        error_spec_rad: per(&study.spec.error_bound),
         error_integral_steady_max_rad_s: 0.0,
         error_integral_spec_rad_s: per(&study.spec.error_integral_max),
         velocity_error_steady_max_rad_s: 0.0,

@@ -140,7 +140,7 @@ fn joint(
             soft,
             braking: request.braking,
         }),
-        error_max: per(&request.error_stop),
+        error_stop: per(&request.error_stop),
         frozen_travel: per(&request.frozen_travel),
         motion: request.motion.as_ref().map(|[velocity, acceleration, jerk]| MotionLimits {
             velocity: velocity[i],

@@ -156,7 +156,7 @@ fn a_run_that_diverges_stops_and_says_where() {
     );
     study.gains.as_mut().unwrap().inertia = vec![20.0 * ROD_INERTIA];
     study.control.torque_max = None;
-    study.spec.error_max = Some(vec![1e-3]);
+    study.spec.error_bound = Some(vec![1e-3]);
     let outcome = run(&study);
     let divergence = outcome.divergence.unwrap();
     assert_eq!(divergence.joint, "hinge");

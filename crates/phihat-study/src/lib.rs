@@ -37,7 +37,7 @@
 //! "#;
 //! let study = Study::from_text(text, "demo.toml", "".as_ref())?;
 //! assert_eq!(study.robot.name, "planar3r");
-//! assert_eq!(study.spec.error_max, Some(vec![2e-3; 3])); // one number in the file: for every joint
+//! assert_eq!(study.spec.error_bound, Some(vec![2e-3; 3])); // one number in the file: for every joint
 //!
 //! // A misspelt key is refused, with its place and the right one.
 //! let wrong = text.replace("error_max_rad", "error_max_deg");

@@ -16,7 +16,7 @@ pub(crate) fn read(node: &Node<'_>, joints: &Joints, duration: f64) -> Result<Sp
     Ok(Spec {
         settle,
         settle_stated: node.has("settle_s"),
-        error_max: joints.numbers_if(node, "error_max_rad")?,
+        error_bound: joints.numbers_if(node, "error_max_rad")?,
         error_integral_max: joints.numbers_if(node, "error_integral_max_rad_s")?,
         velocity_error_max: joints.numbers_if(node, "velocity_error_max_rad_s")?,
     })

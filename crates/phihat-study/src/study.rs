@@ -38,7 +38,7 @@ use crate::payload::Payload;
 /// let study = Study::from_text(text, "demo.toml", "".as_ref())?;
 /// assert_eq!((study.name.as_str(), study.robot.joints.len()), ("demo", 3));
 /// // SI units, one entry per joint; what the file does not state has its default.
-/// assert_eq!(study.spec.error_max, Some(vec![2e-3; 3]));
+/// assert_eq!(study.spec.error_bound, Some(vec![2e-3; 3]));
 /// assert_eq!(study.control.period_ns, 1_000_000);
 /// # Ok::<(), phihat_study::StudyError>(())
 /// ```
@@ -92,7 +92,7 @@ pub struct Spec {
     /// Whether the study states `settle`; else it is a default that a certificate's tube replaces.
     pub settle_stated: bool,
     /// Largest |e| \[rad\] per joint.
-    pub error_max: Option<Vec<f64>>,
+    pub error_bound: Option<Vec<f64>>,
     /// Largest |∫e| \[rad·s\] per joint.
     pub error_integral_max: Option<Vec<f64>>,
     /// Largest |ė| \[rad/s\] per joint.

@@ -16,7 +16,7 @@ fn every_published_study_is_read() {
         let study = Study::read(&path).unwrap_or_else(|error| panic!("{}", error.render()));
         assert_eq!(study.name, path.file_stem().unwrap().to_str().unwrap());
         assert_ne!(study.title, study.name, "a published study has a title");
-        assert!(study.spec.error_max.is_some(), "{}: states no error bound", study.name);
+        assert!(study.spec.error_bound.is_some(), "{}: states no error bound", study.name);
         let inertia = study.gains.as_ref().map_or(study.robot.joints.len(), |g| g.inertia.len());
         assert_eq!(inertia, study.robot.joints.len());
     }
@@ -31,7 +31,7 @@ fn what_is_not_said_has_its_default() {
     .unwrap();
     assert_eq!((study.name.as_str(), study.title.as_str(), study.seed), ("base", "base", 0));
     assert_eq!(study.spec.settle.to_bits(), 1.0_f64.to_bits());
-    assert_eq!((&study.spec.error_max, &study.spec.error_integral_max), (&None, &None));
+    assert_eq!((&study.spec.error_bound, &study.spec.error_integral_max), (&None, &None));
     assert_eq!(study.spec.velocity_error_max, None);
     let law = LawRequest::Bandwidths {
         order: vec![2; 3],
@@ -64,7 +64,7 @@ fn what_is_said_arrives() {
     let study = read(GOOD).unwrap();
     assert_eq!((study.title.as_str(), study.seed), ("base", 3));
     assert_eq!(study.text, GOOD);
-    assert_eq!(study.spec.error_max, Some(vec![1e-3; 3]));
+    assert_eq!(study.spec.error_bound, Some(vec![1e-3; 3]));
     assert_eq!(study.gains.unwrap().inertia, [0.42, 0.18, 0.14]);
     assert_eq!(study.control.delay_samples, 1);
     assert_eq!(study.sensor.encoder_bits, Some(vec![18; 3]));

@@ -64,10 +64,10 @@ fn law(samples: usize) -> f64 {
 fn arm(class: &str, samples: usize) -> f64 {
     let motion = MotionLimits { velocity: 2.0, acceleration: 10.0, jerk: 500.0 };
     let plain =
-        JointOptions { velocity_max: Some(3.0), error_max: Some(10.0), ..JointOptions::default() };
+        JointOptions { velocity_max: Some(3.0), error_stop: Some(10.0), ..JointOptions::default() };
     let full = JointOptions {
         velocity_max: Some(3.0),
-        error_max: Some(10.0),
+        error_stop: Some(10.0),
         frozen_travel: Some(1.0),
         oscillation: Some(1e6),
         range: Some(JointRange { lower: -1.0, upper: 1.0, soft: 0.1, braking: 5.0 }),

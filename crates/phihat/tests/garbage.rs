@@ -377,7 +377,7 @@ fn f06_to_the_supervisor_finite_garbage_is_what_nan_is() {
     let full = JointOptions {
         velocity_max: Some(3.0),
         range: Some(JointRange { lower: -1.0, upper: 1.0, soft: 0.1, braking: 5.0 }),
-        error_max: Some(0.1),
+        error_stop: Some(0.1),
         frozen_travel: Some(1.0),
         motion: Some(MotionLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 }),
         oscillation: Some(3.0),

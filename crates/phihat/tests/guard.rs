@@ -39,7 +39,7 @@ fn plausible() -> JointOptions<f64> {
     JointOptions {
         velocity_max: Some(3.0),
         frozen_travel: Some(1e-3),
-        error_max: Some(0.1),
+        error_stop: Some(0.1),
         oscillation: Some(3.0),
         ..JointOptions::default()
     }

@@ -125,7 +125,7 @@ fn so_many_bad_samples_or_references_in_a_row_stop_the_arm() {
 
 #[test]
 fn the_tracking_error_stops_beyond_its_bound() {
-    let options = JointOptions { error_max: Some(0.125), ..JointOptions::default() };
+    let options = JointOptions { error_stop: Some(0.125), ..JointOptions::default() };
     for (q, fault) in [(0.125, false), (-0.125, false), (0.125_001, true), (-0.125_001, true)] {
         let mut joint = tracking(options, Measurement::default());
         let m = Measurement { q, ..Measurement::default() };

@@ -59,7 +59,7 @@ fn f28_a_million_ticks_cause_no_page_fault() {
     let gains = JointGains::<f64>::new(&design).unwrap().with_limits(limits);
     let joint = JointOptions {
         velocity_max: Some(2.5),
-        error_max: Some(0.1),
+        error_stop: Some(0.1),
         frozen_travel: Some(1e-3),
         ..Default::default()
     };

@@ -172,7 +172,7 @@ fn a_drive_that_does_not_do_what_it_is_told_loses_its_torque_and_is_braked_at_on
     }
     assert!(stopped > 100, "{stopped}");
     // Any other stop keeps the arm's torque.
-    let joint = JointOptions { error_max: Some(0.01), ..JointOptions::default() };
+    let joint = JointOptions { error_stop: Some(0.01), ..JointOptions::default() };
     let mut arm = tracking::<1>(joint, &Options::new(T_NS));
     arm.truth[0].q += 0.02;
     for _ in 0..30 {
@@ -231,7 +231,7 @@ fn while_samples_are_missed_the_torque_is_held_then_falls_to_the_estimate() {
 fn an_armed_arm_begins_anew() {
     let schedule = Schedule { settled: 1.0, disturbed: f64::INFINITY, dwell_s: 0.05 };
     let joint = JointOptions {
-        error_max: Some(0.01),
+        error_stop: Some(0.01),
         first_motion: Some(0.5),
         start: Some(arm::gains(&[70.0])),
         ..JointOptions::default()

@@ -304,7 +304,7 @@ fn f22_a_wrong_sign_or_a_dead_drive_stops_at_first_motion() {
     for (drive, load) in [(-1.0, 5.0), (-1.0, 20.0), (0.0, 3.0)] {
         let joint = JointOptions {
             first_motion: Some(0.5),
-            error_max: Some(0.02),
+            error_stop: Some(0.02),
             ..JointOptions::default()
         };
         let mut arm = Arm::<3>::new(SECOND, joint);

@@ -2,7 +2,7 @@
 
 use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
-use crate::{Law, PeakGain, Refutation};
+use crate::{PeakGain, Refutation, UnitLaw};
 
 /// Longest ladder.
 const MOST: usize = phihat::ORDER_MAX + 2;
@@ -47,7 +47,7 @@ impl Free {
     /// # Errors
     ///
     /// [`Refutation`]: the law makes no sense at `μ`, or its loop does not decay.
-    pub(crate) fn new(claim: &str, law: &Law, mu: f64) -> Result<Self, Refutation> {
+    pub(crate) fn new(claim: &str, law: &UnitLaw, mu: f64) -> Result<Self, Refutation> {
         const STABLE: &str = "D A_o + (μ−1)s^{m+2} is Hurwitz";
         law.check(claim)?;
         Refutation::unless(claim, "μ > 0", mu, 0.0, mu > 0.0 && mu.is_finite())?;
@@ -340,13 +340,13 @@ fn rows(x: &Square, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Free, MOST, Z, apply, dot};
-    use crate::{Law, Refutation};
+    use crate::{Refutation, UnitLaw};
 
-    fn laws() -> [Law; 3] {
+    fn laws() -> [UnitLaw; 3] {
         [
-            Law { kp: 400.0, kd: 20.0, a: vec![60.0] },
-            Law { kp: 100.0, kd: 30.0, a: vec![6400.0, 130.0] },
-            Law { kp: 90.0, kd: 25.0, a: vec![27e3, 2700.0, 90.0] },
+            UnitLaw { kp: 400.0, kd: 20.0, a: vec![60.0] },
+            UnitLaw { kp: 100.0, kd: 30.0, a: vec![6400.0, 130.0] },
+            UnitLaw { kp: 90.0, kd: 25.0, a: vec![27e3, 2700.0, 90.0] },
         ]
     }
 
@@ -439,7 +439,7 @@ mod tests {
     #[test]
     fn a_loop_that_does_not_decay_has_no_areas() {
         // m = 1: (a + K_d)(K_p + aK_d) > μ a K_p, by Routh.
-        let law = Law { kp: 400.0, kd: 20.0, a: vec![60.0] };
+        let law = UnitLaw { kp: 400.0, kd: 20.0, a: vec![60.0] };
         let most = 80.0 * (400.0 + 1200.0) / (60.0 * 400.0);
         assert!(
             Free::new("", &law, 0.99 * most).is_ok() && Free::new("", &law, 1.01 * most).is_err()

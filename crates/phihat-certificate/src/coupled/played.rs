@@ -19,7 +19,7 @@ const END: usize = 5;
 const MEMORY: usize = 6;
 
 /// One joint's law in its loop.
-struct Law<'a> {
+struct PlayedJoint<'a> {
     model: &'a LoopModel,
     inertia: f64,
     kp: f64,
@@ -37,7 +37,7 @@ struct Law<'a> {
     gap: [f64; 2],
 }
 
-impl<'a> Law<'a> {
+impl<'a> PlayedJoint<'a> {
     fn new(record: &JointRecord, model: &'a LoopModel) -> Self {
         let (a, kp, kd) = (&record.a, record.kp_per_s2, record.kd_per_s);
         let m = a.len();
@@ -152,7 +152,7 @@ struct Told {
 
 /// Runs of one arm side by side.
 pub(super) struct Played<'a> {
-    laws: Vec<Law<'a>>,
+    laws: Vec<PlayedJoint<'a>>,
     /// `M^{-1}`.
     inverse: &'a [Vec<f64>],
     /// `[joint][run]`: the states.
@@ -168,7 +168,8 @@ impl<'a> Played<'a> {
         inverse: &'a [Vec<f64>],
         runs: usize,
     ) -> Self {
-        let laws: Vec<Law<'a>> = loops.iter().map(|(r, m)| Law::new(r, m)).collect();
+        let laws: Vec<PlayedJoint<'a>> =
+            loops.iter().map(|(r, m)| PlayedJoint::new(r, m)).collect();
         let states = laws.iter().map(|law| vec![vec![0.0; law.length()]; runs]).collect();
         let readings = vec![vec![0.0; runs]; laws.len()];
         Self { laws, inverse, states, readings }
@@ -176,7 +177,7 @@ impl<'a> Played<'a> {
 
     /// Length of the whole arm's state.
     pub(super) fn length(&self) -> usize {
-        self.laws.iter().map(Law::length).sum()
+        self.laws.iter().map(PlayedJoint::length).sum()
     }
 
     /// Starts run `k` from place `k` of the arm's state, one of its units each.

@@ -4,12 +4,13 @@ use std::sync::Mutex;
 
 use super::chain::{Chain, NotAChain};
 use super::dense::{count, inverse};
-use super::inputs::{Inputs, Law};
+use super::inputs::Inputs;
 use super::law::Loop;
 use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
 use super::setting::Setting;
 use super::sweep::{Sweep, Swept};
+use crate::JointRecord;
 use crate::extremes::{Extremes as _, hull};
 use crate::{PayloadSet, Tube, TubeJoint};
 
@@ -103,9 +104,9 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
     let long = rows.iter().all(|r| r.len() == reference.q.len() && r.len() > 1);
     let wide = rows.iter().all(|r| r.iter().all(|x| x.len() == n));
     let levels = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite() && *x >= 0.0);
-    let sound = |l: &Law| {
+    let sound = |l: &JointRecord| {
         let positive = |x: &f64| x.is_finite() && *x > 0.0;
-        let four = [l.inertia, l.kp, l.kd];
+        let four = [l.inertia_kg_m2, l.kp_per_s2, l.kd_per_s];
         four.iter().chain(&l.a).all(positive) && !l.a.is_empty() && l.a.len() <= 4
     };
     let mismatch = |what| Err(Refusal::Mismatch { what });

@@ -5,33 +5,6 @@ use phihat_study::{PayloadSet, Study};
 use super::dense::count;
 use crate::JointRecord;
 
-/// The gains of one joint.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Law {
-    /// The joint's name.
-    pub name: String,
-    /// `M̄` \[kg·m²\].
-    pub inertia: f64,
-    /// `K_p` \[1/s²\].
-    pub kp: f64,
-    /// `K_d` \[1/s\].
-    pub kd: f64,
-    /// `a_0 … a_{m−1}`.
-    pub a: Vec<f64>,
-}
-
-impl From<&JointRecord> for Law {
-    fn from(record: &JointRecord) -> Self {
-        Self {
-            name: record.name.clone(),
-            inertia: record.inertia_kg_m2,
-            kp: record.kp_per_s2,
-            kd: record.kd_per_s,
-            a: record.a.clone(),
-        }
-    }
-}
-
 /// The motion that is wanted, at every sample and one more: `q`, `q̇`, `q̈` of all joints.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reference {
@@ -66,7 +39,7 @@ pub struct Inputs<'a> {
     /// The study.
     pub study: &'a Study,
     /// One law per joint, in the robot's order.
-    pub joints: &'a [Law],
+    pub joints: &'a [JointRecord],
     /// The velocity filter in force \[Hz\].
     pub velocity_filter_hz: Option<f64>,
     /// The motion.

@@ -6,7 +6,7 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_study::Study;
 
 use super::dense::{exponential, product};
-use super::inputs::Law;
+use crate::JointRecord;
 
 /// One joint's loop from reading to the torque that is told to the drive.
 ///
@@ -21,7 +21,7 @@ use super::inputs::Law;
 #[derive(Debug, Clone)]
 pub(super) struct Loop {
     period: f64,
-    law: Law,
+    law: JointRecord,
     alpha: Vec<f64>,
     on_integrals: Vec<f64>,
     on_error: [f64; 2],
@@ -51,15 +51,20 @@ pub(super) struct Drive {
 pub(super) type Wanted = [f64; 3];
 
 impl Loop {
-    pub(super) fn new(study: &Study, joint: usize, law: &Law, filter_hz: Option<f64>) -> Self {
+    pub(super) fn new(
+        study: &Study,
+        joint: usize,
+        law: &JointRecord,
+        filter_hz: Option<f64>,
+    ) -> Self {
         let period = study.control.period_ns as f64 * 1e-9;
         let a = &law.a;
         let m = a.len();
         let at = |i: usize| a.get(i).copied().unwrap_or(0.0);
         let factor = |i: usize| {
-            let two = if i >= 2 { at(i - 2) * law.kd } else { 0.0 };
+            let two = if i >= 2 { at(i - 2) * law.kd_per_s } else { 0.0 };
             let three = if i >= 3 { at(i - 3) } else { 0.0 };
-            (if i >= 1 { at(i - 1) * law.kp } else { 0.0 }) + two + three
+            (if i >= 1 { at(i - 1) * law.kp_per_s2 } else { 0.0 }) + two + three
         };
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;
@@ -168,10 +173,10 @@ impl Loop {
                 below = *entry;
             }
             let sum: f64 = held.iter().zip(&self.on_integrals).map(|(x, f)| x * f).sum();
-            -self.law.inertia * (sum + self.on_error[0] * e + self.on_error[1] * de)
+            -self.law.inertia_kg_m2 * (sum + self.on_error[0] * e + self.on_error[1] * de)
         } else {
             if !first {
-                let innovation = self.period * (acted - held[0]) - self.law.inertia * change;
+                let innovation = self.period * (acted - held[0]) - self.law.inertia_kg_m2 * change;
                 for j in 0..m {
                     let next = if j + 1 < m { held[j + 1] } else { 0.0 };
                     held[j] += self.period * next + self.alpha[j] * innovation;
@@ -179,7 +184,8 @@ impl Loop {
             }
             held[0]
         };
-        self.law.inertia * (wanted[2] - self.law.kd * de - self.law.kp * e) + estimate
+        self.law.inertia_kg_m2 * (wanted[2] - self.law.kd_per_s * de - self.law.kp_per_s2 * e)
+            + estimate
     }
 
     /// Sample `k` without a reference, as `state ← A state + b y + c q̇`.

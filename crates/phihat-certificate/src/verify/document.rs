@@ -3,7 +3,7 @@
 use crate::check::agree::agrees;
 use crate::check::plausible::{self, at_most};
 use crate::{
-    ArmBasis, Certificate, FORMAT, Gains, JointCertificate, Law, LoopModel, Moving, Refutation,
+    ArmBasis, Certificate, FORMAT, Gains, JointCertificate, LoopModel, Moving, Refutation, UnitLaw,
     VERSION,
 };
 
@@ -168,9 +168,9 @@ impl Certificate {
 /// The eigenvalue argument for a coupled arm needs one law for all joints.
 fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     let Some(first) = gains.joints.first() else { return Ok(()) };
-    let law = Law::from(first);
+    let law = UnitLaw::from(first);
     for joint in &gains.joints {
-        let same = Law::from(joint) == law;
+        let same = UnitLaw::from(joint) == law;
         let claim = format!("{}: inertia window of the arm", joint.name);
         let what = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
         Refutation::unless(&claim, what, joint.kp_per_s2, first.kp_per_s2, same)?;

@@ -3,7 +3,7 @@
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;
 use crate::refutation::refuse;
-use crate::{ArmInertia, Certificate, JointCertificate, JointRecord, Law, Phi, Refutation};
+use crate::{ArmInertia, Certificate, JointCertificate, JointRecord, Phi, Refutation, UnitLaw};
 
 const CLAIM: &str = "certificate";
 
@@ -74,7 +74,7 @@ impl JointCertificate {
 
     /// Continuous law and sampled loop, at whatever nominal inertia.
     fn verify_loop(&self, record: &JointRecord) -> Result<(), Refutation> {
-        let law = Law::from(record);
+        let law = UnitLaw::from(record);
         self.attenuation.verify(&law)?;
         if let Some(optimality) = &self.optimality {
             optimality.verify(&law)?;

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use phihat::{JointDesign, JointGains};
-use phihat_certificate::Tube;
-use phihat_certificate::tube::{Inputs, Law, Reference, TubeRefusal, derive};
+use phihat_certificate::tube::{Inputs, Reference, TubeRefusal, derive};
+use phihat_certificate::{JointRecord, Tube};
 use phihat_sim::{Motion, Simulation, Trace};
 use phihat_study::PayloadSet;
 use phihat_study::{LawRequest, Study};
@@ -14,7 +14,7 @@ use phihat_study::{LawRequest, Study};
 pub(crate) struct Case {
     pub(crate) text: String,
     pub(crate) study: Study,
-    pub(crate) laws: Vec<Law>,
+    pub(crate) laws: Vec<JointRecord>,
     pub(crate) filter: Option<f64>,
     pub(crate) reference: Reference,
     pub(crate) payload: Option<PayloadSet>,
@@ -54,11 +54,11 @@ impl Case {
         let study = read(text);
         let gains = study.gains.as_ref().unwrap();
         let LawRequest::Coefficients { kp, kd, a } = &gains.law else { panic!("coefficients") };
-        let law = |i: usize| Law {
+        let law = |i: usize| JointRecord {
             name: study.robot.joints[i].name.clone(),
-            inertia: gains.inertia[i],
-            kp: kp[i],
-            kd: kd[i],
+            inertia_kg_m2: gains.inertia[i],
+            kp_per_s2: kp[i],
+            kd_per_s: kd[i],
             a: a.clone(),
         };
         let n = study.robot.joints.len();
@@ -66,7 +66,7 @@ impl Case {
         Self::with(text, laws, study.sensor.velocity_filter_hz)
     }
 
-    pub(crate) fn with(text: &str, laws: Vec<Law>, filter: Option<f64>) -> Self {
+    pub(crate) fn with(text: &str, laws: Vec<JointRecord>, filter: Option<f64>) -> Self {
         let study = read(text);
         let reference = reference(&study);
         let own = |i: usize| {
@@ -128,7 +128,7 @@ impl Case {
             .laws
             .iter()
             .map(|l| {
-                let (inertia, kp, kd, a) = (l.inertia, l.kp, l.kd, &l.a[..]);
+                let (inertia, kp, kd, a) = (l.inertia_kg_m2, l.kp_per_s2, l.kd_per_s, &l.a[..]);
                 JointGains::new(&JointDesign { inertia, kp, kd, a, period, form }).unwrap()
             })
             .collect();
@@ -155,7 +155,7 @@ pub(crate) struct Draw {
 #[derive(Debug, Clone)]
 pub(crate) struct Held {
     pub(crate) outside: f64,
-    pub(crate) error_max: Vec<f64>,
+    pub(crate) error_peak: Vec<f64>,
     pub(crate) velocity_max: Vec<f64>,
 }
 
@@ -169,7 +169,7 @@ pub(crate) fn hold(tube: &Tube, trace: &Trace) -> Held {
     )]
     let per_bin = (tube.bin_s / period).round() as usize;
     let mut outside = f64::NEG_INFINITY;
-    let (mut error_max, mut velocity_max) = (Vec::new(), Vec::new());
+    let (mut error_peak, mut velocity_max) = (Vec::new(), Vec::new());
     for (joint, bound) in trace.joints.iter().zip(&tube.joints) {
         let (mut most, mut fastest) = (0.0_f64, 0.0_f64);
         for k in 0..joint.e.len() {
@@ -191,8 +191,8 @@ pub(crate) fn hold(tube: &Tube, trace: &Trace) -> Held {
             step = step.max((pair[1] - pair[0]).abs());
         }
         outside = outside.max(torque - bound.torque_max_nm).max(step - bound.torque_step_max_nm);
-        error_max.push(most);
+        error_peak.push(most);
         velocity_max.push(fastest);
     }
-    Held { outside, error_max, velocity_max }
+    Held { outside, error_peak, velocity_max }
 }

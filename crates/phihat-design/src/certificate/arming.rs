@@ -8,7 +8,7 @@ use super::scope::unmodelled;
 use super::start::start_inside_window;
 use crate::Arm;
 use crate::claims::law::holds;
-use crate::claims::{Law, Refutation};
+use crate::claims::{Refutation, UnitLaw};
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
 use crate::{Certificate, Gains, JointRecord};
@@ -121,9 +121,9 @@ fn below_nyquist(record: &JointRecord, period: f64) -> Result<(), Refutation> {
 /// The eigenvalue argument for a coupled arm needs one law for all joints.
 pub(super) fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     let Some(first) = gains.joints.first() else { return Ok(()) };
-    let law = Law::from(first);
+    let law = UnitLaw::from(first);
     for joint in &gains.joints {
-        let same = Law::from(joint) == law;
+        let same = UnitLaw::from(joint) == law;
         let claim = format!("{}: inertia window of the arm", joint.name);
         let inequality = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
         holds(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;

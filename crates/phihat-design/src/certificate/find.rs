@@ -5,7 +5,9 @@ use super::{JointCertificate, RATIOS, inside};
 use crate::ArmInertia;
 use crate::JointRecord;
 use crate::Phi;
-use crate::claims::{Attenuation, Iss, Law, NormH, Optimality, PaperRadius, PeakGains, Refutation};
+use crate::claims::{
+    Attenuation, Iss, NormH, Optimality, PaperRadius, PeakGains, Refutation, UnitLaw,
+};
 use crate::prelude::*;
 use crate::sampled::{
     InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
@@ -47,7 +49,7 @@ impl Shared {
         (arm, margin): (&ArmInertia, f64),
         encoder: bool,
     ) -> Result<Self, Refutation> {
-        let law = Law::from(record);
+        let law = UnitLaw::from(record);
         let range = (arm.low, arm.high);
         let attenuation = Attenuation::of(&law)?;
         let optimality = attenuation.k_tilde().map(|k| Optimality::at(&law, k)).transpose()?;

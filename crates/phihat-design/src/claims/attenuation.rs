@@ -2,7 +2,7 @@
 
 pub use phihat_certificate::{Attenuation, Interval};
 
-use crate::claims::law::{Law, Refutation};
+use crate::claims::law::{Refutation, UnitLaw};
 use crate::claims::polynomial::{self, Sign};
 use crate::claims::weights::{return_difference, return_difference_parts};
 
@@ -18,11 +18,11 @@ pub trait FindAttenuation: Sized {
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense, or the result does not survive its check.
-    fn of(law: &Law) -> Result<Self, Refutation>;
+    fn of(law: &UnitLaw) -> Result<Self, Refutation>;
 }
 
 impl FindAttenuation for Attenuation {
-    fn of(law: &Law) -> Result<Self, Refutation> {
+    fn of(law: &UnitLaw) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         let a_top = law.a_top();
         let gamma = |k_tilde: f64| 1.0 / (a_top - k_tilde).sqrt();
@@ -47,7 +47,7 @@ impl FindAttenuation for Attenuation {
 }
 
 /// Where all `q_i = β_i + K̃ α_i` are positive within `(0, a_{m−1})`.
-fn diagonal_interval(law: &Law) -> Option<Interval> {
+fn diagonal_interval(law: &UnitLaw) -> Option<Interval> {
     let (constant, slope) = return_difference_parts(law);
     let d = polynomial::magnitude_squared(&law.d());
     let (beta, alpha) = (polynomial::product(&d, &constant), polynomial::product(&d, &slope));
@@ -65,7 +65,7 @@ fn diagonal_interval(law: &Law) -> Option<Interval> {
 }
 
 /// Smallest `K̃ < a_{m−1}` whose return difference is proven, to the last few bits.
-fn least_return_difference(law: &Law) -> Option<f64> {
+fn least_return_difference(law: &UnitLaw) -> Option<f64> {
     let good = |k_tilde: f64| polynomial::is_non_negative(&return_difference(law, k_tilde));
     let (mut low, mut high) = (0.0, law.a_top());
     if good(0.0) {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Schur};
 pub use phihat_certificate::NormH;
 
-use crate::claims::law::{Law, Refutation};
+use crate::claims::law::{Refutation, UnitLaw};
 use crate::claims::polynomial;
 use crate::claims::response::Response;
 
@@ -18,11 +18,11 @@ pub trait FindNorm: Sized {
     /// # Errors
     ///
     /// [`Refutation`], when the loop is not stable at `μ`, or the result does not survive its check.
-    fn of(law: &Law, mu: f64) -> Result<Self, Refutation>;
+    fn of(law: &UnitLaw, mu: f64) -> Result<Self, Refutation>;
 }
 
 impl FindNorm for NormH {
-    fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
+    fn of(law: &UnitLaw, mu: f64) -> Result<Self, Refutation> {
         let response = Response::new(law, mu)?;
         let (m, n, sigma) = (law.order(), response.size(), response.sigma);
         let scaled: Vec<f64> = response.last_row().iter().map(|k| -k).chain([1.0]).collect();

@@ -3,7 +3,7 @@
 pub use phihat_certificate::Iss;
 use phihat_certificate::PeakGain;
 
-use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::law::{Refutation, UnitLaw, holds};
 use crate::claims::matrix::{
     Matrix, failing_pivot, identity, is_symmetric, largest_shift, norm_frobenius, product, sum,
     transpose,
@@ -20,7 +20,7 @@ pub trait FindIss: Sized {
     /// # Errors
     ///
     /// [`Refutation`], naming the inequality that cannot be met.
-    fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation>;
+    fn of(law: &UnitLaw, certified: &Certified) -> Result<Self, Refutation>;
 
     /// Finds the claim without a certificate of optimality: with `W = I` in the loop's own time, so that any stable law
     /// has it.
@@ -28,15 +28,15 @@ pub trait FindIss: Sized {
     /// # Errors
     ///
     /// [`Refutation`], when the loop is not stable.
-    fn of_loop(law: &Law) -> Result<Self, Refutation>;
+    fn of_loop(law: &UnitLaw) -> Result<Self, Refutation>;
 }
 
 impl FindIss for Iss {
-    fn of(law: &Law, certified: &Certified) -> Result<Self, Refutation> {
+    fn of(law: &UnitLaw, certified: &Certified) -> Result<Self, Refutation> {
         with(law, certified.s.clone(), Some(certified.k_tilde))
     }
 
-    fn of_loop(law: &Law) -> Result<Self, Refutation> {
+    fn of_loop(law: &UnitLaw) -> Result<Self, Refutation> {
         let response = Response::new(law, 1.0)?;
         let n = response.size();
         let scale: Vec<f64> =
@@ -49,7 +49,7 @@ impl FindIss for Iss {
     }
 }
 
-fn with(law: &Law, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
+fn with(law: &UnitLaw, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
     law.check(CLAIM)?;
     let n = law.order() + 2;
     holds(CLAIM, "S = Sᵀ", s.len() as f64, n as f64, is_symmetric(&s, n))?;
@@ -89,13 +89,13 @@ fn with(law: &Law, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
 }
 
 /// `W = −(A−BK)ᵀS − S(A−BK)`, exactly symmetric.
-pub fn decrease(law: &Law, s: &Matrix) -> Matrix {
+pub fn decrease(law: &UnitLaw, s: &Matrix) -> Matrix {
     let sa = product(s, &law.closed_loop());
     let w = sum(&sa, 1.0, &transpose(&sa));
     w.iter().map(|row| row.iter().map(|v| -v).collect()).collect()
 }
 
-fn gain(law: &Law) -> Result<PeakGain, Refutation> {
+fn gain(law: &UnitLaw) -> Result<PeakGain, Refutation> {
     let response = Response::new(law, 1.0)?;
     let frobenius = response.integral_of_ladder_norm();
     let lower = frobenius.lower / (response.size() as f64).sqrt();

@@ -1,6 +1,6 @@
 //! The continuous law of one joint at unit inertia, and the answer of a claim that does not hold.
 
-pub use phihat_certificate::{Law, Refutation};
+pub use phihat_certificate::{Refutation, UnitLaw};
 
 /// `Ok` when `truth`; otherwise the refutation. A NaN anywhere makes `truth` false.
 pub(crate) fn holds(

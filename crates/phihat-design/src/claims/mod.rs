@@ -25,7 +25,7 @@ pub mod weights;
 pub use attenuation::{Attenuation, Interval};
 pub use h_infinity::NormH;
 pub use iss::Iss;
-pub use law::{Law, Refutation};
+pub use law::{Refutation, UnitLaw};
 pub use optimality::{Certified, Optimality, Refused};
 pub use paper::{ErrorLimits, MinimalGains, PaperError};
 pub use performance::{PaperRadius, PeakGain, PeakGains, WorstCase};

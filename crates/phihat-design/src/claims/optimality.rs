@@ -4,7 +4,7 @@ pub use phihat_certificate::{Certified, Optimality, Refused};
 
 use phihat_certificate::extremes::Extremes as _;
 
-use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::law::{Refutation, UnitLaw, holds};
 use crate::claims::matrix::Matrix;
 use crate::claims::weights::{Condition, conditions, q_diagonal};
 
@@ -21,11 +21,11 @@ pub trait FindOptimality: Sized {
     ///
     /// [`Refutation`], when the law itself makes no sense (order, finite gains, `a_{m−1} > 0`), or when
     /// what was computed does not survive its check.
-    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation>;
+    fn at(law: &UnitLaw, k_tilde: f64) -> Result<Self, Refutation>;
 }
 
 impl FindOptimality for Optimality {
-    fn at(law: &Law, k_tilde: f64) -> Result<Self, Refutation> {
+    fn at(law: &UnitLaw, k_tilde: f64) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         let claim = match refusal(law, k_tilde) {
             Some(refused) => Self::Refuted(refused),
@@ -37,7 +37,7 @@ impl FindOptimality for Optimality {
 }
 
 /// The last row of (13) read upwards gives `S` in closed form.
-fn certified(law: &Law, k_tilde: f64) -> Certified {
+fn certified(law: &UnitLaw, k_tilde: f64) -> Certified {
     let s = riccati_solution(law, k_tilde);
     let gamma = 1.0 / (law.a_top() - k_tilde).sqrt();
     let worst = last_column(&s).iter().map(|v| v / (gamma * gamma)).collect();
@@ -46,7 +46,7 @@ fn certified(law: &Law, k_tilde: f64) -> Certified {
 
 /// Off its diagonal, (13) reads `S_{i−1,j} = −S_{i,j−1} + K̃c_ic_j − c_il_j − l_ic_j`, with `c = SB` and `l`
 /// the last row of `A`.
-fn riccati_solution(law: &Law, k_tilde: f64) -> Matrix {
+fn riccati_solution(law: &UnitLaw, k_tilde: f64) -> Matrix {
     let n = law.order() + 2;
     let c: Vec<f64> = law.k().iter().map(|k_i| k_i / law.a_top()).collect();
     let l = law.a_matrix().pop().unwrap_or_default();
@@ -67,7 +67,7 @@ fn riccati_solution(law: &Law, k_tilde: f64) -> Matrix {
 }
 
 /// The first obstacle to a certificate at this `K̃`.
-fn refusal(law: &Law, k_tilde: f64) -> Option<Refused> {
+fn refusal(law: &UnitLaw, k_tilde: f64) -> Option<Refused> {
     let refused = |condition: &str, quantity: String, value: f64| Refused {
         k_tilde,
         condition: condition.to_owned(),
@@ -98,7 +98,7 @@ fn refusal(law: &Law, k_tilde: f64) -> Option<Refused> {
     })
 }
 
-fn gains_positive(law: &Law) -> Result<(), Refutation> {
+fn gains_positive(law: &UnitLaw) -> Result<(), Refutation> {
     holds(CLAIM, "K_p > 0", law.kp, 0.0, law.kp > 0.0)?;
     holds(CLAIM, "K_d > 0", law.kd, 0.0, law.kd > 0.0)?;
     let least = law.a.iter().copied().least();

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
-use crate::claims::law::{Law, Refutation, agrees, holds};
+use crate::claims::law::{Refutation, UnitLaw, agrees, holds};
 use crate::claims::matrix::dot;
 use crate::claims::times::estimator;
 use crate::claims::weights::q_diagonal;
@@ -144,9 +144,9 @@ impl MinimalGains {
     }
 
     /// The law with these gains, with `a_{m−1} = K̃` (γ → ∞).
-    pub fn law(&self) -> Law {
+    pub fn law(&self) -> UnitLaw {
         let a = self.b.iter().chain([&1.0]).map(|b_i| b_i * self.k_tilde).collect();
-        Law { kp: self.kp, kd: self.kd, a }
+        UnitLaw { kp: self.kp, kd: self.kd, a }
     }
 
     /// Every row of (44) is an equality to 1e-9.

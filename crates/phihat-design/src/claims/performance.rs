@@ -3,7 +3,7 @@
 use phihat_certificate::Iss;
 pub use phihat_certificate::{PaperRadius, PeakGain, PeakGains};
 
-use crate::claims::law::{Law, Refutation};
+use crate::claims::law::{Refutation, UnitLaw};
 use crate::claims::response::Response;
 
 /// Finding [`PeakGains`].
@@ -13,11 +13,11 @@ pub trait FindPeakGains: Sized {
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense or the loop is not stable at `μ`.
-    fn of(law: &Law, mu: f64) -> Result<Self, Refutation>;
+    fn of(law: &UnitLaw, mu: f64) -> Result<Self, Refutation>;
 }
 
 impl FindPeakGains for PeakGains {
-    fn of(law: &Law, mu: f64) -> Result<Self, Refutation> {
+    fn of(law: &UnitLaw, mu: f64) -> Result<Self, Refutation> {
         let response = Response::new(law, mu)?;
         let (n, sigma) = (response.size(), response.sigma);
         let norm = response.integral_of_norm();
@@ -54,7 +54,7 @@ impl WorstCase {
     /// # Errors
     ///
     /// [`Refutation`], when the loop is not stable at `μ`.
-    pub fn of(law: &Law, mu: f64, index: usize) -> Result<Self, Refutation> {
+    pub fn of(law: &UnitLaw, mu: f64, index: usize) -> Result<Self, Refutation> {
         let response = Response::new(law, mu)?;
         let peak_s = response.horizon();
         let index = index.min(response.size() - 1);

@@ -2,7 +2,7 @@
 
 use phihat_certificate::PeakGain;
 
-use crate::claims::law::{Law, Refutation, holds};
+use crate::claims::law::{Refutation, UnitLaw, holds};
 use crate::claims::matrix::{
     Matrix, absolute, dot, exponential, identity, norm_frobenius, norm_inf, product,
 };
@@ -44,7 +44,7 @@ impl Response {
     /// # Errors
     ///
     /// [`Refutation`], when the law makes no sense at `μ`, or the loop does not decay.
-    pub fn new(law: &Law, mu: f64) -> Result<Self, Refutation> {
+    pub fn new(law: &UnitLaw, mu: f64) -> Result<Self, Refutation> {
         law.check(CLAIM)?;
         holds(CLAIM, "μ > 0", mu, 0.0, mu > 0.0 && mu.is_finite())?;
         let den = law.denominator(mu);

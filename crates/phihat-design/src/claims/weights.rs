@@ -2,7 +2,7 @@
 
 use phihat_certificate::extremes::Extremes as _;
 
-use crate::claims::law::Law;
+use crate::claims::law::UnitLaw;
 use crate::claims::polynomial;
 
 /// One of the paper's conditions with both its sides: it holds when `left > right`.
@@ -20,7 +20,7 @@ pub struct Condition {
 ///
 /// A2 follows from nothing and is not necessary at m = 2: `Q` may be positive without it. What
 /// decides is `q_i > 0`.
-pub fn conditions(law: &Law, k_tilde: f64) -> Vec<Condition> {
+pub fn conditions(law: &UnitLaw, k_tilde: f64) -> Vec<Condition> {
     let gains = law.a.iter().copied().chain([law.kp, law.kd]).least();
     let damping = |name| Condition { name, left: law.kd * law.kd, right: 2.0 * law.kp };
     match law.a[..] {
@@ -35,18 +35,18 @@ pub fn conditions(law: &Law, k_tilde: f64) -> Vec<Condition> {
 }
 
 /// `q_1 … q_{m+2}` of (T5). `h = (|(jω)^m + K̃g|² − ω^{2m})/K̃ = K̃ |g|² + 2 Re(g(jω) (−jω)^m)`.
-pub fn q_diagonal(law: &Law, k_tilde: f64) -> Vec<f64> {
+pub fn q_diagonal(law: &UnitLaw, k_tilde: f64) -> Vec<f64> {
     polynomial::product(&polynomial::magnitude_squared(&law.d()), &return_difference(law, k_tilde))
 }
 
 /// `h(w) = (|(jω)^m + K̃ g(jω)|² − ω^{2m})/K̃` as a polynomial in `w = ω²` of degree `m − 1`.
-pub fn return_difference(law: &Law, k_tilde: f64) -> Vec<f64> {
+pub fn return_difference(law: &UnitLaw, k_tilde: f64) -> Vec<f64> {
     let (constant, slope) = return_difference_parts(law);
     constant.iter().zip(&slope).map(|(c, s)| c + k_tilde * s).collect()
 }
 
 /// `h = constant + K̃ slope`: `2 Re(g(jω) (−jω)^m)` and `|g(jω)|²`.
-pub(crate) fn return_difference_parts(law: &Law) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn return_difference_parts(law: &UnitLaw) -> (Vec<f64>, Vec<f64>) {
     let (m, g) = (law.order(), law.g());
     let mut power = vec![0.0; m + 1];
     power[m] = 1.0;

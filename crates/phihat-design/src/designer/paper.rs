@@ -9,7 +9,7 @@ use crate::Certificate;
 use crate::arm::Arm;
 use crate::claims::paper::Feedback;
 use crate::claims::times::{estimator_at, from_rise_time, from_settling_time};
-use crate::claims::{ErrorLimits, Law, MinimalGains};
+use crate::claims::{ErrorLimits, MinimalGains, UnitLaw};
 use crate::prelude::*;
 use crate::{FORMAT, Gains, JointRecord, VERSION};
 
@@ -82,7 +82,7 @@ fn limits(study: &Study) -> Result<Vec<f64>, DesignError> {
     }
     let mut x_max: Vec<f64> = repeated[..order - 1].iter().rev().copied().collect();
     x_max.push(least(&spec.error_integral_max, "spec.error_integral_max_rad_s")?);
-    x_max.push(least(&spec.error_max, "spec.error_max_rad")?);
+    x_max.push(least(&spec.error_bound, "spec.error_max_rad")?);
     x_max.push(least(&spec.velocity_error_max, "spec.velocity_error_max_rad_s")?);
     Ok(x_max)
 }
@@ -107,7 +107,7 @@ fn outer_loop(study: &Study, least: &MinimalGains) -> (f64, f64) {
 }
 
 /// Step 3, and what decided in words.
-fn law(least: &MinimalGains, (kp, kd): (f64, f64), factor: f64) -> (Law, String) {
+fn law(least: &MinimalGains, (kp, kd): (f64, f64), factor: f64) -> (UnitLaw, String) {
     let order = least.b.len() + 1;
     // All poles at w: a_i = C(m,i) w^{m−i}, so b_i = C(m,i) w^{m−1−i}/m.
     let counts = estimator_at(order, 1.0);
@@ -128,5 +128,5 @@ fn law(least: &MinimalGains, (kp, kd): (f64, f64), factor: f64) -> (Law, String)
     };
     // A hair above, so that 1/γ² = a_{m−1} − K̃ is not negative by rounding.
     let w = asked.max(needed * (1.0 + 1e-9));
-    (Law { kp, kd, a: estimator_at(order, w) }, how)
+    (UnitLaw { kp, kd, a: estimator_at(order, w) }, how)
 }

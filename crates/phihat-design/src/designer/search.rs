@@ -64,7 +64,7 @@ pub(super) struct Search<'a> {
 
 impl<'a> Search<'a> {
     pub(super) fn new(study: &'a Study, arm: &Arm, phi: PhiOf<'a>) -> Result<Self, DesignError> {
-        let error_max = study.spec.error_max.clone().ok_or(DesignError::NoSpec)?;
+        let error_bound = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
         let n = study.robot.joints.len();
         let mut models: Vec<LoopModel> = Vec::new();
         for joint in 0..n {
@@ -81,7 +81,7 @@ impl<'a> Search<'a> {
         let (step_max, rate_max) = (study.design.torque_step_max.clone(), rate_max(study));
         let own = arm.nominal();
         let error: Vec<f64> = (0..n)
-            .map(|joint| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error_max[joint])
+            .map(|joint| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error_bound[joint])
             .collect();
         let period = study.control.period_ns as f64 * 1e-9;
         let steps = rate_max.as_ref().map(|rates| rates.iter().map(|r| r * period).collect());
@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
             models,
             quanta,
             limits: [
-                Some(error_max),
+                Some(error_bound),
                 study.spec.velocity_error_max.clone(),
                 study.spec.error_integral_max.clone(),
                 step_max,

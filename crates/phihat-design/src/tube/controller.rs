@@ -7,14 +7,14 @@ use phihat_certificate::JointRecord;
 
 /// What of the loop does not change from sample to sample: sensors, law, delays, drives, per joint.
 #[derive(Debug, Clone)]
-pub(super) struct Law {
-    pub(super) joints: Vec<JointLaw>,
+pub(super) struct SampledLaw {
+    pub(super) joints: Vec<SampledJoint>,
     pub(super) period: f64,
     /// The first command is zero, and the law is first asked at the second sample.
     pub(super) starts_at_zero: bool,
 }
 
-impl Law {
+impl SampledLaw {
     /// Whether torque changes within a sample.
     pub(super) fn bulges(&self) -> bool {
         self.joints.iter().any(|joint| joint.model.drive_bandwidth_hz.is_some())
@@ -23,7 +23,7 @@ impl Law {
 
 /// One joint's part of it.
 #[derive(Debug, Clone)]
-pub(super) struct JointLaw {
+pub(super) struct SampledJoint {
     pub(super) inertia: f64,
     kp: f64,
     kd: f64,
@@ -38,7 +38,7 @@ pub(super) struct JointLaw {
 /// One demand of the law on its reference: `q_d, q̇_d, q̈_d`.
 pub(super) type Jet = [f64; 3];
 
-impl JointLaw {
+impl SampledJoint {
     pub(super) fn new(record: &JointRecord, model: LoopModel) -> Self {
         let m = record.a.len();
         let (on_memory, on_error) = match model.form {
@@ -93,9 +93,9 @@ struct JointState<const W: usize> {
 }
 
 impl<const W: usize> Control<W> {
-    pub(super) fn new(law: &Law) -> Self {
+    pub(super) fn new(law: &SampledLaw) -> Self {
         let zero = [0.0; W];
-        let joint = |joint: &JointLaw| JointState {
+        let joint = |joint: &SampledJoint| JointState {
             last_position: zero,
             last_velocity: zero,
             law_velocity: zero,
@@ -134,7 +134,7 @@ impl<const W: usize> Control<W> {
     /// Senses and asks the law at sample `k`; leaves `command`.
     pub(super) fn ask(
         &mut self,
-        law: &Law,
+        law: &SampledLaw,
         k: usize,
         reference: impl Fn(usize) -> Jet,
         (position, velocity): (&[Lane<W>], &[Lane<W>]),
@@ -152,7 +152,7 @@ impl<const W: usize> Control<W> {
     }
 
     /// Lets the commands act, after limits that the caller put on them.
-    pub(super) fn act(&mut self, law: &Law) {
+    pub(super) fn act(&mut self, law: &SampledLaw) {
         for (i, joint) in law.joints.iter().enumerate() {
             let state = &mut self.joints[i];
             let told = state.delay(&self.command[i]);
@@ -167,7 +167,7 @@ impl<const W: usize> Control<W> {
 
 impl Control<1> {
     /// Torque of a drive some time into the interval.
-    pub(super) fn torque(&self, law: &Law, i: usize, elapsed: f64) -> f64 {
+    pub(super) fn torque(&self, law: &SampledLaw, i: usize, elapsed: f64) -> f64 {
         let (joint, state) = (&law.joints[i], &self.joints[i]);
         match joint.model.drive_bandwidth_hz {
             None => self.mean[i][0],
@@ -202,7 +202,7 @@ impl<const W: usize> JointState<W> {
 
     fn sense(
         &mut self,
-        joint: &JointLaw,
+        joint: &SampledJoint,
         period: f64,
         k: usize,
         (position, velocity): (&Lane<W>, &Lane<W>),
@@ -237,7 +237,7 @@ impl<const W: usize> JointState<W> {
 
     fn law(
         &mut self,
-        joint: &JointLaw,
+        joint: &SampledJoint,
         period: f64,
         first: bool,
         [q, dq, ddq]: Jet,
@@ -264,7 +264,7 @@ impl<const W: usize> JointState<W> {
     /// `φ̂` of the observer form.
     fn observed(
         &mut self,
-        joint: &JointLaw,
+        joint: &SampledJoint,
         period: f64,
         first: bool,
         (velocity, acted): (&Lane<W>, &Lane<W>),
@@ -289,7 +289,7 @@ impl<const W: usize> JointState<W> {
     /// `φ̂` of the literal form.
     fn integrated(
         &mut self,
-        joint: &JointLaw,
+        joint: &SampledJoint,
         period: f64,
         first: bool,
         error: &[Lane<W>; 2],
@@ -325,7 +325,7 @@ impl<const W: usize> JointState<W> {
         told
     }
 
-    fn drive(&mut self, joint: &JointLaw, period: f64, told: &Lane<W>) -> (Lane<W>, Lane<W>) {
+    fn drive(&mut self, joint: &SampledJoint, period: f64, told: &Lane<W>) -> (Lane<W>, Lane<W>) {
         let Some(drive) = joint.model.drive() else { return (*told, [0.0; W]) };
         let (mut mean, mut bulge) = (*told, [0.0; W]);
         for c in 0..W {

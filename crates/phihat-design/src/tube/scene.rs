@@ -5,7 +5,7 @@ use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
 
-use super::controller::{JointLaw, Law};
+use super::controller::{SampledJoint, SampledLaw};
 use super::desired::Desired;
 use super::refusal::TubeRefusal;
 use crate::certificate::missing;
@@ -105,7 +105,7 @@ pub(super) struct Scene<'a> {
     pub(super) samples: usize,
     pub(super) substeps: u32,
     pub(super) names: Vec<String>,
-    pub(super) law: Law,
+    pub(super) law: SampledLaw,
     pub(super) friction: Vec<Friction>,
     pub(super) pushes: &'a [Push],
     /// Where they begin and end between steps.
@@ -142,8 +142,8 @@ impl<'a> Scene<'a> {
         let models: Vec<LoopModel> =
             (0..n).map(|i| LoopModel::from_study(study, i).with_filter_of(gains, study)).collect();
         let joints = gains.joints.iter().zip(&models);
-        let law = Law {
-            joints: joints.map(|(record, model)| JointLaw::new(record, *model)).collect(),
+        let law = SampledLaw {
+            joints: joints.map(|(record, model)| SampledJoint::new(record, *model)).collect(),
             period,
             starts_at_zero: study.interface.kept && profile.first_torque_max.is_some(),
         };

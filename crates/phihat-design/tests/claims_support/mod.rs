@@ -1,7 +1,7 @@
 //! Random admissible gains, and a plain simulation of the loop.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
 
-use phihat_design::claims::{Law, polynomial};
+use phihat_design::claims::{UnitLaw, polynomial};
 
 /// SplitMix64: the seed is the whole state.
 pub struct Random(pub u64);
@@ -18,7 +18,7 @@ impl Random {
 }
 
 /// A law whose outer loop and estimator are well damped, and the pairs `(ω, ζ)` or single poles it is made of.
-pub fn random_law(random: &mut Random, order: usize) -> Law {
+pub fn random_law(random: &mut Random, order: usize) -> UnitLaw {
     let omega = random.between(5.0, 40.0);
     let zeta = random.between(0.75, 1.5);
     let mut a = vec![1.0];
@@ -32,12 +32,12 @@ pub fn random_law(random: &mut Random, order: usize) -> Law {
         }
     }
     a.pop();
-    Law { kp: omega * omega, kd: 2.0 * zeta * omega, a }
+    UnitLaw { kp: omega * omega, kd: 2.0 * zeta * omega, a }
 }
 
 /// The gains that the paper's experiments run: `K_p` 400, `K_d` 40.
-pub fn law(a: &[f64]) -> Law {
-    Law { kp: 400.0, kd: 40.0, a: a.to_vec() }
+pub fn law(a: &[f64]) -> UnitLaw {
+    UnitLaw { kp: 400.0, kd: 40.0, a: a.to_vec() }
 }
 
 /// The ladder `x` at `μ`, driven by φ: `μ x_{n−1}' = −Σ k_i x_i − φ`, classical Runge–Kutta.
@@ -47,7 +47,7 @@ pub struct Loop {
 }
 
 impl Loop {
-    pub fn new(law: &Law, mu: f64) -> Self {
+    pub fn new(law: &UnitLaw, mu: f64) -> Self {
         let den = law.denominator(mu);
         let x = vec![0.0; den.len() - 1];
         Self { den, x }

@@ -80,7 +80,7 @@ pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, PartError> 
             requested_gains(study).ok_or(PartError::Missing("the study states no gains"))?;
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let law = gains.joint_gains(&names, study.control.period_ns, Form::Literal);
-        law.map_err(|why| PartError::Law { study: study.name.clone(), why })
+        law.map_err(|why| PartError::UnitLaw { study: study.name.clone(), why })
     };
     let (low, high) = (law(first)?, law(second)?);
     let inertia: Vec<f64> = high.iter().map(JointGains::inertia).collect();

@@ -26,7 +26,7 @@ impl Run {
         let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
         let form = study.control.form;
         let law = gains.joint_gains(&names, study.control.period_ns, form);
-        let law = law.map_err(|why| PartError::Law { study: study.name.clone(), why })?;
+        let law = law.map_err(|why| PartError::UnitLaw { study: study.name.clone(), why })?;
         let simulation = Simulation::new(&study, &law)
             .map_err(|why| PartError::Run { study: study.name.clone(), why })?;
         Ok(Self { outcome: simulation.run(|_| ()), study })

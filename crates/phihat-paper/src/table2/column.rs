@@ -2,7 +2,7 @@
 
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::weights::q_diagonal;
-use phihat_design::claims::{Law, Optimality, Refused, polynomial};
+use phihat_design::claims::{Optimality, Refused, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use crate::part::PartError;
@@ -38,9 +38,9 @@ impl Column {
     }
 
     /// With the least `a_{m−1} = K̃` (γ → ∞).
-    pub(super) fn law(&self) -> Law {
+    pub(super) fn law(&self) -> UnitLaw {
         let a = self.b.iter().map(|b| b * self.k_tilde).chain([self.k_tilde]).collect();
-        Law { kp: self.kp, kd: self.kd, a }
+        UnitLaw { kp: self.kp, kd: self.kd, a }
     }
 
     /// `φ_max` at which each row of (44) is an equality at the limits (48), (49).
@@ -56,7 +56,7 @@ impl Column {
     }
 }
 
-pub(super) fn refusal(law: &Law, k_tilde: f64) -> Result<Option<Refused>, PartError> {
+pub(super) fn refusal(law: &UnitLaw, k_tilde: f64) -> Result<Option<Refused>, PartError> {
     match Optimality::at(law, k_tilde)? {
         Optimality::Refuted(refused) => Ok(Some(refused)),
         Optimality::Certified(_) => Ok(None),

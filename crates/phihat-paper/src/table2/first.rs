@@ -1,7 +1,7 @@
 //! m = 1.
 
 use phihat_design::claims::paper::Feedback;
-use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains};
+use phihat_design::claims::{Attenuation, ErrorLimits, MinimalGains, UnitLaw};
 use phihat_design::prelude::*;
 
 use super::column::{COLUMNS, limits, refusal};
@@ -88,7 +88,7 @@ pub(super) fn kd_sign() -> Statement {
 /// K̃ = 3.3, K_p = 78, K_d = 0.
 pub(super) fn b1() -> Result<Statement, PartError> {
     let column = &COLUMNS[1];
-    let law = Law { a: vec![1.1 * column.k_tilde], ..column.law() };
+    let law = UnitLaw { a: vec![1.1 * column.k_tilde], ..column.law() };
     let refused = refusal(&law, column.k_tilde)?;
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(1) };
     let ours = MinimalGains::newton(&limits, Feedback::Included)?;

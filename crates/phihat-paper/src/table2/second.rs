@@ -1,7 +1,7 @@
 //! m = 2.
 
 use phihat_design::claims::paper::Feedback;
-use phihat_design::claims::{Attenuation, ErrorLimits, Law, MinimalGains, polynomial};
+use phihat_design::claims::{Attenuation, ErrorLimits, MinimalGains, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use super::column::{COLUMNS, limits, refusal};
@@ -14,7 +14,7 @@ use crate::record::{Statement, Verdict};
 /// b_0 = 0.
 pub(super) fn a2() -> Result<Statement, PartError> {
     let column = &COLUMNS[3];
-    let law = Law { a: vec![0.0, 1.05 * column.k_tilde], ..column.law() };
+    let law = UnitLaw { a: vec![0.0, 1.05 * column.k_tilde], ..column.law() };
     let refused = refusal(&law, column.k_tilde)?;
     let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
     let phi: Vec<_> = column.phi_of_rows(Feedback::Ignored).into_iter().map(three).collect();
@@ -52,7 +52,7 @@ pub(super) fn a2() -> Result<Statement, PartError> {
 pub(super) fn b2() -> Result<Statement, PartError> {
     let column = &COLUMNS[4];
     let law = column.law();
-    let raised = Law { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law };
+    let raised = UnitLaw { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law };
     let refused = refusal(&raised, column.k_tilde)?;
     let rows: Vec<f64> = column.phi_of_rows(Feedback::Included).into_iter().flatten().collect();
     let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
@@ -100,7 +100,7 @@ pub(super) fn b2() -> Result<Statement, PartError> {
 pub(super) fn c2() -> Result<Statement, PartError> {
     let column = &COLUMNS[5];
     let refused = refusal(&second_h1(), column.k_tilde)?;
-    let at_any = |law: &Law| Attenuation::of(law);
+    let at_any = |law: &UnitLaw| Attenuation::of(law);
     let (h1, h2, h3) = (
         at_any(&second_h1())?.return_difference,
         at_any(&second_h2())?.return_difference,

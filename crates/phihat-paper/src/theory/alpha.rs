@@ -1,6 +1,6 @@
 //! Theorem 3: what α > ½ is enough for, with φ and with ρ.
 
-use phihat_design::claims::Law;
+use phihat_design::claims::UnitLaw;
 use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot};
 
@@ -17,7 +17,7 @@ const RHO: [(&str, f64, f64); 3] = [("r", 1.0, 1.0), ("√r", 1.0, 0.5), ("1000 
 
 /// Of random (x, ρ), at how many `V̇ > 0` under (29) with `|φ|` a multiple of `ρ⁻¹(|x|)`, of the worse sign. One times
 /// is `|x| = ρ(|φ|)`, the edge of (28).
-fn rises(law: &Law, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usize {
+fn rises(law: &UnitLaw, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usize {
     let (a, mut draw) = (law.a_matrix(), Draw::new(12));
     let n = a.len();
     let mut rises = 0;
@@ -37,11 +37,12 @@ fn rises(law: &Law, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usiz
 }
 
 /// α > ½.
-pub(super) fn alpha(law: &Law, draws: usize) -> Statement {
+pub(super) fn alpha(law: &UnitLaw, draws: usize) -> Statement {
     let s = Scalars::of(law, K_TILDE_H3).s();
     let b = law.g();
     let decreasing = |alpha: f64| {
-        let scaled = Law { a: b.iter().map(|b| b * alpha * K_TILDE_H3).collect(), ..law.clone() };
+        let scaled =
+            UnitLaw { a: b.iter().map(|b| b * alpha * K_TILDE_H3).collect(), ..law.clone() };
         failing_pivot(&decrease(&scaled, &s)).is_none()
     };
     let (mut low, mut high) = (0.0, 1.0);

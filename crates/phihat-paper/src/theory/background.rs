@@ -1,6 +1,6 @@
 //! Sec. II: the error dynamics, the law as feedback, its parameters.
 
-use phihat_design::claims::{Law, polynomial};
+use phihat_design::claims::{UnitLaw, polynomial};
 
 use crate::compose::{number, three};
 use crate::draw::Draw;
@@ -65,7 +65,7 @@ fn error_dynamics() -> Statement {
 
 /// (16), (19) and (21) hold the same coefficients.
 fn feedback() -> Statement {
-    let difference = |law: &Law| {
+    let difference = |law: &UnitLaw| {
         let (kp, kd, a) = (law.kp, law.kd, &law.a);
         // a_i = 0 for i < 0 and i > m − 1: E1.
         let at = |i: usize, less: usize| {
@@ -99,7 +99,7 @@ fn feedback() -> Statement {
 }
 
 /// The largest inertia at which the continuous loop is stable with M̄ = 1 \[kg·m²\].
-fn largest_inertia(law: &Law) -> f64 {
+fn largest_inertia(law: &UnitLaw) -> f64 {
     let stable = |mu: f64| polynomial::is_hurwitz(&law.denominator(mu));
     let (mut low, mut high) = (1.0, 1e4);
     for _ in 0..60 {

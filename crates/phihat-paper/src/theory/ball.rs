@@ -1,7 +1,7 @@
 //! The ball of (40), as printed and as its proof gives it.
 
 use phihat_design::claims::matrix::{apply, dot};
-use phihat_design::claims::{Iss, Law, Optimality, PaperRadius, PeakGains};
+use phihat_design::claims::{Iss, Optimality, PaperRadius, PeakGains, UnitLaw};
 use phihat_design::prelude::*;
 
 use super::bounds::{Bounds, Paper};
@@ -75,7 +75,7 @@ pub(super) fn vacuous(b: &Bounds, paper: &Paper) -> Result<Statement, PartError>
 const DRAWS: usize = 2000;
 
 /// "V̇ < 0 iff |x| ≤ (40)".
-pub(super) fn outside(law: &Law, paper: &Paper) -> Statement {
+pub(super) fn outside(law: &UnitLaw, paper: &Paper) -> Statement {
     let (a, mut draw) = (law.closed_loop(), Draw::new(6));
     let (n, radius) = (a.len(), paper.radius.printed);
     let (mut inside_up, mut outside_up, mut outside_seen) = (0_usize, 0_usize, 0_usize);
@@ -114,7 +114,7 @@ pub(super) fn outside(law: &Law, paper: &Paper) -> Statement {
 }
 
 /// A state in the ball leaves it.
-pub(super) fn not_invariant(law: &Law, iss: &Iss) -> Statement {
+pub(super) fn not_invariant(law: &UnitLaw, iss: &Iss) -> Statement {
     let (a, n) = (law.closed_loop(), law.order() + 2);
     let mut most: f64 = 0.0;
     for index in 0..n {

@@ -1,7 +1,7 @@
 //! What bounds the state of a law, and the worst case that is met.
 
 use phihat_design::claims::{
-    Certified, Iss, Law, Optimality, PaperRadius, PeakGains, Refutation, WorstCase,
+    Certified, Iss, Optimality, PaperRadius, PeakGains, Refutation, UnitLaw, WorstCase,
 };
 use phihat_design::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::part::PartError;
 /// One law with everything that bounds its state, per unit of φ.
 pub(super) struct Bounds {
     pub(super) name: &'static str,
-    pub(super) law: Law,
+    pub(super) law: UnitLaw,
     pub(super) peaks: PeakGains,
     /// Largest |e|, |ė|, |x| met on the worst φ of each state.
     pub(super) measured: [f64; 3],
@@ -27,7 +27,7 @@ pub(super) struct Paper {
 }
 
 impl Bounds {
-    pub(super) fn of(name: &'static str, law: Law, k_tilde: f64) -> Result<Self, PartError> {
+    pub(super) fn of(name: &'static str, law: UnitLaw, k_tilde: f64) -> Result<Self, PartError> {
         let claim = Optimality::at(&law, k_tilde)?;
         let paper = claim.certified().map(|certified| {
             let iss = Iss::of(&law, certified)?;
@@ -58,7 +58,7 @@ impl Bounds {
 }
 
 /// Runs from rest on the φ that is worst for each state.
-fn worst_met(law: &Law) -> Result<[f64; 3], Refutation> {
+fn worst_met(law: &UnitLaw) -> Result<[f64; 3], Refutation> {
     let mut met = [0.0_f64; 3];
     for index in 0..law.order() + 2 {
         let worst = WorstCase::of(law, 1.0, index)?;

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_design::claims::{Law, polynomial};
+use phihat_design::claims::{UnitLaw, polynomial};
 
 use crate::compose::{number, three, words};
 use crate::gains::{OUTER, all, equal_rate};
@@ -67,10 +67,10 @@ pub(super) fn lemma_1() -> Section {
 /// "Starts with zero system information" is true of (8) only.
 fn start() -> Statement {
     let e = 0.1;
-    let first = |law: &Law, form, x: &[f64]| {
+    let first = |law: &UnitLaw, form, x: &[f64]| {
         run(law, form, x, &Phi::polynomial(&[0.0]), (1e-3, 1))[0].phi_hat
     };
-    let ladder = |law: &Law| {
+    let ladder = |law: &UnitLaw| {
         let mut x = vec![0.0; law.order() + 2];
         x[law.order()] = e;
         first(law, PaperForm::Ladder, &x)
@@ -203,7 +203,7 @@ fn mismatch_table(rows: Vec<Vec<String>>) -> Table {
 }
 
 /// `|ω^m/A_o(jω)|` at one turn of Fig. 4.
-fn closed_form(law: &Law) -> f64 {
+fn closed_form(law: &UnitLaw) -> f64 {
     let square = polynomial::value(&polynomial::magnitude_squared(&law.a_o()), TURN * TURN);
     (0..law.order()).fold(1.0, |p, _| p * TURN) / square.sqrt()
 }

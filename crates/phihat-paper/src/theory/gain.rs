@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_design::claims::{Certified, Law, Optimality, polynomial};
+use phihat_design::claims::{Certified, Optimality, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use crate::compose::{curve, lines, log_axis, number, three, words};
@@ -19,7 +19,7 @@ const STEP: f64 = 2e-4;
 /// The gain from φ to the cost of one certified law.
 struct Gain {
     name: &'static str,
-    law: Law,
+    law: UnitLaw,
     certified: Certified,
     /// On every simulated φ.
     runs: Vec<(&'static str, f64)>,
@@ -28,7 +28,7 @@ struct Gain {
 }
 
 impl Gain {
-    fn of(name: &'static str, law: Law, k_tilde: f64) -> Result<Self, PartError> {
+    fn of(name: &'static str, law: UnitLaw, k_tilde: f64) -> Result<Self, PartError> {
         let claim = Optimality::at(&law, k_tilde)?;
         let certified = claim.certified().ok_or(PartError::NoCertificate(name))?.clone();
         let on = |(signal, phi): &(&'static str, Phi)| (*signal, gain_on(&law, &certified, phi));
@@ -202,7 +202,7 @@ fn signals() -> Vec<(&'static str, Phi)> {
 }
 
 /// `∫(xᵀQx + φ̂ᵀRφ̂)/∫φ²` of one run from rest.
-fn gain_on(law: &Law, c: &Certified, phi: &Phi) -> f64 {
+fn gain_on(law: &UnitLaw, c: &Certified, phi: &Phi) -> f64 {
     let (mut cost, mut energy) = (0.0, 0.0);
     for now in run(law, PaperForm::Ladder, &[], phi, (STEP, 20_000)) {
         let state: f64 = c.q.iter().zip(&now.x).map(|(q, x)| q * x * x).sum();
@@ -213,7 +213,7 @@ fn gain_on(law: &Law, c: &Certified, phi: &Phi) -> f64 {
 }
 
 /// The gain at one frequency: `x_i = (jω)^{i−1} d/(D A_o)`, `φ̂ = −a_{m−1} g d/A_o`.
-fn gain_at(law: &Law, c: &Certified, omega: f64) -> f64 {
+fn gain_at(law: &UnitLaw, c: &Certified, omega: f64) -> f64 {
     let w = omega * omega;
     let size = |p: &[f64]| polynomial::value(&polynomial::magnitude_squared(p), w);
     let state = polynomial::value(&c.q, w) / (size(&law.d()) * size(&law.a_o()));

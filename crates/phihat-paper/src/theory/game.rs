@@ -1,7 +1,7 @@
 //! Theorem 4: the value of the game, its saddle point, and the worst disturbance found without S.
 
 use phihat_design::claims::matrix::{Matrix, apply, dot, product, sum, transpose};
-use phihat_design::claims::{Certified, Law, Optimality};
+use phihat_design::claims::{Certified, Optimality, UnitLaw};
 use phihat_design::prelude::*;
 
 use super::printed::{Q33, Scalars, residual_13};
@@ -35,7 +35,7 @@ pub(super) fn theorem_4() -> Result<Section, PartError> {
 
 /// `ρ⁻¹(|x|)/|x_Δ| = 1/γ²` for all x, with a ρ of class K∞.
 fn condition() -> Statement {
-    let spread = |law: &Law| {
+    let spread = |law: &UnitLaw| {
         let row: Vec<f64> = law.k().iter().map(|k| k / law.a_top()).collect();
         let n = row.len();
         let x_delta = |x: &[f64]| (dot(&row, x) / length(x)).abs();
@@ -75,7 +75,7 @@ fn condition() -> Statement {
 }
 
 /// The disturbance that costs most, from a Riccati differential equation that starts at zero.
-fn worst_case(law: &Law, c: &Certified) -> Statement {
+fn worst_case(law: &UnitLaw, c: &Certified) -> Statement {
     let n = law.order() + 2;
     let p = stationary(law, c);
     let entry = |i: usize, j: usize| (p[i][j] - c.s[i][j]).abs() / (c.s[i][i] * c.s[j][j]).sqrt();
@@ -100,7 +100,7 @@ fn worst_case(law: &Law, c: &Certified) -> Statement {
 }
 
 /// `P(∞)` by classical Runge–Kutta, in coordinates in which all states weigh the same.
-fn stationary(law: &Law, c: &Certified) -> Matrix {
+fn stationary(law: &UnitLaw, c: &Certified) -> Matrix {
     let n = law.order() + 2;
     let sigma = law.denominator(1.0)[0].powf(1.0 / n as f64);
     let mut unit = vec![1.0; n];
@@ -140,7 +140,7 @@ fn stationary(law: &Law, c: &Certified) -> Matrix {
 }
 
 /// `J` for `φ̂ = −kx`, `d = wx` from `x₀`, and whether the loop is stable.
-fn cost(law: &Law, c: &Certified, k: &[f64], w: &[f64], start: &[f64]) -> f64 {
+fn cost(law: &UnitLaw, c: &Certified, k: &[f64], w: &[f64], start: &[f64]) -> f64 {
     let n = k.len();
     let mut a = law.a_matrix();
     for j in 0..n {
@@ -168,7 +168,7 @@ fn cost(law: &Law, c: &Certified, k: &[f64], w: &[f64], start: &[f64]) -> f64 {
 }
 
 /// `J(u*, d) ≤ J(u*, d*) = x₀ᵀSx₀ ≤ J(u, d*)`.
-fn saddle(law: &Law, c: &Certified) -> Statement {
+fn saddle(law: &UnitLaw, c: &Certified) -> Statement {
     let start = [0.0, 0.0, 0.1, 0.5];
     let value = dot(&start, &apply(&c.s, &start));
     let (k, w) = (law.k(), c.worst.clone());

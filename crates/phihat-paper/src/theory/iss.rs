@@ -2,7 +2,7 @@
 
 use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot, sum};
-use phihat_design::claims::{Iss, Law, Optimality, polynomial};
+use phihat_design::claims::{Iss, Optimality, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use super::alpha;
@@ -22,7 +22,8 @@ pub(super) fn theorem_3(draws: usize) -> Result<Section, PartError> {
     let certified =
         claim.certified().ok_or(PartError::Missing("H3 has a certificate at K̃ = 100"))?;
     let iss = Iss::of(&law, certified)?;
-    let of_loop = |(name, law): (&'static str, Law)| Iss::of_loop(&law).map(|iss| (name, law, iss));
+    let of_loop =
+        |(name, law): (&'static str, UnitLaw)| Iss::of_loop(&law).map(|iss| (name, law, iss));
     let any: Vec<_> = all().into_iter().map(of_loop).collect::<Result<_, _>>()?;
     Ok(Section {
         id: "theorem-3".to_owned(),
@@ -47,7 +48,7 @@ pub(super) fn theorem_3(draws: usize) -> Result<Section, PartError> {
 
 /// After (28): asymptotic stability is a matter of d = 0.
 fn asymptotic() -> Statement {
-    let end = |law: &Law, phi: f64| {
+    let end = |law: &UnitLaw, phi: f64| {
         let mut start = vec![0.0; law.order() + 2];
         start[law.order()] = 0.1;
         let rows = run(law, PaperForm::Ladder, &start, &Phi::polynomial(&[phi]), (1e-3, 5000));
@@ -78,7 +79,7 @@ fn asymptotic() -> Statement {
 }
 
 /// How many of some random (x, φ) break (27), V̇ from the state equation.
-fn broken(law: &Law, iss: &Iss, draws: usize) -> usize {
+fn broken(law: &UnitLaw, iss: &Iss, draws: usize) -> usize {
     let (a, mut draw) = (law.closed_loop(), Draw::new(3));
     let n = a.len();
     let mut broken = 0_usize;
@@ -96,7 +97,7 @@ fn broken(law: &Law, iss: &Iss, draws: usize) -> usize {
 }
 
 /// (27).
-fn dissipation(law: &Law, iss: &Iss, any: &[(&str, Law, Iss)], draws: usize) -> Statement {
+fn dissipation(law: &UnitLaw, iss: &Iss, any: &[(&str, UnitLaw, Iss)], draws: usize) -> Statement {
     let own = broken(law, iss, draws);
     let others: usize = any.iter().map(|(_, law, iss)| broken(law, iss, draws)).sum();
     let at_h = [("H1", second_h1()), ("H2", second_h2())].map(|(name, law)| {
@@ -135,7 +136,7 @@ fn dissipation(law: &Law, iss: &Iss, any: &[(&str, Law, Iss)], draws: usize) -> 
 }
 
 /// Largest |x| along runs as a share of (24), with β of the Lyapunov function and the gain of (25).
-fn share_of_24(law: &Law, iss: &Iss) -> f64 {
+fn share_of_24(law: &UnitLaw, iss: &Iss) -> f64 {
     let mut draw = Draw::new(4);
     let mut share: f64 = 0.0;
     for _ in 0..20 {
@@ -154,7 +155,7 @@ fn share_of_24(law: &Law, iss: &Iss) -> f64 {
 }
 
 /// (24) along runs.
-fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
+fn trajectories(any: &[(&str, UnitLaw, Iss)]) -> Statement {
     let shares: Vec<_> =
         any.iter().map(|(name, law, iss)| (*name, share_of_24(law, iss))).collect();
     let most = largest(shares.iter().map(|(_, share)| *share));
@@ -194,7 +195,7 @@ fn trajectories(any: &[(&str, Law, Iss)]) -> Statement {
 }
 
 /// How far (32) with the corrected `Q_33` and the missing term is from an identity, and that term's coefficient.
-fn off_32(law: &Law, k_tilde: f64, draws: usize) -> (f64, f64) {
+fn off_32(law: &UnitLaw, k_tilde: f64, draws: usize) -> (f64, f64) {
     let mut draw = Draw::new(5);
     let scalars = Scalars::of(law, k_tilde);
     let (s, a, q) = (scalars.s(), law.a_matrix(), scalars.q(Q33::Corrected));
@@ -247,7 +248,7 @@ fn derivative(draws: usize) -> Statement {
 
 /// (39) lacks a minus.
 fn sign_of_39() -> Statement {
-    let stable = |law: &Law, sign: f64| {
+    let stable = |law: &UnitLaw, sign: f64| {
         let n = law.order() + 2;
         let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i + 1 == n))).collect();
         // The last row of A ± BK is the characteristic polynomial, with a minus.

@@ -2,7 +2,7 @@
 
 use phihat_design::claims::matrix::failing_pivot;
 use phihat_design::claims::weights::{conditions, q_diagonal};
-use phihat_design::claims::{Attenuation, Law, Optimality, polynomial};
+use phihat_design::claims::{Attenuation, Optimality, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use super::printed::{Q33, Scalars, q22, residual_13};
@@ -40,7 +40,7 @@ pub(super) fn theorem_2(draws: usize) -> Result<Section, PartError> {
 }
 
 /// The two residuals of (13), with `Q_33` as printed and as (32) has it, and γ.
-fn residuals(law: &Law, k_tilde: f64) -> [f64; 3] {
+fn residuals(law: &UnitLaw, k_tilde: f64) -> [f64; 3] {
     let gamma = (law.a_top() - k_tilde).sqrt().recip();
     let scalars = Scalars::of(law, k_tilde);
     let s = scalars.s();
@@ -209,7 +209,7 @@ fn every_order() -> Result<(Statement, Table), PartError> {
 
 /// A2 is an artefact of the diagonal Q, and even there it is not necessary.
 fn damping_is_not_necessary() -> Result<Statement, PartError> {
-    let with = |kd: f64| Law { kd, ..second_h3() };
+    let with = |kd: f64| UnitLaw { kd, ..second_h3() };
     let diagonal = |kd: f64| q_diagonal(&with(kd), K_TILDE_H3).iter().all(|q_i| *q_i > 0.0);
     let (mut low, mut high) = (1e-6, 40.0);
     for _ in 0..60 {
@@ -220,7 +220,7 @@ fn damping_is_not_necessary() -> Result<Statement, PartError> {
     let light = with(0.5);
     let stable = [second_h1(), second_h2(), second_h3()]
         .iter()
-        .all(|law| polynomial::is_hurwitz(&Law { kd: 0.5, ..law.clone() }.denominator(1.0)));
+        .all(|law| polynomial::is_hurwitz(&UnitLaw { kd: 0.5, ..law.clone() }.denominator(1.0)));
     let gamma = Attenuation::of(&light)?.gamma_return_difference;
     Ok(Published {
         id: "theorem2-a2",

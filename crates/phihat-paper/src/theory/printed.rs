@@ -2,7 +2,7 @@
 //!
 //! None of it shares code with the certificates of `phihat-design`.
 
-use phihat_design::claims::Law;
+use phihat_design::claims::UnitLaw;
 use phihat_design::claims::matrix::{Matrix, product, transpose};
 
 use crate::joint::{outer, zeros};
@@ -27,7 +27,7 @@ pub(super) struct Scalars {
 
 impl Scalars {
     /// Those of a second-order law.
-    pub(super) fn of(law: &Law, k_tilde: f64) -> Self {
+    pub(super) fn of(law: &UnitLaw, k_tilde: f64) -> Self {
         Self { k: k_tilde, b: law.a[0] / law.a_top(), kp: law.kp, kd: law.kd }
     }
 
@@ -64,7 +64,7 @@ pub(super) fn q22(k: f64, kp: f64, kd: f64) -> Vec<f64> {
 
 /// `AᵀS + SA − SB R⁻¹BᵀS + γ⁻²SBBᵀS + Q` of (13) with `R⁻¹ = a_{m−1}`, the largest entry relative to the largest
 /// term of its own sum.
-pub(super) fn residual_13(law: &Law, gamma: f64, q: &[f64], s: &Matrix) -> f64 {
+pub(super) fn residual_13(law: &UnitLaw, gamma: f64, q: &[f64], s: &Matrix) -> f64 {
     let n = s.len();
     let sa = product(s, &law.a_matrix());
     let at_s = transpose(&sa);

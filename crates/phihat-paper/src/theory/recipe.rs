@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use phihat_design::claims::iss::decrease;
 use phihat_design::claims::matrix::failing_pivot;
 use phihat_design::claims::paper::Feedback;
-use phihat_design::claims::{ErrorLimits, Law, MinimalGains, Optimality};
+use phihat_design::claims::{ErrorLimits, MinimalGains, Optimality, UnitLaw};
 use phihat_design::prelude::*;
 
 use crate::compose::{number, three, words};
@@ -42,10 +42,10 @@ pub(super) fn recipe() -> Result<Section, PartError> {
 
 /// The term that is left out.
 fn term() -> Statement {
-    let falls = |law: &Law, k_tilde: f64, share: f64| {
+    let falls = |law: &UnitLaw, k_tilde: f64, share: f64| {
         let Ok(Optimality::Certified(c)) = Optimality::at(law, k_tilde) else { return false };
         let scaled =
-            Law { a: law.g().iter().map(|b| b * share * k_tilde).collect(), ..law.clone() };
+            UnitLaw { a: law.g().iter().map(|b| b * share * k_tilde).collect(), ..law.clone() };
         failing_pivot(&decrease(&scaled, &c.s)).is_none()
     };
     let shares = [0.501, 0.75, 1.0, 2.0];
@@ -129,7 +129,7 @@ fn without_term() -> Result<Statement, PartError> {
         let (ignored, included) = (newton(Feedback::Ignored)?, newton(Feedback::Included)?);
         let raised = |found: &MinimalGains| {
             let law = found.law();
-            Law { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law }
+            UnitLaw { a: law.a.iter().map(|a| 1.05 * a).collect(), ..law }
         };
         let optimal = |found: &MinimalGains| {
             let claim = Optimality::at(&raised(found), found.k_tilde);
@@ -173,13 +173,13 @@ fn without_term() -> Result<Statement, PartError> {
 }
 
 /// Time after which `|φ̃|` stays below a hundredth of a constant φ \[s\].
-fn settles(law: &Law) -> f64 {
+fn settles(law: &UnitLaw) -> f64 {
     let rows = run(law, PaperForm::Estimator, &[], &Phi::polynomial(&[1.0]), (1e-4, 20_000));
     rows.iter().rev().find(|x| (x.phi_hat - x.phi).abs() > 1e-2).map_or(0.0, |x| x.t)
 }
 
 /// What is left of a sine of one turn.
-fn left_of_turn(law: &Law) -> f64 {
+fn left_of_turn(law: &UnitLaw) -> f64 {
     let rows =
         run(law, PaperForm::Estimator, &[], &Phi::sines(&[(1.0, TURN, 0.0)]), (1e-3, 12_000));
     largest(rows.iter().skip(5800).map(|x| x.phi_hat - x.phi))
@@ -241,7 +241,7 @@ fn taylor() -> Statement {
 
 /// "Take a_i such that the gain of (47) is 3–5 times higher than (4)."
 fn step_three() -> Statement {
-    let ratio = |law: &Law| law.a[0].powf(1.0 / law.order() as f64) / law.kp.sqrt();
+    let ratio = |law: &UnitLaw| law.a[0].powf(1.0 / law.order() as f64) / law.kp.sqrt();
     let found = all().map(|(name, law)| (name, ratio(&law)));
     let listed = found.iter().map(|(name, ratio)| format!("{name}: {}", three((*ratio).into())));
     Published {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
-use phihat_design::claims::Law;
+use phihat_design::claims::UnitLaw;
 use phihat_rivals::{All, Supply, Tuning, rival};
 use phihat_study::Study;
 
@@ -49,16 +49,16 @@ pub(super) fn remark_9() -> Result<Section, PartError> {
 }
 
 /// Laws of order 1 on both sides of B2.
-fn laws() -> Vec<Law> {
+fn laws() -> Vec<UnitLaw> {
     let mut draw = Draw::new(9);
     let mut law = || {
         let law = draw.law(1);
-        Law { kd: (2.0 * law.kp).sqrt() * draw.between(0.3, 2.0), ..law }
+        UnitLaw { kd: (2.0 * law.kp).sqrt() * draw.between(0.3, 2.0), ..law }
     };
     (0..2000).map(|_| law()).collect()
 }
 
-fn b2(law: &Law) -> bool {
+fn b2(law: &UnitLaw) -> bool {
     law.kd * law.kd > 2.0 * law.kp
 }
 
@@ -91,12 +91,12 @@ fn conditions_of_q() -> Statement {
 
 /// B2 gives Choi's condition, and Choi's condition does not give B2.
 fn condition_of_choi() -> Statement {
-    let ratio = |law: &Law| {
+    let ratio = |law: &UnitLaw| {
         let (k, kp) = (law.kd + law.a_top(), law.kp + law.a_top() * law.kd);
         (kp / k).powi(2) / (2.0 * law.a_top() * law.kp / k)
     };
     let margin = laws().iter().filter(|law| b2(law)).map(ratio).fold(f64::INFINITY, f64::min);
-    let light = Law { kd: 28.0, ..first() };
+    let light = UnitLaw { kd: 28.0, ..first() };
     let other = ratio(&light);
     Published {
         id: "remark9-choi-condition",
@@ -123,7 +123,7 @@ fn condition_of_choi() -> Statement {
 }
 
 /// Largest `|τ − τ_Choi − q̈_d|` and largest |τ_Choi| over one second of smooth measurements, on three joints.
-fn torque_difference(law: &Law, choi: [f64; 4], period: f64) -> Result<(f64, f64), PartError> {
+fn torque_difference(law: &UnitLaw, choi: [f64; 4], period: f64) -> Result<(f64, f64), PartError> {
     let (form, inertia) = (Form::Literal, 1.0);
     let design = JointDesign { inertia, kp: law.kp, kd: law.kd, a: &law.a, period, form };
     let gains = JointGains::new(&design)?;

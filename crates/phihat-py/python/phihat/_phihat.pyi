@@ -394,7 +394,7 @@ class Supervisor:
         position_range: hard limits per joint [rad], beyond which the arm stops.
         soft_zone: width of the zone inside of them where the estimate does not grow outward [rad].
         braking: deceleration that a joint can always afford near a limit [rad/s^2].
-        error_max: largest ``|e|`` per joint while the law runs [rad]; beyond it the arm stops.
+        error_stop: largest ``|e|`` per joint while the law runs [rad]; beyond it the arm stops.
         frozen_travel: a position that stands still while the joint should have moved this far is frozen [rad].
         reference_limits: velocity, acceleration and jerk that every reference is shaped to [rad/s, rad/s^2, rad/s^3].
         dead_zone: inside this ``|e|``, with the reference at rest, the estimate is held [rad].
@@ -417,7 +417,7 @@ class Supervisor:
         position_range: Sequence[tuple[float, float]] | None = None,
         soft_zone: float = 0.05,
         braking: float = 5.0,
-        error_max: Sequence[float] | None = None,
+        error_stop: Sequence[float] | None = None,
         frozen_travel: Sequence[float] | None = None,
         reference_limits: tuple[float, float, float] | None = None,
         dead_zone: Sequence[float] | None = None,

@@ -41,7 +41,7 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// Hayat, Leibold, Buss (2018), (6), (8); the observer form is this project's.
 #[derive(Debug)]
-pub(crate) struct First(Law);
+pub(crate) struct First(ProposedLaw);
 
 /// The paper's law of order 2, estimator poles of damping `ζ_o`.
 ///
@@ -56,10 +56,10 @@ pub(crate) struct First(Law);
 /// As for order 1, with `G(s) = s²/((s² + K_d s + K_p)(s² + a_1 s + a_0))`. With `c_i` the coefficients of that
 /// denominator the upper end is where Routh's criterion fails, at `μ = (c_3 c_2 c_1 − c_3² c_0)/c_1²`.
 #[derive(Debug)]
-pub(crate) struct Second(Law);
+pub(crate) struct Second(ProposedLaw);
 
 #[derive(Debug)]
-pub(crate) struct Law {
+pub(crate) struct ProposedLaw {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
 }
@@ -100,7 +100,7 @@ const ESTIMATOR_DAMPING: Scalar = Scalar {
     high: 3.0,
 };
 
-impl Law {
+impl ProposedLaw {
     pub(crate) fn joints(&self) -> usize {
         self.states.len()
     }
@@ -198,7 +198,7 @@ impl Rival for First {
 
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
         let [omega, zeta, estimator] = tuning.values()?;
-        Law::new(tuning, &inertia, [omega, zeta], &[estimator]).map(Self)
+        ProposedLaw::new(tuning, &inertia, [omega, zeta], &[estimator]).map(Self)
     }
 
     fn update(
@@ -247,7 +247,7 @@ impl Rival for Second {
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
         let [omega, zeta, estimator, damping] = tuning.values()?;
         let a = [estimator * estimator, 2.0 * damping * estimator];
-        Law::new(tuning, &inertia, [omega, zeta], &a).map(Self)
+        ProposedLaw::new(tuning, &inertia, [omega, zeta], &a).map(Self)
     }
 
     fn update(

@@ -5,7 +5,7 @@ use crate::error::Refusal;
 use crate::facts::Designed;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
-use crate::rivals::proposed::{Law, PRINTED};
+use crate::rivals::proposed::{PRINTED, ProposedLaw};
 use crate::tuning::{Scalar, Tuning};
 
 /// The law of [`First`](super::proposed::First) and [`Second`](super::proposed::Second) with gains that a design
@@ -32,7 +32,7 @@ use crate::tuning::{Scalar, Tuning};
 /// Hayat, Leibold, Buss (2018), (6), (8); observer form and design are this project's.
 #[derive(Debug)]
 pub(crate) struct ProposedDesigned {
-    law: Law,
+    law: ProposedLaw,
     states: usize,
 }
 
@@ -54,7 +54,7 @@ impl Rival for ProposedDesigned {
 
     fn new(tuning: &Tuning, designed: Designed) -> Result<Self, Refusal> {
         let joints = designed.joints();
-        let law = Law::of(joints, tuning.period())?;
+        let law = ProposedLaw::of(joints, tuning.period())?;
         Ok(Self { law, states: joints.iter().map(|joint| joint.a.len()).sum() })
     }
 

@@ -289,7 +289,7 @@ impl Run {
     }
 
     /// Largest |e| of any joint from a time on \[rad\].
-    pub(crate) fn error_max(&self, from: f64) -> f64 {
+    pub(crate) fn error_peak(&self, from: f64) -> f64 {
         let first = self.t.partition_point(|t| *t < from);
         self.e[first..].iter().flatten().fold(0.0, |most: f64, e| most.max(e.abs()))
     }

@@ -60,7 +60,7 @@ use crate::{Command, JointGains, Real};
 /// };
 /// let limits = Limits::new(Some(87.0), Some(1000.0), 1e-3)?;
 /// let gains = JointGains::<f64>::new(&design)?.with_limits(limits);
-/// let joint = JointOptions { velocity_max: Some(2.5), error_max: Some(0.1), ..Default::default() };
+/// let joint = JointOptions { velocity_max: Some(2.5), error_stop: Some(0.1), ..Default::default() };
 /// let arm = Supervisor::new([gains; 2], &[joint; 2], &Options::new(1_000_000))?;
 ///
 /// let mut state = SupervisorState::new();

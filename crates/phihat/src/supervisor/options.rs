@@ -83,7 +83,7 @@ pub struct Schedule {
 /// let options = JointOptions::<f64> {
 ///     velocity_max: Some(2.5),
 ///     range: Some(JointRange { lower: -2.8, upper: 2.8, soft: 0.05, braking: 5.0 }),
-///     error_max: Some(0.1),
+///     error_stop: Some(0.1),
 ///     motion: Some(MotionLimits { velocity: 2.0, acceleration: 10.0, jerk: 500.0 }),
 ///     ..JointOptions::default()
 /// };
@@ -96,7 +96,7 @@ pub struct JointOptions<R> {
     /// Where the joint may be.
     pub range: Option<JointRange>,
     /// Largest |e| while the law runs \[rad\]; beyond it the arm stops.
-    pub error_max: Option<f64>,
+    pub error_stop: Option<f64>,
     /// A position that stands still while the joint should have moved this far is frozen \[rad\]: some
     /// quanta of the encoder.
     pub frozen_travel: Option<f64>,

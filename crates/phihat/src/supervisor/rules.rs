@@ -58,7 +58,7 @@ pub struct JointRules<R> {
     pub(crate) scheduled: bool,
     pub(crate) velocity_max: R,
     pub(crate) range: Option<RangeRules<R>>,
-    pub(crate) error_max: R,
+    pub(crate) error_stop: R,
     pub(crate) frozen_travel: Option<R>,
     pub(crate) shaper: Option<Shaper<R>>,
     /// Distance in which the shaper stops, at its velocity limit, per velocity: `v/2A + A/2J`.
@@ -191,7 +191,7 @@ impl<R: Real> JointRules<R> {
             velocity_max: optional(options.velocity_max, "velocity limit")?
                 .unwrap_or(plain.velocity_max),
             range: options.range.as_ref().map(|range| RangeRules::new(range, gains)),
-            error_max: optional(options.error_max, "error limit")?.unwrap_or(plain.error_max),
+            error_stop: optional(options.error_stop, "error limit")?.unwrap_or(plain.error_stop),
             frozen_travel: optional(options.frozen_travel, "frozen travel")?,
             shaper,
             stopping: stopping.map(R::from_f64),
@@ -210,7 +210,7 @@ impl<R: Real> JointRules<R> {
             scheduled: false,
             velocity_max: infinite,
             range: None,
-            error_max: infinite,
+            error_stop: infinite,
             frozen_travel: None,
             shaper: None,
             stopping: [R::ZERO; 2],

@@ -68,7 +68,7 @@ impl<R: Real> JointRules<R> {
         if !law {
             return None;
         }
-        if (m.q - memory.reference.q).abs() > self.error_max {
+        if (m.q - memory.reference.q).abs() > self.error_stop {
             return Some(Fault::TrackingError);
         }
         let travel = self.frozen_travel?;
