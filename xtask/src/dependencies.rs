@@ -29,7 +29,7 @@ const TESTS_ONLY: [&str; 5] =
     ["cbindgen", "cssparser", "cssparser-macros", "dtoa-short", "selectors"];
 
 /// Packages that are there in several versions, and who brings the other one.
-const TWICE: [(&str, usize, &str); 14] = [
+const TWICE: [(&str, usize, &str); 12] = [
     ("base64", 2, "parquet, resvg"),
     ("getrandom", 3, "rand of cmaes, tempfile"),
     ("miniz_oxide", 2, "resvg"),
@@ -38,11 +38,9 @@ const TWICE: [(&str, usize, &str); 14] = [
     ("rand", 2, "cmaes, proptest"),
     ("rand_core", 2, "cmaes, proptest"),
     ("roxmltree", 2, "resvg"),
-    ("safe_arch", 2, "wide of cmaes' nalgebra"),
     ("syn", 2, "proc macros"),
     ("toml", 2, "cbindgen"),
     ("toml_datetime", 2, "cbindgen"),
-    ("wide", 2, "cmaes' nalgebra"),
     ("winnow", 2, "cbindgen"),
 ];
 

@@ -14,7 +14,11 @@ const STEPS: [Step; 22] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
-        cargo(root, &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-Dwarnings"])
+        cargo(root, &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-Dwarnings"])?;
+        // The core compiles with an older Rust than the rest: nothing of a newer library is in it.
+        let core =
+            ["clippy", "-p", "phihat", "--lib", "--quiet", "--", "-Dclippy::incompatible_msrv"];
+        cargo(root, &core)
     }),
     ("Rust, command-line and report tests, and benches briefly", |root| {
         cargo(root, &["test", "--workspace", "--all-targets", "--no-fail-fast"])

@@ -35,12 +35,12 @@ impl<T: Copy, const K: usize> Log<T, K> {
     pub fn push(&mut self, entry: T) -> bool {
         let tail = self.first + self.len;
         let tail = if tail >= K { tail - K } else { tail };
-        if self.len < K
-            && let Some(slot) = self.entries.get_mut(tail)
-        {
-            *slot = Some(entry);
-            self.len += 1;
-            return true;
+        if self.len < K {
+            if let Some(slot) = self.entries.get_mut(tail) {
+                *slot = Some(entry);
+                self.len += 1;
+                return true;
+            }
         }
         self.dropped = self.dropped.saturating_add(1);
         false

@@ -57,10 +57,10 @@ fn companion(a: &[f64], scale: f64) -> Square {
         if let Some(entry) = f.get_mut(row).and_then(|r| r.first_mut()) {
             *entry = if row == 0 { -scaled } else { scaled };
         }
-        if row + 1 < a.len()
-            && let Some(entry) = f.get_mut(row).and_then(|r| r.get_mut(row + 1))
-        {
-            *entry = if row == 0 { -1.0 } else { 1.0 };
+        if row + 1 < a.len() {
+            if let Some(entry) = f.get_mut(row).and_then(|r| r.get_mut(row + 1)) {
+                *entry = if row == 0 { -1.0 } else { 1.0 };
+            }
         }
     }
     f

@@ -3,9 +3,9 @@
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{
-    Block, GenericArgument, ImplItemFn, Item, ItemFn, PathArguments, PathSegment, Signature,
+    Block, Expr, ExprBinary, GenericArgument, ImplItemFn, Item, ItemFn, PathArguments, PathSegment,
+    Signature, TraitItemFn, Type,
 };
-use syn::{TraitItemFn, Type};
 
 use super::tree::{Tree, is_test};
 
@@ -34,6 +34,15 @@ pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
     .collect()
 }
 
+/// Where a condition has a `let` among others (Rust 1.88): the core compiles with an older compiler.
+pub(super) fn let_chains(tree: &Tree) -> Vec<String> {
+    let all = gathered(tree).into_iter();
+    all.flat_map(|(file, measured)| {
+        measured.chains.into_iter().map(move |line| format!("{file}:{line}"))
+    })
+    .collect()
+}
+
 /// Lines of each file.
 pub(super) fn lines(tree: &Tree) -> impl Iterator<Item = usize> {
     tree.files.values().map(|file| file.lines)
@@ -52,6 +61,7 @@ pub(super) fn median(mut lines: Vec<usize>) -> Option<String> {
 struct Measured {
     long: Vec<(String, usize)>,
     texts: Vec<usize>,
+    chains: Vec<usize>,
 }
 
 fn gathered(tree: &Tree) -> Vec<(String, Measured)> {
@@ -96,6 +106,14 @@ impl<'ast> Visit<'ast> for Measured {
         visit::visit_trait_item_fn(self, item);
     }
 
+    fn visit_expr_binary(&mut self, condition: &'ast ExprBinary) {
+        let sides = [&*condition.left, &*condition.right];
+        if sides.iter().any(|side| matches!(side, Expr::Let(_))) {
+            self.chains.push(condition.span().start().line);
+        }
+        visit::visit_expr_binary(self, condition);
+    }
+
     fn visit_path_segment(&mut self, segment: &'ast PathSegment) {
         if segment.ident == "Result"
             && let PathArguments::AngleBracketed(list) = &segment.arguments
@@ -111,7 +129,7 @@ impl<'ast> Visit<'ast> for Measured {
 #[cfg(test)]
 mod tests {
     use super::super::tree::Tree;
-    use super::{errors_of_text, lines, long_functions, median};
+    use super::{errors_of_text, let_chains, lines, long_functions, median};
 
     fn alone(text: &str) -> Tree {
         Tree::read("lib.rs", &|name| (name == "lib.rs").then(|| text.to_owned())).unwrap()
@@ -132,6 +150,12 @@ mod tests {
     fn errors_of_text_are_counted() {
         let text = "fn a() -> Result<u8, String> {}\nfn b(x: Option<Result<(), String>>) {}\nfn c() -> Result<String, E> {}";
         assert_eq!(errors_of_text(&alone(text)), ["lib.rs:1", "lib.rs:2"]);
+    }
+
+    #[test]
+    fn conditions_with_a_let_among_others_are_told() {
+        let text = "fn a() {\n if let A = b { if c && d {} }\n if c && let A = b {}\n if let A = b && c {}\n while c && let A = b && d {}\n}";
+        assert_eq!(let_chains(&alone(text)), ["lib.rs:3", "lib.rs:4", "lib.rs:5"]);
     }
 
     #[test]

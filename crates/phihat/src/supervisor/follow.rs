@@ -98,12 +98,12 @@ impl<R: Real> JointRules<R> {
             next.phi_hat = before.phi_hat;
             *events |= Events::DEAD_ZONE;
         }
-        if let Some(range) = &self.range
-            && gains.form == Form::Observer
-        {
-            let [first, ..] = &mut next.memory;
-            *first = range.freeze(m.q, before.phi_hat, *first);
-            next.phi_hat = *first;
+        if let Some(range) = &self.range {
+            if gains.form == Form::Observer {
+                let [first, ..] = &mut next.memory;
+                *first = range.freeze(m.q, before.phi_hat, *first);
+                next.phi_hat = *first;
+            }
         }
         next
     }
@@ -120,18 +120,19 @@ impl<R: Real> JointRules<R> {
         now: &Moment<R>,
     ) -> Option<Fault> {
         let mut fault = None;
-        if let Some(most) = self.oscillation
-            && memory.oscillation.take(demand, most)
-        {
-            fault = Some(Fault::Oscillation);
+        if let Some(most) = self.oscillation {
+            if memory.oscillation.take(demand, most) {
+                fault = Some(Fault::Oscillation);
+            }
         }
-        if let Some(excitation) = self.first_motion
-            && now.first_motion
-        {
-            let step = m.dq - memory.measured.dq;
-            let gain = R::from_f64(LEAST_ACCELERATION) * gains.inertia_inverse * now.interval.step;
-            if memory.actuation.take(m.tau_applied, step, gain, excitation) {
-                fault = Some(Fault::Actuation);
+        if let Some(excitation) = self.first_motion {
+            if now.first_motion {
+                let step = m.dq - memory.measured.dq;
+                let gain =
+                    R::from_f64(LEAST_ACCELERATION) * gains.inertia_inverse * now.interval.step;
+                if memory.actuation.take(m.tau_applied, step, gain, excitation) {
+                    fault = Some(Fault::Actuation);
+                }
             }
         }
         fault
@@ -147,11 +148,11 @@ impl<R: Real> JointRules<R> {
         news: &mut JointNews,
     ) -> Command<R> {
         let mut demand = demand;
-        if let Some(range) = &self.range
-            && let Some(capped) = range.cap(m.q, m.dq, phi_hat, demand, memory.law.tau)
-        {
-            demand = capped;
-            news.events |= Events::RANGE;
+        if let Some(range) = &self.range {
+            if let Some(capped) = range.cap(m.q, m.dq, phi_hat, demand, memory.law.tau) {
+                demand = capped;
+                news.events |= Events::RANGE;
+            }
         }
         if !(demand + phi_hat).is_finite() {
             news.fault = Some(Fault::NotFinite);

@@ -120,15 +120,15 @@ impl<R: Real> RangeRules<R> {
         if self.is_easy(above, below, dq, last - phi_hat) {
             return None;
         }
-        if let Some(ceiling) = self.ceiling(above, dq, phi_hat, last)
-            && demand > ceiling
-        {
-            return Some(ceiling);
+        if let Some(ceiling) = self.ceiling(above, dq, phi_hat, last) {
+            if demand > ceiling {
+                return Some(ceiling);
+            }
         }
-        if let Some(ceiling) = self.ceiling(below, -dq, -phi_hat, -last)
-            && -demand > ceiling
-        {
-            return Some(-ceiling);
+        if let Some(ceiling) = self.ceiling(below, -dq, -phi_hat, -last) {
+            if -demand > ceiling {
+                return Some(-ceiling);
+            }
         }
         None
     }

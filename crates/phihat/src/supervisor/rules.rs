@@ -158,10 +158,10 @@ impl<R: Real> JointRules<R> {
         if let Some(start) = &options.start {
             plain.fits(joint, start)?;
         }
-        if let Some(start) = &options.start
-            && (start.form != Form::Observer || gains.form != Form::Observer)
-        {
-            return Err(OptionError::Form { joint });
+        if let Some(start) = &options.start {
+            if start.form != Form::Observer || gains.form != Form::Observer {
+                return Err(OptionError::Form { joint });
+            }
         }
         if let Some(range) = &options.range {
             let width = range.upper - range.lower;
