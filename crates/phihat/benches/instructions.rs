@@ -7,15 +7,15 @@ use std::hint::black_box;
 
 use phihat::{
     Controller, Form, JointDesign, JointGains, JointOptions, JointRange, JointState, Limits,
-    Measurement, ModeRequest, MotionLimits, Options, Reference, Request, Sample, Stamp, Supervisor,
-    SupervisorState,
+    Measurement, ModeRequest, MotionLimits, Options, PositionDesign, Reference, Request, Sample,
+    Stamp, Supervisor, SupervisorState,
 };
 
 const N: usize = 7;
-/// The bare law; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving, with jitter, against its limits, near the end of a
+/// The bare law; that from positions, behind one sample of delay; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving, with jitter, against its limits, near the end of a
 /// joint's range; and with the reference governor.
-const CLASSES: [&str; 8] =
-    ["law", "plain", "rest", "motion", "jitter", "limits", "range", "shaped"];
+const CLASSES: [&str; 9] =
+    ["law", "seen", "plain", "rest", "motion", "jitter", "limits", "range", "shaped"];
 
 fn gains() -> JointGains<f64> {
     let a = &[4900.0, 140.0];
@@ -51,8 +51,24 @@ fn inputs(class: &str) -> Inputs {
     (0..2000).map(one).collect()
 }
 
-fn law(samples: usize) -> f64 {
-    let controller = Controller::new([gains(); N]);
+fn from_positions() -> JointGains<f64> {
+    // Sampled poles at 0.93, 0.94, 0.95 and 0.96.
+    let design = PositionDesign {
+        inertia: 0.8,
+        kp: 400.0,
+        kd: 40.0,
+        correction: &[0.2028, 15.77, -543.0, -8.4e3],
+        velocity_correction: &[],
+        share: 0.4,
+        delay: 1,
+        period: 1e-3,
+    };
+    let limits = Limits::new(Some(87.0), Some(1000.0), 1e-3).unwrap();
+    JointGains::from_positions(&design).unwrap().with_limits(limits)
+}
+
+fn law(gains: &JointGains<f64>, samples: usize) -> f64 {
+    let controller = Controller::new([*gains; N]);
     let mut states = [JointState::new(); N];
     let mut sum = 0.0;
     for (m, r) in inputs("law").iter().cycle().take(samples) {
@@ -97,7 +113,11 @@ fn arm(class: &str, samples: usize) -> f64 {
 }
 
 fn run(class: &str, samples: usize) {
-    let sum = if class == "law" { law(samples) } else { arm(class, samples) };
+    let sum = match class {
+        "law" => law(&gains(), samples),
+        "seen" => law(&from_positions(), samples),
+        _ => arm(class, samples),
+    };
     println!("{class}: {samples} samples, sum of torques {sum:.3} N·m");
 }
 

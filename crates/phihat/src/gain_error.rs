@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::ORDER_MAX;
+use crate::position::PENDING_MAX;
 
 /// Names a gain in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +30,8 @@ pub enum Gain {
     JerkMax,
     /// The bandwidth of a velocity filter.
     VelocityFilter,
+    /// The share of the way to the wanted torque per sample.
+    Share,
 }
 
 impl fmt::Display for Gain {
@@ -45,6 +48,7 @@ impl fmt::Display for Gain {
             Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
             Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
             Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
+            Self::Share => f.write_str("share"),
         }
     }
 }
@@ -69,6 +73,23 @@ pub enum GainError {
         /// Its order.
         order: usize,
     },
+    /// More than the whole way to the wanted torque in one sample.
+    Share {
+        /// The share.
+        value: f64,
+    },
+    /// A delay across which a law from positions does not predict.
+    Delay {
+        /// Samples of it.
+        samples: usize,
+    },
+    /// Corrections of an observer that has not so many states.
+    Corrections {
+        /// How many for the position.
+        position: usize,
+        /// How many for the velocity.
+        velocity: usize,
+    },
     /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.
     Overflow,
 }
@@ -84,7 +105,15 @@ impl fmt::Display for GainError {
             }
             Self::UnstableEstimator { order } => write!(
                 f,
-                "the estimator polynomial of order {order} is not stable (Routh); lower its low coefficients"
+                "the estimator of order {order} is not stable (Routh, Schur); lower its low coefficients"
+            ),
+            Self::Share { value } => write!(f, "share is {value}; it must be above 0 and at most 1"),
+            Self::Delay { samples } => {
+                write!(f, "a delay of {samples} samples; at most {PENDING_MAX} are possible")
+            }
+            Self::Corrections { position, velocity } => write!(
+                f,
+                "{position} corrections by position and {velocity} by velocity; 3 to 5, and none or as many, are possible"
             ),
             Self::Overflow => f.write_str(
                 "gains, inertia and period are too far from 1: torques would overflow in this scalar",

@@ -1,5 +1,6 @@
 //! The gains of one joint: checked once, then immutable.
 
+use crate::position::PositionGains;
 use crate::sampled::sampled_coefficients;
 use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
 
@@ -15,6 +16,39 @@ pub enum Form {
     /// The paper's (9), (10), (16): integrals of the error. For reproduction; it winds up under
     /// saturation, and starts with `φ̂(0) ≠ 0` when the error does not start at zero.
     Literal,
+}
+
+/// A [`Structure`] that the compiler knows, so that each has machine code of its own: one decision per sample.
+pub(crate) trait Built {
+    const STRUCTURE: Structure;
+}
+
+/// [`Structure::Observer`].
+pub(crate) struct AsObserver;
+/// [`Structure::Literal`].
+pub(crate) struct AsLiteral;
+/// [`Structure::Position`].
+pub(crate) struct FromPositions;
+
+impl Built for AsObserver {
+    const STRUCTURE: Structure = Structure::Observer;
+}
+impl Built for AsLiteral {
+    const STRUCTURE: Structure = Structure::Literal;
+}
+impl Built for FromPositions {
+    const STRUCTURE: Structure = Structure::Position;
+}
+
+/// What the running law is, and so what a joint's memory means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Structure {
+    /// [`Form::Observer`].
+    Observer,
+    /// [`Form::Literal`].
+    Literal,
+    /// [`JointGains::from_positions`].
+    Position,
 }
 
 /// What a designer chooses for one joint. Always `f64`; the running law may be `f32`.
@@ -104,7 +138,9 @@ pub struct JointDesign<'a> {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointGains<R> {
-    pub(crate) form: Form,
+    pub(crate) structure: Structure,
+    /// Of a law from positions.
+    pub(crate) position: PositionGains<R>,
     pub(crate) order: usize,
     pub(crate) period: R,
     pub(crate) inertia: R,
@@ -148,7 +184,11 @@ impl<R: Real> JointGains<R> {
             *entry = R::from_f64(*value);
         }
         let gains = Self {
-            form: design.form,
+            structure: match design.form {
+                Form::Observer => Structure::Observer,
+                Form::Literal => Structure::Literal,
+            },
+            position: PositionGains::default(),
             order: m,
             period: R::from_f64(design.period),
             inertia: R::from_f64(design.inertia),
@@ -164,13 +204,14 @@ impl<R: Real> JointGains<R> {
     }
 
     /// Whether what samples within ±2³² come to is finite, with a factor of 2³² to spare for sums and peaks.
-    fn hold_samples_in(&self) -> bool {
+    pub(crate) fn hold_samples_in(&self) -> bool {
         let reach = R::from_f64(VALUE_MAX);
         let most = reach * reach * self.inertia;
         let [on_e, on_de] = self.on_error;
-        let own = match self.form {
-            Form::Observer => self.alpha,
-            Form::Literal => self.on_integrals,
+        let own = match self.structure {
+            Structure::Observer => self.alpha,
+            Structure::Literal => self.on_integrals,
+            Structure::Position => self.position.largest(),
         };
         let outer = [self.kp, self.kd, on_e, on_de, R::from_f64(1.0)];
         own.iter().chain(&outer).all(|factor| (most * *factor).is_finite())
@@ -185,10 +226,11 @@ impl<R: Real> JointGains<R> {
     }
 
     /// These gains with an estimator of first order, whose sampled pole is at the geometric mean of the poles they have:
-    /// for a start without peaking; see [`Schedule`](crate::Schedule). Gains of the literal form are left alone.
+    /// for a start without peaking; see [`Schedule`](crate::Schedule). Gains of the literal form,
+    /// or from positions, are left alone.
     #[must_use]
     pub fn first_order(self) -> Self {
-        if self.form == Form::Literal || self.order == 1 {
+        if self.structure != Structure::Observer || self.order == 1 {
             return self;
         }
         let Some(lowest) = self.alpha.get(self.order - 1).copied() else { return self };
@@ -206,6 +248,11 @@ impl<R: Real> JointGains<R> {
         let mut alpha = [R::ZERO; ORDER_MAX];
         alpha[0] = root;
         Self { order: 1, alpha, ..self }
+    }
+
+    /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
+    pub(crate) fn knows_as(&self, other: &Self) -> bool {
+        self.structure == other.structure && self.structure != Structure::Literal
     }
 
     /// Order `m` of the estimator.

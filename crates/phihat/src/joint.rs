@@ -1,5 +1,6 @@
 //! What one joint's law takes, gives and remembers.
 
+use crate::position::PENDING_MAX;
 use crate::{ORDER_MAX, Real};
 
 /// What one joint's sensors report at one sample.
@@ -119,6 +120,12 @@ pub struct JointState<R> {
     pub(crate) memory: [R; ORDER_MAX],
     /// Literal: what rounding left out of the integrals, so that 1e9 samples later they still count.
     pub(crate) carry: [R; ORDER_MAX],
+    /// From positions: `ê` \[rad\] and `ė̂` \[rad/s\].
+    pub(crate) motion: [R; 2],
+    /// From positions: what of the last torques is not feed-forward \[N·m\], the newest first.
+    pub(crate) pending: [R; PENDING_MAX],
+    /// From positions: the feed-forward of the last samples \[N·m\], the newest first.
+    pub(crate) feedforward: [R; PENDING_MAX + 1],
     /// Velocity at the last sample.
     pub(crate) dq: R,
     /// `φ̂` at the last sample.

@@ -1,14 +1,19 @@
 //! One joint, one sample: the law.
 
+use crate::gains::{AsLiteral, AsObserver, Built, FromPositions, Structure};
 use crate::joint::Interval;
-use crate::{Command, Form, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
+use crate::{Command, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
 
 /// What the estimator would remember after a sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Estimate<R> {
     pub(crate) memory: [R; ORDER_MAX],
-    carry: [R; ORDER_MAX],
+    /// Literal: what rounding left out of the sums. From positions: `ê`, `ė̂`, the feed-forward, and how many periods
+    /// the interval had.
+    pub(crate) beside: [R; ORDER_MAX],
     pub(crate) phi_hat: R,
+    /// From positions: the torque asked for beside `φ̂`.
+    pub(crate) outer: R,
 }
 
 impl<R: Real> Estimate<R> {
@@ -63,15 +68,42 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
-        let next = self.estimate(state, measurement, reference, &self.nominal());
-        let demand = self.outer_loop(measurement, reference) + next.phi_hat;
+        match self.structure {
+            Structure::Observer => self.answer_as::<AsObserver>(state, measurement, reference),
+            Structure::Literal => self.answer_apart::<AsLiteral>(state, measurement, reference),
+            Structure::Position => self.answer_as::<FromPositions>(state, measurement, reference),
+        }
+    }
+
+    /// As [`Self::answer_as`], out of the way of the law that most run.
+    #[cold]
+    #[inline(never)]
+    fn answer_apart<S: Built>(
+        &self,
+        state: &mut JointState<R>,
+        measurement: &Measurement<R>,
+        reference: &Reference<R>,
+    ) -> Command<R> {
+        self.answer_as::<S>(state, measurement, reference)
+    }
+
+    #[allow(clippy::inline_always, reason = "a call each would cost a tenth of the law")]
+    #[inline(always)]
+    fn answer_as<S: Built>(
+        &self,
+        state: &mut JointState<R>,
+        measurement: &Measurement<R>,
+        reference: &Reference<R>,
+    ) -> Command<R> {
+        let next = self.estimate::<S>(state, measurement, reference, &self.nominal());
+        let demand = self.demand::<S>(&next, measurement, reference);
         if !next.fits(demand) {
             return state.hold();
         }
         let limited = self.limits.apply(demand, state.tau);
-        self.remember(state, &next, measurement);
         state.phi_hat = next.phi_hat;
         state.tau = limited.tau;
+        Self::remember::<S>(state, &next, measurement);
         limited.command(next.phi_hat)
     }
 
@@ -99,15 +131,20 @@ impl<R: Real> JointGains<R> {
         for entry in next.memory.iter_mut().skip(self.order) {
             *entry = R::ZERO;
         }
-        match self.form {
-            Form::Observer => next.memory[0] = wanted,
-            Form::Literal => self.preset_integral(&mut next, measurement, reference, wanted),
+        let mut phi_hat = wanted;
+        match self.structure {
+            Structure::Observer => next.memory[0] = wanted,
+            Structure::Literal => self.preset_integral(&mut next, measurement, reference, wanted),
+            Structure::Position => {
+                phi_hat = self.preset_seen(&mut next, measurement, reference, tau);
+            }
         }
         next.dq = measurement.dq;
-        next.phi_hat = wanted;
+        next.phi_hat = phi_hat;
         next.tau = tau;
         next.started = true;
-        let stored = Estimate { memory: next.memory, carry: next.carry, phi_hat: wanted };
+        let stored =
+            Estimate { memory: next.memory, beside: next.carry, phi_hat, outer: tau - phi_hat };
         if !stored.fits(wanted + next.memory[0]) {
             return false;
         }
@@ -122,32 +159,53 @@ impl<R: Real> JointGains<R> {
 
     /// The estimator over the interval that ends at this sample. The state is left as it was: whether the
     /// sample counts is known only when its torque is.
-    pub(crate) fn estimate(
+    #[allow(
+        clippy::inline_always,
+        reason = "one copy per structure of the law, each without a call"
+    )]
+    #[inline(always)]
+    pub(crate) fn estimate<S: Built>(
         &self,
         state: &JointState<R>,
         measurement: &Measurement<R>,
         reference: &Reference<R>,
         interval: &Interval<R>,
     ) -> Estimate<R> {
-        match self.form {
-            Form::Observer => {
+        match S::STRUCTURE {
+            Structure::Observer => {
                 let memory = self.observe(state, measurement, interval);
-                Estimate { memory, carry: state.carry, phi_hat: memory[0] }
+                Estimate { memory, beside: state.carry, phi_hat: memory[0], outer: R::ZERO }
             }
-            Form::Literal => self.integrate(state, measurement, reference, interval),
+            Structure::Literal => self.integrate(state, measurement, reference, interval),
+            Structure::Position => self.sight(state, measurement, reference, interval),
         }
     }
 
-    /// The sample counts: its estimate is the state's from now on.
-    pub(crate) fn remember(
+    /// What the law asks for, before limits.
+    pub(crate) fn demand<S: Built>(
         &self,
+        estimate: &Estimate<R>,
+        measurement: &Measurement<R>,
+        reference: &Reference<R>,
+    ) -> R {
+        let outer = match S::STRUCTURE {
+            Structure::Observer | Structure::Literal => self.outer_loop(measurement, reference),
+            Structure::Position => estimate.outer,
+        };
+        outer + estimate.phi_hat
+    }
+
+    /// The sample counts, and `state.tau` answered it: its estimate is the state's from now on.
+    pub(crate) fn remember<S: Built>(
         state: &mut JointState<R>,
         estimate: &Estimate<R>,
         measurement: &Measurement<R>,
     ) {
         state.memory = estimate.memory;
-        if self.form == Form::Literal {
-            state.carry = estimate.carry;
+        match S::STRUCTURE {
+            Structure::Observer => {}
+            Structure::Literal => state.carry = estimate.beside,
+            Structure::Position => Self::remember_seen(state, &estimate.beside),
         }
         state.dq = measurement.dq;
         state.started = true;
@@ -209,7 +267,7 @@ impl<R: Real> JointGains<R> {
             }
         }
         let phi_hat = -(self.inertia * self.weigh(&memory, e, de));
-        Estimate { memory, carry, phi_hat }
+        Estimate { memory, beside: carry, phi_hat, outer: R::ZERO }
     }
 
     /// `Σ_{i=1}^{m+2} (a_{i−1}K_p + a_{i−2}K_d + a_{i−3}) x_i`.

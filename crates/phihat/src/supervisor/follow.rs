@@ -3,8 +3,9 @@
 use super::memory::JointMemory;
 use super::moment::Moment;
 use super::rules::JointRules;
+use crate::gains::{Built, Structure};
 use crate::law::Estimate;
-use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Reference};
+use crate::{Command, Events, Fault, JointGains, Measurement, Real, Reference};
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the
 /// nominal inertia still does, a dead drive or a closed brake does not.
@@ -19,21 +20,23 @@ pub(crate) struct JointNews {
 }
 
 impl<R: Real> JointRules<R> {
-    /// One fresh sample of the running law.
-    pub(crate) fn follow(
+    /// One fresh sample of the running law, which is built as `S`.
+    #[allow(clippy::inline_always, reason = "a call each would cost a hundred instructions")]
+    #[inline(always)]
+    pub(crate) fn follow<S: Built>(
         &self,
+        gains: &JointGains<R>,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
         now: &Moment<R>,
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
-        let gains = self.in_force(now.raised);
         let reference = self.refer(memory, now, &mut news.events);
-        let next = self.know(memory, gains, m, &reference, now, &mut news.events);
+        let next = self.know::<S>(memory, gains, m, &reference, now, &mut news.events);
         if self.scheduled {
             memory.learn(gains, m, now);
         }
-        let law = gains.outer_loop(m, &reference) + next.phi_hat;
+        let law = gains.demand::<S>(&next, m, &reference);
         let mut demand = match &self.funnel {
             Some(funnel) => funnel.demand(memory, gains, m, &reference, law, now, &mut news.events),
             None => law,
@@ -47,12 +50,17 @@ impl<R: Real> JointRules<R> {
         memory.reference = reference;
         let command = self.out(memory, next.phi_hat, m, demand, &mut news);
         if !command.status.refused {
-            gains.remember(&mut memory.law, &next, m);
+            JointGains::remember::<S>(&mut memory.law, &next, m);
         }
         (command, news)
     }
 
     /// The reference in force.
+    #[allow(
+        clippy::inline_always,
+        reason = "one copy per structure of the law, each without a call"
+    )]
+    #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
         let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
@@ -79,7 +87,7 @@ impl<R: Real> JointRules<R> {
     }
 
     /// What the estimator knows with this sample, where it may learn from it.
-    fn know(
+    fn know<S: Built>(
         &self,
         memory: &JointMemory<R>,
         gains: &JointGains<R>,
@@ -89,7 +97,7 @@ impl<R: Real> JointRules<R> {
         events: &mut Events,
     ) -> Estimate<R> {
         let before = &memory.law;
-        let mut next = gains.estimate(before, m, reference, &now.interval);
+        let mut next = gains.estimate::<S>(before, m, reference, &now.interval);
         for entry in &mut next.memory {
             *entry = entry.snap();
         }
@@ -99,7 +107,7 @@ impl<R: Real> JointRules<R> {
             *events |= Events::DEAD_ZONE;
         }
         if let Some(range) = &self.range {
-            if gains.form == Form::Observer {
+            if S::STRUCTURE != Structure::Literal {
                 let [first, ..] = &mut next.memory;
                 *first = range.freeze(m.q, before.phi_hat, *first);
                 next.phi_hat = *first;
@@ -139,6 +147,11 @@ impl<R: Real> JointRules<R> {
     }
 
     /// The only way out: joint range, torque rate, torque; finite always.
+    #[allow(
+        clippy::inline_always,
+        reason = "one copy per structure of the law, each without a call"
+    )]
+    #[inline(always)]
     pub(crate) fn out(
         &self,
         memory: &mut JointMemory<R>,

@@ -3,6 +3,7 @@
 use super::memory::JointMemory;
 use super::moment::Moment;
 use super::option_error::{positive, value};
+use crate::gains::Structure;
 use crate::{Events, JointGains, Measurement, OptionError, Real, Reference};
 
 /// The funnel has come to its final width once what it is wider by is this share of it.
@@ -92,7 +93,9 @@ impl<R: Real> FunnelRules<R> {
         if memory.funnel_settled >= now.dwell {
             // Handed over: what the law demands differently is faded out, from this sample on.
             memory.funnel = -one;
-            memory.fade_out(demand - law);
+            if gains.structure != Structure::Position {
+                memory.fade_out(demand - law);
+            }
             *events |= Events::FUNNEL_OVER;
             return law;
         }

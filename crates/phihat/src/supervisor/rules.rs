@@ -5,7 +5,7 @@ use super::funnel::FunnelRules;
 use super::option_error::{positive, value};
 use super::range::RangeRules;
 use crate::joint::Interval;
-use crate::{Form, JointGains, JointOptions, OptionError, Options, Real, Shaper};
+use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
 /// How long the mean of `φ̂` that a shaken arm holds, and the mean mismatch of a schedule, are taken over \[s\]: long
 /// against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A mean is at most
@@ -159,7 +159,7 @@ impl<R: Real> JointRules<R> {
             plain.fits(joint, start)?;
         }
         if let Some(start) = &options.start {
-            if start.form != Form::Observer || gains.form != Form::Observer {
+            if !gains.knows_as(start) {
                 return Err(OptionError::Form { joint });
             }
         }

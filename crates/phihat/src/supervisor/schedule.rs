@@ -4,7 +4,8 @@ use super::memory::{ArmState, JointMemory};
 use super::moment::Moment;
 use super::rules::JointRules;
 use super::sample::Rules;
-use crate::{Events, Form, JointGains, Measurement, Mode, Real, Reference};
+use crate::gains::Structure;
+use crate::{Events, JointGains, Measurement, Mode, Real, Reference};
 
 /// Changes between start gains and running gains, all joints at once.
 pub(crate) fn schedule<R: Real>(
@@ -55,7 +56,7 @@ impl<R: Real> JointRules<R> {
     /// Changes gains without a step in torque: what the new ones demand differently at the next sample is
     /// faded out from there.
     pub(crate) fn change(memory: &mut JointMemory<R>, from: &JointGains<R>, to: &JointGains<R>) {
-        if to.form == Form::Observer && from.form == Form::Observer {
+        if to.knows_as(from) {
             // What a lower order does not have goes on for one sample more.
             let mut above = R::ZERO;
             for (j, entry) in memory.law.memory.iter_mut().enumerate().rev() {
@@ -66,11 +67,18 @@ impl<R: Real> JointRules<R> {
                     *entry += to.period * above;
                 }
             }
-            memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
+            // A law from positions starts from the torque that acts: it has nothing to fade out.
+            if to.structure != Structure::Position {
+                memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
+            }
         } else {
             let (m, r) = (memory.measured, memory.reference);
-            let tau = from.outer_loop(&m, &r) + memory.law.phi_hat;
             let last = memory.law.tau;
+            let tau = if to.structure == Structure::Position {
+                last
+            } else {
+                from.outer_loop(&m, &r) + memory.law.phi_hat
+            };
             to.resume(&mut memory.law, &m, &r, tau);
             memory.law.tau = last;
         }

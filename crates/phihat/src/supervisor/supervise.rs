@@ -9,7 +9,8 @@ use super::moment::Moment;
 use super::rules::{ArmRules, JointRules};
 use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
-use crate::{Action, Command, Events, Measurement, Mode, ModeEvents, Real, Report};
+use crate::gains::{AsLiteral, AsObserver, Built, FromPositions, Structure};
+use crate::{Action, Command, Events, JointGains, Measurement, Mode, ModeEvents, Real, Report};
 
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
@@ -142,12 +143,58 @@ fn run<R: Real>(
     let joints =
         rules.iter().zip(memories.joints).zip(sample.joints.iter().zip(commands)).enumerate();
     for (joint, ((rule, memory), (m, command))) in joints {
-        let (answer, news) = rule.follow(memory, m, now);
-        memory.measured = *m;
-        *command = answer;
-        events |= note(memories.arm, joint, &answer, news);
+        let gains = rule.in_force(now.raised);
+        let arm = &mut *memories.arm;
+        let place = Place { joint, rule, gains };
+        events |= match gains.structure {
+            Structure::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
+            Structure::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
+            Structure::Position => {
+                place.follow_apart::<FromPositions>(arm, memory, m, now, command)
+            }
+        };
     }
     events
+}
+
+/// One joint of the arm, and the gains in force.
+struct Place<'a, R> {
+    joint: usize,
+    rule: &'a JointRules<R>,
+    gains: &'a JointGains<R>,
+}
+
+impl<R: Real> Place<'_, R> {
+    /// The joint's torque, and what it brought.
+    #[allow(clippy::inline_always, reason = "a call each would cost a hundred instructions")]
+    #[inline(always)]
+    fn follow<S: Built>(
+        &self,
+        arm: &mut ArmState,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        now: &Moment<R>,
+        command: &mut Command<R>,
+    ) -> Events {
+        let (answer, news) = self.rule.follow::<S>(self.gains, memory, m, now);
+        memory.measured = *m;
+        *command = answer;
+        note(arm, self.joint, &answer, news)
+    }
+
+    /// As [`Self::follow`], out of the way of the law that most run.
+    #[cold]
+    #[inline(never)]
+    fn follow_apart<S: Built>(
+        &self,
+        arm: &mut ArmState,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        now: &Moment<R>,
+        command: &mut Command<R>,
+    ) -> Events {
+        self.follow::<S>(arm, memory, m, now, command)
+    }
 }
 
 /// Every joint's torque where the law does not run, or has no fresh sample.

@@ -1,5 +1,6 @@
 //! One joint, integrated exactly: `J q̈ = τ − d` under zero-order hold. Independent of the core.
 #![allow(dead_code, reason = "each test file uses its part")]
+#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use phihat::{Command, Delay, Form, JointDesign, JointGains, JointState, Measurement, Reference};
 

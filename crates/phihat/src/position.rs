@@ -1,0 +1,310 @@
+//! One joint, one sample: the law whose observer sees the position alone.
+
+use crate::gains::Structure;
+use crate::joint::Interval;
+use crate::law::Estimate;
+use crate::position_design::STATES;
+use crate::{
+    GainError, JointGains, JointState, Limits, Measurement, ORDER_MAX, PositionDesign, Real,
+    Reference,
+};
+
+/// Longest transport delay that the law predicts across \[samples\].
+pub(crate) const PENDING_MAX: usize = 4;
+
+/// What an innovation corrects: `ê`, `ė̂`, `φ̂` and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Correction<R> {
+    e: R,
+    de: R,
+    /// In \[N·m/s^j\] per \[rad\] or \[rad/s\].
+    phi: [R; 3],
+}
+
+/// What of the gains only this law has.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct PositionGains<R> {
+    on_position: Correction<R>,
+    on_velocity: Correction<R>,
+    /// One period.
+    step: Step<R>,
+    /// What `ê`, `ė̂`, `φ̂` … weigh in the torque that is wanted, once they are carried on through the delay.
+    seen: Correction<R>,
+    /// What the torques on their way weigh in it, the newest first.
+    coming: [R; PENDING_MAX],
+    /// `g`: what share of the way to the torque that it wants the law goes in one sample.
+    share: R,
+    delay: u8,
+    /// Whether a velocity corrects it.
+    hears_velocity: bool,
+}
+
+/// What the observer holds to be true at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Expected<R> {
+    e: R,
+    de: R,
+    phi: [R; 3],
+}
+
+/// What a time does to a joint: `t`, and `t` and `t²/2` over `M̄`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Step<R> {
+    t: R,
+    velocity: R,
+    position: R,
+}
+
+impl<R: Real> Step<R> {
+    fn new(t: f64, inertia: f64) -> Self {
+        let n = |x: f64| R::from_f64(x);
+        Self { t: n(t), velocity: n(t / inertia), position: n(0.5 * t * t / inertia) }
+    }
+
+    /// The same for `share` of the time.
+    fn times(self, share: R) -> Self {
+        Self {
+            t: self.t * share,
+            velocity: self.velocity * share,
+            position: self.position * share * share,
+        }
+    }
+}
+
+impl<R: Real> Expected<R> {
+    /// The joint after a step under a torque \[N·m\] beside its feed-forward: exact for a `φ` that holds, as the torque
+    /// does, its mean over the step. `φ̂` is that mean.
+    #[must_use]
+    fn after(self, by: &Step<R>, torque: R) -> Self {
+        let [phi, d1, d2] = self.phi;
+        let push = torque - phi;
+        Self {
+            e: self.e + (by.t * self.de + by.position * push),
+            de: self.de + by.velocity * push,
+            phi: [phi + by.t * d1, d1 + by.t * d2, d2],
+        }
+    }
+
+    fn correct(&mut self, by: &Correction<R>, innovation: R) {
+        self.e += by.e * innovation;
+        self.de += by.de * innovation;
+        for (phi, gain) in self.phi.iter_mut().zip(&by.phi) {
+            *phi += *gain * innovation;
+        }
+    }
+}
+
+impl<R: Real> PositionGains<R> {
+    /// The largest factors on a sample.
+    pub(crate) fn largest(&self) -> [R; ORDER_MAX] {
+        let most = |by: &Correction<R>| {
+            by.phi.iter().fold(by.e.abs() + by.de.abs(), |sum, factor| sum + factor.abs())
+        };
+        let coming = self.coming.iter().fold(R::ZERO, |sum, factor| sum + factor.abs());
+        [most(&self.on_position), most(&self.on_velocity), most(&self.seen), coming]
+    }
+}
+
+impl<R: Real> JointGains<R> {
+    /// Checks the design of a law from positions and prepares it.
+    ///
+    /// # Law
+    ///
+    /// At sample `k`, with the torque `τ_k` acting from `k + d` to `k + d + 1`, and `M̄ ë = τ − ff − φ` between samples:
+    ///
+    /// ```text
+    /// z    = ê, ė̂, φ̂, …  of the last sample, carried on by the torque that acted, τ_applied − ff_{k−1−d}
+    /// z   ← z + ℓ (q_k − q_d,k − ê)                  (and + λ (q̇ − q̇_d − ė̂), where a velocity is good)
+    /// z⁺   = z carried on through the d torques that are on their way, and φ̂⁺ by T (1/g − 1) more
+    /// ff_k = M̄ q̈_d                                   q̈_d: the mean over the interval in which τ_k acts
+    /// r    = τ_{k−1} − ff_{k−1}                       as the limits let it through
+    /// τ_k  = ff_k + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r)
+    /// ```
+    ///
+    /// A constant `φ` leaves no error; from `m = 2` on, neither does a ramp. `g < 1` weighs the torque's change, as a penalty on its rate would. `r` holds what limits let
+    /// through, so nothing winds up, and a law that takes over begins from the torque that acts.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`], naming the gain: not finite, not positive, an observer that is not stable, an order outside 1 … 3,
+    /// a share outside 0 … 1, a delay beyond 4 samples, or gains with which torques would overflow.
+    pub fn from_positions(design: &PositionDesign<'_>) -> Result<Self, GainError> {
+        design.check()?;
+        let weights = |of: &[f64; STATES]| {
+            let [e, de, phi, d1, d2] = of.map(R::from_f64);
+            Correction { e, de, phi: [phi, d1, d2] }
+        };
+        let correction = |of: &[f64]| {
+            let at = |i: usize| of.get(i).copied().unwrap_or(0.0);
+            let phi = |i: usize| design.inertia * at(i);
+            weights(&[at(0), at(1), phi(2), phi(3), phi(4)])
+        };
+        let (seen, coming) = design.weights();
+        let gains = Self {
+            structure: Structure::Position,
+            position: PositionGains {
+                on_position: correction(design.correction),
+                on_velocity: correction(design.velocity_correction),
+                step: Step::new(design.period, design.inertia),
+                seen: weights(&seen),
+                coming: coming.map(R::from_f64),
+                share: R::from_f64(design.share),
+                delay: u8::try_from(design.delay).unwrap_or(0),
+                hears_velocity: !design.velocity_correction.is_empty(),
+            },
+            order: design.correction.len().saturating_sub(2),
+            period: R::from_f64(design.period),
+            inertia: R::from_f64(design.inertia),
+            inertia_inverse: R::from_f64(1.0 / design.inertia),
+            kp: R::from_f64(design.kp),
+            kd: R::from_f64(design.kd),
+            alpha: [R::from_f64(design.estimator_rate()), R::ZERO, R::ZERO, R::ZERO],
+            on_integrals: [R::ZERO; ORDER_MAX],
+            on_error: [R::ZERO; 2],
+            limits: Limits::none(),
+        };
+        if gains.hold_samples_in() { Ok(gains) } else { Err(GainError::Overflow) }
+    }
+
+    /// The observer over the interval that ends at this sample, corrected by what the sample says, and what the law
+    /// makes of it.
+    #[allow(clippy::inline_always, reason = "a call and a copy would cost a fifth of the law")]
+    #[inline(always)]
+    pub(crate) fn sight(
+        &self,
+        state: &JointState<R>,
+        m: &Measurement<R>,
+        reference: &Reference<R>,
+        interval: &Interval<R>,
+    ) -> Estimate<R> {
+        let own = &self.position;
+        let (e, de) = (m.q - reference.q, m.dq - reference.dq);
+        let [phi, d1, d2, _] = state.memory;
+        let mut z = Expected { e, de, phi: [phi, d1, d2] };
+        let mut pending = state.pending;
+        if state.started {
+            let [e_hat, de_hat] = state.motion;
+            z = Expected { e: e_hat, de: de_hat, ..z };
+            if interval.parts == 1 && interval.step == self.period {
+                let fed = entry(&state.feedforward, own.delay, 0);
+                z = z.after(&own.step, m.tau_applied - fed);
+            } else {
+                (z, pending) = self.carried_on(state, z, m.tau_applied, interval);
+            }
+            let (on_e, on_de) = (e - z.e, de - z.de);
+            z.correct(&own.on_position, on_e);
+            if own.hears_velocity {
+                z.correct(&own.on_velocity, on_de);
+            }
+        }
+        let [phi, d1, d2] = z.phi;
+        let [on_phi, on_d1, on_d2] = own.seen.phi;
+        let wanted = (own.seen.e * z.e + own.seen.de * z.de)
+            + (on_phi * phi + (on_d1 * d1 + on_d2 * d2))
+            + weighed(&own.coming, &pending, own.delay);
+        let [last, ..] = pending;
+        let feedforward = self.inertia * reference.ddq;
+        let demand = feedforward + last + own.share * (wanted - last);
+        let parts = R::from_f64(f64::from(interval.parts));
+        Estimate {
+            memory: [phi, d1, d2, R::ZERO],
+            beside: [z.e, z.de, feedforward, parts],
+            phi_hat: phi,
+            outer: demand - phi,
+        }
+    }
+
+    /// What is true at the end of an interval that is not one period, and which torques are on their way then.
+    #[cold]
+    #[inline(never)]
+    fn carried_on(
+        &self,
+        state: &JointState<R>,
+        from: Expected<R>,
+        tau_applied: R,
+        interval: &Interval<R>,
+    ) -> (Expected<R>, [R; PENDING_MAX]) {
+        let own = &self.position;
+        let step = own.step.times(interval.step / self.period);
+        let mut z = from;
+        let mut pending = state.pending;
+        let [last, ..] = pending;
+        for part in 0..interval.parts {
+            let fed = entry(&state.feedforward, own.delay, part);
+            z = z.after(&step, tau_applied - fed);
+            if part > 0 {
+                // A torque that nobody renewed was held.
+                push(&mut pending, last);
+            }
+        }
+        (z, pending)
+    }
+
+    /// The sample counts, and `state.tau` is what it was answered with.
+    pub(crate) fn remember_seen(state: &mut JointState<R>, beside: &[R; ORDER_MAX]) {
+        let [e, de, feedforward, parts] = *beside;
+        state.motion = [e, de];
+        if parts > R::from_f64(1.0) {
+            Self::hold_through(state, parts);
+        }
+        push(&mut state.pending, state.tau - feedforward);
+        push(&mut state.feedforward, feedforward);
+    }
+
+    /// Through periods without a sample the last torque is held.
+    #[cold]
+    #[inline(never)]
+    fn hold_through(state: &mut JointState<R>, parts: R) {
+        let ([last, ..], [fed, ..]) = (state.pending, state.feedforward);
+        let one = R::from_f64(1.0);
+        let mut left = parts;
+        while left > one {
+            push(&mut state.pending, last);
+            push(&mut state.feedforward, fed);
+            left = left - one;
+        }
+    }
+
+    /// Makes `next` such that this law would have commanded `tau`, held for a while already.
+    pub(crate) fn preset_seen(
+        &self,
+        next: &mut JointState<R>,
+        m: &Measurement<R>,
+        reference: &Reference<R>,
+        tau: R,
+    ) -> R {
+        let own = &self.position;
+        let (e, de) = (m.q - reference.q, m.dq - reference.dq);
+        let fed = self.inertia * reference.ddq;
+        let torque = tau - fed;
+        // The torque is its own answer where φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) is it, d samples on.
+        let ahead = self.period * R::from_f64(f64::from(own.delay));
+        let share = ahead * (self.kd + R::from_f64(0.5) * ahead * self.kp);
+        let force = self.kp * (e + ahead * de) + self.kd * de;
+        let phi = torque + self.inertia * force / (R::from_f64(1.0) + share);
+        next.memory = [phi, R::ZERO, R::ZERO, R::ZERO];
+        next.motion = [e, de];
+        next.pending = [torque; PENDING_MAX];
+        next.feedforward = [fed; PENDING_MAX + 1];
+        phi
+    }
+}
+
+/// Entry `at` of what the last samples left, the newest first, once `later` samples had passed without a new one.
+fn entry<R: Real, const K: usize>(of: &[R; K], at: u8, later: u8) -> R {
+    of.get(usize::from(at.saturating_sub(later))).copied().unwrap_or(R::ZERO)
+}
+
+fn weighed<R: Real>(weights: &[R; PENDING_MAX], values: &[R; PENDING_MAX], delay: u8) -> R {
+    let ([a, b, c, d], [p, q, r, s]) = (*weights, *values);
+    let newest = a * p;
+    if delay > 1 { newest + (b * q + (c * r + d * s)) } else { newest }
+}
+
+/// The newest goes in front.
+fn push<R: Real, const K: usize>(into: &mut [R; K], newest: R) {
+    let mut held = newest;
+    for slot in into {
+        held = core::mem::replace(slot, held);
+    }
+}
