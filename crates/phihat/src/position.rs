@@ -308,3 +308,91 @@ fn push<R: Real, const K: usize>(into: &mut [R; K], newest: R) {
         held = core::mem::replace(slot, held);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::gains::FromPositions;
+    use crate::joint::Interval;
+    use crate::{JointGains, JointState, Measurement, PositionDesign, Reference};
+
+    const T: f64 = 1e-3;
+
+    /// Nothing is corrected by what is seen but for rounding, so that only what is carried on counts.
+    fn gains() -> JointGains<f64> {
+        let design = PositionDesign {
+            inertia: 0.5,
+            kp: 400.0,
+            kd: 40.0,
+            correction: &[0.271, 28.5, -1000.0],
+            velocity_correction: &[],
+            share: 1.0,
+            delay: 2,
+            period: T,
+        };
+        JointGains::from_positions(&design).unwrap()
+    }
+
+    fn state() -> JointState<f64> {
+        JointState {
+            memory: [3.0, 0.0, 0.0, 0.0],
+            motion: [2e-3, 0.1],
+            pending: [5.0, 1.0, 1.0, 1.0],
+            feedforward: [0.5, 2.5, -1.5, 0.0, 0.0],
+            tau: 5.5,
+            started: true,
+            ..JointState::default()
+        }
+    }
+
+    #[test]
+    fn three_periods_at_once_are_three_periods() {
+        let gains = gains();
+        let reference = Reference { q: 0.0, dq: 0.0, ddq: 0.5 / 0.5 };
+        // What acted in the three periods: the two torques that were on their way, then the last one, held.
+        let acted = [1.0 - 1.5, 1.0 + 2.5, 5.0 + 0.5];
+        let mut one_by_one = state();
+        let mut last = None;
+        for tau_applied in acted {
+            let interval = Interval { step: T, parts: 1, share: 1.0 };
+            let blind = Measurement { q: 0.0, dq: 0.0, tau_applied };
+            // Told where it is expected to be: no innovation.
+            let at = |q: f64| {
+                let m = Measurement { q, ..blind };
+                gains.estimate::<FromPositions>(&one_by_one, &m, &reference, &interval)
+            };
+            let expected = at(0.0).beside[0] / (1.0 - 0.271);
+            let estimate = at(expected);
+            // Nobody hears of it: the torque stays.
+            JointGains::remember::<FromPositions>(&mut one_by_one, &estimate, &blind);
+            last = Some((expected, estimate));
+        }
+        let (expected, last) = last.unwrap();
+        let interval = Interval { step: T, parts: 3, share: 1.0 / 3.0 };
+        let mean = acted.iter().sum::<f64>() / 3.0;
+        let m = Measurement { q: expected, dq: 0.0, tau_applied: mean };
+        let mut at_once = state();
+        let estimate = gains.estimate::<FromPositions>(&at_once, &m, &reference, &interval);
+        // When the torque changed within the three is lost with the mean: T² (5.5 + 0.5)/M̄ at most, in position.
+        assert!((estimate.beside[0] - last.beside[0]).abs() < 1.2e-5);
+        assert!((estimate.beside[1] - last.beside[1]).abs() < 5e-4);
+        assert!((estimate.outer - last.outer).abs() < 0.05, "{} {}", estimate.outer, last.outer);
+        JointGains::remember::<FromPositions>(&mut at_once, &estimate, &m);
+        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(same(&at_once.pending[..3], &one_by_one.pending[..3]), "{at_once:?}");
+        assert!(same(&at_once.feedforward[..3], &one_by_one.feedforward[..3]), "{at_once:?}");
+    }
+
+    #[test]
+    fn half_a_period_moves_a_quarter_as_far() {
+        let gains = gains();
+        let state = JointState { motion: [0.0, 0.0], memory: [0.0; 4], ..state() };
+        let m = Measurement { q: 0.0, dq: 0.0, tau_applied: 1.0 - 1.5 };
+        let moved = |step: f64| {
+            let interval = Interval { step, parts: 1, share: 1.0 };
+            let at = gains.estimate::<FromPositions>(&state, &m, &Reference::default(), &interval);
+            at.beside[0] / (1.0 - 0.271)
+        };
+        assert!((moved(T) - 0.5 * T * T / 0.5).abs() < 1e-15, "{}", moved(T));
+        assert!((moved(0.5 * T) / moved(T) - 0.25).abs() < 1e-12);
+    }
+}
