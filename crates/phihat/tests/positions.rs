@@ -244,6 +244,30 @@ fn a_reference_known_in_advance_leaves_the_residue_of_the_hold() {
 }
 
 #[test]
+fn a_delay_is_predicted_across() {
+    // Where the joint is known, a delay only makes the same motion begin later: from where it is by then.
+    let poles = [0.9, 0.92, 0.95];
+    let prompt = gains(&poles, 1.0, 0);
+    for delay in 1..=4 {
+        let late = gains(&poles, 1.0, delay);
+        let mut joint = Joint::new(INERTIA, delay);
+        (joint.q, joint.dq) = (0.1, -0.4);
+        let mut twin = Joint::new(INERTIA, 0);
+        (twin.q, twin.dq) = (0.1 - 0.4 * delay as f64 * T, -0.4);
+        for _ in 0..delay {
+            joint.step(&late, &Reference::default(), 0.0);
+        }
+        let mut apart = 0.0_f64;
+        for _ in 0..400 {
+            joint.step(&late, &Reference::default(), 0.0);
+            twin.step(&prompt, &Reference::default(), 0.0);
+            apart = apart.max((joint.q - twin.q).abs());
+        }
+        assert!(apart < 1e-12 && joint.q.abs() < 1e-3, "d = {delay}: {apart:e} {}", joint.q);
+    }
+}
+
+#[test]
 fn limits_do_not_wind_it_up() {
     let free = gains(&[0.9, 0.92, 0.95], 0.4, 1);
     let limited = free.with_limits(Limits::new(Some(2.0), Some(400.0), T).unwrap());
@@ -284,7 +308,10 @@ fn it_takes_over_from_a_torque_without_a_step() {
             let ahead =
                 Reference { q: 0.3 + T * 0.1 + 0.5 * T * T * 0.7, dq: 0.1 + T * 0.7, ddq: 0.7 };
             let command = gains.update(&mut state, &next, &ahead);
-            assert!((command.tau - 5.0).abs() < 0.5, "d = {delay}, e = {e}: {}", command.tau);
+            println!("d = {delay}, e = {e}, ė = {de}: {:.4} N·m", command.tau - 5.0);
+            // A sample later the joint is closer, or farther: M̄ K_d K_p T e and M̄ (K_p − K_d²) T ė at most.
+            let most = INERTIA * T * (60.0 * 900.0 * e.abs() + 2700.0 * de.abs()) + 1e-9;
+            assert!((command.tau - 5.0).abs() < 1.1 * most, "d = {delay}: {}", command.tau);
         }
     }
 }
