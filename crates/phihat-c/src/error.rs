@@ -123,6 +123,10 @@ impl Refusal {
             }
             GainError::Order { .. } => member.write_str("order"),
             GainError::UnstableEstimator { .. } => member.write_str("a"),
+            // Of laws that this interface cannot ask for.
+            GainError::Share { .. } | GainError::Delay { .. } | GainError::Corrections { .. } => {
+                Ok(())
+            }
             GainError::Overflow => Ok(()),
         };
         error
