@@ -5,6 +5,9 @@ use crate::Real;
 /// Longest delay \[samples\].
 pub const DELAY_MAX: usize = 8;
 
+/// Longest transport delay that a law from positions predicts across \[samples\].
+pub(crate) const PENDING_MAX: usize = 4;
+
 /// A delay line: what comes out is what went in `samples` calls ago, zero before that.
 ///
 /// A controller that knows its transport delay, and cannot measure the torque, feeds the observer with

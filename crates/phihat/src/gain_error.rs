@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::ORDER_MAX;
-use crate::position::PENDING_MAX;
+use crate::delay::PENDING_MAX;
 
 /// Names a gain in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! The gains of one joint: checked once, then immutable.
 
-use crate::position::PositionGains;
+use crate::position_gains::PositionGains;
 use crate::sampled::sampled_coefficients;
 use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
 

@@ -1,6 +1,6 @@
 //! What one joint's law takes, gives and remembers.
 
-use crate::position::PENDING_MAX;
+use crate::delay::PENDING_MAX;
 use crate::{ORDER_MAX, Real};
 
 /// What one joint's sensors report at one sample.

@@ -65,6 +65,7 @@
 
 mod controller;
 mod delay;
+mod estimate;
 mod gain_error;
 mod gains;
 mod joint;
@@ -74,6 +75,7 @@ mod limits;
 mod log;
 mod position;
 mod position_design;
+mod position_gains;
 mod real;
 mod sampled;
 mod shaper;

@@ -1,6 +1,6 @@
 //! What a designer chooses for a law from positions: checked before it runs.
 
-use crate::position::PENDING_MAX;
+use crate::delay::PENDING_MAX;
 use crate::{Gain, GainError};
 
 /// States of the observer at most: error, its velocity, `φ` and two derivatives.

@@ -1,7 +1,12 @@
 //! The law from positions: its observer has the poles it was made for, its steady errors are those of its order, its
 //! prediction and its feed-forward are exact, and limits do not wind it up. Wrong if it confused a sample with the
 //! next, a torque with the one before, or a sign.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::cast_possible_truncation,
+    reason = "tests: a panic is the report, and single precision is one of them"
+)]
 
 use std::collections::VecDeque;
 
@@ -409,7 +414,6 @@ fn single_precision_follows_double() {
     let mut single = JointState::<f32>::new();
     let mut most = 0.0_f64;
     for _ in 0..3000 {
-        #[allow(clippy::cast_possible_truncation, reason = "that is what is tested")]
         let m = Measurement { q: joint.q as f32, dq: 0.0, tau_applied: joint.acted as f32 };
         let command = joint.step(&wide, &Reference::default(), 2.0);
         let other = narrow.update(&mut single, &m, &Reference::default());

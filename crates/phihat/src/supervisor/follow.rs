@@ -3,8 +3,8 @@
 use super::memory::JointMemory;
 use super::moment::Moment;
 use super::rules::JointRules;
+use crate::estimate::Estimate;
 use crate::gains::{Built, Structure};
-use crate::law::Estimate;
 use crate::{Command, Events, Fault, JointGains, Measurement, Real, Reference};
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the

@@ -115,11 +115,7 @@ impl<R: Real> RangeRules<R> {
     /// ```
     ///
     /// `q` and `q̇` are taken where they are once the torque has come down to braking at its rate limit.
-    #[allow(
-        clippy::inline_always,
-        reason = "one copy per structure of the law, each without a call"
-    )]
-    #[inline(always)]
+    #[inline]
     pub(crate) fn cap(&self, q: R, dq: R, phi_hat: R, demand: R, last: R) -> Option<R> {
         let (above, below) = (self.upper - q, q - self.lower);
         if self.is_easy(above, below, dq, last - phi_hat) {

@@ -1,6 +1,9 @@
 //! One joint, integrated exactly: `J q̈ = τ − d` under zero-order hold. Independent of the core.
-#![allow(dead_code, reason = "each test file uses its part")]
-#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
+#![allow(
+    dead_code,
+    clippy::large_types_passed_by_value,
+    reason = "each test file uses its part, and a test reads better with values"
+)]
 
 use phihat::{Command, Delay, Form, JointDesign, JointGains, JointState, Measurement, Reference};
 
