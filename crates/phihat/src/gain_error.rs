@@ -34,6 +34,17 @@ pub enum Gain {
     Share,
 }
 
+impl Gain {
+    /// `value`, where it is positive and finite.
+    pub(crate) fn positive(self, value: f64) -> Result<f64, GainError> {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(GainError::NotPositive { gain: self, value })
+        }
+    }
+}
+
 impl fmt::Display for Gain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -273,22 +273,15 @@ impl<R: Real> JointGains<R> {
 
 impl JointDesign<'_> {
     fn check(&self) -> Result<(), GainError> {
-        let positive = |gain: Gain, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(GainError::NotPositive { gain, value })
-            }
-        };
-        positive(Gain::Inertia, self.inertia)?;
-        positive(Gain::Kp, self.kp)?;
-        positive(Gain::Kd, self.kd)?;
-        positive(Gain::Period, self.period)?;
+        Gain::Inertia.positive(self.inertia)?;
+        Gain::Kp.positive(self.kp)?;
+        Gain::Kd.positive(self.kd)?;
+        Gain::Period.positive(self.period)?;
         if self.a.is_empty() || self.a.len() > ORDER_MAX {
             return Err(GainError::Order { order: self.a.len() });
         }
         for (index, value) in self.a.iter().enumerate() {
-            positive(Gain::A(index), *value)?;
+            Gain::A(index).positive(*value)?;
         }
         // Routh: with positive coefficients, orders 1 and 2 are stable.
         let stable = match *self.a {

@@ -80,6 +80,7 @@ mod real;
 mod sampled;
 mod shaper;
 mod source;
+mod square;
 mod supervisor;
 mod unwrap;
 mod velocity;

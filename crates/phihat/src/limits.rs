@@ -46,21 +46,14 @@ impl<R: Real> Limits<R> {
         torque_rate_max: Option<f64>,
         period: f64,
     ) -> Result<Self, GainError> {
-        let check = |gain: Gain, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(R::from_f64(value))
-            } else {
-                Err(GainError::NotPositive { gain, value })
-            }
-        };
-        check(Gain::Period, period)?;
+        Gain::Period.positive(period)?;
         let mut limits = Self::none();
         if let Some(value) = torque_max {
-            limits.torque = check(Gain::TorqueMax, value)?;
+            limits.torque = R::from_f64(Gain::TorqueMax.positive(value)?);
         }
         if let Some(value) = torque_rate_max {
-            check(Gain::TorqueRateMax, value)?;
-            limits.step = check(Gain::TorqueRateMax, value * period)?;
+            Gain::TorqueRateMax.positive(value)?;
+            limits.step = R::from_f64(Gain::TorqueRateMax.positive(value * period)?);
         }
         Ok(limits)
     }

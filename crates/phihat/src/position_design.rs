@@ -1,6 +1,7 @@
 //! What a designer chooses for a law from positions: checked before it runs.
 
 use crate::delay::PENDING_MAX;
+use crate::square::characteristic_polynomial;
 use crate::{Gain, GainError};
 
 /// States of the observer at most: error, its velocity, `φ` and two derivatives.
@@ -60,18 +61,11 @@ pub struct PositionDesign<'a> {
 
 impl PositionDesign<'_> {
     pub(crate) fn check(&self) -> Result<(), GainError> {
-        let positive = |gain: Gain, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(GainError::NotPositive { gain, value })
-            }
-        };
-        positive(Gain::Inertia, self.inertia)?;
-        positive(Gain::Kp, self.kp)?;
-        positive(Gain::Kd, self.kd)?;
-        positive(Gain::Period, self.period)?;
-        positive(Gain::Share, self.share)?;
+        Gain::Inertia.positive(self.inertia)?;
+        Gain::Kp.positive(self.kp)?;
+        Gain::Kd.positive(self.kd)?;
+        Gain::Period.positive(self.period)?;
+        Gain::Share.positive(self.share)?;
         if self.share > 1.0 {
             return Err(GainError::Share { value: self.share });
         }
@@ -151,23 +145,11 @@ impl PositionDesign<'_> {
 fn settles(a: &Square, n: usize) -> bool {
     // c_0 … c_n of det(z − A), c_n = 1.
     let mut c = [0.0; STATES + 1];
+    for (into, value) in c.iter_mut().zip(characteristic_polynomial(a, n)) {
+        *into = value;
+    }
     if let Some(top) = c.get_mut(n) {
         *top = 1.0;
-    }
-    let mut work = Square::default();
-    let mut last = 1.0;
-    let mut k = 1.0;
-    for coefficient in c.iter_mut().take(n).rev() {
-        for (i, row) in work.iter_mut().enumerate().take(n) {
-            if let Some(entry) = row.get_mut(i) {
-                *entry += last;
-            }
-        }
-        work = product(a, &work, n);
-        let trace: f64 = work.iter().enumerate().filter_map(|(i, row)| row.get(i)).sum();
-        last = -trace / k;
-        *coefficient = last;
-        k += 1.0;
     }
     let mut degree = n;
     while degree > 0 {
@@ -192,16 +174,4 @@ fn settles(a: &Square, n: usize) -> bool {
         degree -= 1;
     }
     true
-}
-
-fn product(a: &Square, b: &Square, n: usize) -> Square {
-    let mut out = Square::default();
-    for (row, left) in out.iter_mut().zip(a).take(n) {
-        for (factor, right) in left.iter().zip(b).take(n) {
-            for (entry, value) in row.iter_mut().zip(right).take(n) {
-                *entry += factor * value;
-            }
-        }
-    }
-    out
 }

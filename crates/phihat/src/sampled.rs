@@ -2,6 +2,7 @@
 //! continuous ones.
 
 use crate::ORDER_MAX;
+use crate::square::{characteristic_polynomial, product};
 
 type Square = [[f64; ORDER_MAX]; ORDER_MAX];
 
@@ -76,39 +77,6 @@ fn exponential_minus_one(x: &Square, m: usize) -> Square {
         total = sum(&total, &term, 1.0);
     }
     total
-}
-
-/// Coefficients `c_0 … c_{m−1}` of `det(λ − A) = λ^m + c_{m−1} λ^{m−1} + … + c_0`.
-fn characteristic_polynomial(a: &Square, m: usize) -> [f64; ORDER_MAX] {
-    let mut c = [0.0; ORDER_MAX];
-    let mut work = Square::default();
-    let mut last = 1.0;
-    let mut k = 1.0;
-    for coefficient in c.iter_mut().take(m).rev() {
-        for (i, row) in work.iter_mut().enumerate().take(m) {
-            if let Some(entry) = row.get_mut(i) {
-                *entry += last;
-            }
-        }
-        work = product(a, &work, m);
-        let trace: f64 = work.iter().enumerate().filter_map(|(i, row)| row.get(i)).sum();
-        last = -trace / k;
-        *coefficient = last;
-        k += 1.0;
-    }
-    c
-}
-
-fn product(a: &Square, b: &Square, m: usize) -> Square {
-    let mut out = Square::default();
-    for (row, left) in out.iter_mut().zip(a).take(m) {
-        for (factor, right) in left.iter().zip(b).take(m) {
-            for (entry, value) in row.iter_mut().zip(right) {
-                *entry += factor * value;
-            }
-        }
-    }
-    out
 }
 
 /// `a + factor·b`.

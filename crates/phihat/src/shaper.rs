@@ -82,21 +82,14 @@ impl<R: Real> Shaper<R> {
     ///
     /// [`GainError::NotPositive`] when a limit or the period is not positive and finite.
     pub fn new(limits: &MotionLimits, period: f64) -> Result<Self, GainError> {
-        let positive = |gain: Gain, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(R::from_f64(value))
-            } else {
-                Err(GainError::NotPositive { gain, value })
-            }
-        };
         let braking = 0.8 * limits.acceleration;
         let soft = (braking * braking / limits.jerk).max(20.0 * braking * period);
         Ok(Self {
-            period: positive(Gain::Period, period)?,
-            velocity: positive(Gain::VelocityMax, limits.velocity)?,
-            acceleration: positive(Gain::AccelerationMax, limits.acceleration)?,
+            period: R::from_f64(Gain::Period.positive(period)?),
+            velocity: R::from_f64(Gain::VelocityMax.positive(limits.velocity)?),
+            acceleration: R::from_f64(Gain::AccelerationMax.positive(limits.acceleration)?),
             braking: R::from_f64(braking),
-            jerk: positive(Gain::JerkMax, limits.jerk)?,
+            jerk: R::from_f64(Gain::JerkMax.positive(limits.jerk)?),
             step: R::from_f64(limits.jerk * period),
             soft: R::from_f64(soft),
             // Four times the slope of w(d) at 0, which is braking/soft.

@@ -48,16 +48,9 @@ impl<R: Real> VelocityFilter<R> {
     ///
     /// [`GainError::NotPositive`] when the bandwidth or the period is not positive and finite.
     pub fn new(bandwidth_hz: Option<f64>, period: f64) -> Result<Self, GainError> {
-        let positive = |gain: Gain, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(value)
-            } else {
-                Err(GainError::NotPositive { gain, value })
-            }
-        };
-        positive(Gain::Period, period)?;
+        Gain::Period.positive(period)?;
         let Some(bandwidth) = bandwidth_hz else { return Ok(Self { gain: R::from_f64(1.0) }) };
-        let rate = core::f64::consts::TAU * positive(Gain::VelocityFilter, bandwidth)?;
+        let rate = core::f64::consts::TAU * Gain::VelocityFilter.positive(bandwidth)?;
         let [alpha, ..] = sampled_coefficients(&[rate], period);
         Ok(Self { gain: R::from_f64(alpha * period) })
     }
