@@ -127,6 +127,7 @@ impl Refusal {
             GainError::Share { .. } | GainError::Delay { .. } | GainError::Corrections { .. } => {
                 Ok(())
             }
+            GainError::Form => member.write_str("form"),
             GainError::Overflow => Ok(()),
         };
         error

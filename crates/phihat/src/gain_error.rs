@@ -84,6 +84,8 @@ pub enum GainError {
         /// Its order.
         order: usize,
     },
+    /// A law from positions is designed as a [`PositionDesign`](crate::PositionDesign).
+    Form,
     /// More than the whole way to the wanted torque in one sample.
     Share {
         /// The share.
@@ -118,6 +120,7 @@ impl fmt::Display for GainError {
                 f,
                 "the estimator of order {order} is not stable (Routh, Schur); lower its low coefficients"
             ),
+            Self::Form => f.write_str("a law from positions has a design of its own, with an observer in place of `a`"),
             Self::Share { value } => write!(f, "share is {value}; it must be above 0 and at most 1"),
             Self::Delay { samples } => {
                 write!(f, "a delay of {samples} samples; at most {PENDING_MAX} are possible")

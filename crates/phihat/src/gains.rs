@@ -7,48 +7,39 @@ use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
 /// What a measured value may be at most, in any unit: 2³².
 const VALUE_MAX: f64 = 4_294_967_296.0;
 
-/// Which of the two equivalent forms of the law runs.
+/// Which form of the law runs, and so what a joint's memory means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Form {
-    /// A disturbance observer fed with the torque that acted (T4): the default.
+    /// A disturbance observer fed with velocity and the torque that acted (T4): the default.
     #[default]
     Observer,
     /// The paper's (9), (10), (16): integrals of the error. For reproduction; it winds up under
     /// saturation, and starts with `φ̂(0) ≠ 0` when the error does not start at zero.
     Literal,
+    /// An observer that sees the position and the torque that acted: [`JointGains::from_positions`].
+    Positions,
 }
 
-/// A [`Structure`] that the compiler knows, so that each has machine code of its own: one decision per sample.
+/// A [`Form`] that the compiler knows, so that each has machine code of its own: one decision per sample.
 pub(crate) trait Built {
-    const STRUCTURE: Structure;
+    const FORM: Form;
 }
 
-/// [`Structure::Observer`].
+/// [`Form::Observer`].
 pub(crate) struct AsObserver;
-/// [`Structure::Literal`].
+/// [`Form::Literal`].
 pub(crate) struct AsLiteral;
-/// [`Structure::Position`].
+/// [`Form::Positions`].
 pub(crate) struct FromPositions;
 
 impl Built for AsObserver {
-    const STRUCTURE: Structure = Structure::Observer;
+    const FORM: Form = Form::Observer;
 }
 impl Built for AsLiteral {
-    const STRUCTURE: Structure = Structure::Literal;
+    const FORM: Form = Form::Literal;
 }
 impl Built for FromPositions {
-    const STRUCTURE: Structure = Structure::Position;
-}
-
-/// What the running law is, and so what a joint's memory means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Structure {
-    /// [`Form::Observer`].
-    Observer,
-    /// [`Form::Literal`].
-    Literal,
-    /// [`JointGains::from_positions`].
-    Position,
+    const FORM: Form = Form::Positions;
 }
 
 /// What a designer chooses for one joint. Always `f64`; the running law may be `f32`.
@@ -87,7 +78,7 @@ pub struct JointDesign<'a> {
     pub a: &'a [f64],
     /// Sample period `T` \[s\].
     pub period: f64,
-    /// Which form of the law runs.
+    /// Which form of the law runs: [`Form::Positions`] has a design of its own.
     pub form: Form,
 }
 
@@ -138,7 +129,7 @@ pub struct JointDesign<'a> {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointGains<R> {
-    pub(crate) structure: Structure,
+    pub(crate) form: Form,
     /// Of a law from positions.
     pub(crate) position: PositionGains<R>,
     pub(crate) order: usize,
@@ -184,10 +175,7 @@ impl<R: Real> JointGains<R> {
             *entry = R::from_f64(*value);
         }
         let gains = Self {
-            structure: match design.form {
-                Form::Observer => Structure::Observer,
-                Form::Literal => Structure::Literal,
-            },
+            form: design.form,
             position: PositionGains::default(),
             order: m,
             period: R::from_f64(design.period),
@@ -208,10 +196,10 @@ impl<R: Real> JointGains<R> {
         let reach = R::from_f64(VALUE_MAX);
         let most = reach * reach * self.inertia;
         let [on_e, on_de] = self.on_error;
-        let own = match self.structure {
-            Structure::Observer => self.alpha,
-            Structure::Literal => self.on_integrals,
-            Structure::Position => self.position.largest(),
+        let own = match self.form {
+            Form::Observer => self.alpha,
+            Form::Literal => self.on_integrals,
+            Form::Positions => self.position.largest(),
         };
         let outer = [self.kp, self.kd, on_e, on_de, R::from_f64(1.0)];
         own.iter().chain(&outer).all(|factor| (most * *factor).is_finite())
@@ -230,7 +218,7 @@ impl<R: Real> JointGains<R> {
     /// or from positions, are left alone.
     #[must_use]
     pub fn first_order(self) -> Self {
-        if self.structure != Structure::Observer || self.order == 1 {
+        if self.form != Form::Observer || self.order == 1 {
             return self;
         }
         let Some(lowest) = self.alpha.get(self.order - 1).copied() else { return self };
@@ -252,7 +240,12 @@ impl<R: Real> JointGains<R> {
 
     /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
     pub(crate) fn knows_as(&self, other: &Self) -> bool {
-        self.structure == other.structure && self.structure != Structure::Literal
+        self.form == other.form && self.form != Form::Literal
+    }
+
+    /// Which form of the law runs.
+    pub fn form(&self) -> Form {
+        self.form
     }
 
     /// Order `m` of the estimator.
@@ -273,6 +266,9 @@ impl<R: Real> JointGains<R> {
 
 impl JointDesign<'_> {
     fn check(&self) -> Result<(), GainError> {
+        if self.form == Form::Positions {
+            return Err(GainError::Form);
+        }
         Gain::Inertia.positive(self.inertia)?;
         Gain::Kp.positive(self.kp)?;
         Gain::Kd.positive(self.kd)?;

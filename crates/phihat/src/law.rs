@@ -1,9 +1,9 @@
 //! One joint, one sample: the law.
 
 use crate::estimate::Estimate;
-use crate::gains::{AsLiteral, AsObserver, Built, FromPositions, Structure};
+use crate::gains::{AsLiteral, AsObserver, Built, FromPositions};
 use crate::joint::Interval;
-use crate::{Command, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
+use crate::{Command, Form, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
 
 impl<R: Real> JointGains<R> {
     /// Computes the torque of one joint for one sample.
@@ -48,10 +48,10 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
-        match self.structure {
-            Structure::Observer => self.answer_as::<AsObserver>(state, measurement, reference),
-            Structure::Literal => self.answer_apart::<AsLiteral>(state, measurement, reference),
-            Structure::Position => self.answer_as::<FromPositions>(state, measurement, reference),
+        match self.form {
+            Form::Observer => self.answer_as::<AsObserver>(state, measurement, reference),
+            Form::Literal => self.answer_apart::<AsLiteral>(state, measurement, reference),
+            Form::Positions => self.answer_as::<FromPositions>(state, measurement, reference),
         }
     }
 
@@ -112,10 +112,10 @@ impl<R: Real> JointGains<R> {
             *entry = R::ZERO;
         }
         let mut phi_hat = wanted;
-        match self.structure {
-            Structure::Observer => next.memory[0] = wanted,
-            Structure::Literal => self.preset_integral(&mut next, measurement, reference, wanted),
-            Structure::Position => {
+        match self.form {
+            Form::Observer => next.memory[0] = wanted,
+            Form::Literal => self.preset_integral(&mut next, measurement, reference, wanted),
+            Form::Positions => {
                 phi_hat = self.preset_seen(&mut next, measurement, reference, tau);
             }
         }
@@ -139,10 +139,7 @@ impl<R: Real> JointGains<R> {
 
     /// The estimator over the interval that ends at this sample. The state is left as it was: whether the
     /// sample counts is known only when its torque is.
-    #[allow(
-        clippy::inline_always,
-        reason = "one copy per structure of the law, each without a call"
-    )]
+    #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     pub(crate) fn estimate<S: Built>(
         &self,
@@ -151,13 +148,13 @@ impl<R: Real> JointGains<R> {
         reference: &Reference<R>,
         interval: &Interval<R>,
     ) -> Estimate<R> {
-        match S::STRUCTURE {
-            Structure::Observer => {
+        match S::FORM {
+            Form::Observer => {
                 let memory = self.observe(state, measurement, interval);
                 Estimate { memory, beside: state.carry, phi_hat: memory[0], outer: R::ZERO }
             }
-            Structure::Literal => self.integrate(state, measurement, reference, interval),
-            Structure::Position => self.sight(state, measurement, reference, interval),
+            Form::Literal => self.integrate(state, measurement, reference, interval),
+            Form::Positions => self.sight(state, measurement, reference, interval),
         }
     }
 
@@ -168,9 +165,9 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> R {
-        let outer = match S::STRUCTURE {
-            Structure::Observer | Structure::Literal => self.outer_loop(measurement, reference),
-            Structure::Position => estimate.outer,
+        let outer = match S::FORM {
+            Form::Observer | Form::Literal => self.outer_loop(measurement, reference),
+            Form::Positions => estimate.outer,
         };
         outer + estimate.phi_hat
     }
@@ -182,10 +179,10 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
     ) {
         state.memory = estimate.memory;
-        match S::STRUCTURE {
-            Structure::Observer => {}
-            Structure::Literal => state.carry = estimate.beside,
-            Structure::Position => Self::remember_seen(state, &estimate.beside),
+        match S::FORM {
+            Form::Observer => {}
+            Form::Literal => state.carry = estimate.beside,
+            Form::Positions => Self::remember_seen(state, &estimate.beside),
         }
         state.dq = measurement.dq;
         state.started = true;

@@ -2,12 +2,11 @@
 
 use crate::delay::PENDING_MAX;
 use crate::estimate::Estimate;
-use crate::gains::Structure;
 use crate::joint::Interval;
 use crate::position_design::STATES;
 use crate::position_gains::{Correction, Expected, PositionGains, Step, entry, push, weighed};
 use crate::{
-    GainError, JointGains, JointState, Limits, Measurement, ORDER_MAX, PositionDesign, Real,
+    Form, GainError, JointGains, JointState, Limits, Measurement, ORDER_MAX, PositionDesign, Real,
     Reference,
 };
 
@@ -47,7 +46,7 @@ impl<R: Real> JointGains<R> {
         };
         let (seen, coming) = design.weights();
         let gains = Self {
-            structure: Structure::Position,
+            form: Form::Positions,
             position: PositionGains {
                 on_position: correction(design.correction),
                 on_velocity: correction(design.velocity_correction),

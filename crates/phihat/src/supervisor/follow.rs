@@ -4,8 +4,8 @@ use super::memory::JointMemory;
 use super::moment::Moment;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
-use crate::gains::{Built, Structure};
-use crate::{Command, Events, Fault, JointGains, Measurement, Real, Reference};
+use crate::gains::Built;
+use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Reference};
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the
 /// nominal inertia still does, a dead drive or a closed brake does not.
@@ -56,10 +56,7 @@ impl<R: Real> JointRules<R> {
     }
 
     /// The reference in force.
-    #[allow(
-        clippy::inline_always,
-        reason = "one copy per structure of the law, each without a call"
-    )]
+    #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
         let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
@@ -107,7 +104,7 @@ impl<R: Real> JointRules<R> {
             *events |= Events::DEAD_ZONE;
         }
         if let Some(range) = &self.range {
-            if S::STRUCTURE != Structure::Literal {
+            if S::FORM != Form::Literal {
                 let [first, ..] = &mut next.memory;
                 *first = range.freeze(m.q, before.phi_hat, *first);
                 next.phi_hat = *first;
@@ -147,10 +144,7 @@ impl<R: Real> JointRules<R> {
     }
 
     /// The only way out: joint range, torque rate, torque; finite always.
-    #[allow(
-        clippy::inline_always,
-        reason = "one copy per structure of the law, each without a call"
-    )]
+    #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     pub(crate) fn out(
         &self,

@@ -3,8 +3,7 @@
 use super::memory::JointMemory;
 use super::moment::Moment;
 use super::option_error::{positive, value};
-use crate::gains::Structure;
-use crate::{Events, JointGains, Measurement, OptionError, Real, Reference};
+use crate::{Events, Form, JointGains, Measurement, OptionError, Real, Reference};
 
 /// The funnel has come to its final width once what it is wider by is this share of it.
 const NARROW_SHARE: f64 = 0.05;
@@ -93,7 +92,7 @@ impl<R: Real> FunnelRules<R> {
         if memory.funnel_settled >= now.dwell {
             // Handed over: what the law demands differently is faded out, from this sample on.
             memory.funnel = -one;
-            if gains.structure != Structure::Position {
+            if gains.form != Form::Positions {
                 memory.fade_out(demand - law);
             }
             *events |= Events::FUNNEL_OVER;

@@ -4,8 +4,7 @@ use super::memory::{ArmState, JointMemory};
 use super::moment::Moment;
 use super::rules::JointRules;
 use super::sample::Rules;
-use crate::gains::Structure;
-use crate::{Events, JointGains, Measurement, Mode, Real, Reference};
+use crate::{Events, Form, JointGains, Measurement, Mode, Real, Reference};
 
 /// Changes between start gains and running gains, all joints at once.
 pub(crate) fn schedule<R: Real>(
@@ -68,13 +67,13 @@ impl<R: Real> JointRules<R> {
                 }
             }
             // A law from positions starts from the torque that acts: it has nothing to fade out.
-            if to.structure != Structure::Position {
+            if to.form != Form::Positions {
                 memory.before = memory.before.or(Some([from.inertia, from.kd, from.kp]));
             }
         } else {
             let (m, r) = (memory.measured, memory.reference);
             let last = memory.law.tau;
-            let tau = if to.structure == Structure::Position {
+            let tau = if to.form == Form::Positions {
                 last
             } else {
                 from.outer_loop(&m, &r) + memory.law.phi_hat

@@ -9,8 +9,10 @@ use super::moment::Moment;
 use super::rules::{ArmRules, JointRules};
 use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
-use crate::gains::{AsLiteral, AsObserver, Built, FromPositions, Structure};
-use crate::{Action, Command, Events, JointGains, Measurement, Mode, ModeEvents, Real, Report};
+use crate::gains::{AsLiteral, AsObserver, Built, FromPositions};
+use crate::{
+    Action, Command, Events, Form, JointGains, Measurement, Mode, ModeEvents, Real, Report,
+};
 
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
@@ -146,12 +148,10 @@ fn run<R: Real>(
         let gains = rule.in_force(now.raised);
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
-        events |= match gains.structure {
-            Structure::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
-            Structure::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
-            Structure::Position => {
-                place.follow_apart::<FromPositions>(arm, memory, m, now, command)
-            }
+        events |= match gains.form {
+            Form::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
+            Form::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
+            Form::Positions => place.follow_apart::<FromPositions>(arm, memory, m, now, command),
         };
     }
     events
