@@ -17,7 +17,7 @@ gains = phihat.Gains.from_json(
     json.dumps(
         {
             "format": "phihat-gains",
-            "version": 2,
+            "version": 3,
             "study": "pendulum",
             "study_sha256": "",
             "rate_hz": 1000.0,

@@ -91,6 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kp_per_s2: kp,
         kd_per_s: kd,
         a: a.clone(),
+        observer: None,
     };
     let window = InertiaWindow::find(&record("shoulder", range.mean[0]), &model)?;
     println!("stable from {:.2} to {:.2} times M̄", window.low, window.high);

@@ -25,7 +25,7 @@ pub enum NoRun {
 /// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
 pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<Outcome, NoRun> {
     let mut study = study.clone();
-    gains.give_filter(&mut study)?;
+    gains.complete(&mut study)?;
     let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
     let period = study.control.period_ns;
     let law = gains.joint_gains(&names, period, study.control.form)?;

@@ -3,10 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ArmInertia, Attenuation, Bounds, CoupledGains, InertiaWindow, Iss, LargestStep, LoopModel,
-    Margins, Moving, NormH, NotCounted, Optimality, PaperRadius, PeakGains, Phi, ReadingError,
-    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
-    VaryingWindow,
+    ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow, LargestStep,
+    LoopModel, Margins, Moving, NotCounted, Phi, ReadingError, ReferenceError, Refutation,
+    SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube, VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -27,6 +26,12 @@ pub struct Certificate {
     /// Why stability while the arm moves is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving_refused: Option<Refutation>,
+    /// Stability at every frozen posture where joints have laws of their own; `None`: they share one, or it is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frozen: Option<FrozenArm>,
+    /// Why that is not proved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frozen_refused: Option<Refutation>,
     /// How far a push on one joint moves every joint, at frozen postures; `None` where no model of the arm is known, or the loop
     /// does not hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,18 +69,9 @@ pub struct JointCertificate {
     /// Range through which the inertia may move from sample to sample, for the sampled loop; `None`: no common
     /// quadratic form.
     pub sampled_varying: Option<SampledVarying>,
-    /// Levels `γ` at which the law is optimal.
-    pub attenuation: Attenuation,
-    /// Inverse optimality at one `K̃`; `None` where no diagonal `Q` exists.
-    pub optimality: Option<Optimality>,
-    /// Input-to-state stability.
-    pub iss: Iss,
-    /// The paper's bound (40) on `|x|` per unit of `φ/M̄`, and the ultimate bound that holds.
-    pub paper: PaperRadius,
-    /// H-infinity norm from φ to the error.
-    pub norm: NormH,
-    /// Continuous peak-to-peak gains at `μ = 1`.
-    pub peaks: PeakGains,
+    /// What holds of the law in continuous time; `None`: a law from positions, which is made for its sampled loop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub continuous: Option<ContinuousLaw>,
     /// Stability margins over the arm's range; like all that follows `None` where the window is refused.
     pub margins: Option<Margins>,
     /// Sampled peak-to-peak gains over the arm's range.
@@ -126,6 +122,6 @@ impl Certificate {
     pub fn refused(&self) -> Option<Refutation> {
         let own =
             |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
-        self.joints.iter().find_map(own)
+        self.joints.iter().find_map(own).or_else(|| self.frozen_refused.clone())
     }
 }

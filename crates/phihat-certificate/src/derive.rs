@@ -90,7 +90,7 @@ impl Certificate {
         joint: &JointCertificate,
         (gains, study, i): (&Gains, &Study, usize),
     ) -> Result<(), Refutation> {
-        let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
+        let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
         if model != joint.model {
             let (own, right) = (format!("{:?}", joint.model), format!("{model:?}"));
             return text("loop", &own, &right);

@@ -1,17 +1,17 @@
 //! The gains document: what a controller needs, as one versioned JSON file.
 
-use phihat::{Form, GainError, JointDesign, JointGains};
+use phihat::{Form, GainError, JointDesign, JointGains, PositionDesign};
 use phihat_model::input::plain;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, JointRecord, TradeOff};
+use crate::{Certificate, JointRecord, PositionObserver, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
 
 /// The version of the document's shape that this crate writes and reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The whole document, `gains.json`.
 ///
@@ -22,7 +22,7 @@ pub const VERSION: u32 = 2;
 /// use phihat_certificate::Gains;
 ///
 /// let text = r#"{
-///   "format": "phihat-gains", "version": 2, "study": "pendulum", "study_sha256": "",
+///   "format": "phihat-gains", "version": 3, "study": "pendulum", "study_sha256": "",
 ///   "rate_hz": 1000.0, "method": "by hand",
 ///   "joints": [{
 ///     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]
@@ -107,6 +107,17 @@ pub enum GainsError {
         /// Rate of the study.
         expected: f64,
     },
+    /// A law of another form.
+    #[error(
+        "joint {joint}: the loop's form is {form:?}, which these gains are not for: those with an `observer` are for \
+         \"positions\", those with `a` for the others"
+    )]
+    Form {
+        /// Name of the joint.
+        joint: String,
+        /// Form of the loop.
+        form: &'static str,
+    },
     /// The study leaves the velocity filter to the design.
     #[error("the study leaves sensor.velocity_filter_hz to the design, and the gains carry none")]
     NoFilter,
@@ -171,17 +182,56 @@ impl Gains {
         if (self.rate_hz - expected).abs() > 1e-9 * expected {
             return Err(GainsError::Rate { found: self.rate_hz, expected });
         }
+        let period = period_ns as f64 * 1e-9;
         let joint = |record: &JointRecord| {
-            JointGains::new(&JointDesign {
-                inertia: record.inertia_kg_m2,
-                kp: record.kp_per_s2,
-                kd: record.kd_per_s,
-                a: &record.a,
-                period: period_ns as f64 * 1e-9,
-                form,
-            })
-            .map_err(|error| GainsError::Joint { joint: record.name.clone(), error })
+            let refused = |error| GainsError::Joint { joint: record.name.clone(), error };
+            match (&record.observer, form) {
+                (Some(own), Form::Positions) => own.gains(record, period).map_err(refused),
+                (None, Form::Observer | Form::Literal) => {
+                    record.gains(form, period).map_err(refused)
+                }
+                _ => Err(GainsError::Form { joint: record.name.clone(), form: word(form) }),
+            }
         };
         self.joints.iter().map(joint).collect()
+    }
+}
+
+impl JointRecord {
+    /// The core's gains of a law that is fed with velocity.
+    fn gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
+        JointGains::new(&JointDesign {
+            inertia: self.inertia_kg_m2,
+            kp: self.kp_per_s2,
+            kd: self.kd_per_s,
+            a: &self.a,
+            period,
+            form,
+        })
+    }
+}
+
+impl PositionObserver {
+    /// The core's gains of a law from positions.
+    fn gains(&self, record: &JointRecord, period: f64) -> Result<JointGains<f64>, GainError> {
+        JointGains::from_positions(&PositionDesign {
+            inertia: record.inertia_kg_m2,
+            kp: record.kp_per_s2,
+            kd: record.kd_per_s,
+            correction: &self.correction,
+            velocity_correction: &[],
+            share: self.share,
+            delay: self.delay_samples as usize,
+            period,
+        })
+    }
+}
+
+/// A form as studies spell it.
+fn word(form: Form) -> &'static str {
+    match form {
+        Form::Observer => "observer",
+        Form::Literal => "literal",
+        Form::Positions => "positions",
     }
 }

@@ -12,7 +12,7 @@
 //! use phihat_certificate::Gains;
 //!
 //! let text = r#"{
-//!   "format": "phihat-gains", "version": 2, "study": "pendulum", "study_sha256": "",
+//!   "format": "phihat-gains", "version": 3, "study": "pendulum", "study_sha256": "",
 //!   "rate_hz": 1000.0, "method": "by hand",
 //!   "joints": [{
 //!     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]
@@ -43,12 +43,14 @@ mod attenuation;
 mod bounds;
 mod certificate;
 mod check;
+mod choices;
+mod continuous;
 mod coupled;
 mod derive;
 #[cfg(test)]
 mod dice;
 pub mod extremes;
-mod filter;
+mod frozen;
 mod gains;
 mod iss;
 mod law;
@@ -88,7 +90,9 @@ pub use arm::{ArmBasis, ArmInertia};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
+pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
+pub use frozen::FrozenArm;
 pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;
 pub use law::UnitLaw;
@@ -105,7 +109,7 @@ pub use peaks::SampledPeaks;
 pub use performance::PeakGains;
 pub use phi::{Motion, Phi, PhiBasis};
 pub use reading::ReadingError;
-pub use record::JointRecord;
+pub use record::{JointRecord, PositionObserver};
 pub use reference::ReferenceError;
 pub use refutation::Refutation;
 pub use settle::{Settle, SettleFrom};

@@ -13,6 +13,7 @@ mod spelling {
     pub(super) enum Form {
         Observer,
         Literal,
+        Positions,
     }
 
     #[derive(Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::decay::{Decay, Output};
 use crate::check::integral::{of_line, of_parabola};
 use crate::check::plausible::{self, enough};
-use crate::check::sample::{Loop, Signals};
+use crate::check::sample::{Loop, SENT, Signals};
 use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "sampled peak gains";
@@ -135,7 +135,15 @@ impl Found {
 /// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` where nothing is late, a constant else.
 fn servo_type(of: &Loop) -> usize {
     let late = of.late > 0 || of.drives();
-    if of.model.form == Form::Observer && late { of.order.min(1) } else { of.order }
+    match (of.model.form, &of.sight) {
+        (Form::Observer, _) if late => of.order.min(1),
+        // It knows what is on its way, and makes up for its own lag: a ramp leaves nothing where nothing else is late.
+        (_, Some(sight)) => {
+            let told = sight.ahead == of.late && !of.drives();
+            of.order.min(if told { 2 } else { 1 })
+        }
+        _ => of.order,
+    }
 }
 
 /// The state in which a loop bears a constant `φ = 1`: it demands that torque, at rest on its reference.
@@ -147,6 +155,10 @@ fn bearing(of: &Loop) -> Signals {
     match of.model.form {
         Form::Observer => x.memory[0] = 1.0,
         Form::Literal => x.memory[of.order - 1] = of.integral_of_one(),
+        Form::Positions => {
+            x.memory[2] = 1.0;
+            x.sent = [1.0; SENT];
+        }
     }
     x
 }

@@ -1,5 +1,6 @@
 //! Gains of one joint, as the document has them.
 
+use phihat::Form;
 use serde::{Deserialize, Serialize};
 
 /// Gains of one joint, in SI units; see NOTATION.md.
@@ -14,6 +15,36 @@ pub struct JointRecord {
     pub kp_per_s2: f64,
     /// Outer loop `K_d` \[1/s\].
     pub kd_per_s: f64,
-    /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\]; the length is the order `m`.
+    /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\]; the length is the order `m`. Empty in a law from
+    /// positions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub a: Vec<f64>,
+    /// What a law from positions has in their place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observer: Option<PositionObserver>,
+}
+
+/// Observer of a law from positions, and how fast its torque may turn: [`phihat::JointGains::from_positions`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PositionObserver {
+    /// `ℓ`: what one radian that the joint is farther than expected adds to `ê`, `ė̂` \[1/s\], `φ̂/M̄` \[1/s²\] and the
+    /// derivatives of that; `m + 2` entries.
+    pub correction: Vec<f64>,
+    /// `g`: share of the way to the wanted torque that is gone in one sample.
+    pub share: f64,
+    /// Delay from sample to acting torque that the law predicts across \[samples\].
+    pub delay_samples: u32,
+}
+
+impl JointRecord {
+    /// Order `m` of the estimate of `φ`.
+    pub fn order(&self) -> usize {
+        self.observer.as_ref().map_or(self.a.len(), |own| own.correction.len().saturating_sub(2))
+    }
+
+    /// The form of the law that these gains are for; `form` says which of those that share `a`.
+    pub fn form_or(&self, form: Form) -> Form {
+        if self.observer.is_some() { Form::Positions } else { form }
+    }
 }

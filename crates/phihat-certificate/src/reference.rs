@@ -31,6 +31,13 @@ const NONE: f64 = 1e-11;
 /// |ė| likewise, by the gains named after the velocity
 /// ```
 ///
+/// A law from positions feeds forward the mean acceleration of the interval in which its torque acts. Its gains are for a
+/// `q̈_d` of any shape: what the held torque leaves is a kick in position at the end of each interval, of at most
+///
+/// ```text
+/// T²/(4μ) max|q̈_d|,    T³/(12μ) max|q⃛_d|                                                          (S3)
+/// ```
+///
 /// # Method
 ///
 /// With the reference state `r = (q_d, q̇_d, q̈_d)`, `r_{k+1} = Φ r_k`, and `x_{k+1} = A x_k + R r_k` (in which
@@ -71,6 +78,10 @@ impl ReferenceError {
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);
             let decay = Decay::of(CLAIM, &of)?;
+            if of.sight.is_some() {
+                self.kicked(&of, &decay)?;
+                continue;
+            }
             // What φ has of it: (μ − 1) q̈_d is borne from outside.
             let borne = Outside { phi: 1.0 - mu, fed: self.feed_forward, ..Outside::default() };
             let during = Outside { acceleration: (0.0, 1.0), ..borne };
@@ -91,6 +102,23 @@ impl ReferenceError {
                     enough(CLAIM, &format!("‖{name} ← q⃛_d‖₁ ≤ claimed"), found, claimed)?;
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// (S3).
+    fn kicked(&self, of: &Loop, decay: &Decay) -> Result<(), Refutation> {
+        let run = decay.run(of, &Signals { q: 1.0, ..Signals::REST });
+        let t = of.period;
+        let (held, ramp) = (t * t / (4.0 * of.mu), t * t * t / (12.0 * of.mu));
+        for (output, acceleration, jerk) in [
+            (Output::Error, self.acceleration, self.jerk),
+            (Output::Velocity, self.velocity_acceleration, self.velocity_jerk),
+        ] {
+            let sum = run.sum(output);
+            enough(CLAIM, "‖· ← q̈_d‖ by kicks ≤ claimed", held * sum, acceleration)?;
+            let jerk = jerk.unwrap_or(f64::INFINITY);
+            enough(CLAIM, "‖· ← q⃛_d‖ by kicks ≤ claimed", ramp * sum, jerk)?;
         }
         Ok(())
     }

@@ -185,12 +185,15 @@ fn proved(joint: &JointCertificate) -> Vec<(String, String)> {
         let gain = format!("{:.4e} rad/(rad/s²)", sampled.jump[1]);
         add("error per φ/M̄ of one joint, at the ratios tried", gain);
     }
-    if let Some(gamma) = joint.attenuation.gamma_return_difference {
-        add("inverse optimal for every level", format!("γ > {gamma:.5}"));
+    if let Some(continuous) = &joint.continuous {
+        if let Some(gamma) = continuous.attenuation.gamma_return_difference {
+            add("inverse optimal for every level", format!("γ > {gamma:.5}"));
+        }
+        let norm = format!("≤ {:.5e}", continuous.norm.upper);
+        add("H-infinity norm φ → e at μ = 1, M̄ = 1", norm);
+        let ball = format!("|x| ≤ {:.5e} per unit of φ/M̄", continuous.paper.corrected);
+        add("ultimate bound of the whole ladder at μ = 1", ball);
     }
-    add("H-infinity norm φ → e at μ = 1, M̄ = 1", format!("≤ {:.5e}", joint.norm.upper));
-    let ball = format!("|x| ≤ {:.5e} per unit of φ/M̄", joint.paper.corrected);
-    add("ultimate bound of the whole ladder at μ = 1", ball);
     list
 }
 
@@ -202,6 +205,7 @@ fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
     let form = match model.form {
         Form::Observer => "observer form",
         Form::Literal => "literal form",
+        Form::Positions => "from positions",
     };
     let velocity = match model.velocity {
         VelocitySource::Measured => "velocity measured",

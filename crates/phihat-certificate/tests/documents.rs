@@ -267,15 +267,23 @@ fn claims_of_a_second_joint_are_checked_where_they_are_others() {
         ("inertia window", |g| second(g).window.as_mut().unwrap().low *= 0.5),
         ("varying inertia", |g| second(g).varying.as_mut().unwrap().high *= 1e3),
         ("varying inertia, sampled", |g| second(g).sampled_varying.as_mut().unwrap().high *= 1e3),
-        ("attenuation", |g| second(g).attenuation.blocking_w = Some(1.0)),
+        ("attenuation", |g| {
+            second(g).continuous.as_mut().unwrap().attenuation.blocking_w = Some(1.0)
+        }),
         ("optimality", |g| {
-            let Some(Optimality::Certified(own)) = &mut second(g).optimality else { panic!() };
+            let Some(Optimality::Certified(own)) =
+                &mut second(g).continuous.as_mut().unwrap().optimality
+            else {
+                panic!()
+            };
             own.q[0] *= 2.0;
         }),
-        ("input-to-state", |g| second(g).iss.rate *= 2.0),
-        ("bound = √cond(S) (40)", |g| second(g).paper.corrected *= 0.5),
-        ("H-infinity norm", |g| second(g).norm.upper *= 0.5),
-        ("performance", |g| second(g).peaks.states[0].upper *= 0.5),
+        ("input-to-state", |g| second(g).continuous.as_mut().unwrap().iss.rate *= 2.0),
+        ("bound = √cond(S) (40)", |g| {
+            second(g).continuous.as_mut().unwrap().paper.corrected *= 0.5
+        }),
+        ("H-infinity norm", |g| second(g).continuous.as_mut().unwrap().norm.upper *= 0.5),
+        ("performance", |g| second(g).continuous.as_mut().unwrap().peaks.states[0].upper *= 0.5),
         ("sampled peak gains", |g| second(g).sampled.as_mut().unwrap().jump[1] *= 0.5),
         ("reading error", |g| second(g).reading.as_mut().unwrap().error *= 0.5),
         ("reference error", |g| second(g).reference.as_mut().unwrap().acceleration *= 0.5),

@@ -158,9 +158,9 @@ const SMALLER_SAYS_MORE: [&str; 9] = [
 
 /// The tube by the second derivation.
 fn derived(honest: &Gains, study: &Study) -> Tube {
-    let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
+    let motion = Motion::of(&study).unwrap();
     let n = study.robot.joints.len();
-    let reference = Reference::of(study, |t| (0..n).map(|i| motion.at(i, t)).collect());
+    let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
     let certificate = honest.certificate.as_ref().unwrap();
     certificate.tube_again(honest, (study, &reference), &|_| ()).unwrap().unwrap()
 }

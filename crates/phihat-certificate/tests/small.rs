@@ -157,7 +157,8 @@ fn the_bound_of_a_steady_error_is_the_tubes_or_the_joints_own() {
 
 #[test]
 fn what_decays_has_its_rate_and_its_overshoot() {
-    let mut iss = document().certificate.unwrap().joints[0].iss.clone();
+    let mut iss =
+        document().certificate.unwrap().joints[0].continuous.as_ref().unwrap().iss.clone();
     (iss.overshoot, iss.rate) = (5.0, 2.0);
     assert_eq!(iss.beta(0.0), 5.0);
     assert!((iss.beta(1.5) - 5.0 * (-3.0_f64).exp()).abs() < 1e-12);

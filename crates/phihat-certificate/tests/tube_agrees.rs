@@ -21,8 +21,8 @@ const SINES: &str = "[reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.8]\nfad
 fn both(text: &str) -> (Tube, Tube) {
     let study = read(text);
     let gains = requested_gains(&study).unwrap();
-    let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
-    let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
+    let motion = Motion::of(&study).unwrap();
+    let desired = Desired::of(&study, |joint, t| motion.told(joint, t));
     let first = tube(&study, &gains, &desired).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let (low, high) = &study.design.coulomb;
     let inputs = Inputs {

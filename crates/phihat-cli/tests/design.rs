@@ -93,7 +93,7 @@ fn the_papers_recipe_says_what_holds_and_does_not_arm() {
     assert!(a >= 4.0 * gain("kp_per_s2").sqrt() * 0.999, "{joint}");
     let claims = &answer["gains"]["certificate"]["joints"][0];
     assert!(claims["refused"][0]["inequality"].as_str().unwrap().contains("window.low"));
-    assert!(claims["bounds"].is_null() && !claims["iss"].is_null());
+    assert!(claims["bounds"].is_null() && !claims["continuous"]["iss"].is_null());
     let verified = phihat(&folder, &["verify", file]);
     assert_eq!(verified.code, 1);
     assert!(verified.out.contains("REFUSED: joint1: inertia window"), "{}", verified.out);

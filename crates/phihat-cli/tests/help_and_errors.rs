@@ -149,7 +149,7 @@ fn bad_inputs_give_one_error_and_leave_nothing() {
     let second = file(
         "second.json",
         format!(
-            r#"{{"format": "phihat-gains", "version": 2, "study": "s", "study_sha256": "0", "rate_hz": 1000.0,
+            r#"{{"format": "phihat-gains", "version": 3, "study": "s", "study_sha256": "0", "rate_hz": 1000.0,
                 "method": "typed", "joints": [{joint}]}}"#
         ),
     );

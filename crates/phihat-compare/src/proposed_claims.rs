@@ -50,6 +50,7 @@ impl ProposedLaw {
             kp_per_s2: self.law.kp,
             kd_per_s: self.law.kd,
             a: self.law.a.clone(),
+            observer: None,
         }
     }
 

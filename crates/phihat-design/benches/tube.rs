@@ -66,8 +66,8 @@ fn main() {
             let start = Instant::now();
             let gains = gains(&study);
             let searched = start.elapsed().as_secs_f64();
-            let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
-            let desired = Desired::of(&study, |joint, t| motion.at(joint, t));
+            let motion = Motion::of(&study).unwrap();
+            let desired = Desired::of(&study, |joint, t| motion.told(joint, t));
             let mut times: Vec<f64> = (0..runs)
                 .map(|_| {
                     let start = Instant::now();

@@ -84,9 +84,9 @@ pub use designer::{
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
     FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,
-    LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, Proved, Quantity, Searched, Settle,
-    SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION, Verified,
-    Witness,
+    LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver, Proved, Quantity,
+    Searched, Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch,
+    VERSION, Verified, Witness,
 };
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

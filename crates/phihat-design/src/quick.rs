@@ -60,7 +60,7 @@ impl Quick {
             moved[0] += x[0].abs();
             moved[1] += (unit * x[1]).abs();
         })?;
-        let lasting = model.servo_type(law.a.len()) >= 2;
+        let lasting = model.servo_type(law.order()) >= 2;
         let ramp = [lasting.then_some(ramp[0]), Some(ramp[1]), Some(ramp[2])];
         Some(Self { jump, ramp, reading, moved, change })
     }
@@ -140,6 +140,7 @@ mod tests {
                         kp_per_s2: w * w,
                         kd_per_s: 2.0 * w,
                         a,
+                        observer: None,
                     };
                     let model = LoopModel {
                         period_s,

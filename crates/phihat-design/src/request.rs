@@ -1,8 +1,12 @@
 //! Gains as a study states them: bandwidths or coefficients, turned into the gains document.
 
+use core::f64::consts::TAU;
+
+use phihat::Form;
 use phihat_study::{LawRequest, Study};
 
-use crate::{FORMAT, Gains, JointRecord, VERSION};
+use crate::sampled::placed::{Poles, correction};
+use crate::{FORMAT, Gains, JointRecord, PositionObserver, VERSION};
 
 /// The gains that a study asks for in so many words.
 ///
@@ -55,12 +59,14 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
     let inertia = &request.inertia;
     let joint = |(i, joint): (usize, &phihat_model::Joint)| {
         let (kp, kd, a) = law(&request.law, i);
+        let positions = study.control.form == Form::Positions;
         JointRecord {
             name: joint.name.clone(),
             inertia_kg_m2: inertia[i],
             kp_per_s2: kp,
             kd_per_s: kd,
-            a,
+            a: if positions { Vec::new() } else { a },
+            observer: positions.then(|| observer(study, &request.law, i)),
         }
     };
     let method = match request.law {
@@ -89,6 +95,7 @@ fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
             damping,
             estimator_bandwidth,
             estimator_damping,
+            torque_bandwidth: _,
         } => {
             let (w, z) = (bandwidth[joint], damping[joint]);
             let a = estimator(order[joint], estimator_bandwidth[joint], estimator_damping[joint]);
@@ -97,6 +104,34 @@ fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {
         LawRequest::Coefficients { kp, kd, a } => (kp[joint], kd[joint], a.clone()),
         // `LawRequest` may grow; a kind this version does not know yields no estimator, which the
         // controller refuses by name.
+    }
+}
+
+/// The observer of a law from positions: all `m + 2` poles at the distance `ω_o`.
+fn observer(study: &Study, request: &LawRequest, joint: usize) -> PositionObserver {
+    let period = study.control.period_ns as f64 * 1e-9;
+    let mut poles = Vec::new();
+    let mut share = 1.0;
+    if let LawRequest::Bandwidths {
+        order,
+        estimator_bandwidth,
+        estimator_damping,
+        torque_bandwidth,
+        ..
+    } = request
+    {
+        let (w, z) = (estimator_bandwidth[joint], estimator_damping[joint]);
+        let states = order[joint] + 2;
+        poles = (0..states / 2).map(|_| Poles::Pair { w, z }).collect();
+        poles.extend((states % 2 == 1).then_some(Poles::Real { w }));
+        if let Some(hz) = torque_bandwidth {
+            share = -libm::expm1(-TAU * hz[joint] * period);
+        }
+    }
+    PositionObserver {
+        correction: correction(&poles, period),
+        share,
+        delay_samples: study.control.delay_samples,
     }
 }
 

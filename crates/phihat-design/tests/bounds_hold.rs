@@ -44,7 +44,7 @@ fn certified(study: &Study) -> Option<Gains> {
 fn tightest(mut study: Study) -> Option<f64> {
     study.duration = study.duration.min(study.spec.settle + STEADY);
     let gains = certified(&study)?;
-    gains.give_filter(&mut study).unwrap();
+    gains.complete(&mut study).unwrap();
     let certificate = gains.certificate.as_ref().unwrap();
     certificate.verify(&gains).unwrap();
     let form = study.control.form;

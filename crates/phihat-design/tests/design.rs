@@ -302,7 +302,12 @@ fn claims_about_the_whole_law_are_checked_again() {
     let good = gains(&study(arm, center, payload, 2e-3));
     let cases: [(&str, Forge<'_>); 6] = [
         ("(40)", &|g| {
-            g.certificate.as_mut().unwrap().joints.iter_mut().for_each(|j| j.paper.printed *= 0.9);
+            g.certificate
+                .as_mut()
+                .unwrap()
+                .joints
+                .iter_mut()
+                .for_each(|j| j.continuous.as_mut().unwrap().paper.printed *= 0.9);
         }),
         ("√cond(S)", &|g| {
             g.certificate
@@ -310,7 +315,7 @@ fn claims_about_the_whole_law_are_checked_again() {
                 .unwrap()
                 .joints
                 .iter_mut()
-                .for_each(|j| j.paper.corrected *= 0.9);
+                .for_each(|j| j.continuous.as_mut().unwrap().paper.corrected *= 0.9);
         }),
         ("φ̈", &|g| {
             let sampled = g.certificate.as_mut().unwrap().joints[0].sampled.as_mut().unwrap();

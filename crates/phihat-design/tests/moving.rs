@@ -22,6 +22,7 @@ fn law(kp: f64, kd: f64, a: &[f64]) -> JointRecord {
         kp_per_s2: kp,
         kd_per_s: kd,
         a: a.to_vec(),
+        observer: None,
     }
 }
 

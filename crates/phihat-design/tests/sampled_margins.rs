@@ -124,6 +124,7 @@ fn a_resonance_between_two_points_of_the_grid_counts() {
         kp_per_s2: 613.401_598_791_595_5,
         kd_per_s: 49.533_891_379_199_98,
         a: vec![5_371.978_045_197_343],
+        observer: None,
     };
     let model = LoopModel {
         period_s: 5e-4,

@@ -40,8 +40,8 @@ q_rad = [0.0, -0.8, 0.0, -2.3, 0.0, 1.6, 0.8]
     );
     let study = Study::from_text(&text, "tube_scope", ".".as_ref()).unwrap();
     let gains = requested_gains(&study).unwrap();
-    let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
-    tube(&study, &gains, &Desired::of(&study, |joint, t| motion.at(joint, t))).map(|_| ())
+    let motion = Motion::of(&study).unwrap();
+    tube(&study, &gains, &Desired::of(&study, |joint, t| motion.told(joint, t))).map(|_| ())
 }
 
 #[test]

@@ -121,6 +121,7 @@ fn record(a: &[f64]) -> JointRecord {
         kp_per_s2: 400.0,
         kd_per_s: 40.0,
         a: a.to_vec(),
+        observer: None,
     }
 }
 

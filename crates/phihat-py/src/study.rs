@@ -64,7 +64,11 @@ pub(crate) fn study_document<'py>(
         "error_max_rad": study.spec.error_bound,
         "period_ns": study.control.period_ns,
         "delay_samples": study.control.delay_samples,
-        "form": if study.control.form == Form::Literal { "literal" } else { "observer" },
+        "form": match study.control.form {
+            Form::Observer => "observer",
+            Form::Literal => "literal",
+            Form::Positions => "positions",
+        },
         "torque_max_nm": study.control.torque_max,
         "torque_rate_max_nm_s": study.control.torque_rate_max,
         "encoder_bits": study.sensor.encoder_bits,

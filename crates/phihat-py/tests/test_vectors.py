@@ -30,7 +30,7 @@ def document(joints: list[list[str]], period: float) -> str:
     return json.dumps(
         {
             "format": "phihat-gains",
-            "version": 2,
+            "version": 3,
             "study": "vectors",
             "study_sha256": "",
             "rate_hz": 1.0 / period,

@@ -141,7 +141,8 @@ fn stability(certificate: &Certificate) -> Markup {
 
 /// The game's weights of the law that the joints share.
 fn weights(joint: &JointCertificate) -> Markup {
-    let certified = joint.optimality.as_ref().and_then(|o| o.certified());
+    let optimality = joint.continuous.as_ref().and_then(|law| law.optimality.as_ref());
+    let certified = optimality.and_then(|o| o.certified());
     html! {
         @if let Some(c) = certified {
             details {

@@ -5,14 +5,17 @@ use crate::kit::text::{line, visible};
 use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
 use maud::{Markup, html};
-use phihat_design::Gains;
+use phihat_design::{Gains, JointRecord, PositionObserver};
 
 /// The gains that ran.
 pub(crate) fn gains(gains: &Gains) -> Markup {
     let order = gains.joints.iter().map(|j| j.a.len()).max().unwrap_or(0);
+    let seen = gains.joints.iter().filter_map(|j| Some((j, j.observer.as_ref()?)));
+    let seen: Vec<_> = seen.collect();
     html! {
         h2 id="gains" { "Gains" }
         p { "How they were found: " (line(&gains.method)) }
+        @if !seen.is_empty() { (observers(&seen)) } @else {
         div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
             table {
                 caption { span { "Law: τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂, estimator of order m" } }
@@ -31,6 +34,37 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
                     td { (stated(joint.kd_per_s)) }
                     td { (joint.a.len()) }
                     @for i in 0..order { td { (joint.a.get(i).map_or("–".to_owned(), |a| stated(*a))) } }
+                } } }
+            }
+        }
+        }
+    }
+}
+
+/// Laws from positions.
+fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
+    let states = joints.iter().map(|(_, own)| own.correction.len()).max().unwrap_or(0);
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
+            table {
+                caption { span { "Law from positions: the torque goes the share g of the way to M̄ (q̈_d − K_d ė̂ − K_p ê) + φ̂ in each sample; the observer is corrected by ℓ times what the position is off" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "M̄ " span.unit { "[kg·m²]" } }
+                    th scope="col" { "K_p " span.unit { "[1/s²]" } }
+                    th scope="col" { "K_d " span.unit { "[1/s]" } }
+                    th scope="col" { "g" }
+                    th scope="col" { "delay " span.unit { "[samples]" } }
+                    @for i in 0..states { th scope="col" { "ℓ_" (i) " " span.unit { "[1/s^" (i) "]" } } }
+                } }
+                tbody { @for (joint, own) in joints { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    td { (stated(joint.inertia_kg_m2)) }
+                    td { (stated(joint.kp_per_s2)) }
+                    td { (stated(joint.kd_per_s)) }
+                    td { (stated(own.share)) }
+                    td { (own.delay_samples) }
+                    @for i in 0..states { td { (own.correction.get(i).map_or("–".to_owned(), |l| stated(*l))) } }
                 } } }
             }
         }

@@ -220,7 +220,7 @@ fn first_gains(
 /// What a run with some gains shows of `φ`.
 fn run(study: &Study, gains: &Gains) -> Result<Observed, SessionError> {
     let mut study = study.clone();
-    gains.give_filter(&mut study).map_err(SessionError::other)?;
+    gains.complete(&mut study).map_err(SessionError::other)?;
     let law = gains
         .joint_gains(&names(&study), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;

@@ -39,7 +39,7 @@ pub(crate) fn runs(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Result<DrawnRuns, Refutation>, SessionError> {
     let mut study = study.clone();
-    gains.give_filter(&mut study).map_err(SessionError::other)?;
+    gains.complete(&mut study).map_err(SessionError::other)?;
     let law = gains
         .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;

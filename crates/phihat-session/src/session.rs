@@ -85,7 +85,7 @@ impl Session {
             (None, Some(stated)) => stated,
             (None, None) => designed_gains(&study, &arm, path)?,
         };
-        chosen.give_filter(&mut study).map_err(|e| SessionError::at(source, e))?;
+        chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
             .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
@@ -189,6 +189,7 @@ fn run_info(
     let form = match study.control.form {
         Form::Observer => "observer",
         Form::Literal => "literal",
+        Form::Positions => "positions",
     };
     if let Some(d) = divergence {
         let place =

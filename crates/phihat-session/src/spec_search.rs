@@ -44,9 +44,9 @@ pub(crate) fn within_spec(
     path: &Path,
     make: Make<'_>,
 ) -> Result<Outcome, SessionError> {
-    let motion = Motion::new(&study.reference, &study.robot, study.duration);
+    let motion = Motion::of(study);
     let motion = motion.map_err(|e| SessionError::at(path, e))?;
-    let desired = Desired::of(study, |joint, t| motion.at(joint, t));
+    let desired = Desired::of(study, |joint, t| motion.told(joint, t));
     let alone = || {
         let mut outcome = make(study)?;
         if let Outcome::Designed(gains) = &mut outcome
@@ -181,7 +181,7 @@ enum Judged {
 fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
     let found = {
         let mut own = study.clone();
-        match gains.give_filter(&mut own) {
+        match gains.complete(&mut own) {
             Ok(()) => tube(&own, gains, desired)
                 .map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. }))),
             Err(why) => Err((why.to_string(), false)),

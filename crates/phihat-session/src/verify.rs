@@ -128,10 +128,10 @@ fn derived_tube(
     study: &Study,
     share: &(dyn Fn(f64) + Sync),
 ) -> Result<Option<TubeAgain>, Refutation> {
-    let Ok(motion) = Motion::new(&study.reference, &study.robot, study.duration) else {
+    let Ok(motion) = Motion::of(study) else {
         return Ok(None);
     };
     let n = study.robot.joints.len();
-    let reference = Reference::of(study, |t| (0..n).map(|i| motion.at(i, t)).collect());
+    let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
     certificate.derive_tube(gains, (study, &reference), share)
 }

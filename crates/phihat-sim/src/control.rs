@@ -129,7 +129,7 @@ impl ControlSide {
 }
 
 fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
-    let [q, dq, ddq] = motion.at(joint, t);
+    let [q, dq, ddq] = motion.told(joint, t);
     Reference { q, dq, ddq }
 }
 

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_study::{Reference, Sine};
+use phihat_study::{Reference, Sine, Study};
 
 use crate::curve;
 use crate::error::SimError;
@@ -45,6 +45,8 @@ use crate::spline::{Jet, Spline, quintic_step};
 #[derive(Debug, Clone)]
 pub struct Motion {
     path: Path,
+    /// From a sample to the interval in which its torque acts, and how long that is \[s\]; `None`: no preview.
+    preview: Option<(f64, f64)>,
 }
 
 #[derive(Debug, Clone)]
@@ -77,7 +79,32 @@ impl Motion {
                 Path::Splines(per_joint(&t, &q))
             }
         };
-        Ok(Self { path })
+        Ok(Self { path, preview: None })
+    }
+
+    /// The motion of a study as its controller gets it: with the preview that the study declares.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::new`].
+    pub fn of(study: &Study) -> Result<Self, SimError> {
+        let motion = Self::new(&study.reference, &study.robot, study.duration)?;
+        let period = study.control.period_ns as f64 * 1e-9;
+        let ahead = f64::from(study.control.delay_samples) * period;
+        let preview = study.control.preview.then_some((ahead, period));
+        Ok(Self { preview, ..motion })
+    }
+
+    /// What the controller of one joint is told at a sample: `q_d`, `q̇_d`, and the acceleration that is fed forward.
+    ///
+    /// With preview that is the mean over the interval in which the torque of this sample acts,
+    /// `(q̇_d(t + (d+1)T) − q̇_d(t + dT))/T`, else `q̈_d` of now.
+    pub fn told(&self, joint: usize, t: f64) -> Jet {
+        let [q, dq, ddq] = self.at(joint, t);
+        let Some((ahead, period)) = self.preview else { return [q, dq, ddq] };
+        let [[_, before, _], [_, after, _]] =
+            [ahead, ahead + period].map(|later| self.at(joint, t + later));
+        [q, dq, (after - before) / period]
     }
 
     /// `q_d`, `q̇_d`, `q̈_d` of one joint at a time \[s\].

@@ -147,7 +147,7 @@ impl Simulation {
         study: &Study,
         control: impl FnOnce(Motion) -> Result<ControlSide, SimError>,
     ) -> Result<Self, SimError> {
-        let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
+        let motion = Motion::of(study)?;
         let world = Box::new(World::new(study, &motion)?);
         Ok(Self {
             control: control(motion)?,

@@ -70,7 +70,7 @@ impl Supervised {
     ) {
         let at = self.motion_ns as f64 * 1e-9;
         for (i, reference) in self.asked.iter_mut().enumerate() {
-            let [q, dq, ddq] = motion.at(i, at);
+            let [q, dq, ddq] = motion.told(i, at);
             *reference = Reference { q, dq, ddq };
         }
         let request = Request {

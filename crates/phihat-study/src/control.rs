@@ -6,7 +6,7 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::robot_value::{choose, limits};
-use crate::study::{Control, Sensor};
+use crate::study::{Control, GainsRequest, LawRequest, Sensor};
 
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
@@ -29,16 +29,64 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
     let robot = &arm.robot.joints;
     let torque = robot.iter().map(|joint| joint.torque_max);
     let rate = robot.iter().map(|joint| joint.torque_rate_max);
+    let word = node.word("form")?;
+    let form = match word {
+        "literal" => Form::Literal,
+        "positions" => Form::Positions,
+        _ => Form::Observer,
+    };
     Ok(Control {
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
-        form: match node.word("form")? {
-            "literal" => Form::Literal,
-            _ => Form::Observer,
-        },
+        form,
+        form_designed: word == "design",
+        preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
     })
+}
+
+/// Samples of delay that a law from positions predicts across at most.
+const AHEAD_MAX: u32 = 4;
+
+/// That gains which the study states are of the loop's form.
+pub(crate) fn fits(
+    control: &Control,
+    gains: Option<&GainsRequest>,
+    top: &Node<'_>,
+) -> Result<(), StudyError> {
+    let node = top.child("loop");
+    if control.form == Form::Positions && control.delay_samples > AHEAD_MAX {
+        let message = format!(
+            "{} samples, while a law from positions predicts across {AHEAD_MAX} at most",
+            control.delay_samples
+        );
+        return Err(node.error(Kind::Conflict, "delay_samples", message));
+    }
+    let Some(gains) = gains else { return Ok(()) };
+    if control.form_designed {
+        let message = "left to the design, while the study states its [gains]";
+        return Err(node
+            .error(Kind::Conflict, "form", message)
+            .with_help("state a form, or leave the gains to `[design]`"));
+    }
+    let node = top.child("gains");
+    match (&gains.law, control.form) {
+        (LawRequest::Coefficients { .. }, Form::Positions) => Err(node
+            .error(Kind::Conflict, "a", "a law from positions has an observer in its place")
+            .with_help("state the law by bandwidths")),
+        (LawRequest::Bandwidths { order, .. }, Form::Positions) if order.iter().any(|m| *m > 3) => {
+            Err(node.error(Kind::OutOfRange, "order", "4; a law from positions has at most 3"))
+        }
+        (LawRequest::Bandwidths { torque_bandwidth: Some(_), .. }, form)
+            if form != Form::Positions =>
+        {
+            Err(node
+                .error(Kind::Conflict, "torque_bandwidth_hz", "only a law from positions has one")
+                .with_help("remove it, or set loop.form = \"positions\""))
+        }
+        _ => Ok(()),
+    }
 }
 
 pub(crate) fn read_sensor(

@@ -7,8 +7,14 @@ use crate::node::Node;
 use crate::per_joint::Joints;
 use crate::study::{GainsRequest, LawRequest};
 
-const BANDWIDTHS: [&str; 5] =
-    ["bandwidth_rad_s", "estimator_bandwidth_rad_s", "order", "damping", "estimator_damping"];
+const BANDWIDTHS: [&str; 6] = [
+    "bandwidth_rad_s",
+    "estimator_bandwidth_rad_s",
+    "order",
+    "damping",
+    "estimator_damping",
+    "torque_bandwidth_hz",
+];
 const COEFFICIENTS: [&str; 3] = ["kp_per_s2", "kd_per_s", "a"];
 
 pub(crate) fn read(
@@ -47,6 +53,7 @@ fn by_bandwidths(node: &Node<'_>, joints: &Joints, rate: f64) -> Result<LawReque
         damping: joints.numbers(node, "damping")?,
         estimator_bandwidth: below_nyquist(node, joints, "estimator_bandwidth_rad_s", rate)?,
         estimator_damping: joints.numbers(node, "estimator_damping")?,
+        torque_bandwidth: joints.numbers_if(node, "torque_bandwidth_hz")?,
     })
 }
 

@@ -206,7 +206,15 @@ static GAINS: Section = Section {
             unit: "",
             shape: Shape::PerJoint(Bounds::positive(10.0), &[]),
             need: Need::Number(1.0),
-            doc: "ζ_o of the estimator, used for m ≥ 2. By bandwidths.",
+            doc: "ζ_o of the estimator: of its pairs of poles. By bandwidths.",
+        },
+        Key {
+            name: "torque_bandwidth_hz",
+            unit: "Hz",
+            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            need: Need::Optional("at once"),
+            doc: "How fast the torque goes to what the law wants: the share 1 − exp(−2πfT) of the way per sample. For \
+                  `form = \"positions\"`; by bandwidths.",
         },
         Key {
             name: "kp_per_s2",
@@ -254,10 +262,19 @@ static LOOP: Section = Section {
         Key {
             name: "form",
             unit: "",
-            shape: Shape::Word(&["observer", "literal"]),
+            shape: Shape::Word(&["observer", "literal", "positions", "design"]),
             need: Need::Word("observer"),
-            doc: "`observer`: the estimator is fed the torque that acted. `literal`: the paper's \
-                  integrals of the error.",
+            doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
+                  integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
+                  each joint. `design`: `phihat design` takes `observer` or `positions`, and gains.json says which.",
+        },
+        Key {
+            name: "preview",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Optional("`true` for `positions`, else `false`"),
+            doc: "Whether the acceleration that is fed forward is the mean over the interval in which the torque will act: \
+                  a reference that is known in advance.",
         },
         Key {
             name: "torque_max_nm",

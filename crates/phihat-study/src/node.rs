@@ -103,6 +103,11 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// A flag, if it is there.
+    pub(crate) fn flag_if(&self, key: &str) -> Option<bool> {
+        self.value(key).and_then(|value| value.get_ref().as_bool())
+    }
+
     /// A number, if it is there.
     pub(crate) fn number_if(&self, key: &str) -> Option<f64> {
         number(self.value(key)?.get_ref())

@@ -110,6 +110,8 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
             .error(Kind::Conflict, "velocity_filter_hz", message)
             .with_help("give a cut-off, or leave the gains to `[design]`"));
     }
+    let control = control::read(&top.child("loop"), &arm, period_ns)?;
+    control::fits(&control, gains.as_ref(), top)?;
     let world = world::read(top, &arm, duration)?;
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
@@ -121,7 +123,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
         gains,
         design: design::read(&top.child("design"), (&arm, &world), base)?,
-        control: control::read(&top.child("loop"), &arm, period_ns)?,
+        control,
         sensor,
         world,
         interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),

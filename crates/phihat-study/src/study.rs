@@ -212,8 +212,10 @@ pub enum LawRequest {
         damping: Vec<f64>,
         /// `ω_o` \[rad/s\] per joint.
         estimator_bandwidth: Vec<f64>,
-        /// `ζ_o` per joint (used for m ≥ 2).
+        /// `ζ_o` per joint, of its pairs of poles.
         estimator_damping: Vec<f64>,
+        /// From positions: how fast the torque follows \[Hz\] per joint; `None`: at once.
+        torque_bandwidth: Option<Vec<f64>>,
     },
     /// By the coefficients themselves, as the paper prints them.
     Coefficients {
@@ -235,6 +237,10 @@ pub struct Control {
     pub delay_samples: u32,
     /// Which form of the law runs.
     pub form: Form,
+    /// Whether the form is left to the design: it then comes with the gains.
+    pub form_designed: bool,
+    /// Whether the acceleration fed forward is that of the interval in which the torque will act.
+    pub preview: bool,
     /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.
     pub torque_max: Option<Vec<f64>>,
     /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.

@@ -39,6 +39,7 @@ fn what_is_not_said_has_its_default() {
         damping: vec![1.0; 3],
         estimator_bandwidth: vec![30.0; 3],
         estimator_damping: vec![1.0; 3],
+        torque_bandwidth: None,
     };
     let gains = study.gains.unwrap();
     assert_eq!((gains.inertia, gains.law), (vec![1.0; 3], law));

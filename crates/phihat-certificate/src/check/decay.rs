@@ -1,6 +1,7 @@
 //! How a loop forgets: the norm of its state contracts, and what is still to come is bounded by it.
 
-use super::sample::{LINE, Loop, Outside, Signals};
+use super::sample::{LINE, Loop, Outside, SENT, Signals};
+use super::sight::Sight;
 use crate::Refutation;
 use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
@@ -27,31 +28,39 @@ enum Slot {
     Mean,
     End,
     Line(usize),
+    Sent(usize),
 }
 
 impl Layout {
     pub(crate) fn of(of: &Loop) -> Self {
         let w = of.kp.sqrt();
-        let observer = of.model.form == Form::Observer;
+        let form = of.model.form;
         let mut slots = vec![(Slot::Position, 1.0), (Slot::Velocity, w)];
-        let (mut unit, factor) = if observer { (w * w, w) } else { (1.0 / w, 1.0 / w) };
-        for j in 0..of.order {
+        let (mut unit, factor) = match form {
+            Form::Observer => (w * w, w),
+            Form::Literal => (1.0 / w, 1.0 / w),
+            Form::Positions => (1.0, w),
+        };
+        for j in 0..of.sight.as_ref().map_or(of.order, Sight::length) {
             slots.push((Slot::Memory(j), unit));
             unit *= factor;
         }
-        if of.model.velocity == VelocitySource::Differenced {
+        let fed = form != Form::Positions;
+        if fed && of.model.velocity == VelocitySource::Differenced {
             slots.push((Slot::LastPosition, 1.0));
         }
-        if observer || of.model.velocity_filter_hz.is_some() {
+        if form == Form::Observer || (fed && of.model.velocity_filter_hz.is_some()) {
             slots.push((Slot::LastVelocity, w));
         }
-        if observer {
+        if form != Form::Literal {
             slots.push((Slot::Mean, w * w));
         }
         if of.drives() {
             slots.push((Slot::End, w * w));
         }
         slots.extend((0..of.late.min(LINE)).map(|i| (Slot::Line(i), w * w)));
+        let sent = of.sight.as_ref().map_or(0, Sight::sent);
+        slots.extend((0..sent.min(SENT)).map(|i| (Slot::Sent(i), w * w)));
         Self(slots)
     }
 
@@ -138,6 +147,7 @@ fn place(x: &mut Signals, slot: Slot) -> &mut f64 {
         Slot::Mean => &mut x.mean,
         Slot::End => &mut x.end,
         Slot::Line(i) => &mut x.line[i],
+        Slot::Sent(i) => &mut x.sent[i],
     }
 }
 
@@ -345,6 +355,7 @@ mod tests {
             kp_per_s2: 400.0,
             kd_per_s: 40.0,
             a: vec![900.0, 60.0],
+            observer: None,
         };
         let model = |form, velocity, drive_bandwidth_hz| LoopModel {
             period_s: 2e-3,

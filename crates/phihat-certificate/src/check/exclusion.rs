@@ -36,10 +36,10 @@ pub(crate) struct Family<'a> {
 }
 
 /// One arc: its disc of `w`, and both ends.
-struct Arc {
+pub(crate) struct Arc {
     from: f64,
     to: f64,
-    disc: Disc,
+    pub(crate) disc: Disc,
 }
 
 impl Arc {
@@ -149,29 +149,36 @@ impl Family<'_> {
         radius: f64,
         mut proves: impl FnMut(&Arc) -> bool,
     ) -> Result<(), Refutation> {
-        let mut arcs = vec![(0.0, PI)];
-        let mut seen = 0_u32;
-        while let Some((from, to)) = arcs.pop() {
-            seen += 1;
-            if proves(&Arc::new(from, to, radius)) {
-                continue;
-            }
-            if to - from < NARROWEST * to + NARROWEST_AT_ZERO || seen > MOST {
-                let what = format!(
-                    "0 is not among Δ + N/μ at θ = {from:.6} rad/sample, μ in [{}, {}]",
-                    self.low, self.high
-                );
-                let at = self.returns.at(Disc::new(point(from, radius), 0.0));
-                let ends = [1.0 / self.high, 1.0 / self.low]
-                    .map(|share| at.open.centre + at.back.centre.times(share));
-                let left = from_segment(ends[0], ends[1]);
-                return Err(refuse(claim, &what, left, at.open.most()));
-            }
-            let middle = 0.5 * (from + to);
-            arcs.extend([(middle, to), (from, middle)]);
-        }
-        Ok(())
+        over_arcs(radius, &mut proves).map_err(|from| {
+            let what = format!(
+                "0 is not among Δ + N/μ at θ = {from:.6} rad/sample, μ in [{}, {}]",
+                self.low, self.high
+            );
+            let at = self.returns.at(Disc::new(point(from, radius), 0.0));
+            let ends = [1.0 / self.high, 1.0 / self.low]
+                .map(|share| at.open.centre + at.back.centre.times(share));
+            let left = from_segment(ends[0], ends[1]);
+            refuse(claim, &what, left, at.open.most())
+        })
     }
+}
+
+/// Halves arcs of the half circle until `proves` says yes to each; else where it does not \[rad/sample\].
+pub(crate) fn over_arcs(radius: f64, mut proves: impl FnMut(&Arc) -> bool) -> Result<(), f64> {
+    let mut arcs = vec![(0.0, PI)];
+    let mut seen = 0_u32;
+    while let Some((from, to)) = arcs.pop() {
+        seen += 1;
+        if proves(&Arc::new(from, to, radius)) {
+            continue;
+        }
+        if to - from < NARROWEST * to + NARROWEST_AT_ZERO || seen > MOST {
+            return Err(from);
+        }
+        let middle = 0.5 * (from + to);
+        arcs.extend([(middle, to), (from, middle)]);
+    }
+    Ok(())
 }
 
 /// `−L` at one frequency of the unit circle \[rad/sample\].

@@ -12,6 +12,7 @@ pub(crate) mod plausible;
 pub(crate) mod polynomial;
 pub(crate) mod returns;
 pub(crate) mod sample;
+pub(crate) mod sight;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -1,7 +1,11 @@
 //! What every sampled claim begins with: numbers that make sense.
 
+use super::sample::SENT;
 use crate::refutation::refuse;
-use crate::{JointRecord, LoopModel, Refutation};
+use crate::{JointRecord, LoopModel, PositionObserver, Refutation};
+
+/// Highest order of an estimate from positions.
+const POSITIONS_ORDER_MAX: usize = 3;
 
 /// `Err` unless `left ≤ right`; a NaN fails.
 pub(crate) fn at_most(
@@ -25,9 +29,14 @@ pub(crate) fn enough(
 
 /// Gains that the core runs.
 pub(crate) fn gains(claim: &str, record: &JointRecord) -> Result<(), Refutation> {
-    let order = record.a.len();
+    let order = record.order();
+    let most = record.observer.as_ref().map_or(phihat::ORDER_MAX, |_| POSITIONS_ORDER_MAX);
     at_most(claim, "1 ≤ m", 1.0, order as f64)?;
-    at_most(claim, "m ≤ 4", order as f64, phihat::ORDER_MAX as f64)?;
+    at_most(claim, "m is not too large", order as f64, most as f64)?;
+    if let Some(own) = &record.observer {
+        observer(claim, own)?;
+        at_most(claim, "no `a` beside an observer", record.a.len() as f64, 0.0)?;
+    }
     let outer = [record.inertia_kg_m2, record.kp_per_s2, record.kd_per_s];
     for value in record.a.iter().chain(&outer) {
         if !value.is_finite() || *value <= 0.0 {
@@ -35,6 +44,19 @@ pub(crate) fn gains(claim: &str, record: &JointRecord) -> Result<(), Refutation>
         }
     }
     Ok(())
+}
+
+/// An observer that the core runs.
+fn observer(claim: &str, own: &PositionObserver) -> Result<(), Refutation> {
+    for value in &own.correction {
+        if !value.is_finite() {
+            return Err(refuse(claim, "|ℓ| < ∞", *value, f64::INFINITY));
+        }
+    }
+    let share = own.share;
+    let sensible = share > 0.0 && share <= 1.0;
+    Refutation::unless(claim, "0 < g ≤ 1", share, 1.0, sensible)?;
+    at_most(claim, "delay of the law ≤ 4 samples", f64::from(own.delay_samples), SENT as f64)
 }
 
 /// A loop that can be run.

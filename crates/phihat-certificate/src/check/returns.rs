@@ -5,6 +5,7 @@ use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::complex::{Complex, Disc, horner};
 use super::estimator;
+use super::sight::Sight;
 use crate::{JointRecord, LoopModel};
 
 /// `Δ(w)` and `N(w)` with the characteristic polynomial `Δ + N/μ`, `w = z − 1`, as products that lose nothing near
@@ -40,6 +41,7 @@ pub(crate) struct Returns {
     filter: Option<f64>,
     drive: Option<Drive>,
     fed_applied: bool,
+    sight: Option<Sight>,
 }
 
 /// A first-order drive over one interval.
@@ -99,7 +101,7 @@ impl Returns {
     pub(crate) fn new(record: &JointRecord, model: &LoopModel) -> Self {
         Self {
             form: model.form,
-            order: record.a.len(),
+            order: record.order(),
             period: model.period_s,
             late: (model.delay_samples + model.sample_delay_samples) as usize,
             kp: record.kp_per_s2,
@@ -110,11 +112,16 @@ impl Returns {
             filter: filter(model),
             drive: Drive::of(model),
             fed_applied: model.torque == TorqueSource::Applied,
+            sight: Sight::of(record, model.period_s),
         }
     }
 
     /// Degree of `Δ + N/μ` in `z`.
     pub(crate) fn degree(&self) -> usize {
+        if let Some(sight) = &self.sight {
+            let longer = self.late.max(sight.ahead);
+            return 5 + self.order + longer + usize::from(self.drive.is_some());
+        }
         let filters = self.velocity == VelocitySource::Differenced || self.filter.is_some();
         2 + self.order + self.late + usize::from(filters) + usize::from(self.drive.is_some())
     }
@@ -133,10 +140,7 @@ impl Returns {
             }
         };
         let one = Disc::real(1.0);
-        match self.form {
-            Form::Observer => self.observer(w, (one, f), (n_q, y)).back,
-            Form::Literal => self.literal(w, (one, f), (n_q, y)).back,
-        }
+        self.by_form(w, (one, f), (n_q, y), one).back
     }
 
     /// `Δ` and `N` over a disc of `w`.
@@ -153,10 +157,30 @@ impl Returns {
                 ((w * n_q).times(f / t), w + Disc::real(f))
             }
         };
-        match self.form {
-            Form::Observer => self.observer(w, (x, f), (n_q, y)),
-            Form::Literal => self.literal(w, (x, f), (n_q, y)),
+        self.by_form(w, (x, f), (n_q, y), mean)
+    }
+
+    fn by_form(&self, w: Disc, (x, f): (Disc, Disc), (n_q, y): (Disc, Disc), mean: Disc) -> Return {
+        match (self.form, &self.sight) {
+            (Form::Positions, Some(sight)) => self.positions(sight, w, (x, mean), n_q),
+            (Form::Literal, _) => self.literal(w, (x, f), (n_q, y)),
+            _ => self.observer(w, (x, f), (n_q, y)),
         }
+    }
+
+    /// `Δ = w² (A_o (z^D X (z − 1 + g) − g X Σ c_j z^{D−j}) − g R_a (X − cw) z^{D−d})`, `N = −g z^{D+1−d} R_y n_q`:
+    /// `R_y`, `R_a`, `c` of the torque wanted, `D` the longer of the delay and what the law predicts across.
+    fn positions(&self, sight: &Sight, w: Disc, (x, mean): (Disc, Disc), n_q: Disc) -> Return {
+        let z = w + Disc::real(1.0);
+        let (g, longer) = (sight.share(), self.late.max(sight.ahead));
+        let answer = sight.at(w);
+        let fed = if self.fed_applied { mean } else { x };
+        let coming = answer.coming.iter().enumerate();
+        let own = (w + Disc::real(g)) * z.power(longer);
+        let own = coming.fold(own, |sum, (j, c)| sum + z.power(longer - j).times(-g * c));
+        let acted = (answer.acted * fed * z.power(longer - self.late)).times(-g);
+        let back = (answer.reading * n_q * z.power(longer + 1 - self.late)).times(-g);
+        Return { open: w.power(2) * (answer.whole * x * own + acted), back }
     }
 
     /// `X`, `X − cw`, `T²X/2 − Dw`.
@@ -215,8 +239,15 @@ impl Returns {
         // n in place of n_q, and what differencing makes of it in place of y.
         let sensed = at.times(share);
         let m = self.order;
+        let both = self.at(at);
+        let closed = both.open.centre + both.back.centre.times(1.0 / mu);
+        if let Some(sight) = &self.sight {
+            let longer = self.late.max(sight.ahead);
+            let heard = sight.at(at).reading * x * at.power(2) * z.power(longer + 1);
+            return heard.times(sight.share()).centre.over(closed);
+        }
         let heard = match self.form {
-            Form::Observer => {
+            Form::Observer | Form::Positions => {
                 let part = horner(&self.b, at);
                 let whole = at.power(m) + part;
                 let on_velocity = whole.times(self.kd) + (part * at).times(1.0 / self.period);
@@ -229,8 +260,6 @@ impl Returns {
                 (1..=m).fold(first, |sum, j| sum + sums(j).times(self.k[m - j]))
             }
         };
-        let both = self.at(at);
-        let closed = both.open.centre + both.back.centre.times(1.0 / mu);
         let up = z.power(self.late) * at.power(2) * x * heard;
         -up.centre.over(closed)
     }

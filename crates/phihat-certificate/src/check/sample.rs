@@ -2,11 +2,18 @@
 
 use super::estimator;
 use super::returns::{Drive, filter, literal};
+use super::sight::Sight;
 use crate::{JointRecord, LoopModel};
 use phihat::{Form, TorqueSource, VelocitySource};
 
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
+
+/// Most that an estimator remembers.
+pub(crate) const MEMORY: usize = 5;
+
+/// Most torques that a law from positions remembers.
+pub(crate) const SENT: usize = 4;
 
 /// All that the loop remembers from one sample to the next, against the reference, per unit of `M̄`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,8 +22,10 @@ pub(crate) struct Signals {
     pub(crate) q: f64,
     /// `ė` \[rad/s\].
     pub(crate) v: f64,
-    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e.
-    pub(crate) memory: [f64; phihat::ORDER_MAX],
+    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`.
+    pub(crate) memory: [f64; MEMORY],
+    /// From positions: the last commands, the newest first.
+    pub(crate) sent: [f64; SENT],
     /// Position sensed at the last sample.
     pub(crate) position: f64,
     /// Velocity given to the law at the last sample.
@@ -33,7 +42,8 @@ impl Signals {
     pub(crate) const REST: Self = Self {
         q: 0.0,
         v: 0.0,
-        memory: [0.0; phihat::ORDER_MAX],
+        memory: [0.0; MEMORY],
+        sent: [0.0; SENT],
         position: 0.0,
         velocity: 0.0,
         mean: 0.0,
@@ -51,6 +61,9 @@ impl Signals {
         out.mean -= other.mean;
         out.end -= other.end;
         for (a, b) in out.memory.iter_mut().zip(&other.memory) {
+            *a -= b;
+        }
+        for (a, b) in out.sent.iter_mut().zip(&other.sent) {
             *a -= b;
         }
         for (a, b) in out.line.iter_mut().zip(&other.line) {
@@ -89,11 +102,12 @@ pub(crate) struct Loop {
     filter: Option<f64>,
     drive: Option<Drive>,
     pub(crate) late: usize,
+    pub(crate) sight: Option<Sight>,
 }
 
 impl Loop {
     pub(crate) fn new(record: &JointRecord, model: &LoopModel, mu: f64) -> Self {
-        let order = record.a.len();
+        let order = record.order();
         let mut alpha = estimator::sampled(&record.a, model.period_s);
         for (i, b) in alpha.iter_mut().enumerate() {
             *b /= (i..order).fold(1.0, |power, _| power * model.period_s);
@@ -110,6 +124,7 @@ impl Loop {
             k: literal(record),
             filter: filter(model),
             drive: Drive::of(model),
+            sight: Sight::of(record, model.period_s),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
         }
     }
@@ -126,40 +141,15 @@ impl Loop {
 
     /// The next sample's signals, and the torque commanded at this one.
     pub(crate) fn step(&self, x: &Signals, outside: &Outside) -> (Signals, f64) {
-        let t = self.period;
         let (before, ahead) = outside.acceleration;
         let mut next = *x;
         next.position = x.q + outside.reading;
-        let raw = match self.model.velocity {
-            VelocitySource::Measured => x.v,
-            VelocitySource::Differenced => (next.position - x.position) / t - 0.5 * t * before,
+        let u = match &self.sight {
+            // Its feed-forward is the mean acceleration of the interval in which the torque acts: what the reference
+            // does leaves nothing to see.
+            Some(sight) => self.seen(sight, x, &mut next),
+            None => self.fed(x, &mut next, (before, if outside.fed { ahead } else { 0.0 })),
         };
-        // The reference's velocity has grown by `before · T` since the last sample.
-        let kept = x.velocity - before * t;
-        next.velocity = self.filter.map_or(raw, |share| kept + share * (raw - kept));
-        let phi_hat = match self.model.form {
-            Form::Observer => {
-                let innovation = t * (x.mean - x.memory[0]) - (next.velocity - kept);
-                for j in 0..self.order {
-                    let above = if j + 1 < self.order { x.memory[j + 1] } else { 0.0 };
-                    next.memory[j] = x.memory[j] + t * above + self.alpha[j] * innovation;
-                }
-                next.memory[0]
-            }
-            Form::Literal => {
-                let m = self.order;
-                let mut sum = next.position;
-                let mut held = self.k[m] * next.position + self.k[m + 1] * next.velocity;
-                for j in 0..m {
-                    sum = x.memory[j] + t * sum;
-                    next.memory[j] = sum;
-                    held += self.k[m - 1 - j] * sum;
-                }
-                -held
-            }
-        };
-        let fed = if outside.fed { ahead } else { 0.0 };
-        let u = fed - self.kd * next.velocity - self.kp * next.position + phi_hat;
         next.line.copy_within(1.., 0);
         let told = if self.late == 0 {
             u
@@ -167,8 +157,50 @@ impl Loop {
             next.line[self.late - 1] = u;
             x.line[0]
         };
+        let ahead = if self.sight.is_some() && outside.fed { 0.0 } else { ahead };
         self.act(x, &mut next, (told, outside.phi, ahead));
         (next, u)
+    }
+
+    /// The law that is fed with velocity: its torque, with what the reference's acceleration was before and adds now.
+    fn fed(&self, x: &Signals, next: &mut Signals, (before, fed): (f64, f64)) -> f64 {
+        let t = self.period;
+        let raw = match self.model.velocity {
+            VelocitySource::Measured => x.v,
+            VelocitySource::Differenced => (next.position - x.position) / t - 0.5 * t * before,
+        };
+        // The reference's velocity has grown by `before · T` since the last sample.
+        let kept = x.velocity - before * t;
+        next.velocity = self.filter.map_or(raw, |share| kept + share * (raw - kept));
+        let phi_hat = if self.model.form == Form::Literal {
+            let m = self.order;
+            let mut sum = next.position;
+            let mut held = self.k[m] * next.position + self.k[m + 1] * next.velocity;
+            for j in 0..m {
+                sum = x.memory[j] + t * sum;
+                next.memory[j] = sum;
+                held += self.k[m - 1 - j] * sum;
+            }
+            -held
+        } else {
+            let innovation = t * (x.mean - x.memory[0]) - (next.velocity - kept);
+            for j in 0..self.order {
+                let above = if j + 1 < self.order { x.memory[j + 1] } else { 0.0 };
+                next.memory[j] = x.memory[j] + t * above + self.alpha[j] * innovation;
+            }
+            next.memory[0]
+        };
+        fed - self.kd * next.velocity - self.kp * next.position + phi_hat
+    }
+
+    /// The law from positions.
+    fn seen(&self, sight: &Sight, x: &Signals, next: &mut Signals) -> f64 {
+        let length = sight.length();
+        sight.see(&mut next.memory[..length], x.mean, next.position);
+        let u = sight.answer(&next.memory[..length], &x.sent);
+        next.sent.copy_within(..SENT - 1, 1);
+        next.sent[0] = u;
+        u
     }
 
     /// Drive and inertia over the coming interval.

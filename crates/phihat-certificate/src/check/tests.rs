@@ -273,6 +273,7 @@ fn the_literal_laws_factors_are_those_of_the_product() {
         kp_per_s2: 5.0,
         kd_per_s: 3.0,
         a: vec![7.0, 2.0],
+        observer: None,
     };
     assert_eq!(literal(&record), product(&[7.0, 2.0], &[5.0, 3.0, 1.0]));
 }
@@ -318,6 +319,7 @@ fn numbers_that_make_no_sense_are_refused() {
             kp_per_s2: 5.0,
             kd_per_s: 3.0,
             a: vec![7.0; 4],
+            observer: None,
         };
         change(&mut own);
         gains("", &own).is_ok()

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 use phihat::{Form, TorqueSource, VelocitySource};
 
 use super::alpha::alpha;
+use crate::check::sight::Sight;
 use crate::{JointRecord, LoopModel};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
@@ -24,7 +25,9 @@ struct PlayedJoint<'a> {
     inertia: f64,
     kp: f64,
     kd: f64,
-    order: usize,
+    /// Length of the estimator's memory.
+    memory: usize,
+    sight: Option<Sight>,
     late: usize,
     /// Observer: what feeds each memory. Literal: the factor of each integral.
     weights: Vec<f64>,
@@ -41,6 +44,7 @@ impl<'a> PlayedJoint<'a> {
     fn new(record: &JointRecord, model: &'a LoopModel) -> Self {
         let (a, kp, kd) = (&record.a, record.kp_per_s2, record.kd_per_s);
         let m = a.len();
+        let sight = Sight::of(record, model.period_s);
         // (A_o(s)(s² + K_d s + K_p) − s^{m+2}) = Σ p_i s^i: the literal law weighs the i-th of (∫…∫e, …, e, ė) with p_i,
         // less what the outer loop does itself.
         let outer = [kp, kd, 1.0];
@@ -53,6 +57,7 @@ impl<'a> PlayedJoint<'a> {
         let (weights, on_error) = match model.form {
             Form::Observer => (alpha(a, model.period_s), [0.0; 2]),
             Form::Literal => (p[..m].iter().rev().copied().collect(), [p[m] - kp, p[m + 1] - kd]),
+            Form::Positions => (Vec::new(), [0.0; 2]),
         };
         let t = model.period_s;
         let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
@@ -63,7 +68,8 @@ impl<'a> PlayedJoint<'a> {
             inertia: record.inertia_kg_m2,
             kp,
             kd,
-            order: m,
+            memory: sight.as_ref().map_or(m, |sight| sight.length() + sight.sent()),
+            sight,
             late: (model.delay_samples + model.sample_delay_samples) as usize,
             weights,
             on_error,
@@ -73,8 +79,13 @@ impl<'a> PlayedJoint<'a> {
         }
     }
 
+    /// Length of what a law from positions expects.
+    fn seen(&self) -> usize {
+        self.sight.as_ref().map_or(0, Sight::length)
+    }
+
     fn length(&self) -> usize {
-        MEMORY + self.order + self.late
+        MEMORY + self.memory + self.late
     }
 
     /// What one unit of each place is: the joint's own time `1/√K_p` and inertia.
@@ -85,26 +96,21 @@ impl<'a> PlayedJoint<'a> {
             (Q | LAST_Q, _) => 1.0 / root,
             (DQ | LAST_V, _) => w / root,
             (MEAN | END, _) => w * w / root,
-            (k, Form::Observer) if k < MEMORY + self.order => power(k - MEMORY + 2) / root,
-            (k, Form::Literal) if k < MEMORY + self.order => 1.0 / power(k - MEMORY + 1) / root,
+            (k, Form::Observer) if k < MEMORY + self.memory => power(k - MEMORY + 2) / root,
+            (k, Form::Positions) if k < MEMORY + self.seen() => power(k - MEMORY) / root,
+            (k, Form::Literal) if k < MEMORY + self.memory => 1.0 / power(k - MEMORY + 1) / root,
             _ => w * w / root,
         }
     }
 
-    /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
-    fn step(&self, x: &mut [f64], reading: f64) -> Told {
+    /// The law that is fed with velocity.
+    fn fed(&self, x: &mut [f64], position: f64, (velocity, change): (f64, f64)) -> f64 {
         let t = self.model.period_s;
-        let position = x[Q] + reading;
-        let raw = match self.model.velocity {
-            VelocitySource::Measured => x[DQ],
-            VelocitySource::Differenced => (position - x[LAST_Q]) / t,
-        };
-        let velocity = x[LAST_V] + self.filter * (raw - x[LAST_V]);
         let phi_hat = match self.model.form {
-            Form::Observer => {
-                let innovation = t * (x[MEAN] - x[MEMORY]) - (velocity - x[LAST_V]);
-                for j in 0..self.order {
-                    let slope = if j + 1 < self.order { x[MEMORY + j + 1] } else { 0.0 };
+            Form::Observer | Form::Positions => {
+                let innovation = t * (x[MEAN] - x[MEMORY]) - change;
+                for j in 0..self.memory {
+                    let slope = if j + 1 < self.memory { x[MEMORY + j + 1] } else { 0.0 };
                     x[MEMORY + j] += t * slope + self.weights[j] * innovation;
                 }
                 x[MEMORY]
@@ -112,7 +118,7 @@ impl<'a> PlayedJoint<'a> {
             Form::Literal => {
                 let mut below = position;
                 let mut total = self.on_error[0] * position + self.on_error[1] * velocity;
-                for j in 0..self.order {
+                for j in 0..self.memory {
                     x[MEMORY + j] += t * below;
                     below = x[MEMORY + j];
                     total += self.weights[j] * below;
@@ -120,9 +126,31 @@ impl<'a> PlayedJoint<'a> {
                 -total
             }
         };
-        let commanded = phi_hat - self.kp * position - self.kd * velocity;
+        phi_hat - self.kp * position - self.kd * velocity
+    }
+
+    /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
+    fn step(&self, x: &mut [f64], reading: f64) -> Told {
+        let t = self.model.period_s;
+        let (position, x_mean) = (x[Q] + reading, x[MEAN]);
+        let raw = match self.model.velocity {
+            VelocitySource::Measured => x[DQ],
+            VelocitySource::Differenced => (position - x[LAST_Q]) / t,
+        };
+        let velocity = x[LAST_V] + self.filter * (raw - x[LAST_V]);
+        let commanded = match &self.sight {
+            Some(sight) => {
+                let (held, sent) = x[MEMORY..MEMORY + self.memory].split_at_mut(sight.length());
+                sight.see(held, x_mean, position);
+                let answer = sight.answer(held, sent);
+                sent.rotate_right(1);
+                sent[0] = answer;
+                answer
+            }
+            None => self.fed(x, position, (velocity, velocity - x[LAST_V])),
+        };
         (x[LAST_Q], x[LAST_V]) = (position, velocity);
-        let line = MEMORY + self.order;
+        let line = MEMORY + self.memory;
         let demand = if self.late == 0 { commanded } else { x[line] };
         if self.late > 0 {
             x.copy_within(line + 1..line + self.late, line);

@@ -1,5 +1,6 @@
 //! A tube as data: deriving one, and holding a claimed one against it.
 
+use phihat::Form;
 use std::sync::Mutex;
 
 use super::chain::{Chain, NotAChain};
@@ -11,6 +12,7 @@ use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
 use super::setting::Setting;
 use super::sweep::{Sweep, Swept};
 use crate::JointRecord;
+use crate::check::plausible;
 use crate::extremes::{Extremes as _, hull};
 use crate::{PayloadSet, Tube, TubeJoint};
 
@@ -98,16 +100,17 @@ fn together(
 }
 
 fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
-    let n = inputs.study.robot.joints.len();
+    let study = inputs.study;
+    let n = study.robot.joints.len();
     let reference = inputs.reference;
     let rows = [&reference.q, &reference.dq, &reference.ddq];
     let long = rows.iter().all(|r| r.len() == reference.q.len() && r.len() > 1);
     let wide = rows.iter().all(|r| r.iter().all(|x| x.len() == n));
     let levels = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite() && *x >= 0.0);
     let sound = |l: &JointRecord| {
-        let positive = |x: &f64| x.is_finite() && *x > 0.0;
-        let four = [l.inertia_kg_m2, l.kp_per_s2, l.kd_per_s];
-        four.iter().chain(&l.a).all(positive) && !l.a.is_empty() && l.a.len() <= 4
+        plausible::gains("tube", l).is_ok()
+            && l.form_or(study.control.form) == study.control.form
+            && (l.observer.is_some() == (study.control.form == Form::Positions))
     };
     let mismatch = |what| Err(Refusal::Mismatch { what });
     if inputs.joints.len() != n || !inputs.joints.iter().all(sound) || n == 0 {

@@ -7,11 +7,13 @@ use phihat_study::Study;
 
 use super::dense::{exponential, product};
 use crate::JointRecord;
+use crate::check::sight::Sight;
 
 /// One joint's loop from reading to the torque that is told to the drive.
 ///
-/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator,
-/// commands from the newest to the one that acts, [what a drive's torque is off at the start of the interval].
+/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator (from positions:
+/// `ê`, `ė̂`, `φ̂`, all per unit of inertia, and the torques sent beside their feed-forward), commands from the newest to
+/// the one that acts, [what a drive's torque is off at the start of the interval].
 ///
 /// # Law of a drive
 ///
@@ -33,6 +35,7 @@ pub(super) struct Loop {
     /// The law is first asked at the second sample; the first command is none.
     waits: bool,
     drive: Option<Drive>,
+    sight: Option<Sight>,
     pub(super) size: usize,
 }
 
@@ -47,8 +50,16 @@ pub(super) struct Drive {
     told: f64,
 }
 
-/// What the joint shall do at a sample: position, velocity, acceleration.
-pub(super) type Wanted = [f64; 3];
+/// What the joint shall do at a sample.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Wanted {
+    pub(super) q: f64,
+    pub(super) dq: f64,
+    /// Acceleration that is fed forward.
+    pub(super) ddq: f64,
+    /// The same of the torque that acted in the interval before, where the law asks: [`Loop::fed_before`].
+    pub(super) acted: f64,
+}
 
 impl Loop {
     pub(super) fn new(
@@ -77,9 +88,11 @@ impl Loop {
         });
         let interface = &study.interface;
         let ways = if late > 0 { 1 + 3 * late } else { 0 };
+        let sight = Sight::of(law, period);
+        let held = sight.as_ref().map_or(m, |sight| sight.length() + sight.sent());
         Self {
             period,
-            alpha: sampled(a, period),
+            alpha: if m > 0 { sampled(a, period) } else { Vec::new() },
             on_integrals: (0..m).map(|j| factor(m - j)).collect(),
             on_error: [factor(m + 1), factor(m + 2)],
             literal: study.control.form == Form::Literal,
@@ -88,10 +101,21 @@ impl Loop {
             late,
             delay,
             waits: interface.kept && interface.profile.first_torque_max.is_some(),
-            size: 2 + ways + m + delay.max(1) + 1 + usize::from(drive.is_some()),
+            size: 2 + ways + held + delay.max(1) + 1 + usize::from(drive.is_some()),
             drive,
+            sight,
             law: law.clone(),
         }
+    }
+
+    /// How many samples ago the torque was told that is taken to have acted until this one; `None`: the law does not ask.
+    pub(super) fn fed_before(&self) -> Option<usize> {
+        self.sight.as_ref().map(|sight| sight.ahead + 1)
+    }
+
+    /// At which sample the law is first asked.
+    pub(super) fn begins(&self) -> usize {
+        usize::from(self.waits)
     }
 
     fn memory(&self) -> usize {
@@ -100,7 +124,8 @@ impl Loop {
 
     /// Place of the newest command.
     pub(super) fn newest(&self) -> usize {
-        self.memory() + self.law.a.len()
+        let seen = |sight: &Sight| sight.length() + sight.sent();
+        self.memory() + self.sight.as_ref().map_or(self.law.a.len(), seen)
     }
 
     /// Place of the torque that acts until the next sample.
@@ -141,7 +166,7 @@ impl Loop {
             before = s[2];
             s[2] = v;
         }
-        let begins = usize::from(self.waits);
+        let begins = self.begins();
         let command = if k < begins {
             0.0
         } else {
@@ -164,7 +189,20 @@ impl Loop {
         (change, acted): (f64, f64),
         wanted: Wanted,
     ) -> f64 {
-        let (e, de) = (y - wanted[0], v - wanted[1]);
+        let (e, de) = (y - wanted.q, v - wanted.dq);
+        if let Some(sight) = &self.sight {
+            let (seen, sent) = held.split_at_mut(sight.length());
+            let inertia = self.law.inertia_kg_m2;
+            if first {
+                (seen[0], seen[1]) = (e, de);
+            } else {
+                sight.see(seen, acted / inertia - wanted.acted, e);
+            }
+            let torque = sight.answer(seen, sent);
+            sent.rotate_right(1);
+            sent[0] = torque;
+            return inertia * (wanted.ddq + torque);
+        }
         let m = self.law.a.len();
         let estimate = if self.literal {
             let mut below = e;
@@ -184,7 +222,7 @@ impl Loop {
             }
             held[0]
         };
-        self.law.inertia_kg_m2 * (wanted[2] - self.law.kd_per_s * de - self.law.kp_per_s2 * e)
+        self.law.inertia_kg_m2 * (wanted.ddq - self.law.kd_per_s * de - self.law.kp_per_s2 * e)
             + estimate
     }
 
@@ -198,7 +236,7 @@ impl Loop {
                 Some(0) => input.0 = 1.0,
                 Some(_) => input.1 = 1.0,
             }
-            self.sample(k, &mut s, input, [0.0; 3]);
+            self.sample(k, &mut s, input, Wanted::default());
             s
         };
         let mut linear = Linear { entries: Vec::new(), ends: Vec::new() };

@@ -5,7 +5,7 @@ use phihat_study::Study;
 
 use super::dense::{count, reaches};
 use super::inputs::Inputs;
-use super::law::Loop;
+use super::law::{Loop, Wanted};
 use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth, smooth};
 
 /// Largest step of the fine integration \[s\].
@@ -155,7 +155,14 @@ impl<'a> Command<'a> {
         plant.gap.clear();
         for (i, (own, state)) in self.loops.iter().zip(&mut self.states).enumerate() {
             let reference = self.inputs.reference;
-            let wanted = [reference.q[k][i], reference.dq[k][i], reference.ddq[k][i]];
+            let before = own.fed_before().and_then(|back| k.checked_sub(back));
+            let before = before.filter(|before| *before >= own.begins());
+            let wanted = Wanted {
+                q: reference.q[k][i],
+                dq: reference.dq[k][i],
+                ddq: reference.ddq[k][i],
+                acted: before.map_or(0.0, |before| reference.ddq[before][i]),
+            };
             own.sample(k, state, (q[i], v[i]), wanted);
             command[i] = state[own.newest()];
             held[i] = self.dry.middle[i] * self.dry.wide(v[i]);

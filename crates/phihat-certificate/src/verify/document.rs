@@ -81,6 +81,10 @@ impl Certificate {
             let models = self.joints.iter().map(|joint| &joint.model);
             coupled.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }
+        if let Some(frozen) = &self.frozen {
+            let models = self.joints.iter().map(|joint| &joint.model);
+            frozen.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
+        }
         if let Some(moving) = &self.moving {
             let whole = self.refused().is_none();
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;
@@ -94,6 +98,7 @@ impl Certificate {
         let claim = "stability while moving";
         let same = self.joints.windows(2).all(|pair| pair[0].model == pair[1].model);
         Refutation::unless(claim, "all joints are in the same loop", 0.0, 0.0, same)?;
+        shared_law(gains)?;
         let inside = moving.low <= self.arm.low && self.arm.high <= moving.high;
         let what = "its range holds the arm's";
         Refutation::unless(claim, what, self.arm.high, moving.high, inside)?;
@@ -113,7 +118,7 @@ impl Certificate {
             && self.joints.len() == gains.joints.len()
             && self.joints.len() == self.arm.nominal_kg_m2.len();
         yes(CLAIM, "one entry per joint, and at least one joint", own, theirs, all)?;
-        shared_law(gains)?;
+        self.one_law_or_proof(gains)?;
         self.names(gains)?;
         self.arm.plausible()?;
         positive("duration", self.duration_s)?;
@@ -132,6 +137,18 @@ impl Certificate {
             filter(gains, &joint.model).map_err(named)?;
         }
         self.one_loop()
+    }
+
+    /// What holds of each joint's loop holds of a coupled arm where all share one law, or by [`crate::FrozenArm`].
+    fn one_law_or_proof(&self, gains: &Gains) -> Result<(), Refutation> {
+        if self.arm.basis != ArmBasis::Postures || self.refused().is_some() {
+            return Ok(());
+        }
+        let Some(frozen) = &self.frozen else { return shared_law(gains) };
+        let claim = "laws of their own";
+        let (low, high) = (self.arm.low / self.window_margin, self.arm.high * self.window_margin);
+        at_most(claim, "its range begins at or below the arm's, with the margin", frozen.low, low)?;
+        at_most(claim, "its range ends at or above the arm's, with the margin", high, frozen.high)
     }
 
     fn names(&self, gains: &Gains) -> Result<(), Refutation> {
@@ -170,9 +187,9 @@ fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     let Some(first) = gains.joints.first() else { return Ok(()) };
     let law = UnitLaw::from(first);
     for joint in &gains.joints {
-        let same = UnitLaw::from(joint) == law;
+        let same = UnitLaw::from(joint) == law && joint.observer == first.observer;
         let claim = format!("{}: inertia window of the arm", joint.name);
-        let what = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
+        let what = "the law is that of the first joint (only M̄ may differ)";
         Refutation::unless(&claim, what, joint.kp_per_s2, first.kp_per_s2, same)?;
     }
     Ok(())

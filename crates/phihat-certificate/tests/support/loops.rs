@@ -11,7 +11,14 @@ pub(crate) fn record(order: usize, w: f64) -> JointRecord {
         3 => vec![w * w * w, 3.0 * w * w, 3.0 * w],
         _ => vec![w.powi(4), 4.0 * w.powi(3), 6.0 * w * w, 4.0 * w],
     };
-    JointRecord { name: "joint".into(), inertia_kg_m2: 0.7, kp_per_s2: 150.0, kd_per_s: 25.0, a }
+    JointRecord {
+        name: "joint".into(),
+        inertia_kg_m2: 0.7,
+        kp_per_s2: 150.0,
+        kd_per_s: 25.0,
+        a,
+        observer: None,
+    }
 }
 
 pub(crate) fn every_model(period_s: f64) -> Vec<LoopModel> {

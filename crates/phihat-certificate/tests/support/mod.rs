@@ -28,7 +28,7 @@ pub(crate) fn read(text: &str) -> Study {
 
 /// Samples of the motion.
 pub(crate) fn reference(study: &Study) -> Reference {
-    let motion = Motion::new(&study.reference, &study.robot, study.duration).unwrap();
+    let motion = Motion::of(&study).unwrap();
     let n = study.robot.joints.len();
     let period_ns = study.control.period_ns;
     #[allow(
@@ -40,7 +40,7 @@ pub(crate) fn reference(study: &Study) -> Reference {
     let mut out = Reference::default();
     for k in 0..=samples {
         let t = (k * period_ns) as f64 * 1e-9;
-        let jets: Vec<_> = (0..n).map(|i| motion.at(i, t)).collect();
+        let jets: Vec<_> = (0..n).map(|i| motion.told(i, t)).collect();
         out.q.push(jets.iter().map(|j| j[0]).collect());
         out.dq.push(jets.iter().map(|j| j[1]).collect());
         out.ddq.push(jets.iter().map(|j| j[2]).collect());
@@ -60,6 +60,7 @@ impl Case {
             kp_per_s2: kp[i],
             kd_per_s: kd[i],
             a: a.clone(),
+            observer: None,
         };
         let n = study.robot.joints.len();
         let laws = (0..n).map(law).collect();

@@ -10,17 +10,24 @@ use super::{MILLI, align, plain_table};
 
 /// One row of gains per joint.
 pub(crate) fn gains(gains: &Gains) -> Table {
-    let mut table =
-        plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", "a_0 … a_(m−1)"]);
+    let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
+    let last = if seen { "g; ℓ_0 … ℓ_(m+1)" } else { "a_0 … a_(m−1)" };
+    let mut table = plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last]);
     for joint in &gains.joints {
-        let a: Vec<String> = joint.a.iter().map(|a| format!("{a:.1}")).collect();
+        let estimator = joint.observer.as_ref().map_or_else(
+            || joint.a.iter().map(|a| format!("{a:.1}")).collect::<Vec<_>>().join(", "),
+            |own| {
+                let l: Vec<String> = own.correction.iter().map(|l| format!("{l:.4}")).collect();
+                format!("{:.4}; {}", own.share, l.join(", "))
+            },
+        );
         table.add_row([
             joint.name.clone(),
             format!("{:.4}", joint.inertia_kg_m2),
             format!("{:.1}", joint.kp_per_s2),
             format!("{:.2}", joint.kd_per_s),
-            joint.a.len().to_string(),
-            a.join(", "),
+            joint.order().to_string(),
+            estimator,
         ]);
     }
     align(&mut table);
@@ -165,14 +172,20 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
 
 /// What the law that the joints share is optimal for, and how fast its inertia may vary.
 fn law(joint: &JointCertificate) -> String {
-    let gamma = joint.attenuation.gamma_return_difference;
-    let optimal = gamma.map_or_else(
-        || "no H-infinity level: the return difference fails".to_owned(),
-        |gamma| format!("inverse optimal for every H-infinity level γ > {gamma:.4}"),
-    );
-    let paper = format!(
-        "the paper's (40), per unit of φ/M̄: |x| ≤ {:.4} as printed, which is no bound; {:.4} holds in the end",
-        joint.paper.printed, joint.paper.corrected
+    let continuous = joint.continuous.as_ref().map_or_else(
+        || "a law from positions: no claim in continuous time".to_owned(),
+        |law| {
+            let gamma = law.attenuation.gamma_return_difference;
+            let optimal = gamma.map_or_else(
+                || "no H-infinity level: the return difference fails".to_owned(),
+                |gamma| format!("inverse optimal for every H-infinity level γ > {gamma:.4}"),
+            );
+            format!(
+                "{optimal}\nthe paper's (40), per unit of φ/M̄: |x| ≤ {:.4} as printed, which is no bound; {:.4} holds in \
+                 the end",
+                law.paper.printed, law.paper.corrected
+            )
+        },
     );
     let varying = joint.sampled_varying.as_ref().map_or_else(
         || "no common quadratic form for inertia that varies from sample to sample".to_owned(),
@@ -181,5 +194,5 @@ fn law(joint: &JointCertificate) -> String {
             format!("inertia may jump from sample to sample within μ = {low:.3} … {high:.3}")
         },
     );
-    [optimal, paper, varying].join("\n")
+    [continuous, varying].join("\n")
 }

@@ -11,7 +11,8 @@ use crate::claims::law::holds;
 use crate::claims::{Refutation, UnitLaw};
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
-use crate::{Certificate, Gains, JointRecord};
+use crate::{ArmBasis, Certificate, Gains, JointRecord};
+use phihat_certificate::FrozenArm;
 
 /// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
 /// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the
@@ -62,7 +63,7 @@ use crate::{Certificate, Gains, JointRecord};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), Refutation> {
-    shared_law(gains)?;
+    let own_laws = shared_law(gains).is_err();
     let nominal = gains.joints.iter().map(|j| j.inertia_kg_m2).collect();
     let unknown = |why: crate::ArmError| Refutation {
         claim: "inertia window".to_owned(),
@@ -78,8 +79,11 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         let told = certified_range(certificate, gains)?;
         (arm.low, arm.high) = (smaller(arm.low, told.0), larger(arm.high, told.1));
     }
+    if own_laws && arm.basis == ArmBasis::Postures {
+        frozen(study, gains, (arm.low / margin, arm.high * margin))?;
+    }
     for (i, record) in gains.joints.iter().enumerate() {
-        let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
+        let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
         below_nyquist(record, model.period_s).map_err(|why| why.on(&record.name))?;
         InertiaWindow::find(record, &model)
             .and_then(|window| inside(&window, &arm, margin))
@@ -88,6 +92,20 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
             .map_err(|why| why.on(&record.name))?;
     }
     Ok(())
+}
+
+/// That laws of their own hold a coupled arm at every posture of a range.
+pub(super) fn frozen(
+    study: &Study,
+    gains: &Gains,
+    (low, high): (f64, f64),
+) -> Result<FrozenArm, Refutation> {
+    let models: Vec<LoopModel> = (0..gains.joints.len())
+        .map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study))
+        .collect();
+    let arm = FrozenArm { low, high };
+    arm.verify(&gains.joints.iter().zip(&models).collect::<Vec<_>>())?;
+    Ok(arm)
 }
 
 /// The range of inertia that a certificate is about, in the gains' `M̄`.
@@ -112,6 +130,10 @@ fn certified_range(certificate: &Certificate, gains: &Gains) -> Result<(f64, f64
 /// Poles beyond half the sample rate look like slow ones at the samples: stable in exact arithmetic, and so
 /// far from normal that rounding errors alone are seen. The geometric mean of the estimator's poles is `a_0^(1/m)`.
 fn below_nyquist(record: &JointRecord, period: f64) -> Result<(), Refutation> {
+    if record.observer.is_some() {
+        // Its poles are those of the samples.
+        return Ok(());
+    }
     let first = record.a.first().copied().unwrap_or(f64::NAN);
     let share = record.a.iter().fold(first, |share, _| share * period / core::f64::consts::PI);
     let inequality = "a_0 (T/π)^m < 1: the estimator's poles lie below half the sample rate";
@@ -123,9 +145,9 @@ pub(super) fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     let Some(first) = gains.joints.first() else { return Ok(()) };
     let law = UnitLaw::from(first);
     for joint in &gains.joints {
-        let same = UnitLaw::from(joint) == law;
+        let same = UnitLaw::from(joint) == law && joint.observer == first.observer;
         let claim = format!("{}: inertia window of the arm", joint.name);
-        let inequality = "K_p, K_d, a are those of the first joint (only M̄ may differ)";
+        let inequality = "the law is that of the first joint (only M̄ may differ)";
         holds(&claim, inequality, joint.kp_per_s2, first.kp_per_s2, same)?;
     }
     Ok(())

@@ -13,21 +13,20 @@ use crate::sampled::{
     InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
     SampledVarying, TorqueNoise, VaryingWindow,
 };
+use phihat_certificate::{ContinuousLaw, PositionObserver};
 
 /// What is claimed whatever the nominal inertia: joints with the same law in the same loop share it.
 #[derive(Debug, Clone)]
 pub(super) struct Shared {
+    law: UnitLaw,
+    observer: Option<PositionObserver>,
     model: LoopModel,
     /// Least and largest gain of the drive, where it is not 1.
     drive: Option<(f64, f64)>,
     window: Option<InertiaWindow>,
     varying: Option<VaryingWindow>,
     sampled_varying: Option<SampledVarying>,
-    attenuation: Attenuation,
-    optimality: Option<Optimality>,
-    iss: Iss,
-    norm: NormH,
-    peaks: PeakGains,
+    continuous: Option<ContinuousLaw>,
     over: Option<OverRange>,
     refused: Vec<Refutation>,
 }
@@ -49,12 +48,14 @@ impl Shared {
         (arm, margin): (&ArmInertia, f64),
         encoder: bool,
     ) -> Result<Self, Refutation> {
-        let law = UnitLaw::from(record);
         let range = (arm.low, arm.high);
-        let attenuation = Attenuation::of(&law)?;
-        let optimality = attenuation.k_tilde().map(|k| Optimality::at(&law, k)).transpose()?;
-        let certified = optimality.as_ref().and_then(Optimality::certified);
-        let iss = certified.map_or_else(|| Iss::of_loop(&law), |c| Iss::of(&law, c))?;
+        let fed = record.observer.is_none();
+        let continuous = fed.then(|| continuous(&UnitLaw::from(record))).transpose()?;
+        let varying = || {
+            VaryingWindow::find(record, range)
+                .or_else(|_| VaryingWindow::widest_around(record, 1.0, arm.high / arm.low))
+                .ok()
+        };
         let mut refused = Vec::new();
         let window = kept(InertiaWindow::find(record, &model), &mut refused);
         let modelled = kept(modelled, &mut refused);
@@ -64,28 +65,30 @@ impl Shared {
             kept(over, &mut refused)
         });
         Ok(Self {
-            varying: VaryingWindow::find(record, range)
-                .or_else(|_| VaryingWindow::widest_around(record, 1.0, arm.high / arm.low))
-                .ok(),
+            law: UnitLaw::from(record),
+            observer: record.observer.clone(),
+            varying: if fed { varying() } else { None },
             sampled_varying: SampledVarying::find(record, &model, range)
                 .or_else(|_| SampledVarying::widest_within(record, &model, range))
                 .ok(),
-            norm: NormH::of(&law, 1.0)?,
-            peaks: PeakGains::of(&law, 1.0)?,
             model,
             drive,
             window,
-            attenuation,
-            optimality,
-            iss,
+            continuous,
             over,
             refused,
         })
     }
 
-    /// Whether it is about this loop, with a drive of this gain.
-    pub(super) fn is_of(&self, model: &LoopModel, drive: Option<(f64, f64)>) -> bool {
-        self.model == *model && self.drive == drive
+    /// Whether it is about this law, whatever its nominal inertia, in this loop, with a drive of this gain.
+    pub(super) fn is_of(
+        &self,
+        record: &JointRecord,
+        model: &LoopModel,
+        drive: Option<(f64, f64)>,
+    ) -> bool {
+        let same = UnitLaw::from(record) == self.law && record.observer == self.observer;
+        same && self.model == *model && self.drive == drive
     }
 }
 
@@ -141,12 +144,7 @@ impl Context<'_> {
             window: shared.window,
             varying: shared.varying,
             sampled_varying: shared.sampled_varying,
-            attenuation: shared.attenuation,
-            optimality: shared.optimality,
-            paper: PaperRadius::of(&shared.iss),
-            iss: shared.iss,
-            norm: shared.norm,
-            peaks: shared.peaks,
+            continuous: shared.continuous,
             margins: over.as_ref().map(|o| o.margins),
             noise: over.as_ref().and(self.quantum).map(noise).transpose()?,
             step: over.as_ref().map(step).transpose()?,
@@ -159,6 +157,22 @@ impl Context<'_> {
             refused: shared.refused,
         })
     }
+}
+
+/// What holds in continuous time.
+fn continuous(law: &UnitLaw) -> Result<ContinuousLaw, Refutation> {
+    let attenuation = Attenuation::of(law)?;
+    let optimality = attenuation.k_tilde().map(|k| Optimality::at(law, k)).transpose()?;
+    let certified = optimality.as_ref().and_then(Optimality::certified);
+    let iss = certified.map_or_else(|| Iss::of_loop(law), |c| Iss::of(law, c))?;
+    Ok(ContinuousLaw {
+        norm: NormH::of(law, 1.0)?,
+        peaks: PeakGains::of(law, 1.0)?,
+        paper: PaperRadius::of(&iss),
+        attenuation,
+        optimality,
+        iss,
+    })
 }
 
 /// The claim, or its refusal among the refused.

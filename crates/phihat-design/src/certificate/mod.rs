@@ -20,7 +20,8 @@ pub(crate) use scope::{as_modelled, missing};
 use crate::claims::Refutation;
 use crate::sampled::{LoopModel, TorqueNoise};
 use crate::{
-    ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi, Settle,
+    ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi,
+    Settle,
 };
 
 pub(crate) use phihat_certificate::RATIOS;
@@ -49,14 +50,20 @@ impl FindCertificate for Certificate {
         arm: ArmInertia,
         phi: &[Option<Phi>],
     ) -> Result<Self, Refutation> {
-        shared_law(gains)?;
         let margin = study.design.window_margin;
+        let own_laws = shared_law(gains).is_err() && arm.basis == ArmBasis::Postures;
+        let range = (arm.low / margin, arm.high * margin);
+        let frozen = own_laws.then(|| arming::frozen(study, gains, range)).transpose();
+        let (frozen, frozen_refused) = match frozen {
+            Ok(proved) => (proved, None),
+            Err(why) => (None, Some(why)),
+        };
         let bits = study.sensor.encoder_bits.as_ref();
         let mut known: Vec<find::Shared> = Vec::new();
         let mut joint = |(i, record): (usize, &JointRecord)| {
-            let model = LoopModel::from_study(study, i).with_filter_of(gains, study);
+            let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
             let drive = scope::gains(study, i);
-            let at = known.iter().position(|shared| shared.is_of(&model, drive));
+            let at = known.iter().position(|shared| shared.is_of(record, &model, drive));
             let at = at.map_or_else(
                 || {
                     let modelled = scope::unmodelled(study, i, (record, &model), &arm);
@@ -88,6 +95,8 @@ impl FindCertificate for Certificate {
             joints,
             moving: None,
             moving_refused: None,
+            frozen,
+            frozen_refused,
             coupled: None,
             not_counted: NotCounted::of(study),
             tube: None,

@@ -1,5 +1,6 @@
 //! Stability while the arm moves, in the certificate.
 
+use super::arming::shared_law;
 use crate::arm::{Arm, InertiaRates};
 use crate::claims::Refutation;
 use crate::claims::law::holds;
@@ -22,6 +23,7 @@ pub fn find_moving(gains: &mut Gains, arm: &Arm) {
 fn of(certificate: &Certificate, gains: &Gains, arm: &Arm) -> Result<Moving, Refutation> {
     certificate.refused().map_or(Ok(()), Err)?;
     one_loop(certificate)?;
+    shared_law(gains)?;
     let first = gains.joints.first().zip(certificate.joints.first());
     let (record, joint) = first.ok_or_else(|| refuse(CLAIM, "there is a joint", 0.0, 1.0))?;
     let range = (certificate.arm.low, certificate.arm.high);

@@ -30,6 +30,7 @@ impl Shape {
             kp_per_s2: self.w * self.w,
             kd_per_s: 2.0 * self.w,
             a: estimator(self.order, self.ratio * self.w, 1.0),
+            observer: None,
         }
     }
 

@@ -46,6 +46,7 @@ pub(super) fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Gains, 
         kp_per_s2: law.kp,
         kd_per_s: law.kd,
         a: law.a.clone(),
+        observer: None,
     };
     let mut gains = Gains {
         format: FORMAT.to_owned(),

@@ -49,7 +49,7 @@ pub enum Target {
 /// use phihat_design::export::{Target, export};
 ///
 /// # let text = r#"{
-/// #   "format": "phihat-gains", "version": 2, "study": "pendulum", "study_sha256": "",
+/// #   "format": "phihat-gains", "version": 3, "study": "pendulum", "study_sha256": "",
 /// #   "rate_hz": 1000.0, "method": "by hand",
 /// #   "joints": [{
 /// #     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]

@@ -7,6 +7,7 @@ use super::estimator::sampled_coefficients;
 use super::model::LoopModel;
 use super::model::LoopParts;
 use super::polynomial::{Polynomial, on_circle};
+use super::positions::Positions;
 use crate::JointRecord;
 
 /// `L(z) = N(z)/Δ(z)` of one joint: the closed loop at inertia ratio `μ` has the characteristic
@@ -20,6 +21,7 @@ use crate::JointRecord;
 /// q = q_n/(w² X) U/μ,    q_n = T²(X − c₁w) + w(T²X/2 − c₂w)            held torque, double integrator
 /// y = y_n/(w² X F) U/μ,  y_n = f z T w (X − c₁w)  or  f w q_n/T,  F = w + f      velocity and its filter
 /// observer:  Δ = w² F (A_o z^d X − A_α (X − c₁w)),   N = (A_o K_d + A_α w/T) y_n + A_o K_p q_n F
+/// positions: [`positions`]
 /// literal:   Δ = w^{m+2} z^d X F,   N = w^m ((K_d + κ_1) y_n + (K_p + κ_0) q_n F) + Σ_j k_j (Tz)^j w^{m−j} q_n F
 /// ```
 ///
@@ -44,10 +46,7 @@ impl OpenLoop {
     /// The same where the drive gives `gain` times the torque that it is told.
     pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
         let plant = Plant::new(model).times(gain);
-        let (numerator, denominator) = match model.form {
-            Form::Observer => observer(gains, model, &plant),
-            Form::Literal => literal(gains, model, &plant),
-        };
+        let (numerator, denominator) = by_form(gains, model, &plant);
         Self { numerator, denominator, period: model.period_s }
     }
 
@@ -61,10 +60,7 @@ impl OpenLoop {
             VelocitySource::Differenced => q.scaled(model.filter_gain() / t).raised(1),
         };
         let plant = Plant { q, y, ..Plant::new(model) };
-        let (kick, _) = match model.form {
-            Form::Observer => observer(gains, model, &plant),
-            Form::Literal => literal(gains, model, &plant),
-        };
+        let (kick, _) = by_form(gains, model, &plant);
         (Self::new(gains, model), kick)
     }
 
@@ -127,6 +123,34 @@ impl Plant {
         };
         Self { drive, mean, q, y, filter }
     }
+}
+
+/// `N` and `Δ`.
+fn by_form(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
+    match (model.form, Positions::of(gains, model.period_s)) {
+        (_, Some(law)) => positions(&law, model, plant),
+        (Form::Literal, None) => literal(gains, model, plant),
+        _ => observer(gains, model, plant),
+    }
+}
+
+/// `Δ = w² (A_o X (z^D (z − 1 + g) − g Σ c_j z^{D−j}) − g z^{D−d} R_a (X − c₁w))`, `N = −g z^{D+1−d} R_y q_n`, `D` the longer
+/// of the delay and what the law predicts across.
+fn positions(law: &Positions, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
+    let (g, late) = (law.share, model.late() as usize);
+    let longer = late.max(law.ahead());
+    let [whole, reading, acted] = law.transfer();
+    let fed = match model.torque {
+        TorqueSource::Applied => &plant.mean,
+        TorqueSource::Demanded => &plant.drive,
+    };
+    let own = Polynomial::new(vec![g, 1.0]).times(&Polynomial::z_power(longer));
+    let own = own.plus(&law.on_their_way(longer).scaled(-g));
+    let told = acted.times(fed).times(&Polynomial::z_power(longer - late)).scaled(-g);
+    let unknown = whole.times(&plant.drive).times(&own).plus(&told);
+    let back = reading.times(&plant.q).times(&Polynomial::z_power(longer + 1 - late)).scaled(-g);
+    // A constant φ leaves nothing: what rounding leaves of the lowest coefficient is none.
+    (back, unknown.without_lowest().raised(2))
 }
 
 fn observer(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {

@@ -58,7 +58,7 @@ fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<SampledP
     let mut worst = SampledPeaks { mu: Vec::new(), jump: [0.0; 3], ramp: none, bend: none };
     for mu in &mu {
         let matrix = StateMatrix::new(gains, model, *mu);
-        let one = Norms::new(&matrix, model, gains.a.len())?;
+        let one = Norms::new(&matrix, model, gains.order())?;
         for i in 0..3 {
             worst.bend[i] = worst.bend[i].zip(one.bend[i]).map(|(a, b)| a.max(b));
             worst.jump[i] = worst.jump[i].max(one.jump[i]);

@@ -21,6 +21,11 @@ impl Polynomial {
         (0..k).fold(Self::one(), |product, _| product.times(&z))
     }
 
+    /// Of `w⁰, w¹, …`.
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.0
+    }
+
     pub(crate) fn degree(&self) -> usize {
         self.0.len().saturating_sub(1)
     }
@@ -50,6 +55,14 @@ impl Polynomial {
         let mut out = vec![0.0; k];
         out.extend(&self.0);
         Self(out)
+    }
+
+    /// Without the coefficient of `w⁰`, which is nothing but rounding.
+    pub(crate) fn without_lowest(mut self) -> Self {
+        if let Some(lowest) = self.0.first_mut() {
+            *lowest = 0.0;
+        }
+        self
     }
 
     pub(crate) fn at(&self, w: Complex<f64>) -> Complex<f64> {

@@ -60,6 +60,16 @@ fn over(
     for ratio in &mu {
         let matrix = StateMatrix::new(gains, model, *ratio);
         let unstable = || refuse(CLAIM, "A^k → 0 (stable loop), μ", *ratio, 1.0);
+        if gains.observer.is_some() {
+            let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
+            let t = model.period_s;
+            for of in 0..2 {
+                let kick = kicked(&matrix, of, horizon) * t * t / ratio;
+                acceleration[of] = acceleration[of].max(0.25 * kick);
+                jerk[of] = jerk[of].map(|gain| gain.max(t * kick / 12.0));
+            }
+            continue;
+        }
         let following = Following::of(&matrix, feed_forward).ok_or_else(unstable)?;
         let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
         for of in 0..2 {
@@ -78,6 +88,16 @@ fn over(
         velocity_acceleration,
         velocity_jerk,
     })
+}
+
+/// `Σ_j |c A^j e_0|` to the entry of `e` (0) or of `ė` (1): what a kick of 1 rad in position costs.
+fn kicked(matrix: &StateMatrix, entry: usize, horizon: Horizon) -> f64 {
+    let a = matrix.matrix();
+    let mut row = DVector::zeros(a.nrows());
+    row[entry] = if entry == 0 { 1.0 } else { matrix.unit() };
+    let mut total = 0.0;
+    let rows = sweep(a, row, horizon, |row| total += row[0].abs());
+    total + horizon.tail(rows, 1.0)
 }
 
 /// What a unit of acceleration held over one interval leaves, for a search; `None` should the loop not follow.

@@ -27,9 +27,16 @@ pub(crate) fn at_most(
 
 /// Every claim starts here: an order the core runs, and numbers that are positive and finite.
 pub(crate) fn plausible(claim: &str, gains: &JointRecord) -> Result<(), Refutation> {
-    let order = gains.a.len();
+    let order = gains.order();
     at_most(claim, "1 ≤ m", 1.0, order as f64)?;
     at_most(claim, "m ≤ 4", order as f64, phihat::ORDER_MAX as f64)?;
+    if let Some(own) = &gains.observer {
+        for value in own.correction.iter().chain([&own.share]) {
+            if !value.is_finite() {
+                return Err(refuse(claim, "|correction|, share < ∞", *value, 0.0));
+            }
+        }
+    }
     let outer = [gains.inertia_kg_m2, gains.kp_per_s2, gains.kd_per_s];
     for value in gains.a.iter().chain(&outer) {
         if !value.is_finite() || *value <= 0.0 {

@@ -8,6 +8,7 @@ use super::estimator::estimator_coefficients;
 use super::model::LoopParts;
 use super::model::{Drive, LoopModel};
 use super::open_loop::literal_factors;
+use super::positions::Positions;
 use crate::JointRecord;
 
 /// The inputs of one sample.
@@ -30,26 +31,40 @@ struct Layout {
     mean_torque: Option<usize>,
     end_torque: Option<usize>,
     line: usize,
+    /// From positions: the last commands, the newest first.
+    sent: usize,
     length: usize,
 }
 
 impl Layout {
-    fn new(order: usize, model: &LoopModel) -> Self {
-        let mut length = 2 + order;
+    fn new(order: usize, model: &LoopModel, positions: Option<&Positions>) -> Self {
+        let mut length = 2 + positions.map_or(order, Positions::length);
         let mut entry = |wanted: bool| {
             wanted.then(|| {
                 length += 1;
                 length - 1
             })
         };
+        let fed = positions.is_none();
         let observer = model.form == Form::Observer;
-        let last_position = entry(model.velocity == VelocitySource::Differenced);
-        let last_velocity = entry(observer || model.filters());
-        let mean_torque = entry(observer);
+        let last_position = entry(fed && model.velocity == VelocitySource::Differenced);
+        let last_velocity = entry(fed && (observer || model.filters()));
+        let mean_torque = entry(model.form != Form::Literal);
         let end_torque = entry(model.drive_bandwidth_hz.is_some());
         let line = length;
         length += model.late() as usize;
-        Self { memory: 2, last_position, last_velocity, mean_torque, end_torque, line, length }
+        let sent = length;
+        length += positions.map_or(0, Positions::sent);
+        Self {
+            memory: 2,
+            last_position,
+            last_velocity,
+            mean_torque,
+            end_torque,
+            line,
+            sent,
+            length,
+        }
     }
 }
 
@@ -62,6 +77,7 @@ impl Layout {
         let first = match form {
             Form::Observer => (w * w, w),
             Form::Literal => (1.0 / w, 1.0 / w),
+            Form::Positions => (1.0, w),
         };
         let ends = [self.last_position, self.last_velocity, self.mean_torque, self.end_torque];
         let end = ends.into_iter().flatten().min().unwrap_or(self.line);
@@ -91,15 +107,17 @@ pub(crate) struct Sample<'a> {
     /// Literal: (16).
     factors: Vec<f64>,
     drive: Option<Drive>,
+    positions: Option<Positions>,
 }
 
 impl<'a> Sample<'a> {
     pub(crate) fn new(gains: &'a JointRecord, model: &'a LoopModel, mu: f64) -> Self {
         let mut alpha = estimator_coefficients(&gains.a, model.period_s);
         alpha.reverse();
-        let layout = Layout::new(gains.a.len(), model);
+        let positions = Positions::of(gains, model.period_s);
+        let layout = Layout::new(gains.order(), model, positions.as_ref());
         let factors = literal_factors(gains);
-        Self { gains, model, mu, layout, alpha, factors, drive: model.drive() }
+        Self { gains, model, mu, layout, alpha, factors, drive: model.drive(), positions }
     }
 
     /// Length of the state.
@@ -114,9 +132,21 @@ impl<'a> Sample<'a> {
 
     /// The state at the next sample, and the torque commanded at this one.
     pub(crate) fn step(&self, x: &[f64], input: &Input) -> (Vec<f64>, f64) {
+        let position = x[0] + input.encoder;
+        let mut next = vec![0.0; self.layout.length];
+        let u = match &self.positions {
+            Some(law) => self.seen(law, x, (position, input.reference), &mut next),
+            None => self.fed(x, (position, input.reference), &mut next),
+        };
+        let demand = self.delay(x, u, &mut next);
+        self.act(x, demand, input.phi, &mut next);
+        (next, u)
+    }
+
+    /// The law that is fed with velocity.
+    fn fed(&self, x: &[f64], (position, reference): (f64, [f64; 3]), next: &mut [f64]) -> f64 {
         let layout = &self.layout;
         let at = |index: Option<usize>| index.map_or(0.0, |i| x[i]);
-        let position = x[0] + input.encoder;
         let raw = match self.model.velocity {
             VelocitySource::Measured => x[1],
             VelocitySource::Differenced => {
@@ -129,23 +159,44 @@ impl<'a> Sample<'a> {
         } else {
             raw
         };
-        let mut next = vec![0.0; layout.length];
-        let [qd, dqd, ddqd] = input.reference;
+        let [qd, dqd, ddqd] = reference;
         let (e, de) = (position - qd, velocity - dqd);
-        let phi_hat = match self.model.form {
-            Form::Observer => self.observe(x, velocity, &mut next),
-            Form::Literal => self.integrate(x, e, de, &mut next),
+        let phi_hat = if self.model.form == Form::Literal {
+            self.integrate(x, e, de, next)
+        } else {
+            self.observe(x, velocity, next)
         };
-        let u = ddqd - self.gains.kd_per_s * de - self.gains.kp_per_s2 * e + phi_hat;
         if let Some(i) = layout.last_position {
             next[i] = position;
         }
         if let Some(i) = layout.last_velocity {
             next[i] = velocity;
         }
-        let demand = self.delay(x, u, &mut next);
-        self.act(x, demand, input.phi, &mut next);
-        (next, u)
+        ddqd - self.gains.kd_per_s * de - self.gains.kp_per_s2 * e + phi_hat
+    }
+
+    /// The law from positions. Where its feed-forward acts, the reference does the same: neither is seen.
+    fn seen(
+        &self,
+        law: &Positions,
+        x: &[f64],
+        (position, [qd, ..]): (f64, [f64; 3]),
+        next: &mut [f64],
+    ) -> f64 {
+        let (first, sent) = (self.layout.memory, self.layout.sent);
+        let of = |from: usize, length: usize| -> Vec<[f64; 1]> {
+            x[from..from + length].iter().map(|value| [*value]).collect()
+        };
+        let mut held = of(first, law.length());
+        let acted = self.layout.mean_torque.map_or(0.0, |i| x[i]);
+        law.see(&mut held, &[acted], &[position - qd]);
+        let [u] = law.answer(&held, &of(sent, law.sent()));
+        for (into, [value]) in next[first..].iter_mut().zip(held) {
+            *into = value;
+        }
+        next[sent] = u;
+        next[sent + 1..].copy_from_slice(&x[sent..sent + law.sent() - 1]);
+        u
     }
 
     /// The torque that acts at the start of the interval that begins at this sample, for the torque `u` commanded now.

@@ -1,6 +1,7 @@
 //! The control side of one sample, for the nominal run and for small deviations from it.
 
 use super::lanes::Lane;
+use crate::sampled::positions::Positions;
 use crate::sampled::{LoopModel, LoopParts, estimator_coefficients, literal_factors};
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_certificate::JointRecord;
@@ -27,7 +28,9 @@ pub(super) struct SampledJoint {
     pub(super) inertia: f64,
     kp: f64,
     kd: f64,
+    /// Length of the estimator's memory.
     order: usize,
+    positions: Option<Positions>,
     /// Observer: what the innovation adds to memory `j`. Literal: weight of integral `j`.
     on_memory: Vec<f64>,
     /// Literal: weights of `e` and `ė` in `φ̂`.
@@ -41,7 +44,9 @@ pub(super) type Jet = [f64; 3];
 impl SampledJoint {
     pub(super) fn new(record: &JointRecord, model: LoopModel) -> Self {
         let m = record.a.len();
+        let positions = Positions::of(record, model.period_s);
         let (on_memory, on_error) = match model.form {
+            Form::Positions => (Vec::new(), [0.0; 2]),
             Form::Observer => {
                 let mut alpha = estimator_coefficients(&record.a, model.period_s);
                 alpha.reverse();
@@ -58,7 +63,8 @@ impl SampledJoint {
             inertia: record.inertia_kg_m2,
             kp: record.kp_per_s2,
             kd: record.kd_per_s,
-            order: m,
+            order: positions.as_ref().map_or(m, Positions::length),
+            positions,
             on_memory,
             on_error,
             model,
@@ -90,6 +96,10 @@ struct JointState<const W: usize> {
     line: Vec<Lane<W>>,
     /// Messages on their way: position, velocity, torque.
     way: Vec<[Lane<W>; 3]>,
+    /// From positions: the last commands without their feed-forward, over `M̄`, the newest first.
+    sent: Vec<Lane<W>>,
+    /// From positions: the last accelerations fed forward, the newest first. The same in every run.
+    fed: Vec<f64>,
 }
 
 impl<const W: usize> Control<W> {
@@ -105,6 +115,8 @@ impl<const W: usize> Control<W> {
             memory: vec![zero; joint.order],
             line: vec![zero; joint.model.delay_samples as usize],
             way: vec![[zero; 3]; joint.model.sample_delay_samples as usize],
+            sent: vec![zero; joint.positions.as_ref().map_or(0, Positions::sent)],
+            fed: vec![0.0; joint.positions.as_ref().map_or(0, |law| law.ahead() + 1)],
         };
         let n = law.joints.len();
         Self {
@@ -155,6 +167,7 @@ impl<const W: usize> Control<W> {
     pub(super) fn act(&mut self, law: &SampledLaw) {
         for (i, joint) in law.joints.iter().enumerate() {
             let state = &mut self.joints[i];
+            state.send(joint, &self.command[i]);
             let told = state.delay(&self.command[i]);
             (self.mean[i], self.bulge[i]) = state.drive(joint, law.period, &told);
             state.acted = match joint.model.torque {
@@ -182,7 +195,7 @@ impl Control<1> {
 
 impl<const W: usize> JointState<W> {
     fn length(&self) -> usize {
-        6 + self.memory.len() + self.line.len() + 3 * self.way.len()
+        6 + self.memory.len() + self.line.len() + 3 * self.way.len() + self.sent.len()
     }
 
     fn states(&mut self) -> impl Iterator<Item = &mut Lane<W>> {
@@ -198,6 +211,7 @@ impl<const W: usize> JointState<W> {
         .chain(&mut self.memory)
         .chain(&mut self.line)
         .chain(self.way.iter_mut().flatten())
+        .chain(&mut self.sent)
     }
 
     fn sense(
@@ -243,13 +257,18 @@ impl<const W: usize> JointState<W> {
         [q, dq, ddq]: Jet,
         [position, velocity, acted]: &[Lane<W>; 3],
     ) -> Lane<W> {
+        if let Some(law) = &joint.positions {
+            return self.seen((joint, law), first, [q, dq, ddq], [position, velocity, acted]);
+        }
         let mut error: [Lane<W>; 2] = [[0.0; W]; 2];
         for c in 0..W {
             error[0][c] = position[c] - q;
             error[1][c] = velocity[c] - dq;
         }
         let phi_hat = match joint.model.form {
-            Form::Observer => self.observed(joint, period, first, (velocity, acted)),
+            Form::Observer | Form::Positions => {
+                self.observed(joint, period, first, (velocity, acted))
+            }
             Form::Literal => self.integrated(joint, period, first, &error),
         };
         let mut command = [0.0; W];
@@ -259,6 +278,38 @@ impl<const W: usize> JointState<W> {
         }
         self.law_velocity = *velocity;
         command
+    }
+
+    /// The law from positions.
+    fn seen(
+        &mut self,
+        (joint, law): (&SampledJoint, &Positions),
+        first: bool,
+        [q, dq, ddq]: Jet,
+        [position, velocity, acted]: [&Lane<W>; 3],
+    ) -> Lane<W> {
+        let inertia = joint.inertia;
+        let error: Lane<W> = core::array::from_fn(|c| position[c] - q);
+        if first {
+            self.memory[0] = error;
+            self.memory[1] = core::array::from_fn(|c| velocity[c] - dq);
+        } else {
+            let fed = self.fed[law.ahead()];
+            let acted = core::array::from_fn(|c| acted[c] / inertia - fed);
+            law.see(&mut self.memory, &acted, &error);
+        }
+        self.fed.rotate_right(1);
+        self.fed[0] = ddq;
+        law.answer(&self.memory, &self.sent).map(|u| inertia * (u + ddq))
+    }
+
+    /// What a law from positions remembers of the torque that is sent.
+    fn send(&mut self, joint: &SampledJoint, command: &Lane<W>) {
+        if joint.positions.is_some() {
+            self.sent.rotate_right(1);
+            let fed = self.fed[0];
+            self.sent[0] = command.map(|torque| torque / joint.inertia - fed);
+        }
     }
 
     /// `φ̂` of the observer form.

@@ -140,7 +140,7 @@ impl<'a> Scene<'a> {
         let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
         let misread = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
         let models: Vec<LoopModel> =
-            (0..n).map(|i| LoopModel::from_study(study, i).with_filter_of(gains, study)).collect();
+            (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
         let joints = gains.joints.iter().zip(&models);
         let law = SampledLaw {
             joints: joints.map(|(record, model)| SampledJoint::new(record, *model)).collect(),

@@ -55,6 +55,7 @@ pub fn record(kp: f64, kd: f64, a: &[f64], inertia: f64) -> JointRecord {
         kp_per_s2: kp,
         kd_per_s: kd,
         a: a.to_vec(),
+        observer: None,
     }
 }
 

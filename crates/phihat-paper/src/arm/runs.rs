@@ -20,7 +20,7 @@ pub(crate) const FORMS: [Form; 2] = [Form::Literal, Form::Observer];
 pub(crate) fn form_name(form: Form) -> &'static str {
     match form {
         Form::Literal => "printed",
-        Form::Observer => "observer",
+        Form::Observer | Form::Positions => "observer",
     }
 }
 

@@ -186,6 +186,7 @@ fn gains(joints: usize) -> Gains {
         kp_per_s2: 100.0,
         kd_per_s: 14.0,
         a: if j == 1 { vec![20.0] } else { vec![400.0, 40.0] },
+        observer: None,
     };
     Gains {
         format: "phihat-gains".into(),

@@ -49,7 +49,7 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
     let mut curves = ratios.map(|mu| bode(record, &claims.model, mu, LOWEST, POINTS));
     for curve in &mut curves {
         // L falls by m + 2 integrators at low frequency.
-        let steps = u32::try_from(record.a.len() + 2).unwrap_or(3);
+        let steps = u32::try_from(record.order() + 2).unwrap_or(3);
         settle(&mut curve.loop_phase_rad, -0.5 * PI * f64::from(steps));
     }
     let panels = panels(&short(&record.name, 30));
