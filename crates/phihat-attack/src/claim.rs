@@ -106,7 +106,7 @@ fn documented(tube: &Tube) -> Claim {
         error: zip(&joint.error_low_rad, &joint.error_high_rad),
         velocity: zip(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s),
         torque: vec![joint.torque_max_nm; joint.error_low_rad.len()],
-        step: vec![joint.torque_step_max_nm; joint.error_low_rad.len()],
+        step: joint.torque_step_nm.clone(),
     };
     Claim {
         joints: tube.joints.iter().map(joint).collect(),

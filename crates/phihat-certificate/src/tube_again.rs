@@ -151,7 +151,9 @@ mod tests {
             error_max_rad: error_rad,
             velocity_error_max_rad_s: 0.0,
             torque_max_nm: 1.0,
+            torque_step_nm: vec![1.0; 10],
             torque_step_max_nm: 1.0,
+            torque_step_steady_max_nm: 1.0,
         };
         let (frame, com_m) = ("tip".to_owned(), [(0.0, 0.0); 3]);
         Tube {

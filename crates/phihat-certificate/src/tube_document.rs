@@ -85,8 +85,12 @@ pub struct TubeJoint {
     pub velocity_error_max_rad_s: f64,
     /// Largest commanded torque of the whole run \[N·m\].
     pub torque_max_nm: f64,
-    /// Largest change of the commanded torque from one sample to the next \[N·m\].
+    /// Largest change of the commanded torque from one sample to the next \[N·m\], per bin.
+    pub torque_step_nm: Vec<f64>,
+    /// The same of the whole run.
     pub torque_step_max_nm: f64,
+    /// The same of the bins from `settle_s` on.
+    pub torque_step_steady_max_nm: f64,
 }
 
 impl Tube {
@@ -106,6 +110,9 @@ impl Tube {
             joint.error_max_rad = largest(&joint.error_low_rad, &joint.error_high_rad);
             joint.velocity_error_max_rad_s =
                 largest(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s);
+            let steps = joint.torque_step_nm.iter().copied();
+            joint.torque_step_steady_max_nm = steps.clone().skip(first).largest();
+            joint.torque_step_max_nm = steps.largest();
         }
         self
     }
@@ -164,6 +171,7 @@ impl TubeJoint {
         let lengths = [
             error.len(),
             self.error_high_rad.len(),
+            self.torque_step_nm.len(),
             velocity.len(),
             self.velocity_high_rad_s.len(),
         ];

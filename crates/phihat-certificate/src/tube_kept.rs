@@ -224,7 +224,8 @@ impl Part<'_> {
             }
             let before = k.checked_sub(1).map_or(before, |k| Some(run.tau_command[k]));
             let step = before.map_or(0.0, |before| tau - before);
-            if let Some(bound) = beyond(step, -joint.torque_step_max_nm, joint.torque_step_max_nm) {
+            let most = joint.torque_step_nm[*bin];
+            if let Some(bound) = beyond(step, -most, most) {
                 return left(Quantity::TorqueStep, step, bound);
             }
         }

@@ -74,9 +74,9 @@ fn what_a_document_says_of_itself_fits_together() {
             claims(g).joints.clear();
             claims(g).arm.nominal_kg_m2.clear();
         }),
-        ("those of the first joint", |g| g.joints[1].kp_per_s2 *= 1.0 + 1e-12),
-        ("those of the first joint", |g| g.joints[1].kd_per_s *= 1.0 + 1e-12),
-        ("those of the first joint", |g| g.joints[1].a[0] *= 1.0 + 1e-12),
+        ("that of the first joint", |g| g.joints[1].kp_per_s2 *= 1.0 + 1e-12),
+        ("that of the first joint", |g| g.joints[1].kd_per_s *= 1.0 + 1e-12),
+        ("that of the first joint", |g| g.joints[1].a[0] *= 1.0 + 1e-12),
         ("joint names agree", |g| g.joints[1].name.push('x')),
         ("joint names agree", |g| {
             g.joints[1].name = " ".into();

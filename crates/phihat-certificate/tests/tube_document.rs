@@ -17,7 +17,9 @@ fn tube() -> Tube {
         error_max_rad: errors[5],
         velocity_error_max_rad_s: 0.5,
         torque_max_nm: 20.0,
+        torque_step_nm: vec![2.0; errors.len()],
         torque_step_max_nm: 2.0,
+        torque_step_steady_max_nm: 2.0,
     };
     Tube {
         bin_s: 0.01,

@@ -22,7 +22,8 @@ fn tube(error: f64) -> Value {
             "name": "joint1", "error_low_rad": low, "error_high_rad": wide,
             "velocity_low_rad_s": vec![-10.0; 20], "velocity_high_rad_s": vec![10.0; 20],
             "error_max_rad": error, "velocity_error_max_rad_s": 10.0,
-            "torque_max_nm": 1e3, "torque_step_max_nm": 1e3,
+            "torque_max_nm": 1e3, "torque_step_nm": vec![1e3; 20], "torque_step_max_nm": 1e3,
+            "torque_step_steady_max_nm": 1e3,
         }],
         "limits_silent": true,
     })

@@ -67,6 +67,8 @@ mod contradiction;
 pub mod coupled;
 mod designer;
 pub mod export;
+mod parallel;
+mod positions;
 pub mod prelude;
 mod quick;
 mod request;
@@ -88,5 +90,6 @@ pub use phihat_certificate::{
     Searched, Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch,
     VERSION, Verified, Witness,
 };
+pub use positions::{PositionEstimate, PositionSearch};
 pub use request::requested_gains;
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

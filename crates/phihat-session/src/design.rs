@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
+use crate::position_search::by_positions;
 use crate::typed_phi::typed_phi_holds;
+use phihat::Form;
 use phihat_design::{
     Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
     find_moving, search, typed_inertia_holds,
@@ -87,10 +89,15 @@ pub fn designed_for(
         let phi = |joint, inertia| moving(phi, joint, inertia);
         search(study, arm, &phi).map_err(|e| SessionError::at(path, e))
     };
+    if study.control.form == Form::Positions {
+        let outcome = by_positions(study, (arm, &demand), path)?;
+        return completed(study, arm, outcome, path);
+    }
     let make = |asked: &Study| estimated(asked, path, &demand, &made);
     let mut outcome = crate::spec_search::within_spec(study, path, &make)?;
     if let Outcome::Infeasible(no) = &mut outcome
         && advice == Advice::Changes
+        && study.control.form != Form::Positions
     {
         let advised = |study: &Study, phi: &dyn Fn(usize, f64) -> Phi| {
             let phi = |joint, inertia| moving(phi, joint, inertia);

@@ -86,6 +86,10 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
         ("mean width of ė", velocities.tighter()),
         ("largest |τ|", ratio(own.torque_max_nm, claim.torque_max_nm)),
         ("largest |Δτ|", ratio(own.torque_step_max_nm, claim.torque_step_max_nm)),
+        (
+            "largest steady |Δτ|",
+            ratio(own.torque_step_steady_max_nm, claim.torque_step_steady_max_nm),
+        ),
     ];
     for (what, ratio) in ratios {
         let what =

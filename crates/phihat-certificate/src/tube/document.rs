@@ -158,7 +158,8 @@ struct Half {
     e: Vec<Span>,
     de: Vec<Span>,
     torque: Vec<f64>,
-    step: Vec<f64>,
+    /// By sample.
+    step: Vec<Vec<f64>>,
 }
 
 impl Half {
@@ -181,7 +182,7 @@ impl Half {
             e: shift(&run.q, &inputs.reference.q, &swept.position),
             de: shift(&run.v, &inputs.reference.dq, &swept.velocity),
             torque: (0..n).map(|i| most(&swept.torque, i) * (1.0 + ROUNDING)).collect(),
-            step: (0..n).map(|i| most(&swept.torque_step, i) * (1.0 + ROUNDING)).collect(),
+            step: swept.torque_step.clone(),
         }
     }
 }
@@ -204,6 +205,12 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         };
         let (error_low_rad, error_high_rad) = bins(&|h| &h.e);
         let (velocity_low_rad_s, velocity_high_rad_s) = bins(&|h| &h.de);
+        let step = |first: usize| {
+            let last = (first + per_bin).min(samples);
+            let all = halves.iter().flat_map(|h| &h.step[first..last]);
+            all.map(|row| row[i]).largest() * (1.0 + ROUNDING)
+        };
+        let steps = (0..samples).step_by(per_bin).map(step).collect();
         let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).largest();
         TubeJoint {
             name: inputs.joints[i].name.clone(),
@@ -214,7 +221,9 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
             velocity_low_rad_s,
             velocity_high_rad_s,
             torque_max_nm: most(&|h| h.torque[i]),
-            torque_step_max_nm: most(&|h| h.step[i]),
+            torque_step_nm: steps,
+            torque_step_max_nm: f64::INFINITY,
+            torque_step_steady_max_nm: f64::INFINITY,
         }
     };
     let nothing = || PayloadSet {

@@ -96,7 +96,8 @@ impl Loop {
             on_integrals: (0..m).map(|j| factor(m - j)).collect(),
             on_error: [factor(m + 1), factor(m + 2)],
             literal: study.control.form == Form::Literal,
-            measured: study.sensor.velocity == VelocitySource::Measured,
+            // A law from positions takes the first velocity, where nothing is off yet.
+            measured: sight.is_none() && study.sensor.velocity == VelocitySource::Measured,
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,
             delay,

@@ -22,6 +22,7 @@ pub use known::PhiOf;
 use crate::Gains;
 use crate::arm::Arm;
 use attempt::Attempt;
+pub(crate) use nominal::shared_out;
 use search::{FINE, Search};
 
 /// What a design comes to: gains, or why there are none.

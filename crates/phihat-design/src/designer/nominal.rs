@@ -22,7 +22,7 @@ const EXTREMES: usize = 80;
 /// mean of each joint's range: the joint with the worst error gets more, or the one with the worst step
 /// less, while `max error · max step` falls and the range of inertia of the whole arm, which is what the law's
 /// window has to hold, hardly widens. On most arms the light joints of the wrist may have twice their own mean.
-pub(super) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmInertia, ArmError> {
+pub(crate) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmInertia, ArmError> {
     let own = arm.against(arm.nominal())?;
     let few = arm.extremes(&own.nominal_kg_m2, EXTREMES);
     let allowed = WIDER * own.high / own.low;
@@ -37,7 +37,7 @@ pub(super) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmI
         of_error + if noisy { of_noise } else { 0.0 }
     };
     let mut now = few.against(own.nominal_kg_m2.clone())?;
-    let mut best = own;
+    let mut way = Vec::new();
     for _ in 0..STEPS {
         let nominal = &now.nominal_kg_m2;
         let most = |share: &dyn Fn(usize) -> f64| {
@@ -58,12 +58,18 @@ pub(super) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmI
             }
         }
         let Some(moved) = next else { break };
+        way.push(moved.nominal_kg_m2.clone());
         now = moved;
     }
-    // The few postures were those of the mean; all of them decide.
-    let whole = arm.against(now.nominal_kg_m2)?;
-    if whole.high / whole.low <= allowed * WIDER && cost(&whole) < cost(&best) {
-        best = whole;
+    // The few postures were those of the mean; all of them decide how far of the way is gone.
+    let (mut best, mut gone, mut part) = (own, 0, way.len());
+    while part > 0 {
+        let at = (gone + part).min(way.len());
+        let whole = arm.against(way[at - 1].clone())?;
+        if whole.high / whole.low <= allowed * WIDER && cost(&whole) < cost(&best) {
+            (best, gone) = (whole, at);
+        }
+        part = if gone == way.len() { 0 } else { part / 2 };
     }
     Ok(best)
 }

@@ -65,7 +65,9 @@ fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
         velocity_low_rad_s,
         velocity_high_rad_s,
         torque_max_nm: most(&own.torque),
-        torque_step_max_nm: most(&own.step),
+        torque_step_nm: own.step.chunks(COARSER).map(most).collect(),
+        torque_step_max_nm: f64::INFINITY,
+        torque_step_steady_max_nm: f64::INFINITY,
     }
 }
 

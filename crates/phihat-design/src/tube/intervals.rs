@@ -4,9 +4,9 @@ use phihat_model::Model;
 
 use super::linear::{Differences, Interval};
 use super::nominal::Nominal;
-use super::parallel::parallel;
 use super::refusal::TubeRefusal;
 use super::scene::Scene;
+use crate::parallel::parallel;
 
 /// Intervals that one thread takes at a time.
 const TOGETHER: usize = 256;

@@ -27,7 +27,6 @@ mod lanes;
 mod linear;
 mod moved;
 mod nominal;
-mod parallel;
 mod products;
 mod refusal;
 mod relative;

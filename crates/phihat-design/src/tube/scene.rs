@@ -1,6 +1,6 @@
 //! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
 
-use phihat::VelocitySource;
+use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
@@ -187,7 +187,9 @@ impl<'a> Scene<'a> {
             edges: edges(study, period),
             start,
             misread: (0..n).map(misread).collect(),
-            measured_velocity: models.iter().any(|m| m.velocity == VelocitySource::Measured),
+            measured_velocity: models
+                .iter()
+                .any(|m| m.velocity == VelocitySource::Measured && m.form != Form::Positions),
             limits: (0..n).map(limit).collect(),
             bare: study.robot.plant_model().with_gravity(study.world.gravity),
             adds_gravity: profile.adds_gravity,

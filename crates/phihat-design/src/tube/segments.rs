@@ -1,7 +1,7 @@
 //! What is left of inputs from long ago, segment by segment of the run.
 
 use super::kernel::{Course, Scale};
-use super::parallel::parallel;
+use crate::parallel::parallel;
 
 /// What a state left over at a segment's start does in it.
 #[derive(Debug, Clone)]

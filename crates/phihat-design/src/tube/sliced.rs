@@ -8,7 +8,6 @@ use super::intervals::intervals;
 use super::kernel::Course;
 use super::moved::Moved;
 use super::nominal::Nominal;
-use super::parallel::parallel;
 use super::refusal::TubeRefusal;
 use super::relative::relative;
 use super::scene::Scene;
@@ -16,6 +15,7 @@ use super::segments::segments;
 use super::shapes::shapes;
 use super::sweep::{Bin, Sweep};
 use super::twist::jacobians;
+use crate::parallel::parallel;
 
 /// Length of a bin \[s\].
 const BIN: f64 = 0.005;

@@ -6,10 +6,10 @@ use phihat_study::Study;
 use super::basis::Slice;
 use super::desired::Desired;
 use super::envelope::Envelope;
-use super::parallel::{parallel, threads};
 use super::refusal::TubeRefusal;
 use super::scene::Scene;
 use super::sliced::sliced;
+use crate::parallel::{parallel, threads};
 
 /// The narrowest slice of the payload's mass that is tried, as a share of the interval.
 const NARROWEST: f64 = 1.0 / 8.0;

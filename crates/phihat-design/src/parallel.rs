@@ -1,12 +1,12 @@
 //! Work shared among threads, its results in order.
 
 /// How many run side by side.
-pub(super) fn threads() -> usize {
+pub(crate) fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// What is made of each entry of a list, in its order.
-pub(super) fn parallel<T: Send>(
+pub(crate) fn parallel<T: Send>(
     list: &[usize],
     threads: usize,
     make: impl Fn(usize) -> T + Sync,

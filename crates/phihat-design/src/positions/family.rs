@@ -1,0 +1,67 @@
+//! The laws that are looked at: an outer loop, an observer by its poles, and how fast the torque follows.
+
+use core::f64::consts::{PI, TAU};
+
+use crate::sampled::placed::{Poles, correction};
+use crate::{JointRecord, PositionObserver};
+
+/// Numbers of a law of the family, all positive, by their logarithms: `K_p`, `K_d`, the observer's real pole, its pair
+/// (distance and damping), the bandwidth of the torque \[Hz\]; for `m = 2` another real pole.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Family {
+    /// Order `m`, 1 or 2.
+    pub(super) order: usize,
+    pub(super) period: f64,
+    pub(super) delay: u32,
+}
+
+/// A law to begin with, at 1 kHz: in between those that fit arms whose encoders have 16 to 20 bits.
+const START: [f64; 6] = [700.0, 110.0, 130.0, 850.0, 0.27, 28.0];
+
+/// How the numbers grow with speed: by which power.
+const POWERS: [f64; 6] = [2.0, 1.0, 1.0, 1.0, 0.0, 1.0];
+
+/// Poles are kept below this share of half the sample rate.
+const FASTEST: f64 = 0.9;
+
+impl Family {
+    /// Count of numbers.
+    pub(super) fn length(&self) -> usize {
+        START.len() + self.order.saturating_sub(1)
+    }
+
+    /// A law of a speed, 1 for a loop of some 25 rad/s.
+    pub(super) fn start(&self, speed: f64) -> Vec<f64> {
+        let mut all: Vec<f64> =
+            START.iter().zip(POWERS).map(|(x, power)| x.ln() + power * speed.ln()).collect();
+        all.resize(self.length(), (0.4 * START[2] * speed).ln());
+        all
+    }
+
+    /// The law of these numbers for a joint; `None` where they are none.
+    pub(super) fn record(&self, x: &[f64], name: &str, inertia: f64) -> Option<JointRecord> {
+        let mut all = x.iter().map(|x| libm::exp(*x));
+        let mut next = || all.next().filter(|x| x.is_finite() && *x > 0.0);
+        let [kp, kd, w1, w2, z, hz] = [next()?, next()?, next()?, next()?, next()?, next()?];
+        let most = FASTEST * PI / self.period;
+        if w1 > most || w2 > most || z > 3.0 {
+            return None;
+        }
+        let mut poles = vec![Poles::Real { w: w1 }, Poles::Pair { w: w2, z }];
+        if self.order > 1 {
+            poles.push(Poles::Real { w: next().filter(|w| *w <= most)? });
+        }
+        Some(JointRecord {
+            name: name.to_owned(),
+            inertia_kg_m2: inertia,
+            kp_per_s2: kp,
+            kd_per_s: kd,
+            a: Vec::new(),
+            observer: Some(PositionObserver {
+                correction: correction(&poles, self.period),
+                share: -libm::expm1(-TAU * hz * self.period),
+                delay_samples: self.delay,
+            }),
+        })
+    }
+}

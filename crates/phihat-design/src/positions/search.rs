@@ -1,0 +1,239 @@
+//! All joints: their laws, and the factor on the nominal inertia that they share.
+
+use phihat_certificate::extremes::Extremes as _;
+use phihat_study::Study;
+
+use super::family::Family;
+use super::simplex::{Found, simplex};
+use super::task::{Task, Worth};
+use crate::designer::{PhiOf, shared_out};
+use crate::parallel::{parallel, threads};
+use crate::prelude::*;
+use crate::sampled::{LoopModel, TorqueNoise};
+use crate::{Arm, ArmInertia, Certificate, DesignError, FORMAT, Gains, JointRecord, Phi, VERSION};
+
+/// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
+const RAMP: f64 = 0.02;
+
+/// Factors on the nominal inertia that are tried.
+const SCALES: [f64; 4] = [0.6, 0.75, 0.95, 1.2];
+
+/// The share of the allowed noise at which they are compared.
+const MIDDLE: f64 = 0.5;
+
+/// Speeds at which a search may begin.
+const SPEEDS: [f64; 5] = [0.3, 0.5, 0.75, 1.1, 1.6];
+
+/// First step of a search, by the logarithm, and how often it looks: to compare nominal inertias, and to choose.
+const ROUGH: (f64, u32) = (0.25, 100);
+const FINE: (f64, u32) = (0.12, 220);
+
+/// A law that costs more than this does not hold.
+const HOLDS: f64 = 500.0;
+
+/// A law of the family, found for a joint.
+#[derive(Debug, Clone)]
+struct Chosen {
+    order: usize,
+    x: Vec<f64>,
+    cost: f64,
+}
+
+/// What all joints ask.
+#[derive(Debug)]
+struct Asked<'a> {
+    study: &'a Study,
+    quanta: Vec<f64>,
+    arm: ArmInertia,
+    phi: Vec<Phi>,
+}
+
+/// A search for laws from positions, one for each joint.
+///
+/// # Method
+///
+/// Joint by joint, by estimates over the arm's range of inertia: the least error for a given share of the torque noise that is
+/// allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do not hold at the ends of the range with its
+/// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the one with the least error is
+/// taken. Whether the laws together hold the coupled arm is for the [`Certificate`] to say.
+pub struct PositionSearch<'a> {
+    asked: Asked<'a>,
+    known: PhiOf<'a>,
+    /// The last laws: where the next search begins.
+    last: Vec<Option<Chosen>>,
+}
+
+/// What a law is estimated to do for its joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PositionEstimate {
+    /// `|e|` \[rad\] of the joint by itself.
+    pub error_rad: f64,
+    /// Change of torque per sample that the encoder causes \[N·m\].
+    pub noise_nm: f64,
+}
+
+impl<'a> PositionSearch<'a> {
+    /// Measures the arm, and chooses the nominal inertia.
+    ///
+    /// # Errors
+    ///
+    /// [`DesignError`].
+    pub fn new(study: &'a Study, arm: &Arm, phi: PhiOf<'a>) -> Result<Self, DesignError> {
+        let error = study.spec.error_bound.as_ref().ok_or(DesignError::NoSpec)?;
+        let own = arm.nominal();
+        let bits = study.sensor.encoder_bits.as_ref();
+        let quantum =
+            |joint| bits.and_then(|bits| bits.get(joint)).map(|b| TorqueNoise::quantum(*b));
+        let mut asked = Asked {
+            study,
+            quanta: (0..own.len()).map(|joint| quantum(joint).unwrap_or(0.0)).collect(),
+            arm: arm.against(own.clone())?,
+            phi: Vec::new(),
+        };
+        let share = |joint: usize| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error[joint];
+        let of_error: Vec<f64> = (0..own.len()).map(share).collect();
+        let of_noise: Vec<f64> = (0..own.len()).map(|joint| 1.0 / asked.allowed(joint)).collect();
+        asked.arm = shared_out(arm, &of_error, &of_noise)?;
+        let middle = asked.arm.clone();
+        let joints: Vec<usize> = (0..own.len()).collect();
+        let mut best: Option<(f64, Asked<'a>, Vec<Option<Chosen>>)> = None;
+        for scale in SCALES {
+            let arm = middle.scaled(scale);
+            let inertia = arm.nominal_kg_m2.iter().enumerate();
+            let phi = inertia.map(|(joint, inertia)| phi(joint, *inertia)).collect();
+            let tried = Asked { study, quanta: asked.quanta.clone(), arm, phi };
+            let found = parallel(&joints, threads(), |joint| {
+                tried.joint((joint, 1), (MIDDLE, None), ROUGH)
+            });
+            let cost = |(joint, chosen): (usize, &Option<Chosen>)| {
+                chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
+            };
+            let worst = found.iter().enumerate().map(cost).largest();
+            if best.as_ref().is_none_or(|(least, ..)| worst < *least) {
+                best = Some((worst, tried, found));
+            }
+        }
+        let (_, asked, last) = best.ok_or(DesignError::NoSpec)?;
+        Ok(Self { asked, known: phi, last })
+    }
+
+    /// The laws with the least error for a share of the allowed noise, per joint; without a certificate. `None`: some joint
+    /// has no law that holds.
+    pub fn laws(&mut self, shares: &[f64]) -> Option<(Gains, Vec<PositionEstimate>)> {
+        let Asked { study, quanta, arm, phi } = &self.asked;
+        let joints: Vec<usize> = (0..phi.len()).collect();
+        let orders: Vec<usize> = study.design.orders.iter().copied().filter(|m| *m <= 2).collect();
+        let (asked, last) = (&self.asked, &self.last);
+        let found = parallel(&joints, threads(), |joint| {
+            let before = last[joint].as_ref();
+            let of = |order: &usize| {
+                let before = before.filter(|before| before.order == *order);
+                asked.joint((joint, *order), (shares[joint], before), FINE)
+            };
+            let better = |a: Chosen, b: Chosen| if b.cost < a.cost { b } else { a };
+            orders.iter().filter_map(of).reduce(better)
+        });
+        let found = found.into_iter().collect::<Option<Vec<Chosen>>>()?;
+        let mut records = Vec::new();
+        let mut estimates = Vec::new();
+        for (joint, chosen) in found.iter().enumerate() {
+            let task = asked.task((joint, chosen.order), shares[joint]);
+            let name = &study.robot.joints[joint].name;
+            let record = task.family.record(&chosen.x, name, arm.nominal_kg_m2[joint])?;
+            let Worth { error, change, .. } = task.worth(&record)?;
+            let noise_nm = change * 0.5 * quanta[joint];
+            estimates.push(PositionEstimate { error_rad: error, noise_nm });
+            records.push(record);
+        }
+        let gains = Gains {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            study: study.name.clone(),
+            study_sha256: study.sha256.clone(),
+            rate_hz: 1e9 / study.control.period_ns as f64,
+            method: "phihat design: a law from positions per joint, with no more torque noise than the error needs"
+                .to_owned(),
+            velocity_filter_hz: None,
+            joints: records,
+            certificate: None,
+            trade_off: Vec::new(),
+        };
+        self.last = found.into_iter().map(Some).collect();
+        Some((gains, estimates))
+    }
+
+    /// Finds every claim about laws of this search.
+    ///
+    /// # Errors
+    ///
+    /// [`DesignError`].
+    pub fn certify(&self, gains: &mut Gains) -> Result<(), DesignError> {
+        let known = |(i, joint): (usize, &JointRecord)| Some((self.known)(i, joint.inertia_kg_m2));
+        let phi: Vec<_> = gains.joints.iter().enumerate().map(known).collect();
+        let study = self.asked.study;
+        gains.certificate = Some(Certificate::find(study, gains, self.asked.arm.clone(), &phi)?);
+        Ok(())
+    }
+}
+
+impl Asked<'_> {
+    /// Change of torque per sample that is allowed per radian that a reading is off \[N·m/rad\]; where nothing is said, 1 N·m
+    /// for half a step of an encoder.
+    fn allowed(&self, joint: usize) -> f64 {
+        let most = self.study.design.torque_step_max.as_ref();
+        let rate = self.study.limits(joint).1;
+        let period = self.study.control.period_ns as f64 * 1e-9;
+        let most = most.map(|most| most[joint]).or(rate.map(|rate| rate * period)).unwrap_or(1.0);
+        let quantum = self.quanta[joint];
+        if quantum > 0.0 { most / (0.5 * quantum) } else { most * EXACT }
+    }
+
+    fn task(&self, (joint, order): (usize, usize), share: f64) -> Task<'_> {
+        let study = self.study;
+        let model =
+            LoopModel { form: phihat::Form::Positions, ..LoopModel::from_study(study, joint) };
+        let spec = &study.spec;
+        let rates = spec.velocity_error_max.as_ref().zip(spec.error_bound.as_ref());
+        Task {
+            family: Family { order, period: model.period_s, delay: model.delay_samples },
+            model,
+            inertia: self.arm.nominal_kg_m2[joint],
+            phi: &self.phi[joint],
+            quantum: self.quanta[joint],
+            range: (self.arm.low, self.arm.high),
+            margin: study.design.window_margin,
+            modulus: study.design.modulus_min,
+            change: share * self.allowed(joint),
+            velocity: rates.map(|(velocity, error)| velocity[joint] / error[joint]),
+        }
+    }
+
+    /// The best law of an order for a joint, sought from where one was found before; `None` where none holds.
+    fn joint(
+        &self,
+        of: (usize, usize),
+        (share, before): (f64, Option<&Chosen>),
+        (step, most): (f64, u32),
+    ) -> Option<Chosen> {
+        let task = self.task(of, share);
+        let cost = |x: &[f64]| task.cost(x);
+        let start = before.map_or_else(
+            || {
+                let starts = SPEEDS.map(|speed| {
+                    let x = task.family.start(speed);
+                    Found { cost: cost(&x), x }
+                });
+                let best = starts.into_iter().reduce(|a, b| if b.cost < a.cost { b } else { a });
+                best.map_or(Vec::new(), |best| best.x)
+            },
+            |before| before.x.clone(),
+        );
+        let first = simplex(cost, &start, (step, most));
+        // Once more from there, with a simplex that is not flat.
+        let found = simplex(cost, &first.x, (0.5 * step, most));
+        (found.cost < HOLDS).then_some(Chosen { order: of.1, x: found.x, cost: found.cost })
+    }
+}
+
+/// What an exact encoder counts as per newton metre \[1/rad\]: 20 bits.
+const EXACT: f64 = 3.3e5;

@@ -1,0 +1,110 @@
+//! What one joint asks of its law, and what a law costs.
+
+use core::f64::consts::PI;
+use phihat_certificate::extremes::Extremes as _;
+
+use super::family::Family;
+use super::response::{Played, Response};
+use crate::sampled::positions::Positions;
+use crate::sampled::{LoopModel, OpenLoop, from_segment};
+use crate::{JointRecord, Phi};
+
+/// Frequencies at which the distance from −1 is looked at.
+const ANGLES: u32 = 80;
+
+/// Lowest of them \[rad/sample\].
+const LOWEST: f64 = 2e-3;
+
+/// Inertia ratios at which gains are looked at.
+const RATIOS: u32 = 4;
+
+/// What a law that does not hold costs at least; the more it misses by, the more.
+const NONE: f64 = 1e3;
+
+/// What noise beyond the allowed costs, by its logarithm.
+const STEEP: f64 = 30.0;
+
+/// What one joint asks for.
+pub(super) struct Task<'a> {
+    pub(super) family: Family,
+    pub(super) model: LoopModel,
+    pub(super) inertia: f64,
+    pub(super) phi: &'a Phi,
+    pub(super) quantum: f64,
+    /// The arm's range of inertia, without margin, and the margin.
+    pub(super) range: (f64, f64),
+    pub(super) margin: f64,
+    pub(super) modulus: f64,
+    /// Allowed change of torque per sample, per radian that a reading is off \[N·m/rad\].
+    pub(super) change: f64,
+    /// Allowed `|ė|` over allowed `|e|` \[1/s\], where both are asked for.
+    pub(super) velocity: Option<f64>,
+}
+
+/// What a law does for a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Worth {
+    /// Estimate of `|e|` \[rad\] and `|ė|` \[rad/s\].
+    pub(super) error: f64,
+    pub(super) velocity: f64,
+    /// Change of torque per sample \[N·m\] per radian that a reading is off.
+    pub(super) change: f64,
+}
+
+impl Task<'_> {
+    /// The cost of a law of the family: the logarithm of its error, and more where it is too loud.
+    pub(super) fn cost(&self, x: &[f64]) -> f64 {
+        let Some(record) = self.family.record(x, "", self.inertia) else { return 2.0 * NONE };
+        if !self.holds(&record) {
+            return 1.5 * NONE;
+        }
+        let short = self.modulus - self.modulus(&record);
+        if short > 0.0 {
+            return NONE * (1.0 + 0.1 * short);
+        }
+        let Some(worth) = self.worth(&record) else { return 1.5 * NONE };
+        let velocity = self.velocity.map_or(0.0, |rate| worth.velocity / rate);
+        let loud = (worth.change / self.change).ln().max(0.0);
+        worth.error.max(velocity).ln() + STEEP * loud
+    }
+
+    /// Whether the loop forgets at both ends of the range and its margin.
+    fn holds(&self, record: &JointRecord) -> bool {
+        let Some(law) = Positions::of(record, self.model.period_s) else { return false };
+        let (low, high) = self.range;
+        let ends = [low / self.margin, high * self.margin];
+        ends.iter().all(|mu| Played::new(&law, &self.model, *mu).forgets())
+    }
+
+    /// Estimate of the smallest distance from −1 over the range.
+    fn modulus(&self, record: &JointRecord) -> f64 {
+        let open = OpenLoop::new(record, &self.model);
+        let (low, high) = self.range;
+        let step = (PI / LOWEST).ln() / f64::from(ANGLES - 1);
+        (0..ANGLES)
+            .map(|k| {
+                let value = open.at_angle(LOWEST * (step * f64::from(k)).exp());
+                from_segment(value / low + 1.0, value / high + 1.0)
+            })
+            .least()
+    }
+
+    /// What a law does, over the range; `None` where it does not hold.
+    pub(super) fn worth(&self, record: &JointRecord) -> Option<Worth> {
+        let (low, high) = self.range;
+        let share = |k: u32| f64::from(k) / f64::from(RATIOS - 1);
+        let mu: Vec<f64> = (0..RATIOS).map(|k| low * (high / low).powf(share(k))).collect();
+        let gains = Response::over(record, &self.model, &mu)?;
+        let t = self.model.period_s;
+        let of = |i: usize| {
+            let own = self.phi.bound(gains.jump[i], Some(gains.ramp[i])) / self.inertia;
+            let kick = gains.kick[i] * t * t;
+            let moved = self
+                .phi
+                .motion
+                .map_or(0.0, |motion| motion.costs(0.25 * kick, Some(t * kick / 12.0)));
+            own + moved + 0.5 * self.quantum * gains.reading[i]
+        };
+        Some(Worth { error: of(0), velocity: of(1), change: self.inertia * gains.change })
+    }
+}

@@ -1,0 +1,94 @@
+//! What the tube of gains says of a specification.
+
+use phihat_design::tube::{Desired, TubeRefusal, tube};
+use phihat_design::{Gains, Settle, Tube};
+use phihat_study::Study;
+
+/// What the tube of some gains says.
+pub(crate) enum Judged {
+    /// Largest over allowed error of each joint: all within.
+    Kept(Vec<f64>),
+    /// Largest over allowed error of each joint.
+    Beyond(Vec<f64>),
+    /// Bounds grow without end.
+    Open,
+    /// There is no tube for another reason.
+    Unknown,
+}
+
+/// Puts tube, settling time and what is not proved into the gains' certificate.
+pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
+    let found = {
+        let mut own = study.clone();
+        match gains.complete(&mut own) {
+            Ok(()) => tube(&own, gains, desired)
+                .map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. }))),
+            Err(why) => Err((why.to_string(), false)),
+        }
+    };
+    let Some(certificate) = &mut gains.certificate else { return Judged::Unknown };
+    // A bound by each joint's own φ is none for joints that push each other.
+    for joint in &mut certificate.joints {
+        joint.bounds = None;
+        joint.phi = None;
+    }
+    certificate.unproved.clear();
+    let tube = match found {
+        Ok(tube) => tube,
+        Err((why, open)) => {
+            certificate.unproved.push(format!("the specification: no tube, {why}"));
+            certificate.tube_refused = Some(why);
+            certificate.settle = Some(Settle::of(study, None));
+            return if open { Judged::Open } else { Judged::Unknown };
+        }
+    };
+    let settle = Settle::of(study, Some(&tube));
+    let tube = tube.steady_from(settle.settle_s);
+    let shares = shares(study, &tube, &mut certificate.unproved);
+    certificate.settle = Some(settle);
+    certificate.tube_refused = None;
+    certificate.tube = Some(tube);
+    let used = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
+    if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }
+}
+
+/// What of the specification each joint's tube uses; clauses that it does not keep are told.
+fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
+    let mut shares = vec![0.0_f64; tube.joints.len()];
+    let spec = &study.spec;
+    let mut clause =
+        |key: &str, limits: Option<&Vec<f64>>, of: &dyn Fn(usize) -> f64, counts: bool| {
+            for (i, limit) in limits.into_iter().flatten().enumerate() {
+                let bound = of(i);
+                if bound > *limit {
+                    let name = &tube.joints[i].name;
+                    unproved.push(format!("{key} = {limit} on {name}: the tube says {bound:.4e}"));
+                }
+                if counts {
+                    shares[i] = shares[i].max(bound / limit);
+                }
+            }
+        };
+    clause(
+        "spec.error_max_rad",
+        spec.error_bound.as_ref(),
+        &|i| tube.joints[i].error_max_rad,
+        true,
+    );
+    clause(
+        "spec.velocity_error_max_rad_s",
+        spec.velocity_error_max.as_ref(),
+        &|i| tube.joints[i].velocity_error_max_rad_s,
+        true,
+    );
+    let integral = |i: usize| {
+        let joint = &tube.joints[i];
+        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
+        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
+    };
+    let steady = |i: usize| tube.joints[i].torque_step_steady_max_nm;
+    clause("design.torque_step_max_nm", study.design.torque_step_max.as_ref(), &steady, false);
+    let limits = spec.error_integral_max.as_ref();
+    clause("spec.error_integral_max_rad_s", limits, &integral, false);
+    shares
+}

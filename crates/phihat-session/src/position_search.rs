@@ -1,0 +1,164 @@
+//! Laws from positions whose tube keeps the specification: with the least share of the torque noise that is allowed.
+
+use std::path::Path;
+
+use phihat_design::tube::Desired;
+use phihat_design::{Arm, Gains, Infeasible, Outcome, Phi, PositionSearch};
+use phihat_sim::{Demand, Motion};
+use phihat_study::{PhiSource, Study};
+
+use crate::along::{motion_along, phi_along};
+use crate::error::SessionError;
+use crate::judged::{Judged, judge};
+
+/// How often laws are looked for.
+const ROUNDS: u32 = 7;
+
+/// The encoder's share of the torque step that a study allows: where a search begins, and its ends. What else turns the torque has
+/// the rest.
+const FIRST: f64 = 0.6;
+const SHARES: (f64, f64) = (0.01, 1.0);
+
+/// The error of a law falls by about this power of its noise.
+const POWER: f64 = 0.4;
+
+/// A tube that uses less of the specification than this leaves room for less noise.
+const ENOUGH: f64 = 0.85;
+
+/// Designs for a study until the tube keeps the specification.
+///
+/// # Errors
+///
+/// [`SessionError`] of the search.
+pub(crate) fn by_positions(
+    study: &Study,
+    (arm, demand): (&Arm, &Demand),
+    path: &Path,
+) -> Result<Outcome, SessionError> {
+    let motion = Motion::of(study).map_err(|e| SessionError::at(path, e))?;
+    let desired = Desired::of(study, |joint, t| motion.told(joint, t));
+    let phi = |joint: usize, inertia: f64| match &study.design.phi {
+        PhiSource::Typed { rate, jump } => Phi {
+            rate_nm_s: rate[joint],
+            jump_nm: jump[joint],
+            motion: Some(motion_along(demand, joint)),
+            ..phi_along(demand, joint, inertia)
+        },
+        _ => phi_along(demand, joint, inertia),
+    };
+    let refused = |e| SessionError::at(path, e);
+    let mut search = PositionSearch::new(study, arm, &phi).map_err(refused)?;
+    let mut shares = vec![FIRST; study.robot.joints.len()];
+    let mut best: Option<(Rank, Gains)> = None;
+    for round in 0..ROUNDS {
+        let Some((mut gains, _)) = search.laws(&shares) else { break };
+        search.certify(&mut gains).map_err(refused)?;
+        let judged = judge(study, &mut gains, &desired);
+        let loudest = shares.iter().copied().fold(0.0, f64::max);
+        let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
+        if std::env::var_os("DBG").is_some() {
+            let tube = gains.certificate.as_ref().and_then(|c| c.tube.as_ref());
+            eprintln!(
+                "round {round} {:?} shares {shares:.3?} rank {rank:?}",
+                std::time::Instant::now()
+            );
+            if let Some(c) = &gains.certificate {
+                if let Some(w) = c.refused() {
+                    eprintln!("refused {w}");
+                }
+                eprintln!("{:?}", c.tube_refused);
+            }
+            if let Some(t) = tube {
+                for j in &t.joints {
+                    eprint!("{:.3}/{:.2} ", j.error_max_rad * 1e3, j.torque_step_steady_max_nm);
+                }
+                eprintln!();
+            }
+        }
+        let better = best.as_ref().is_none_or(|(before, _)| rank.before(before));
+        let kept = best.as_ref().is_some_and(|(before, _)| before.kept);
+        if better {
+            best = Some((rank, gains));
+        }
+        // What keeps the specification and could be quieter is tried once more, not for ever.
+        if (kept && !better) || round + 1 == ROUNDS {
+            break;
+        }
+        let Some(next) = next else { break };
+        let moved = next.iter().zip(&shares).any(|(a, b)| (a / b - 1.0).abs() > 0.02);
+        if !moved {
+            break;
+        }
+        shares = next;
+    }
+    let none = || {
+        let (clauses, alternatives) = (Vec::new(), Vec::new());
+        Outcome::Infeasible(Infeasible { clauses, alternatives, tried: 0, stable: 0 })
+    };
+    Ok(best.map_or_else(none, |(_, gains)| Outcome::Designed(Box::new(gains))))
+}
+
+/// How good gains are.
+#[derive(Debug, Clone, Copy)]
+struct Rank {
+    /// Whether the tube keeps every clause.
+    kept: bool,
+    /// The largest share of a clause; infinite without a tube.
+    beyond: f64,
+    /// The largest share of the noise.
+    noise: f64,
+}
+
+impl Rank {
+    fn before(&self, other: &Self) -> bool {
+        match (self.kept, other.kept) {
+            (true, true) => self.noise < other.noise,
+            (own, theirs) if own != theirs => own,
+            _ => self.beyond < other.beyond,
+        }
+    }
+}
+
+/// How good the gains are, and the shares to try next; `None`: these are the last.
+fn next(
+    study: &Study,
+    gains: &Gains,
+    judged: &Judged,
+    (shares, noise): (&[f64], f64),
+) -> (Rank, Option<Vec<f64>>) {
+    let unknown = Rank { kept: false, beyond: f64::INFINITY, noise };
+    let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
+        let moved = shares.iter().enumerate();
+        Some(moved.map(|(i, s)| (s * factor(i)).clamp(SHARES.0, SHARES.1)).collect())
+    };
+    let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
+    let errors = match judged {
+        // Stiffer laws close a tube sooner.
+        Judged::Open => return (unknown, to(&|_| 1.5)),
+        Judged::Unknown => return (unknown, None),
+        Judged::Kept(shares) | Judged::Beyond(shares) => shares,
+    };
+    let step = |i: usize| -> f64 {
+        let allowed = study.design.torque_step_max.as_ref().map(|most| most[i]);
+        let own = tube.map(|tube| tube.joints[i].torque_step_steady_max_nm);
+        own.zip(allowed).map_or(0.0, |(own, allowed)| own / allowed)
+    };
+    let steps: Vec<f64> = (0..shares.len()).map(step).collect();
+    let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
+    let (error, loudest) = (most(errors), most(&steps));
+    let rank = Rank { kept: error <= 1.0 && loudest <= 1.0, beyond: error.max(loudest), noise };
+    let factor = |i: usize| {
+        if loudest > 1.0 {
+            // What is too loud gets quieter, what is not keeps up with the error.
+            if steps[i] > 1.0 { 0.97 / steps[i] } else { 1.0 }
+        } else if error > 1.0 {
+            let room = if steps[i] > 0.0 { 0.97 / steps[i] } else { f64::INFINITY };
+            (1.03 * error).powf(1.0 / POWER).min(room).max(1.0)
+        } else if error < ENOUGH {
+            (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.2)
+        } else {
+            1.0
+        }
+    };
+    (rank, to(&factor))
+}
