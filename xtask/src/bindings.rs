@@ -12,10 +12,11 @@ use crate::shell::command;
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
 
 /// Programs: source, and whether it takes the test vectors.
-const PROGRAMS: [(&str, bool); 3] = [
+const PROGRAMS: [(&str, bool); 4] = [
     ("crates/phihat-c/tests/vectors.c", true),
     ("examples/c/01_controller.c", false),
     ("examples/c/02_supervisor.c", false),
+    ("examples/c/03_positions.c", false),
 ];
 
 /// Builds the library, then every program as C99, as C++17 and under sanitizers, and runs them.

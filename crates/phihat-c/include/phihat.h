@@ -5,11 +5,14 @@
  *
  *     tau = M (ddq_des - K_d de - K_p e) + phi_hat,      e = q - q_des (measured minus desired)
  *
+ * or, of PHIHAT_FORM_POSITIONS, what phihat_joint says.
+ *
  * SI units and radians; for prismatic joints read m for rad and N for N m. Arrays have one entry per
  * joint, in the order of the joints given to phihat_controller_create().
  *
  * Every structure begins with its own size, set by the caller (`.size = sizeof(phihat_joint)`), so that
- * later versions can add members at the end. Every function answers a phihat_status.
+ * later versions can add members at the end. What was compiled with a header whose phihat_joint ended before
+ * `correction` runs as it did. Every function answers a phihat_status.
  *
  * phihat_controller is the law and its limits. phihat_supervisor puts around it what a real arm needs: a
  * guard for bad, late and lost samples, joint limits, modes with a latched safe stop, bumpless starts.
@@ -33,6 +36,16 @@
 #define PHIHAT_ORDER_MAX 4
 
 /**
+ * Most entries of a correction: of order 3, two more than that.
+ */
+#define PHIHAT_CORRECTION_MAX 5
+
+/**
+ * Longest delay that PHIHAT_FORM_POSITIONS predicts across [samples].
+ */
+#define PHIHAT_DELAY_MAX 4
+
+/**
  * Form of the law: a disturbance observer fed with the torque that acted. The default.
  */
 #define PHIHAT_FORM_OBSERVER 0
@@ -41,6 +54,11 @@
  * Form of the law: the paper's integrals of the error, for reproduction; winds up under saturation.
  */
 #define PHIHAT_FORM_LITERAL 1
+
+/**
+ * Form of the law: an observer that sees the position and the torque that acted. See phihat_joint.
+ */
+#define PHIHAT_FORM_POSITIONS 2
 
 /**
  * Flag of a command: the torque limit acted.
@@ -125,7 +143,8 @@ typedef enum phihat_status {
    */
   PHIHAT_STATUS_NULL_POINTER = 2,
   /**
-   * A structure's `size` is not sizeof() of it: another version of the header.
+   * A structure's `size` is not sizeof() of it, in this version of the header or in an older one that this
+   * library still reads.
    */
   PHIHAT_STATUS_WRONG_SIZE = 3,
   /**
@@ -161,7 +180,20 @@ typedef struct phihat_controller phihat_controller;
 typedef struct phihat_supervisor phihat_supervisor;
 
 /**
- * Gains and limits of one joint.
+ * Gains and limits of one joint. What a form does not use is not looked at.
+ *
+ * PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
+ * instead, l = correction, v = velocity_correction, g = share, d = delay_samples; at sample k:
+ *
+ *     z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
+ *     z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+ *     z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
+ *     ff    = M ddq_des
+ *     r     = the last torque, as the limits let it through, less its ff
+ *     tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+ *
+ * tau acts from sample k + d to k + d + 1. Its feed-forward ff enters with the reference, so that ddq_des of
+ * phihat_sample is the mean of that interval.
  */
 typedef struct phihat_joint {
   /**
@@ -181,15 +213,15 @@ typedef struct phihat_joint {
    */
   double kd_per_s;
   /**
-   * Estimator coefficients a_0 ... a_(order-1), positive; a_i in [1/s^(order-i)].
+   * Estimator coefficients a_0 ... a_(order-1), positive; a_i in [1/s^(order-i)]. Not of PHIHAT_FORM_POSITIONS.
    */
   double a[PHIHAT_ORDER_MAX];
   /**
-   * Order of the estimator, 1 ... PHIHAT_ORDER_MAX.
+   * Order of the estimator, 1 ... PHIHAT_ORDER_MAX; of PHIHAT_FORM_POSITIONS 1 ... 3.
    */
   uint32_t order;
   /**
-   * PHIHAT_FORM_OBSERVER or PHIHAT_FORM_LITERAL.
+   * PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL or PHIHAT_FORM_POSITIONS.
    */
   uint32_t form;
   /**
@@ -200,6 +232,25 @@ typedef struct phihat_joint {
    * Largest change of tau, positive [N m/s]; INFINITY: no limit.
    */
   double torque_rate_max_nm_s;
+  /**
+   * What one radian that the joint is farther than expected adds to the estimate of e [1], of de [1/s], of
+   * phi/M [1/s^2] and of its derivatives: entry i in [1/s^i], order + 2 entries. From the third on they are
+   * negative.
+   */
+  double correction[PHIHAT_CORRECTION_MAX];
+  /**
+   * The same per rad/s of the measured velocity, entry i in [1/s^(i-1)]; all zero: this law uses a velocity only
+   * where it starts or takes over. A number has to be there always, and phihat_supervisor judges it.
+   */
+  double velocity_correction[PHIHAT_CORRECTION_MAX];
+  /**
+   * Share of the way to the wanted torque that is gone in one sample, above 0, at most 1 [1].
+   */
+  double share;
+  /**
+   * Transport delay from a sample to its torque, 0 ... PHIHAT_DELAY_MAX [samples].
+   */
+  uint64_t delay_samples;
 } phihat_joint;
 
 /**
@@ -262,7 +313,9 @@ typedef struct phihat_sample {
    */
   const double *dq_des;
   /**
-   * Desired acceleration [rad/s^2].
+   * Desired acceleration [rad/s^2]. Of joints with PHIHAT_FORM_POSITIONS: its mean over the interval in which
+   * the torque of this sample acts, from delay_samples periods after this sample to one period later. That is the
+   * desired velocity at its end less that at its begin, over the period; q_des and dq_des are those of now.
    */
   const double *ddq_des;
 } phihat_sample;

@@ -1,5 +1,6 @@
 //! What C hands over, turned into references or refused; and panics kept inside.
 
+use core::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::{Refusal, Status, phihat_error};
@@ -17,24 +18,46 @@ pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
     // SAFETY: not null, so it points to a structure that begins with its size.
     let size = unsafe { at.cast::<usize>().read() };
     if size != size_of::<T>() {
-        let why = "a structure's size is not that of this version's header";
-        return Err(Refusal::new(Status::WrongSize, why));
+        return Err(wrong_size());
     }
     // SAFETY: it is as large as it should be.
     Ok(unsafe { &*at })
 }
 
-/// The `index`-th of an array of structures, each with its size.
+/// A copy of the `index`-th of an array of structures, each with its size: that of this header, or `older`, that of a
+/// header in which the structure ended earlier. What is missing is zero then.
 ///
 /// # Safety
 ///
-/// As for [`structure`], for each of the array's elements; `index` is inside of the array.
-pub(crate) unsafe fn element<'a, T>(first: *const T, index: usize) -> Result<&'a T, Refusal> {
+/// As for [`structure`], for each of the array's elements; `index` is inside of the array. Zero is a value of every
+/// member.
+pub(crate) unsafe fn element<T: Copy>(
+    first: *const T,
+    index: usize,
+    older: usize,
+) -> Result<T, Refusal> {
     if first.is_null() {
         return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
     }
-    // SAFETY: inside of the array.
-    unsafe { structure(first.add(index)) }.map_err(|why| why.at(index))
+    // SAFETY: one size, that of the first, is how far apart they all are; as much as that is read of each.
+    unsafe {
+        let size = first.cast::<usize>().read();
+        if size != size_of::<T>() && size != older {
+            return Err(wrong_size().at(index));
+        }
+        let at = first.byte_add(index * size);
+        if at.cast::<usize>().read() != size {
+            return Err(wrong_size().at(index));
+        }
+        let mut whole = MaybeUninit::<T>::zeroed();
+        at.cast::<u8>().copy_to_nonoverlapping(whole.as_mut_ptr().cast(), size);
+        Ok(whole.assume_init())
+    }
+}
+
+fn wrong_size() -> Refusal {
+    let why = "a structure's size is that of no header that this library reads";
+    Refusal::new(Status::WrongSize, why)
 }
 
 /// Writes a structure whose size the caller has set.

@@ -1,15 +1,13 @@
 //! The controller behind its handle.
 
-use phihat::{
-    Command, Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
-    update_joints,
-};
+use phihat::{Command, JointGains, JointState, Measurement, Reference, update_joints};
 
 use crate::border::{answer, element, present, structure};
 use crate::error::{Refusal, Status, phihat_error};
+use crate::laws::law;
 use crate::types::{
-    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_RATE_LIMITED, PHIHAT_REFUSED,
-    PHIHAT_SATURATED, phihat_command, phihat_joint, phihat_sample,
+    PHIHAT_RATE_LIMITED, PHIHAT_REFUSED, PHIHAT_SATURATED, phihat_command, phihat_joint,
+    phihat_sample,
 };
 
 /// A controller for an arm: gains, what they remember, and room for one sample.
@@ -79,8 +77,8 @@ pub unsafe extern "C" fn phihat_controller_create(
         };
         for index in 0..count {
             // SAFETY: the caller's array has `count` elements.
-            let joint = unsafe { element(joints, index) }?;
-            made.gains.push(checked_gains(joint, index, period_s)?);
+            let joint = unsafe { element(joints, index, phihat_joint::FIRST) }?;
+            made.gains.push(law(&joint, period_s).map_err(|why| why.at(index))?);
         }
         made.states.resize(count, JointState::new());
         made.before.resize(count, JointState::new());
@@ -276,37 +274,6 @@ pub(crate) fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
     let short = |_| Refusal::new(Status::OutOfMemory, "there is no memory left");
     vec.try_reserve_exact(count).map_err(short)?;
     Ok(vec)
-}
-
-pub(crate) fn checked_gains(
-    joint: &phihat_joint,
-    index: usize,
-    period: f64,
-) -> Result<JointGains<f64>, Refusal> {
-    let refuse = |error: GainError| Refusal::gain(index, error);
-    let order = joint.order as usize;
-    let a = joint.a.get(..order).ok_or_else(|| refuse(GainError::Order { order }))?;
-    let form = match joint.form {
-        PHIHAT_FORM_OBSERVER => Form::Observer,
-        PHIHAT_FORM_LITERAL => Form::Literal,
-        _ => {
-            let why = "form is neither PHIHAT_FORM_OBSERVER nor PHIHAT_FORM_LITERAL";
-            return Err(Refusal::new(Status::BadGain, why).at(index));
-        }
-    };
-    let design = JointDesign {
-        inertia: joint.inertia_kg_m2,
-        kp: joint.kp_per_s2,
-        kd: joint.kd_per_s,
-        a,
-        period,
-        form,
-    };
-    let finite = |x: f64| (!(x.is_infinite() && x > 0.0)).then_some(x);
-    let limits =
-        Limits::new(finite(joint.torque_max_nm), finite(joint.torque_rate_max_nm_s), period);
-    let gains = JointGains::new(&design).map_err(refuse)?;
-    Ok(gains.with_limits(limits.map_err(refuse)?))
 }
 
 fn flags(command: &Command<f64>) -> u32 {

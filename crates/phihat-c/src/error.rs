@@ -16,7 +16,8 @@ pub enum Status {
     Refused = 1,
     /// A pointer that must not be null is.
     NullPointer = 2,
-    /// A structure's `size` is not sizeof() of it: another version of the header.
+    /// A structure's `size` is not sizeof() of it, in this version of the header or in an older one that this
+    /// library still reads.
     WrongSize = 3,
     /// The number of joints is 0, or not that of the controller.
     WrongJoints = 4,
@@ -51,6 +52,8 @@ pub struct phihat_error {
 pub(crate) struct Refusal {
     pub(crate) status: Status,
     pub(crate) joint: Option<usize>,
+    member: Member,
+    value: f64,
     why: Why,
 }
 
@@ -61,21 +64,43 @@ enum Why {
     Option(OptionError),
 }
 
+/// A member of a structure, by name and where it is an array by place.
+#[derive(Debug, Clone, Copy)]
+struct Member(&'static str, Option<usize>);
+
 impl Refusal {
     pub(crate) fn new(status: Status, text: &'static str) -> Self {
-        Self { status, joint: None, why: Why::Text(text) }
+        let (member, value) = (Member("", None), f64::NAN);
+        Self { status, joint: None, member, value, why: Why::Text(text) }
     }
 
-    pub(crate) fn gain(joint: usize, error: GainError) -> Self {
-        Self { status: Status::BadGain, joint: Some(joint), why: Why::Gain(error) }
+    /// Gains of a law with an estimator, and limits.
+    pub(crate) fn gain(error: GainError) -> Self {
+        let (member, value) = blamed(error, "a");
+        Self { status: Status::BadGain, joint: None, member, value, why: Why::Gain(error) }
+    }
+
+    /// Gains of a law from positions.
+    pub(crate) fn of_positions(error: GainError) -> Self {
+        let (member, value) = blamed(error, "correction");
+        Self { member, value, ..Self::gain(error) }
     }
 
     pub(crate) fn option(joint: Option<usize>, error: OptionError) -> Self {
-        Self { status: Status::BadOption, joint, why: Why::Option(error) }
+        let (member, value) = match error {
+            OptionError::Value { option, value, .. } => (Member(option, None), value),
+            _ => (Member("", None), f64::NAN),
+        };
+        Self { status: Status::BadOption, joint, member, value, why: Why::Option(error) }
     }
 
     pub(crate) fn at(self, joint: usize) -> Self {
         Self { joint: Some(joint), ..self }
+    }
+
+    /// It is about this member's value.
+    pub(crate) fn member(self, name: &'static str, value: f64) -> Self {
+        Self { member: Member(name, None), value, ..self }
     }
 
     /// As the caller gets it.
@@ -83,7 +108,7 @@ impl Refusal {
         let mut error = phihat_error {
             size: size_of::<phihat_error>(),
             joint: self.joint.unwrap_or(usize::MAX),
-            value: f64::NAN,
+            value: self.value,
             member: [0; 32],
             text: [0; 192],
         };
@@ -98,39 +123,48 @@ impl Refusal {
             (None, Why::Gain(why)) => write!(text, "{why}"),
         };
         let mut member = Line::new(&mut error.member);
-        let why = match self.why {
-            Why::Gain(why) => why,
-            Why::Option(OptionError::Value { option, value, .. }) => {
-                error.value = value;
-                let _ = member.write_str(option);
-                return error;
-            }
-            Why::Text(_) | Why::Option(_) => return error,
-        };
-        let _ = match why {
-            GainError::NotPositive { gain, value } => {
-                error.value = value;
-                match gain {
-                    Gain::Inertia => member.write_str("inertia_kg_m2"),
-                    Gain::Kp => member.write_str("kp_per_s2"),
-                    Gain::Kd => member.write_str("kd_per_s"),
-                    Gain::A(i) => write!(member, "a[{i}]"),
-                    Gain::Period => member.write_str("period_s"),
-                    Gain::TorqueMax => member.write_str("torque_max_nm"),
-                    Gain::TorqueRateMax => member.write_str("torque_rate_max_nm_s"),
-                    _ => Ok(()),
-                }
-            }
-            GainError::Order { .. } => member.write_str("order"),
-            GainError::UnstableEstimator { .. } => member.write_str("a"),
-            // Of laws that this interface cannot ask for.
-            GainError::Share { .. } | GainError::Delay { .. } | GainError::Corrections { .. } => {
-                Ok(())
-            }
-            GainError::Form => member.write_str("form"),
-            GainError::Overflow => Ok(()),
+        let _ = match self.member {
+            Member(name, Some(index)) => write!(member, "{name}[{index}]"),
+            Member(name, None) => member.write_str(name),
         };
         error
+    }
+}
+
+/// Which member an error is about, and its value; `estimator` is the one that has the estimator's coefficients.
+fn blamed(error: GainError, estimator: &'static str) -> (Member, f64) {
+    let none = f64::NAN;
+    let (name, index, value) = match error {
+        GainError::NotPositive { gain, value } | GainError::NotFinite { gain, value } => {
+            let (name, index) = named(gain);
+            (name, index, value)
+        }
+        GainError::Order { .. } | GainError::Corrections { .. } => ("order", None, none),
+        GainError::UnstableEstimator { .. } => (estimator, None, none),
+        GainError::Share { value } => ("share", None, value),
+        GainError::Delay { samples } => ("delay_samples", None, samples as f64),
+        GainError::Form => ("form", None, none),
+        GainError::Overflow => ("", None, none),
+    };
+    (Member(name, index), value)
+}
+
+fn named(gain: Gain) -> (&'static str, Option<usize>) {
+    match gain {
+        Gain::Inertia => ("inertia_kg_m2", None),
+        Gain::Kp => ("kp_per_s2", None),
+        Gain::Kd => ("kd_per_s", None),
+        Gain::A(i) => ("a", Some(i)),
+        Gain::Period => ("period_s", None),
+        Gain::TorqueMax => ("torque_max_nm", None),
+        Gain::TorqueRateMax => ("torque_rate_max_nm_s", None),
+        Gain::Share => ("share", None),
+        Gain::Correction(i) => ("correction", Some(i)),
+        Gain::VelocityCorrection(i) => ("velocity_correction", Some(i)),
+        // Of no structure here.
+        Gain::VelocityMax | Gain::AccelerationMax | Gain::JerkMax | Gain::VelocityFilter => {
+            ("", None)
+        }
     }
 }
 
@@ -163,7 +197,7 @@ pub extern "C" fn phihat_status_text(status: i32) -> *const c_char {
         0 => c"done",
         1 => c"the sample is not finite or beyond 2^32; the last torque is held",
         2 => c"a pointer that must not be null is",
-        3 => c"a structure's size is not that of this version's header",
+        3 => c"a structure's size is that of no header that this library reads",
         4 => c"the number of joints is 0, or not that of the controller",
         5 => c"a gain or limit is not possible",
         6 => c"there is no memory left",

@@ -21,6 +21,7 @@ mod border;
 mod controller;
 mod error;
 mod guard;
+mod laws;
 mod supervisor;
 mod types;
 
@@ -40,6 +41,7 @@ pub use supervisor::{
     phihat_supervisor, phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
 };
 pub use types::{
-    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_ORDER_MAX, PHIHAT_RATE_LIMITED,
-    PHIHAT_REFUSED, PHIHAT_SATURATED, phihat_command, phihat_joint, phihat_sample,
+    PHIHAT_CORRECTION_MAX, PHIHAT_DELAY_MAX, PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER,
+    PHIHAT_FORM_POSITIONS, PHIHAT_ORDER_MAX, PHIHAT_RATE_LIMITED, PHIHAT_REFUSED, PHIHAT_SATURATED,
+    phihat_command, phihat_joint, phihat_sample,
 };

@@ -7,9 +7,10 @@ use phihat::{
 };
 
 use crate::border::{answer, element, present, structure, write_structure};
-use crate::controller::{checked_gains, copy_sample, give, joints_match, room};
+use crate::controller::{copy_sample, give, joints_match, room};
 use crate::error::{Refusal, Status, phihat_error};
 use crate::guard::{phihat_guard, phihat_supervision};
+use crate::laws::law;
 use crate::types::{phihat_command, phihat_joint, phihat_sample};
 
 /// Request: no torque; from armed and from a stop only.
@@ -124,13 +125,15 @@ pub unsafe extern "C" fn phihat_supervisor_create(
         let mut rules = room(count)?;
         for index in 0..count {
             // SAFETY: the caller's array has `count` elements.
-            let joint = unsafe { element(joints, index) }?;
-            let law = checked_gains(joint, index, period)?;
+            let joint = unsafe { element(joints, index, phihat_joint::FIRST) }?;
+            let law = law(&joint, period).map_err(|why| why.at(index))?;
             let guard = if guards.is_null() {
                 phihat::JointOptions::default()
             } else {
                 // SAFETY: the caller's array has `count` elements.
-                unsafe { element(guards, index) }?.options().map_err(|why| why.at(index))?
+                unsafe { element(guards, index, size_of::<phihat_guard>()) }?
+                    .options()
+                    .map_err(|why| why.at(index))?
             };
             let rule = JointRules::new(index, &law, &guard, &options);
             rules.push(rule.map_err(|e| refused(e, Some(index)))?);

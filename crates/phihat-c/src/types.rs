@@ -1,12 +1,20 @@
 //! The structures of the header.
 
+use core::mem::offset_of;
+
 /// Highest order of the estimator.
 pub const PHIHAT_ORDER_MAX: usize = 4;
+/// Most entries of a correction: of order 3, two more than that.
+pub const PHIHAT_CORRECTION_MAX: usize = 5;
+/// Longest delay that PHIHAT_FORM_POSITIONS predicts across [samples].
+pub const PHIHAT_DELAY_MAX: u32 = 4;
 
 /// Form of the law: a disturbance observer fed with the torque that acted. The default.
 pub const PHIHAT_FORM_OBSERVER: u32 = 0;
 /// Form of the law: the paper's integrals of the error, for reproduction; winds up under saturation.
 pub const PHIHAT_FORM_LITERAL: u32 = 1;
+/// Form of the law: an observer that sees the position and the torque that acted. See phihat_joint.
+pub const PHIHAT_FORM_POSITIONS: u32 = 2;
 
 /// Flag of a command: the torque limit acted.
 pub const PHIHAT_SATURATED: u32 = 1;
@@ -15,7 +23,20 @@ pub const PHIHAT_RATE_LIMITED: u32 = 2;
 /// Flag of a command: the sample was not finite or beyond +-2^32; the last torque is held, the state untouched.
 pub const PHIHAT_REFUSED: u32 = 4;
 
-/// Gains and limits of one joint.
+/// Gains and limits of one joint. What a form does not use is not looked at.
+///
+/// PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
+/// instead, l = correction, v = velocity_correction, g = share, d = delay_samples; at sample k:
+///
+///     z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
+///     z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+///     z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
+///     ff    = M ddq_des
+///     r     = the last torque, as the limits let it through, less its ff
+///     tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+///
+/// tau acts from sample k + d to k + d + 1. Its feed-forward ff enters with the reference, so that ddq_des of
+/// phihat_sample is the mean of that interval.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_joint {
@@ -27,16 +48,33 @@ pub struct phihat_joint {
     pub kp_per_s2: f64,
     /// Outer loop K_d, positive [1/s].
     pub kd_per_s: f64,
-    /// Estimator coefficients a_0 ... a_(order-1), positive; a_i in [1/s^(order-i)].
+    /// Estimator coefficients a_0 ... a_(order-1), positive; a_i in [1/s^(order-i)]. Not of PHIHAT_FORM_POSITIONS.
     pub a: [f64; PHIHAT_ORDER_MAX],
-    /// Order of the estimator, 1 ... PHIHAT_ORDER_MAX.
+    /// Order of the estimator, 1 ... PHIHAT_ORDER_MAX; of PHIHAT_FORM_POSITIONS 1 ... 3.
     pub order: u32,
-    /// PHIHAT_FORM_OBSERVER or PHIHAT_FORM_LITERAL.
+    /// PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL or PHIHAT_FORM_POSITIONS.
     pub form: u32,
     /// Largest |tau|, positive [N m]; INFINITY: no limit.
     pub torque_max_nm: f64,
     /// Largest change of tau, positive [N m/s]; INFINITY: no limit.
     pub torque_rate_max_nm_s: f64,
+    /// What one radian that the joint is farther than expected adds to the estimate of e [1], of de [1/s], of
+    /// phi/M [1/s^2] and of its derivatives: entry i in [1/s^i], order + 2 entries. From the third on they are
+    /// negative.
+    pub correction: [f64; PHIHAT_CORRECTION_MAX],
+    /// The same per rad/s of the measured velocity, entry i in [1/s^(i-1)]; all zero: this law uses a velocity only
+    /// where it starts or takes over. A number has to be there always, and phihat_supervisor judges it.
+    pub velocity_correction: [f64; PHIHAT_CORRECTION_MAX],
+    /// Share of the way to the wanted torque that is gone in one sample, above 0, at most 1 [1].
+    pub share: f64,
+    /// Transport delay from a sample to its torque, 0 ... PHIHAT_DELAY_MAX [samples].
+    // 64 bits leave no gap at the end: whatever a later header adds makes the structure larger.
+    pub delay_samples: u64,
+}
+
+impl phihat_joint {
+    /// sizeof(phihat_joint) of the first header, which had no member from `correction` on.
+    pub(crate) const FIRST: usize = offset_of!(Self, correction);
 }
 
 /// What the sensors say at a sample, and what the arm shall do.
@@ -58,7 +96,9 @@ pub struct phihat_sample {
     pub q_des: *const f64,
     /// Desired velocity [rad/s].
     pub dq_des: *const f64,
-    /// Desired acceleration [rad/s^2].
+    /// Desired acceleration [rad/s^2]. Of joints with PHIHAT_FORM_POSITIONS: its mean over the interval in which
+    /// the torque of this sample acts, from delay_samples periods after this sample to one period later. That is the
+    /// desired velocity at its end less that at its begin, over the period; q_des and dq_des are those of now.
     pub ddq_des: *const f64,
 }
 

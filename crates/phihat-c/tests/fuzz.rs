@@ -50,9 +50,10 @@ fn or<T>(choices: &mut Choices<'_>, usual: T, unlikely: T) -> T {
 }
 
 fn joint(choices: &mut Choices<'_>) -> phihat_joint {
-    let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..support::joint() };
+    let usual = [support::joint(), support::seeing()][choices.byte_or_0() % 2];
+    let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..usual };
     if seldom(choices) {
-        match choices.byte_or_0() % 8 {
+        match choices.byte_or_0() % 12 {
             0 => joint.inertia_kg_m2 = number(choices),
             1 => joint.kp_per_s2 = number(choices),
             2 => joint.kd_per_s = number(choices),
@@ -60,6 +61,10 @@ fn joint(choices: &mut Choices<'_>) -> phihat_joint {
             4 => joint.order = u32::try_from(choices.byte_or_0()).unwrap_or(0),
             5 => joint.form = u32::try_from(choices.byte_or_0()).unwrap_or(0),
             6 => joint.torque_rate_max_nm_s = number(choices),
+            7 => joint.correction[choices.byte_or_0() % 5] = number(choices),
+            8 => joint.velocity_correction[choices.byte_or_0() % 5] = number(choices),
+            9 => joint.share = number(choices),
+            10 => joint.delay_samples = choices.byte_or_0() as u64,
             _ => joint.size = choices.byte_or_0(),
         }
     }

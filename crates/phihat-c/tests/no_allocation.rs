@@ -121,6 +121,7 @@ fn refusals_name_joint_member_value_and_text() {
     assert_eq!(why.joint, 1);
     let other_form = phihat_joint { form: 7, ..joint() };
     assert_eq!(create(&[other_form], 1e-3, &mut why), Status::BadGain);
+    assert_eq!((text(&why.member).as_c_str(), why.value), (c"form", 7.0));
 }
 
 #[test]

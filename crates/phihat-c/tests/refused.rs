@@ -7,14 +7,17 @@ mod support;
 use core::ptr::null_mut;
 
 use phihat_c::{
-    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_REFUSED, Status, phihat_command,
-    phihat_controller, phihat_controller_create, phihat_controller_destroy,
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, PHIHAT_REFUSED, Status,
+    phihat_command, phihat_controller, phihat_controller_create, phihat_controller_destroy,
     phihat_controller_resume, phihat_controller_update, phihat_joint, phihat_sample,
 };
 
 const N: usize = 3;
 
 fn joint(form: u32, kp: f64) -> phihat_joint {
+    if form == PHIHAT_FORM_POSITIONS {
+        return phihat_joint { kp_per_s2: kp, ..support::seeing() };
+    }
     phihat_joint {
         kp_per_s2: kp,
         a: [24_010_000.0, 1_372_000.0, 29_400.0, 280.0],
@@ -94,7 +97,7 @@ fn good(k: u32) -> Signals {
 
 #[test]
 fn garbage_is_refused_and_not_remembered() {
-    for form in [PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL] {
+    for form in [PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL, PHIHAT_FORM_POSITIONS] {
         for value in [f64::NAN, f64::INFINITY, -f64::MAX, 1e305, -1e100, 1e12, 4.3e9] {
             for (which, at) in (0..6).flat_map(|w| (0..N).map(move |j| (w, j))) {
                 let [arm, clean] = [(); 2].map(|()| Arm::new(&[joint(form, 400.0); N], 1e-3));

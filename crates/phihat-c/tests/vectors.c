@@ -33,6 +33,14 @@ static double number_(char **at) {
   return value;
 }
 
+static uint32_t form(const char *word) {
+  if (!strncmp(word, "observer ", 9)) return PHIHAT_FORM_OBSERVER;
+  if (!strncmp(word, "literal ", 8)) return PHIHAT_FORM_LITERAL;
+  if (!strncmp(word, "positions ", 10)) return PHIHAT_FORM_POSITIONS;
+  fail("form");
+  return 0;
+}
+
 static int same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
 
 int main(int argc, char **argv) {
@@ -43,7 +51,7 @@ int main(int argc, char **argv) {
   uint32_t flags[JOINTS_MAX];
   double period = 0.0;
   size_t n = 0, have = 0, i;
-  unsigned answers = 0, refused = 0, cases = 0;
+  unsigned answers = 0, refused = 0, cases = 0, seeing = 0;
   phihat_sample sample;
   phihat_command command;
 
@@ -65,14 +73,22 @@ int main(int argc, char **argv) {
       phihat_joint *joint = &joints[have++];
       memset(joint, 0, sizeof *joint);
       joint->size = sizeof *joint;
-      joint->form = strncmp(line + 6, "literal", 7) ? PHIHAT_FORM_OBSERVER : PHIHAT_FORM_LITERAL;
+      joint->form = form(line + 6);
       at = strchr(at + 1, ' ');
       if (!at) fail("no order");
       joint->order = (uint32_t)number_(&at);
       joint->inertia_kg_m2 = number_(&at);
       joint->kp_per_s2 = number_(&at);
       joint->kd_per_s = number_(&at);
-      numbers(&at, joint->a, joint->order);
+      if (joint->form == PHIHAT_FORM_POSITIONS) {
+        numbers(&at, joint->correction, joint->order + 2);
+        numbers(&at, joint->velocity_correction, joint->order + 2);
+        joint->share = number_(&at);
+        joint->delay_samples = (uint64_t)number_(&at);
+        ++seeing;
+      } else {
+        numbers(&at, joint->a, joint->order);
+      }
       joint->torque_max_nm = number_(&at);
       joint->torque_rate_max_nm_s = number_(&at);
       if (have == n) {
@@ -124,7 +140,7 @@ int main(int argc, char **argv) {
   if (phihat_controller_reset(controller) != PHIHAT_STATUS_OK) fail("reset");
   phihat_controller_destroy(controller);
   phihat_controller_destroy(NULL);
-  if (cases < 8 || answers < 300 || refused != cases) fail("too few vectors");
+  if (cases < 15 || answers < 600 || refused != cases || seeing < 21) fail("too few vectors");
   printf("%u cases, %u answers: the same bits\n", cases, answers);
   return 0;
 }

@@ -7,7 +7,6 @@ use pyo3::types::PyDict;
 
 use crate::arrays::per_joint;
 use crate::failure;
-use crate::gains::Gains;
 use crate::laws::Laws;
 use crate::raised;
 
@@ -33,13 +32,13 @@ type Sample<'a, 'py> = [(&'static str, &'a Bound<'py, PyAny>); 5];
 #[pymethods]
 impl Controller {
     #[new]
-    #[pyo3(signature = (gains, *, torque_max = None, torque_rate_max = None, form = "observer"))]
+    #[pyo3(signature = (gains, *, torque_max = None, torque_rate_max = None, form = None))]
     fn new(
         py: Python<'_>,
-        gains: &Gains,
+        gains: &Bound<'_, PyAny>,
         torque_max: Option<Vec<f64>>,
         torque_rate_max: Option<Vec<f64>>,
-        form: &str,
+        form: Option<&str>,
     ) -> PyResult<Self> {
         let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
         let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, form)?;

@@ -6,11 +6,13 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments of a Python function arrive by value")]
 
 mod arrays;
+mod checks;
 mod controller;
 mod failure;
 mod gains;
 mod json;
 mod laws;
+mod position_gains;
 mod raised;
 mod robot;
 mod run;
@@ -26,6 +28,8 @@ mod _phihat {
     use super::controller::Controller;
     #[pymodule_export]
     use super::gains::Gains;
+    #[pymodule_export]
+    use super::position_gains::PositionGains;
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]

@@ -9,9 +9,9 @@ use phihat::{
 use pyo3::prelude::*;
 
 use crate::arrays::per_joint;
+use crate::checks::per_joint_values;
 use crate::failure;
-use crate::gains::Gains;
-use crate::laws::{Laws, per_joint_values};
+use crate::laws::Laws;
 
 /// A controller under supervision.
 #[pyclass(module = "phihat")]
@@ -42,7 +42,7 @@ impl Supervisor {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,
-        gains: &Gains,
+        gains: &Bound<'_, PyAny>,
         torque_max: Option<Vec<f64>>,
         torque_rate_max: Option<Vec<f64>>,
         velocity_max: Option<Vec<f64>>,
@@ -62,7 +62,7 @@ impl Supervisor {
         start_mismatch_max: f64,
     ) -> PyResult<Self> {
         let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
-        let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, "observer")?;
+        let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, None)?;
         let n = names.len();
         let options = Options {
             hold_samples,

@@ -40,6 +40,25 @@ def document(joints: list[list[str]], period: float) -> str:
     )
 
 
+def seeing(joints: list[list[str]], period: float) -> phihat.PositionGains:
+    """Gains of a law from positions from the vectors' joint lines."""
+    records = []
+    for _form, order, *rest in joints:
+        states, numbers = int(order) + 2, [float(x) for x in rest]
+        records.append((numbers[:3], numbers[3 : 3 + states], numbers[3 + states : 3 + 2 * states], numbers[3 + 2 * states :]))
+    return phihat.PositionGains(
+        joint_names=[f"joint{number}" for number in range(len(joints))],
+        rate_hz=1.0 / period,
+        inertia=[outer[0] for outer, _, _, _ in records],
+        kp=[outer[1] for outer, _, _, _ in records],
+        kd=[outer[2] for outer, _, _, _ in records],
+        correction=[position for _, position, _, _ in records],
+        velocity_correction=[velocity for _, _, velocity, _ in records],
+        share=[rest[0] for _, _, _, rest in records],
+        delay_samples=[int(rest[1]) for _, _, _, rest in records],
+    )
+
+
 def cases() -> dict[str, list[Line]]:
     found: dict[str, list[Line]] = {}
     for line in VECTORS.read_text().splitlines():
@@ -60,11 +79,16 @@ def test_same_bits(name: str) -> None:
     lines = CASES[name]
     joints = [words for verb, words in lines if verb == "joint"]
     period, n = float(lines[0][1][2]), len(joints)
-    controller = phihat.Controller(
-        phihat.Gains.from_json(document(joints, period)),
-        torque_max=[float(words[-2]) for words in joints],
-        torque_rate_max=[float(words[-1]) for words in joints],
-        form="literal" if joints[0][0] == "literal" else "observer",
+    torque_max, torque_rate_max = ([float(words[at]) for words in joints] for at in (-2, -1))
+    controller = (
+        phihat.Controller(seeing(joints, period), torque_max=torque_max, torque_rate_max=torque_rate_max)
+        if joints[0][0] == "positions"
+        else phihat.Controller(
+            phihat.Gains.from_json(document(joints, period)),
+            torque_max=torque_max,
+            torque_rate_max=torque_rate_max,
+            form="literal" if joints[0][0] == "literal" else "observer",
+        )
     )
     answers = 0
     tau = np.zeros(n)

@@ -32,6 +32,10 @@ pub enum Gain {
     VelocityFilter,
     /// The share of the way to the wanted torque per sample.
     Share,
+    /// `ℓ_i`, with its index.
+    Correction(usize),
+    /// `λ_i`, with its index.
+    VelocityCorrection(usize),
 }
 
 impl Gain {
@@ -42,6 +46,11 @@ impl Gain {
         } else {
             Err(GainError::NotPositive { gain: self, value })
         }
+    }
+
+    /// Refuses what is not finite; either sign is possible.
+    pub(crate) fn finite(self, value: f64) -> Result<(), GainError> {
+        if value.is_finite() { Ok(()) } else { Err(GainError::NotFinite { gain: self, value }) }
     }
 }
 
@@ -60,6 +69,8 @@ impl fmt::Display for Gain {
             Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
             Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
             Self::Share => f.write_str("share"),
+            Self::Correction(i) => write!(f, "correction[{i}]"),
+            Self::VelocityCorrection(i) => write!(f, "velocity_correction[{i}]"),
         }
     }
 }
@@ -69,6 +80,13 @@ impl fmt::Display for Gain {
 pub enum GainError {
     /// A gain is zero, negative, infinite or NaN.
     NotPositive {
+        /// Which one.
+        gain: Gain,
+        /// Its value.
+        value: f64,
+    },
+    /// A gain that may have either sign is infinite or NaN.
+    NotFinite {
         /// Which one.
         gain: Gain,
         /// Its value.
@@ -113,6 +131,7 @@ impl fmt::Display for GainError {
             Self::NotPositive { gain, value } => {
                 write!(f, "{gain} is {value}; it must be positive and finite")
             }
+            Self::NotFinite { gain, value } => write!(f, "{gain} is {value}; it must be finite"),
             Self::Order { order } => {
                 write!(f, "the estimator has {order} coefficients; 1 to {ORDER_MAX} are possible")
             }

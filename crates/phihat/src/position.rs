@@ -55,7 +55,7 @@ impl<R: Real> JointGains<R> {
                 coming: coming.map(R::from_f64),
                 share: R::from_f64(design.share),
                 delay: u8::try_from(design.delay).unwrap_or(0),
-                hears_velocity: !design.velocity_correction.is_empty(),
+                hears_velocity: design.velocity_correction.iter().any(|gain| *gain != 0.0),
             },
             order: design.correction.len().saturating_sub(2),
             period: R::from_f64(design.period),

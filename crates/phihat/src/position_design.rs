@@ -49,7 +49,7 @@ pub struct PositionDesign<'a> {
     /// derivatives of that; `m + 2` entries, `m` = 1 … 3. From the third on they are negative: a joint that is farther
     /// than expected was held back less.
     pub correction: &'a [f64],
-    /// `λ`: the same per rad/s of a measured velocity; empty where the velocity is not used.
+    /// `λ`: the same per rad/s of a measured velocity; empty, or all zero, where the velocity is not used.
     pub velocity_correction: &'a [f64],
     /// `g`: share of the way to the wanted torque that is gone in one sample, above 0, at most 1.
     pub share: f64,
@@ -77,6 +77,12 @@ impl PositionDesign<'_> {
         let velocities = self.velocity_correction.len();
         if !(3..=STATES).contains(&states) || !(velocities == 0 || velocities == states) {
             return Err(GainError::Corrections { position: states, velocity: velocities });
+        }
+        for (index, value) in self.correction.iter().enumerate() {
+            Gain::Correction(index).finite(*value)?;
+        }
+        for (index, value) in self.velocity_correction.iter().enumerate() {
+            Gain::VelocityCorrection(index).finite(*value)?;
         }
         if settles(&self.error_dynamics(), states) {
             Ok(())

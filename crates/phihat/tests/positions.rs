@@ -11,7 +11,8 @@
 use std::collections::VecDeque;
 
 use phihat::{
-    Command, GainError, JointGains, JointState, Limits, Measurement, PositionDesign, Reference,
+    Command, Gain, GainError, JointGains, JointState, Limits, Measurement, PositionDesign,
+    Reference,
 };
 
 const T: f64 = 1e-3;
@@ -372,8 +373,18 @@ fn designs_that_cannot_work_are_refused() {
             assert_eq!(found, expected, "{poles:?}");
         }
     }
-    let nan = [f64::NAN, 28.0, -1000.0];
-    assert!(of(design(&nan, 0.4, 1)).is_err());
+    for at in 0..3 {
+        let (mut position, mut velocity) = ([0.271, 28.5, -1000.0], [0.0; 3]);
+        position[at] = f64::NAN;
+        let found = of(design(&position, 0.4, 1));
+        let named =
+            matches!(found, Err(GainError::NotFinite { gain: Gain::Correction(i), .. }) if i == at);
+        assert!(named, "{found:?}");
+        velocity[at] = f64::INFINITY;
+        let heard = PositionDesign { velocity_correction: &velocity, ..design(&good, 0.4, 1) };
+        let (gain, value) = (Gain::VelocityCorrection(at), f64::INFINITY);
+        assert_eq!(of(heard), Err(GainError::NotFinite { gain, value }));
+    }
 }
 
 #[test]
@@ -400,6 +411,14 @@ fn a_velocity_is_a_second_measurement() {
     };
     let (q, phi_hat) = settled(4.0);
     assert!(q.abs() < 1e-10 && (phi_hat - 4.0).abs() < 1e-8, "{q:e} {phi_hat}");
+}
+
+#[test]
+fn a_velocity_that_corrects_nothing_is_not_heard() {
+    let position = correction(&[0.9, 0.92, 0.95]);
+    let silent = PositionDesign { velocity_correction: &[0.0; 3], ..design(&position, 0.4, 1) };
+    let without = JointGains::<f64>::from_positions(&design(&position, 0.4, 1));
+    assert_eq!(JointGains::<f64>::from_positions(&silent), without);
 }
 
 #[test]

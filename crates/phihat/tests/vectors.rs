@@ -8,14 +8,17 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use phihat::{
-    Command, Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
-    update_joints,
+    Command, Form, JointDesign, JointGains, JointState, Limits, Measurement, PositionDesign,
+    Reference, update_joints,
 };
 
 const HEADER: &str = "\
 # Test vectors of the controller, by tests/vectors.rs. Decimals read back to the same bits.
 # case NAME JOINTS PERIOD_S
 # joint FORM ORDER INERTIA KP KD A_0 ... A_(ORDER-1) TORQUE_MAX TORQUE_RATE_MAX       one line per joint
+# joint positions ORDER INERTIA KP KD CORRECTION_0 ... CORRECTION_(ORDER+1)           of a law from positions, likewise;
+#       VELOCITY_CORRECTION_0 ... VELOCITY_CORRECTION_(ORDER+1)                       all zero: the velocity is not used
+#       SHARE DELAY_SAMPLES TORQUE_MAX TORQUE_RATE_MAX                                (one line, broken here)
 # sample Q DQ TAU_APPLIED Q_DES DQ_DES DDQ_DES      each one number per joint; what goes in
 # answer TAU PHI_HAT FLAGS                          flags: 1 saturated, 2 rate limited, 4 refused
 # resume Q DQ TAU_APPLIED Q_DES DQ_DES DDQ_DES TAU  takes over at a torque; answers nothing
@@ -34,6 +37,29 @@ const CASES: [(&str, Form, usize, usize, bool); 8] = [
     ("literal_1", Form::Literal, 1, 2, false),
     ("literal_2", Form::Literal, 2, 3, true),
 ];
+
+/// Of laws from positions: order, whether a velocity corrects, whether limits act. The joints have a delay each.
+const SEEN: [(&str, usize, bool, bool); 7] = [
+    ("positions_1", 1, false, false),
+    ("positions_1_velocity", 1, true, true),
+    ("positions_2", 2, false, true),
+    ("positions_2_velocity", 2, true, false),
+    ("positions_3", 3, false, true),
+    ("positions_3_velocity", 3, true, true),
+    ("positions_resumed", 2, false, true),
+];
+
+const DELAYS: [usize; 3] = [0, 1, 3];
+
+/// Of observers of each order, in time units of a sample, with poles at 0.70 to 0.80.
+const CORRECTIONS: [&[f64]; 3] = [
+    &[0.58, 0.162, -0.015],
+    &[0.698, 0.302, -0.0605, -0.0042],
+    &[0.764, 0.422, -0.127, -0.0175, -0.000_924],
+];
+
+/// Likewise by velocity; little enough that the observer stays stable.
+const VELOCITY_CORRECTION: [f64; 5] = [0.1, 0.2, -0.015, -0.0008, -0.000_02];
 
 /// Numbers in [0, 1) from a counter (SplitMix64): no state but the count.
 struct Draw(u64);
@@ -64,6 +90,16 @@ fn word(form: Form) -> &'static str {
     if form == Form::Literal { "literal" } else { "observer" }
 }
 
+fn limits(draw: &mut Draw, limited: bool) -> [f64; 2] {
+    let drawn = [draw.within(5.0, 90.0), draw.within(500.0, 4000.0)];
+    if limited { drawn } else { [f64::INFINITY; 2] }
+}
+
+fn checked(of: [f64; 2]) -> Limits<f64> {
+    let [torque, rate] = of.map(|limit| limit.is_finite().then_some(limit));
+    Limits::new(torque, rate, 1e-3).unwrap()
+}
+
 /// Coefficients of `(s + w)^m`, low to high, without the leading 1: stable for any `w`.
 fn coefficients(w: f64, order: usize) -> Vec<f64> {
     let mut a = vec![1.0];
@@ -89,15 +125,56 @@ fn joint(
     let (inertia, w) = (draw.within(0.05, 3.0), draw.within(5.0, 30.0));
     let a = coefficients(draw.within(20.0, 90.0), order);
     let (kp, kd) = (w * w, 2.0 * w);
-    let (torque, rate) = (draw.within(5.0, 90.0), draw.within(500.0, 4000.0));
-    let (torque, rate) = if limited { (Some(torque), Some(rate)) } else { (None, None) };
+    let limits = limits(draw, limited);
     let mut values = vec![inertia, kp, kd];
     values.extend(&a);
-    values.extend([torque, rate].map(|limit| limit.unwrap_or(f64::INFINITY)));
+    values.extend(limits);
     line(text, &format!("joint {} {order}", word(form)), &values);
     let design = JointDesign { inertia, kp, kd, a: &a, period: 1e-3, form };
-    let limits = Limits::new(torque, rate, 1e-3).unwrap();
-    JointGains::new(&design).unwrap().with_limits(limits)
+    JointGains::new(&design).unwrap().with_limits(checked(limits))
+}
+
+/// A law from positions. The first number that corrects is in \[1\], the others in as many \[1/s\] more each.
+fn seeing(
+    text: &mut String,
+    draw: &mut Draw,
+    (order, delay): (usize, usize),
+    velocity: bool,
+    limited: bool,
+) -> JointGains<f64> {
+    let (inertia, w) = (draw.within(0.05, 3.0), draw.within(5.0, 30.0));
+    let (kp, kd, share) = (w * w, 2.0 * w, draw.within(0.2, 1.0));
+    let mut scaled = |of: &[f64], first: f64| {
+        let mut unit = first;
+        let mut values = Vec::new();
+        for value in of {
+            values.push(value * draw.within(0.95, 1.05) * unit);
+            unit *= 1e3;
+        }
+        values
+    };
+    let correction = scaled(CORRECTIONS[order - 1], 1.0);
+    let states = correction.len();
+    let on_velocity =
+        if velocity { scaled(&VELOCITY_CORRECTION[..states], 1e-3) } else { vec![0.0; states] };
+    let limits = limits(draw, limited);
+    let mut values = vec![inertia, kp, kd];
+    values.extend(&correction);
+    values.extend(&on_velocity);
+    values.extend([share, delay as f64]);
+    values.extend(limits);
+    line(text, &format!("joint positions {order}"), &values);
+    let design = PositionDesign {
+        inertia,
+        kp,
+        kd,
+        correction: &correction,
+        velocity_correction: &on_velocity,
+        share,
+        delay,
+        period: 1e-3,
+    };
+    JointGains::from_positions(&design).unwrap().with_limits(checked(limits))
 }
 
 fn columns(measurements: &[Measurement<f64>], references: &[Reference<f64>]) -> Vec<f64> {
@@ -117,15 +194,16 @@ fn flags(command: &Command<f64>) -> f64 {
         + f64::from(4 * u8::from(s.refused))
 }
 
-/// One case: a wandering arm, a not-finite sample in the middle, and a take-over in the case named so.
+/// One case: a wandering arm, a not-finite sample in the middle, and a take-over in the cases named so.
 fn case(
     text: &mut String,
     seed: u64,
-    (name, form, order, n, limited): (&str, Form, usize, usize, bool),
+    (name, n): (&str, usize),
+    joint: impl Fn(&mut String, &mut Draw, usize) -> JointGains<f64>,
 ) {
     let mut draw = Draw(seed);
     writeln!(text, "case {name} {n} 0.001").unwrap();
-    let gains: Vec<_> = (0..n).map(|_| joint(text, &mut draw, form, order, limited)).collect();
+    let gains: Vec<_> = (0..n).map(|i| joint(text, &mut draw, i)).collect();
     let mut states = vec![JointState::new(); n];
     let mut commands = vec![Command::default(); n];
     let mut measurements = vec![Measurement::<f64>::default(); n];
@@ -144,7 +222,7 @@ fn case(
         if k == SAMPLES / 2 {
             measurements[n - 1].dq = f64::NAN;
         }
-        if k == 10 && name == "arm_resumed" {
+        if k == 10 && name.ends_with("_resumed") {
             let tau: Vec<f64> = (0..n).map(|_| draw.within(-4.0, 4.0)).collect();
             for i in 0..n {
                 assert!(gains[i].resume(&mut states[i], &measurements[i], &references[i], tau[i]));
@@ -163,12 +241,24 @@ fn case(
 #[test]
 fn the_vectors_are_what_this_crate_answers() {
     let mut text = HEADER.to_owned();
-    for (i, of) in CASES.into_iter().enumerate() {
-        case(&mut text, 1000 + i as u64, of);
+    for (i, (name, form, order, n, limited)) in CASES.into_iter().enumerate() {
+        let own =
+            |text: &mut String, draw: &mut Draw, _: usize| joint(text, draw, form, order, limited);
+        case(&mut text, 1000 + i as u64, (name, n), own);
     }
-    for flag in ["1", "2", "4"] {
-        let met = text.lines().any(|l| l.starts_with("answer") && l.split(' ').any(|w| w == flag));
-        assert!(met, "flag {flag} occurs in no vector");
+    let torque_observers = text.len();
+    for (i, (name, order, velocity, limited)) in SEEN.into_iter().enumerate() {
+        let own = |text: &mut String, draw: &mut Draw, joint: usize| {
+            seeing(text, draw, (order, DELAYS[joint]), velocity, limited)
+        };
+        case(&mut text, 2000 + i as u64, (name, DELAYS.len()), own);
+    }
+    for part in [&text[..torque_observers], &text[torque_observers..]] {
+        for flag in ["1", "2", "4"] {
+            let met =
+                part.lines().any(|l| l.starts_with("answer") && l.split(' ').any(|w| w == flag));
+            assert!(met, "flag {flag} occurs in no vector");
+        }
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/controller.txt");
     if std::env::var_os("PHIHAT_BLESS").is_some() {

@@ -1,6 +1,7 @@
 //! What the tests' C programs have in common.
+#![allow(dead_code, reason = "each test file uses its part")]
 
-use phihat_c::phihat_joint;
+use phihat_c::{PHIHAT_CORRECTION_MAX, PHIHAT_FORM_POSITIONS, phihat_joint};
 
 /// Largest torque \[N·m\].
 pub(crate) const TORQUE: f64 = 87.0;
@@ -17,5 +18,22 @@ pub(crate) fn joint() -> phihat_joint {
         form: 0,
         torque_max_nm: TORQUE,
         torque_rate_max_nm_s: f64::INFINITY,
+        correction: [0.0; PHIHAT_CORRECTION_MAX],
+        velocity_correction: [0.0; PHIHAT_CORRECTION_MAX],
+        share: 0.0,
+        delay_samples: 0,
+    }
+}
+
+/// The same with a law from positions, at 1 ms: observer poles at 0.9, one sample of delay.
+pub(crate) fn seeing() -> phihat_joint {
+    phihat_joint {
+        a: [0.0; 4],
+        order: 1,
+        form: PHIHAT_FORM_POSITIONS,
+        correction: [0.271, 28.5, -1000.0, 0.0, 0.0],
+        share: 0.5,
+        delay_samples: 1,
+        ..joint()
     }
 }

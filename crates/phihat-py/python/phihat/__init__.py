@@ -23,7 +23,7 @@ from ._errors import (
     SampleRefused,
     StudyError,
 )
-from ._phihat import Controller, Gains, Robot, Supervisor
+from ._phihat import Controller, Gains, PositionGains, Robot, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
 from .study import Study, compare, design, faults, read_run, report, reproduce, robots, simulate, verify
@@ -39,6 +39,7 @@ __all__ = [
     "Gains",
     "GainsError",
     "Infeasible",
+    "PositionGains",
     "Refuted",
     "Robot",
     "RobotError",

@@ -45,7 +45,7 @@ class RobotError(Error, ValueError):
 
 
 class GainsError(Error, ValueError):
-    """A gains document was refused, or does not fit."""
+    """Gains were refused, or do not fit."""
 
 
 class StudyError(Error, ValueError):

@@ -25,6 +25,7 @@ class _CoupledGains(TypedDict):
 __all__ = [
     "Controller",
     "Gains",
+    "PositionGains",
     "Robot",
     "Supervisor",
     "Trace",
@@ -291,25 +292,108 @@ class Gains:
         """
 
 @final
+class PositionGains:
+    """Gains for the law whose observer sees the position and the torque that acted, not a velocity.
+
+    With ``l = correction``, ``v = velocity_correction``, ``g = share`` and ``d = delay_samples``, at sample ``k``::
+
+        z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
+        z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+        z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
+        ff    = M ddq_des
+        r     = the last torque, as the limits let it through, less its ff
+        tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+
+    ``tau`` acts from sample ``k + d`` to ``k + d + 1``. Its feed-forward enters with the reference: ``ddq_des`` is the mean
+    of that interval, the desired velocity at its end less that at its begin, over the period; ``q_des`` and ``dq_des`` are
+    those of now. No gains document holds such gains, and no certificate is about them.
+
+    Args:
+        joint_names: joints, in order.
+        rate_hz: rate of the loop [Hz].
+        inertia, kp, kd: nominal inertia [kg m^2], ``K_p`` [1/s^2] and ``K_d`` [1/s] of each joint.
+        correction: of each joint, what one radian that it is farther than expected adds to the estimate of ``e`` [1],
+            of ``de`` [1/s], of ``phi/M`` [1/s^2] and of its derivatives: 3 to 5 numbers, two more than the order.
+        share: share of the way to the wanted torque that is gone in one sample, above 0, at most 1 [1].
+        delay_samples: transport delay of each joint from a sample to its torque, 0 to 4 [samples].
+        velocity_correction: as ``correction``, per rad/s of the measured velocity; left out or, of a joint, all zero: this law
+            uses a velocity only where it starts or takes over. A number has to be there always, and a supervisor judges it.
+
+    Raises:
+        GainsError: gains that cannot be; ``field`` is the argument.
+        ArgumentError: not one value per joint, or a rate or a delay that cannot be.
+    """
+
+    def __new__(
+        cls,
+        *,
+        joint_names: Sequence[str],
+        rate_hz: float,
+        inertia: Sequence[float],
+        kp: Sequence[float],
+        kd: Sequence[float],
+        correction: Sequence[Sequence[float]],
+        share: Sequence[float],
+        delay_samples: Sequence[int],
+        velocity_correction: Sequence[Sequence[float]] | None = None,
+    ) -> PositionGains: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def rate_hz(self) -> float:
+        """Rate of the loop that the gains are for [Hz]."""
+
+    @property
+    def inertia(self) -> list[float]:
+        """Nominal inertia of each joint [kg m^2]."""
+
+    @property
+    def kp(self) -> list[float]:
+        """``K_p`` of each joint [1/s^2]."""
+
+    @property
+    def kd(self) -> list[float]:
+        """``K_d`` of each joint [1/s]."""
+
+    @property
+    def correction(self) -> list[list[float]]:
+        """What an innovation of each joint's position corrects."""
+
+    @property
+    def share(self) -> list[float]:
+        """Share of the way to the wanted torque per sample, of each joint [1]."""
+
+    @property
+    def delay_samples(self) -> list[int]:
+        """Transport delay of each joint [samples]."""
+
+    @property
+    def velocity_correction(self) -> list[list[float]] | None:
+        """What an innovation of each joint's velocity corrects; ``None``: it is not used."""
+
+@final
 class Controller:
     """The controller of an arm: one :meth:`update` per sample.
 
         tau = M (ddq_des - K_d de - K_p e) + phi_hat,      e = q - q_des
 
+    or, with :class:`PositionGains`, what they say.
+
     Args:
         gains: what to run.
         torque_max: largest ``|tau|`` per joint [N m], infinite for none; by default what the certificate is about.
         torque_rate_max: likewise for the change of torque [N m/s].
-        form: ``"literal"`` runs the paper's integrals of the error, for reproduction.
+        form: of :class:`Gains`: ``"observer"``, the default, or ``"literal"``, the paper's integrals of the error, for
+            reproduction.
     """
 
     def __new__(
         cls,
-        gains: Gains,
+        gains: Gains | PositionGains,
         *,
         torque_max: Sequence[float] | None = None,
         torque_rate_max: Sequence[float] | None = None,
-        form: Literal["observer", "literal"] = "observer",
+        form: Literal["observer", "literal"] | None = None,
     ) -> Controller: ...
     def update(
         self,
@@ -325,7 +409,8 @@ class Controller:
 
         Args:
             q, dq: what the sensors say [rad, rad/s].
-            q_des, dq_des, ddq_des: what the arm shall do [rad, rad/s, rad/s^2].
+            q_des, dq_des, ddq_des: what the arm shall do [rad, rad/s, rad/s^2]; with :class:`PositionGains`, ``ddq_des`` is
+                the mean of the interval in which this torque acts.
             tau_applied: torque that acted since the last sample (mean) [N m]; if it is not measured, the torque that was
                 commanded last is taken. With a transport delay, pass what was commanded for that time.
             t_ns: a stamp of any clock [ns]; must go forward by at most three periods.
@@ -409,7 +494,7 @@ class Supervisor:
 
     def __new__(
         cls,
-        gains: Gains,
+        gains: Gains | PositionGains,
         *,
         torque_max: Sequence[float] | None = None,
         torque_rate_max: Sequence[float] | None = None,

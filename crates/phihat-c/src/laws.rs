@@ -1,0 +1,65 @@
+//! A joint's gains, as C states them, checked.
+
+use phihat::{Form, GainError, JointDesign, JointGains, Limits, PositionDesign};
+
+use crate::error::{Refusal, Status};
+use crate::types::{
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, phihat_joint,
+};
+
+/// The law of a joint, behind its limits.
+pub(crate) fn law(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, Refusal> {
+    let gains = match joint.form {
+        PHIHAT_FORM_OBSERVER => with_estimator(joint, period, Form::Observer),
+        PHIHAT_FORM_LITERAL => with_estimator(joint, period, Form::Literal),
+        PHIHAT_FORM_POSITIONS => from_positions(joint, period),
+        other => {
+            let why =
+                "form is not PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL or PHIHAT_FORM_POSITIONS";
+            Err(Refusal::new(Status::BadGain, why).member("form", f64::from(other)))
+        }
+    }?;
+    let finite = |x: f64| (!(x.is_infinite() && x > 0.0)).then_some(x);
+    let limits =
+        Limits::new(finite(joint.torque_max_nm), finite(joint.torque_rate_max_nm_s), period);
+    Ok(gains.with_limits(limits.map_err(Refusal::gain)?))
+}
+
+fn with_estimator(
+    joint: &phihat_joint,
+    period: f64,
+    form: Form,
+) -> Result<JointGains<f64>, Refusal> {
+    let order = joint.order as usize;
+    let a = joint.a.get(..order).ok_or(Refusal::gain(GainError::Order { order }))?;
+    let design = JointDesign {
+        inertia: joint.inertia_kg_m2,
+        kp: joint.kp_per_s2,
+        kd: joint.kd_per_s,
+        a,
+        period,
+        form,
+    };
+    JointGains::new(&design).map_err(Refusal::gain)
+}
+
+fn from_positions(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, Refusal> {
+    let entries = match joint.order {
+        1..=3 => ..joint.order as usize + 2,
+        other => {
+            let why = "order of PHIHAT_FORM_POSITIONS is not 1, 2 or 3";
+            return Err(Refusal::new(Status::BadGain, why).member("order", f64::from(other)));
+        }
+    };
+    let design = PositionDesign {
+        inertia: joint.inertia_kg_m2,
+        kp: joint.kp_per_s2,
+        kd: joint.kd_per_s,
+        correction: &joint.correction[entries],
+        velocity_correction: &joint.velocity_correction[entries],
+        share: joint.share,
+        delay: usize::try_from(joint.delay_samples).unwrap_or(usize::MAX),
+        period,
+    };
+    JointGains::from_positions(&design).map_err(Refusal::of_positions)
+}

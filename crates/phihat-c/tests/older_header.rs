@@ -1,0 +1,130 @@
+//! A program that was compiled with the first header, whose phihat_joint had no member from `correction` on. Wrong if it
+//! is refused, gets another torque than before, or has more read than it handed over.
+#![allow(unsafe_code, reason = "plays the part of a C program")]
+
+mod support;
+
+use core::ptr::{null, null_mut};
+
+use phihat_c::{
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, Status, phihat_command,
+    phihat_controller_create, phihat_controller_destroy, phihat_controller_update, phihat_joint,
+    phihat_sample, phihat_supervision, phihat_supervision_default, phihat_supervisor_create,
+    phihat_supervisor_destroy,
+};
+
+const N: usize = 3;
+
+/// phihat_joint as it was, written down again.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+struct Joint {
+    size: usize,
+    inertia_kg_m2: f64,
+    kp_per_s2: f64,
+    kd_per_s: f64,
+    a: [f64; 4],
+    order: u32,
+    form: u32,
+    torque_max_nm: f64,
+    torque_rate_max_nm_s: f64,
+}
+
+fn joint(k: u32, form: u32) -> phihat_joint {
+    let kp_per_s2 = 300.0 + 50.0 * f64::from(k);
+    phihat_joint { kp_per_s2, form, ..support::joint() }
+}
+
+fn as_it_was(joint: &phihat_joint) -> Joint {
+    Joint {
+        size: size_of::<Joint>(),
+        inertia_kg_m2: joint.inertia_kg_m2,
+        kp_per_s2: joint.kp_per_s2,
+        kd_per_s: joint.kd_per_s,
+        a: joint.a,
+        order: joint.order,
+        form: joint.form,
+        torque_max_nm: joint.torque_max_nm,
+        torque_rate_max_nm_s: joint.torque_rate_max_nm_s,
+    }
+}
+
+/// Status, and the torques of some samples.
+fn answers(joints: *const phihat_joint, count: usize) -> (Status, Vec<[u64; N]>) {
+    let mut handle = null_mut();
+    // SAFETY: as many joints as counted, each as large as it says.
+    let status =
+        unsafe { phihat_controller_create(joints, count, 1e-3, &raw mut handle, null_mut()) };
+    let mut torques = Vec::new();
+    for k in 0..if status == Status::Ok { 50 } else { 0 } {
+        let of = [0, 1, 2, 3, 4, 5].map(|c| [1.0, 1.3, 1.7].map(|w| (w * f64::from(k + c)).sin()));
+        let mut tau = [0.0; N];
+        let size = size_of::<phihat_sample>();
+        let [q, dq, tau_applied, q_des, dq_des, ddq_des] = of.each_ref().map(|c| c.as_ptr());
+        let sample = phihat_sample { size, joints: N, q, dq, tau_applied, q_des, dq_des, ddq_des };
+        let command = phihat_command {
+            size: size_of::<phihat_command>(),
+            joints: N,
+            tau: tau.as_mut_ptr(),
+            phi_hat: null_mut(),
+            flags: null_mut(),
+        };
+        // SAFETY: all pointers are to living values with N entries.
+        let status =
+            unsafe { phihat_controller_update(handle, &raw const sample, &raw const command) };
+        assert_eq!(status, Status::Ok);
+        torques.push(tau.map(f64::to_bits));
+    }
+    // SAFETY: a living handle or null, once.
+    unsafe { phihat_controller_destroy(handle) };
+    (status, torques)
+}
+
+#[test]
+fn it_runs_as_it_did() {
+    if size_of::<usize>() == 8 {
+        assert_eq!(size_of::<Joint>(), 88, "what a program of then says");
+    }
+    for form in [PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL] {
+        let now: Vec<_> = (0..3).map(|k| joint(k, form)).collect();
+        let then: Vec<_> = now.iter().map(as_it_was).collect();
+        let (status, torques) = answers(then.as_ptr().cast(), N);
+        assert_eq!(status, Status::Ok);
+        assert_eq!(torques, answers(now.as_ptr(), N).1);
+    }
+}
+
+#[test]
+fn it_runs_under_supervision() {
+    let then: Vec<_> = (0..3).map(|k| as_it_was(&joint(k, PHIHAT_FORM_OBSERVER))).collect();
+    let mut handle = null_mut();
+    // SAFETY: numbers only, and zero is one; all pointers are to living values, or null where that is allowed.
+    unsafe {
+        let mut options: phihat_supervision = core::mem::zeroed();
+        options.size = size_of::<phihat_supervision>();
+        assert_eq!(phihat_supervision_default(1_000_000, &raw mut options), Status::Ok);
+        let (joints, options) = (then.as_ptr().cast(), &raw const options);
+        let (to, unheard) = (&raw mut handle, null_mut());
+        let status = phihat_supervisor_create(joints, null(), N, options, to, unheard);
+        assert_eq!(status, Status::Ok);
+        phihat_supervisor_destroy(handle);
+    }
+}
+
+#[test]
+fn what_it_cannot_say_is_refused() {
+    let seeing = as_it_was(&support::seeing());
+    assert_eq!(seeing.form, PHIHAT_FORM_POSITIONS);
+    assert_eq!(answers([seeing; N].as_ptr().cast(), N).0, Status::BadGain);
+    // Joints of two headers in one array: their places are not known.
+    let mut mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
+    mixed[1].size = size_of::<Joint>();
+    assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
+    mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
+    mixed[0].size = size_of::<Joint>();
+    assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
+    for size in [0, 8, size_of::<Joint>() - 8, size_of::<Joint>() + 8, usize::MAX] {
+        let joints = [phihat_joint { size, ..joint(0, PHIHAT_FORM_OBSERVER) }; N];
+        assert_eq!(answers(joints.as_ptr(), N).0, Status::WrongSize, "{size}");
+    }
+}
