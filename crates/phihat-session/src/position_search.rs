@@ -56,25 +56,6 @@ pub(crate) fn by_positions(
         let judged = judge(study, &mut gains, &desired);
         let loudest = shares.iter().copied().fold(0.0, f64::max);
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
-        if std::env::var_os("DBG").is_some() {
-            let tube = gains.certificate.as_ref().and_then(|c| c.tube.as_ref());
-            eprintln!(
-                "round {round} {:?} shares {shares:.3?} rank {rank:?}",
-                std::time::Instant::now()
-            );
-            if let Some(c) = &gains.certificate {
-                if let Some(w) = c.refused() {
-                    eprintln!("refused {w}");
-                }
-                eprintln!("{:?}", c.tube_refused);
-            }
-            if let Some(t) = tube {
-                for j in &t.joints {
-                    eprint!("{:.3}/{:.2} ", j.error_max_rad * 1e3, j.torque_step_steady_max_nm);
-                }
-                eprintln!();
-            }
-        }
         let better = best.as_ref().is_none_or(|(before, _)| rank.before(before));
         let kept = best.as_ref().is_some_and(|(before, _)| before.kept);
         if better {

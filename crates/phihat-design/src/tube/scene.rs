@@ -114,6 +114,8 @@ pub(super) struct Scene<'a> {
     /// Largest error of a reading \[rad\].
     pub(super) misread: Vec<f64>,
     pub(super) measured_velocity: bool,
+    /// Whether a law expects positions: [`Form::Positions`].
+    pub(super) expects: bool,
     /// Torque limit, and largest change per sample.
     pub(super) limits: Vec<(f64, f64)>,
     /// The bare arm under gravity.
@@ -187,6 +189,7 @@ impl<'a> Scene<'a> {
             edges: edges(study, period),
             start,
             misread: (0..n).map(misread).collect(),
+            expects: models.iter().any(|m| m.form == Form::Positions),
             measured_velocity: models
                 .iter()
                 .any(|m| m.velocity == VelocitySource::Measured && m.form != Form::Positions),

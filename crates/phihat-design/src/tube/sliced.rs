@@ -30,6 +30,10 @@ const LOOK: f64 = 0.04;
 /// A loop has forgotten when its state is below this share of its peak.
 const FORGOTTEN: f64 = 1e-3;
 
+/// The same of a law from positions: an expected position beside the true one, and their difference drives the torque. What is left
+/// of each alone is bounded as if it were the difference.
+const FORGOTTEN_SEEN: f64 = 1e-5;
+
 /// The tube of one slice of the payload.
 pub(super) fn sliced(
     scene: &Scene<'_>,
@@ -48,7 +52,7 @@ pub(super) fn sliced(
     };
     let bin = whole(BIN / scene.period, 1);
     let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
-    let (scale, memory) = course.pilot(FORGOTTEN);
+    let (scale, memory) = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
     let group = bins_of_group(scene, bin, memory);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
