@@ -22,6 +22,9 @@ const SHARES: (f64, f64) = (0.01, 1.0);
 /// The error of a law falls by about this power of its noise.
 const POWER: f64 = 0.4;
 
+/// How much of the allowed torque step is gone for.
+const ROOM: f64 = 0.97;
+
 /// A tube that uses less of the specification than this leaves room for less noise.
 const ENOUGH: f64 = 0.85;
 
@@ -128,14 +131,15 @@ fn next(
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let (error, loudest) = (most(errors), most(&steps));
     let rank = Rank { kept: error <= 1.0 && loudest <= 1.0, beyond: error.max(loudest), noise };
+    // All joints get stiffer where one has too much error, as far as each has room: they push each other.
+    let needed = (1.03 * error).powf(1.0 / POWER);
     let factor = |i: usize| {
-        if loudest > 1.0 {
-            // What is too loud gets quieter, what is not keeps up with the error.
-            if steps[i] > 1.0 { 0.97 / steps[i] } else { 1.0 }
-        } else if error > 1.0 {
-            let room = if steps[i] > 0.0 { 0.97 / steps[i] } else { f64::INFINITY };
-            (1.03 * error).powf(1.0 / POWER).min(room).max(1.0)
-        } else if error < ENOUGH {
+        let room = if steps[i] > 0.0 { ROOM / steps[i] } else { f64::INFINITY };
+        if error > 1.0 {
+            if room < 1.0 { room } else { needed.min(room) }
+        } else if steps[i] > 1.0 {
+            room
+        } else if loudest <= 1.0 && error < ENOUGH {
             (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.2)
         } else {
             1.0

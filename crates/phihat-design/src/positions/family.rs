@@ -18,6 +18,9 @@ pub(super) struct Family {
 /// A law to begin with, at 1 kHz: in between those that fit arms whose encoders have 16 to 20 bits.
 const START: [f64; 6] = [700.0, 110.0, 130.0, 850.0, 0.27, 28.0];
 
+/// The second real pole of order 2 to begin with.
+const SLOW: f64 = 12.0;
+
 /// How the numbers grow with speed: by which power.
 const POWERS: [f64; 6] = [2.0, 1.0, 1.0, 1.0, 0.0, 1.0];
 
@@ -34,7 +37,7 @@ impl Family {
     pub(super) fn start(&self, speed: f64) -> Vec<f64> {
         let mut all: Vec<f64> =
             START.iter().zip(POWERS).map(|(x, power)| x.ln() + power * speed.ln()).collect();
-        all.resize(self.length(), (0.4 * START[2] * speed).ln());
+        all.resize(self.length(), (SLOW * speed).ln());
         all
     }
 

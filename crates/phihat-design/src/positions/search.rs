@@ -26,7 +26,7 @@ const SPEEDS: [f64; 5] = [0.3, 0.5, 0.75, 1.1, 1.6];
 
 /// First step of a search, by the logarithm, and how often it looks: to compare nominal inertias, and to choose.
 const ROUGH: (f64, u32) = (0.25, 100);
-const FINE: (f64, u32) = (0.12, 220);
+const FINE: (f64, u32) = (0.2, 260);
 
 /// A law that costs more than this does not hold.
 const HOLDS: f64 = 500.0;

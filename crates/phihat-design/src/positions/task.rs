@@ -21,6 +21,9 @@ const RATIOS: u32 = 4;
 /// What a law that does not hold costs at least; the more it misses by, the more.
 const NONE: f64 = 1e3;
 
+/// What a jump of φ counts: it is not where a tube has the rest at its worst, and a tube knows when.
+const JUMP: f64 = 0.5;
+
 /// What noise beyond the allowed costs, by its logarithm.
 const STEEP: f64 = 30.0;
 
@@ -97,7 +100,8 @@ impl Task<'_> {
         let gains = Response::over(record, &self.model, &mu)?;
         let t = self.model.period_s;
         let of = |i: usize| {
-            let own = self.phi.bound(gains.jump[i], Some(gains.ramp[i])) / self.inertia;
+            let jump = JUMP * gains.jump[i];
+            let own = self.phi.bound(jump, Some(gains.ramp[i])) / self.inertia;
             let kick = gains.kick[i] * t * t;
             let moved = self
                 .phi
