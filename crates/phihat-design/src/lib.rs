@@ -67,6 +67,7 @@ mod contradiction;
 pub mod coupled;
 mod designer;
 pub mod export;
+mod limit;
 mod parallel;
 mod positions;
 pub mod prelude;
@@ -83,6 +84,7 @@ pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, search,
 };
+pub use limit::{Limit, LimitError, LimitRequest, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
     FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,

@@ -66,7 +66,7 @@ impl Matrix {
         }
     }
 
-    fn outcome(&self, case: &Case) -> Result<(Study, Outcome), RunError> {
+    fn outcome(&self, case: &Case) -> Result<(Box<Study>, Outcome), RunError> {
         let study = self.study(case)?;
         let outcome = self.build(case, &study)?.run(|_| ());
         Ok((study, outcome))

@@ -220,24 +220,22 @@ impl Matrix {
     /// # Errors
     ///
     /// [`FaultsError::Study`]: the arm's study does not bear the fault.
-    pub fn study(&self, case: &Case) -> Result<Study, FaultsError> {
+    pub fn study(&self, case: &Case) -> Result<Box<Study>, FaultsError> {
         let mut table = self.table(case);
         let path = &self.arms[case.arm].path;
-        let mut study = read(&table.to_string(), path)?;
-        self.take_filter(case, &mut study);
+        let mut study = Box::new(read(&table.to_string(), path)?);
+        self.complete(case, &mut study);
         if let Err(RunError::Sim(SimError::TooStiff { needed, .. })) = self.build(case, &study) {
             set(&mut table, &["world", "substeps"], i64::from(needed).into());
-            study = read(&table.to_string(), path)?;
+            *study = read(&table.to_string(), path)?;
         }
-        self.take_filter(case, &mut study);
+        self.complete(case, &mut study);
         Ok(study)
     }
 
-    /// The velocity filter that the gains carry, where the study leaves it to the design.
-    fn take_filter(&self, case: &Case, study: &mut Study) {
-        if study.sensor.velocity_filter_designed {
-            study.sensor.velocity_filter_hz = self.gains(case).velocity_filter_hz;
-        }
+    /// What the gains carry, where the study leaves it to the design; gains without a filter run without one.
+    fn complete(&self, case: &Case, study: &mut Study) {
+        let _ = self.gains(case).complete(study);
     }
 
     /// The closed loop of a run.

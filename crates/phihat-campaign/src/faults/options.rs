@@ -166,7 +166,7 @@ impl FaultsOptions {
 /// Repeats a run with everything it leaves: study, gains, trace, report.
 fn keep(matrix: &Matrix, case: &Case, folder: &Path) -> Result<(), FaultsError> {
     let folder = folder.join("runs").join(matrix.name(case).to_string());
-    let study = Box::new(matrix.study(case)?);
+    let study = matrix.study(case)?;
     let gains = folder.join("gains.json");
     let given = Some((matrix.gains(case).clone(), gains.as_path()));
     let session = Session::new(study, &folder.join("study.toml"), given, true)?;

@@ -56,7 +56,6 @@ struct Asked<'a> {
 /// allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do not hold at the ends of the range with its
 /// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the one with the least error is
 /// taken. Whether the laws together hold the coupled arm is for the [`Certificate`] to say.
-#[allow(missing_debug_implementations, reason = "it holds a function")]
 pub struct PositionSearch<'a> {
     asked: Asked<'a>,
     known: PhiOf<'a>,
@@ -238,3 +237,9 @@ impl Asked<'_> {
 
 /// What an exact encoder counts as per newton metre \[1/rad\]: 20 bits.
 const EXACT: f64 = 3.3e5;
+
+impl core::fmt::Debug for PositionSearch<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("PositionSearch").field("last", &self.last).finish_non_exhaustive()
+    }
+}

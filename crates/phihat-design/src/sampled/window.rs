@@ -45,6 +45,7 @@ const EVEN: f64 = PI / 128.0;
 ///     kp_per_s2: 400.0,
 ///     kd_per_s: 40.0,
 ///     a: vec![4900.0, 140.0],
+///     observer: None,
 /// };
 /// let model = LoopModel {
 ///     period_s: 1e-3,

@@ -1,0 +1,47 @@
+//! Why there is no limit to tell.
+
+use thiserror::Error;
+
+/// Why a limit cannot be enclosed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LimitError {
+    /// A number is not one of its kind.
+    #[error("{name} is {value}: it has to be {needs}")]
+    Number {
+        /// Field of the request.
+        name: &'static str,
+        /// What it holds.
+        value: f64,
+        /// What it may hold.
+        needs: &'static str,
+    },
+    /// The torque comes too late.
+    #[error("delay is {delay} samples: at most {max} are looked at")]
+    Delay {
+        /// Delay asked for \[samples\].
+        delay: usize,
+        /// Longest delay \[samples\].
+        max: usize,
+    },
+    /// Nothing acts on the joint.
+    #[error(
+        "phi_rate and phi_jump are both 0: where nothing acts the slower law is the better one, and none is the best"
+    )]
+    NoPhi,
+    /// The numbers leave the range of double precision.
+    #[error(
+        "the numbers of this joint are too far apart: check the units of inertia, quantum and torque_change_max"
+    )]
+    Scale,
+    /// No law of this length keeps the torque's change.
+    #[error(
+        "no law whose response ends within {length} samples was found that changes the torque by no more than \
+         torque_change_max; the error of any law is at least {low_rad:e} rad"
+    )]
+    NoLaw {
+        /// Longest response that was tried \[samples\].
+        length: usize,
+        /// What was found from below \[rad\].
+        low_rad: f64,
+    },
+}

@@ -1,0 +1,318 @@
+//! The limit of linear laws: figures of another solver in another language; the law that was found, played against a joint by
+//! itself, and its worst signals; random laws, none of which is below. Wrong if a law were better than the bound from below,
+//! or the law found not as good as told.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use phihat_design::{Limit, LimitError, LimitRequest, limit};
+
+/// Joint 6 of a Panda at its nominal inertia.
+const WRIST: LimitRequest = LimitRequest {
+    inertia: 0.6699,
+    phi_rate: 2.577,
+    phi_jump: 0.3,
+    quantum: TAU / 262_144.0,
+    torque_change_max: 1.0,
+    delay: 1,
+    period: 1e-3,
+};
+
+#[test]
+fn figures_of_another_solver() {
+    // The same programme in SciPy, by HiGHS' interior point method; in mrad, to three digits.
+    let scaled = |ratio: f64| LimitRequest { inertia: ratio * WRIST.inertia, ..WRIST };
+    let shoulder = LimitRequest { inertia: 2.1437, phi_rate: 9.8127, ..WRIST };
+    for (request, expected) in [
+        (scaled(0.312), 0.126),
+        (scaled(3.243), 0.069),
+        (shoulder, 0.083),
+        (LimitRequest { torque_change_max: 0.5, ..WRIST }, 0.120),
+        (LimitRequest { delay: 0, ..WRIST }, 0.075),
+        (LimitRequest { delay: 3, ..WRIST }, 0.127),
+    ] {
+        let found = limit(&request).unwrap();
+        println!("{:.6} … {:.6} mrad, {}", 1e3 * found.low_rad, 1e3 * found.high_rad, found.length);
+        assert!(found.low_rad <= found.high_rad && found.high_rad < 1.0001 * found.low_rad);
+        assert!((1e3 * found.high_rad - expected).abs() < 5.1e-4, "{found:?} {expected}");
+        assert!(found.torque_change <= request.torque_change_max);
+    }
+    let found = limit(&WRIST).unwrap();
+    // To seven digits.
+    assert!((1e3 * found.low_rad - 0.090_760_2).abs() < 1e-7, "{}", found.low_rad);
+    assert!((1e3 * found.high_rad - 0.090_760_2).abs() < 1e-7, "{}", found.high_rad);
+}
+
+/// `M q̈ = τ − φ` with both held over a sample, and the torque late by whole samples.
+struct Joint {
+    request: LimitRequest,
+    late: VecDeque<f64>,
+    q: f64,
+    dq: f64,
+}
+
+impl Joint {
+    fn new(request: LimitRequest) -> Self {
+        Self { request, late: vec![0.0; request.delay].into(), q: 0.0, dq: 0.0 }
+    }
+
+    fn step(&mut self, tau: f64, phi: f64) {
+        self.late.push_back(tau);
+        let ddq = (self.late.pop_front().unwrap() - phi) / self.request.inertia;
+        let t = self.request.period;
+        self.q += t * self.dq + 0.5 * t * t * ddq;
+        self.dq += t * ddq;
+    }
+}
+
+/// Errors and torques of a joint, given the law, `φ` and the errors of the encoder.
+fn play(
+    request: LimitRequest,
+    mut law: impl FnMut(f64) -> f64,
+    phi: &[f64],
+    read: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
+    let mut joint = Joint::new(request);
+    let mut played = (Vec::new(), Vec::new());
+    for (phi, read) in phi.iter().zip(read) {
+        let tau = law(joint.q + read);
+        played.0.push(joint.q);
+        played.1.push(tau);
+        joint.step(tau, *phi);
+    }
+    played
+}
+
+/// The law of a limit: its own joint, moved by the torques alone, and `r` on what differs.
+fn youla(request: LimitRequest, found: &Limit) -> impl FnMut(f64) -> f64 {
+    let mut own = Joint::new(request);
+    let mut differences = VecDeque::new();
+    let r = found.law.clone();
+    move |measured| {
+        differences.push_front(measured - own.q);
+        let u: f64 = r.iter().zip(&differences).map(|(r, difference)| r * difference).sum();
+        own.step(request.inertia * u, 0.0);
+        request.inertia * u
+    }
+}
+
+fn size(signal: &[f64]) -> f64 {
+    signal.iter().map(|x| x.abs()).sum()
+}
+
+/// `Σ_{i ≤ k}`.
+fn summed(signal: &[f64]) -> Vec<f64> {
+    let add = |sum: &mut f64, x: &f64| {
+        *sum += x;
+        Some(*sum)
+    };
+    signal.iter().scan(0.0, add).collect()
+}
+
+/// Differences from sample to sample, from 0.
+fn changes(signal: &[f64]) -> Vec<f64> {
+    (0..signal.len()).map(|k| signal[k] - if k == 0 { 0.0 } else { signal[k - 1] }).collect()
+}
+
+/// What a law costs: gains from φ̇ \[1/(N·m/s)\], φ \[1/(N·m)\] and the encoder, and the torque's change per unit of it.
+struct Impulses {
+    ramp: Vec<f64>,
+    jump: Vec<f64>,
+    read: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl Impulses {
+    fn of<L: FnMut(f64) -> f64>(
+        request: LimitRequest,
+        law: impl Fn() -> L,
+        samples: usize,
+    ) -> Self {
+        let mut unit = vec![0.0; samples];
+        let none = unit.clone();
+        unit[0] = 1.0;
+        let (jump, _) = play(request, law(), &unit, &none);
+        let (read, tau) = play(request, law(), &none, &unit);
+        let ramp = summed(&jump).iter().map(|sum| request.period * sum).collect();
+        Self { ramp, jump, read, change: changes(&tau) }
+    }
+
+    fn error(&self, request: &LimitRequest) -> f64 {
+        size(&self.ramp) * request.phi_rate
+            + size(&self.jump) * request.phi_jump
+            + size(&self.read) * 0.5 * request.quantum
+    }
+}
+
+#[test]
+fn the_law_found_is_as_good_as_told() {
+    for request in [WRIST, LimitRequest { delay: 3, phi_rate: 0.0, ..WRIST }] {
+        let found = limit(&request).unwrap();
+        let samples = 2 * found.length;
+        let impulses = Impulses::of(request, || youla(request, &found), samples);
+        // It has ended where it says so. Without φ̇ a law need not integrate, and the sum stays.
+        for signal in [&impulses.jump, &impulses.read, &impulses.change] {
+            assert!(size(&signal[found.length + 1..]) < 1e-6 * size(signal));
+        }
+        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        if request.phi_rate > 0.0 {
+            near(size(&impulses.ramp) * request.inertia, found.ramp);
+            near(impulses.error(&request), found.high_rad);
+        }
+        near(size(&impulses.jump) * request.inertia, found.jump);
+        near(size(&impulses.read), found.read);
+        let change = 0.5 * request.quantum * size(&impulses.change);
+        near(change, found.torque_change);
+        assert!(change < 1.000_001 * request.torque_change_max);
+
+        // The signals with the signs of the responses, backwards in time, reach the bound.
+        let last = samples - 1;
+        let worst = |response: &[f64], most: f64| -> Vec<f64> {
+            (0..samples).map(|k| most * response[last - k].signum()).collect()
+        };
+        let steps = worst(&impulses.ramp, request.phi_rate * request.period);
+        let jumps = worst(&impulses.jump, request.phi_jump);
+        let phi: Vec<f64> = summed(&steps).iter().zip(&jumps).map(|(a, b)| a + b).collect();
+        let read = worst(&impulses.read, 0.5 * request.quantum);
+        let (e, _) = play(request, youla(request, &found), &phi, &read);
+        near(e[last], found.high_rad);
+        let read = worst(&impulses.change, 0.5 * request.quantum);
+        let (_, tau) = play(request, youla(request, &found), &vec![0.0; samples], &read);
+        near(tau[last] - tau[last - 1], found.torque_change);
+    }
+}
+
+/// A state feedback on an observer of position, velocity and `φ`, whose torque goes a share of the way per sample.
+#[derive(Debug, Clone, Copy)]
+struct Observed {
+    request: LimitRequest,
+    feedback: [f64; 2],
+    /// What a misread position corrects: position, velocity, `φ/M`.
+    correction: [f64; 3],
+    share: f64,
+}
+
+impl Observed {
+    fn law(self) -> impl FnMut(f64) -> f64 {
+        let mut own = Joint::new(self.request);
+        let (mut phi, mut u) = (0.0, 0.0);
+        move |measured| {
+            let wrong = measured - own.q;
+            own.q += self.correction[0] * wrong;
+            own.dq += self.correction[1] * wrong;
+            phi -= self.correction[2] * wrong;
+            let wanted = phi - self.feedback[0] * own.q - self.feedback[1] * own.dq;
+            u += self.share * (wanted - u);
+            let m = self.request.inertia;
+            own.step(m * u, m * phi);
+            m * u
+        }
+    }
+}
+
+/// A number between two, logarithmically even, the same in every run.
+fn around(seed: &mut u64, low: f64, high: f64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    low * (high / low).powf((*seed >> 11) as f64 / (1_u64 << 53) as f64)
+}
+
+#[test]
+fn no_random_law_is_below() {
+    // At 250 Hz: responses are short, and the many limits quick.
+    let slow = LimitRequest { period: 4e-3, quantum: TAU / 65_536.0, ..WRIST };
+    let (mut seed, mut laws, mut least) = (5, 0, f64::INFINITY);
+    while laws < 36 {
+        let request = LimitRequest { delay: laws % 3, ..slow };
+        let t = request.period;
+        let omega = around(&mut seed, 20.0, 80.0);
+        let pole = (-omega * t * around(&mut seed, 1.5, 6.0)).exp();
+        let law = Observed {
+            request,
+            feedback: [omega * omega, omega * around(&mut seed, 1.0, 2.5)],
+            correction: [
+                1.0 - pole.powi(3),
+                1.5 * (1.0 - pole).powi(2) * (1.0 + pole) / t,
+                (1.0 - pole).powi(3) / (t * t),
+            ],
+            share: around(&mut seed, 0.2, 1.0),
+        };
+        let impulses = Impulses::of(request, || law.law(), 3000);
+        // It is a law where its responses die out.
+        if size(&impulses.ramp[2500..]) > 1e-9 * size(&impulses.ramp) {
+            continue;
+        }
+        laws += 1;
+        let torque_change_max = 0.5 * request.quantum * size(&impulses.change);
+        let limit = limit(&LimitRequest { torque_change_max, ..request }).unwrap();
+        let ratio = impulses.error(&request) / limit.low_rad;
+        assert!(ratio >= 1.0, "{law:?} {ratio}");
+        least = f64::min(least, ratio);
+    }
+    println!("least of {laws} laws: {least:.3} times the limit");
+    // If all were far away, this would show nothing.
+    assert!(least < 1.5, "{least}");
+}
+
+#[test]
+fn an_exact_position_leaves_what_happens_before_any_law_acts() {
+    for delay in 0..3 {
+        let found = limit(&LimitRequest { quantum: 0.0, delay, ..WRIST }).unwrap();
+        let (d, t) = (delay as f64 + 1.0, WRIST.period);
+        // The fall of d + 1 samples, and as much to come back.
+        let fall = t * t * d * d * WRIST.phi_jump / WRIST.inertia;
+        assert!(found.low_rad > 0.999 * fall && found.low_rad < 1.02 * fall);
+        assert!(found.low_rad <= found.high_rad && found.high_rad < 1.1 * found.low_rad);
+        assert!(found.torque_change.abs() < f64::MIN_POSITIVE);
+        let fine = limit(&LimitRequest { quantum: 1e-8, delay, ..WRIST }).unwrap();
+        assert!(fine.high_rad > found.low_rad);
+    }
+}
+
+#[test]
+fn the_limit_falls_with_the_torque_and_rises_with_the_encoder() {
+    let of = |torque_change_max, bits| {
+        let quantum = TAU / f64::from(1_u32 << bits);
+        limit(&LimitRequest { torque_change_max, quantum, period: 4e-3, ..WRIST }).unwrap()
+    };
+    assert!(of(2.0, 18).high_rad < of(1.0, 18).low_rad);
+    assert!(of(1.0, 18).high_rad < of(1.0, 16).low_rad);
+    // Encoder and torque scale together: twice the φ, the step and the change is twice the error.
+    let (one, two) = (of(1.0, 17), of(2.0, 16));
+    let double =
+        LimitRequest { phi_rate: 2.0 * WRIST.phi_rate, phi_jump: 2.0 * WRIST.phi_jump, ..WRIST };
+    let quantum = TAU / 65_536.0;
+    let two_phi =
+        limit(&LimitRequest { torque_change_max: 2.0, quantum, period: 4e-3, ..double }).unwrap();
+    assert!((two_phi.high_rad / one.high_rad - 2.0).abs() < 1e-3);
+    assert!(two.high_rad < two_phi.low_rad);
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let refused = |request: LimitRequest| limit(&request).unwrap_err();
+    let number = |request: LimitRequest, name: &str| {
+        let error = refused(request);
+        assert!(
+            matches!(&error, LimitError::Number { name: told, .. } if *told == name),
+            "{error}"
+        );
+        assert!(error.to_string().starts_with(name));
+    };
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        number(LimitRequest { inertia: bad, ..WRIST }, "inertia");
+        number(LimitRequest { period: bad, ..WRIST }, "period");
+        number(LimitRequest { torque_change_max: bad, ..WRIST }, "torque_change_max");
+    }
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        number(LimitRequest { phi_rate: bad, ..WRIST }, "phi_rate");
+        number(LimitRequest { phi_jump: bad, ..WRIST }, "phi_jump");
+        number(LimitRequest { quantum: bad, ..WRIST }, "quantum");
+    }
+    assert_eq!(refused(LimitRequest { phi_rate: 0.0, phi_jump: 0.0, ..WRIST }), LimitError::NoPhi);
+    assert!(matches!(refused(LimitRequest { delay: 1000, ..WRIST }), LimitError::Delay { .. }));
+    assert_eq!(refused(LimitRequest { inertia: 1e-310, ..WRIST }), LimitError::Scale);
+    // A torque that hardly moves the joint: a law would have to be longer than any that is tried.
+    let stiff = refused(LimitRequest { inertia: 1e6, ..WRIST });
+    assert!(matches!(stiff, LimitError::NoLaw { low_rad, .. } if low_rad > 0.0), "{stiff}");
+}
