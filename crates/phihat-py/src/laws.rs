@@ -69,10 +69,15 @@ impl Laws {
 
     fn of_document(py: Python<'_>, gains: &Gains, form: Option<&str>) -> PyResult<Self> {
         let form = match form {
-            None | Some("observer") => Form::Observer,
+            None => {
+                let first = gains.inner.joints.first();
+                first.map_or(Form::Observer, |joint| joint.form_or(Form::Observer))
+            }
+            Some("observer") => Form::Observer,
             Some("literal") => Form::Literal,
+            Some("positions") => Form::Positions,
             Some(form) => {
-                let limit = "\"observer\" or \"literal\"";
+                let limit = "\"observer\", \"literal\" or \"positions\"";
                 let message = format!("form: {form:?}; it must be {limit}");
                 return Err(failure::argument(py, "form", None, form, limit, &message));
             }

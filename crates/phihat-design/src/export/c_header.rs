@@ -6,10 +6,10 @@ use super::notes;
 use super::number::exact;
 use super::period::period;
 use crate::sampled::estimator_coefficients;
-use crate::{Gains, JointRecord};
+use crate::{Gains, JointRecord, PositionObserver};
 
 pub(super) fn text(gains: &Gains) -> String {
-    let order = gains.joints.iter().map(|joint| joint.a.len()).max().unwrap_or(0);
+    let order = gains.joints.iter().map(JointRecord::order).max().unwrap_or(0);
     let mut lines = notes::origin(gains);
     lines.push(String::new());
     lines.extend(notes::law(gains));
@@ -35,9 +35,29 @@ pub(super) fn text(gains: &Gains) -> String {
     column("inertia_kg_m2", "Nominal inertia M [kg m^2].", &|j| j.inertia_kg_m2);
     column("kp_per_s2", "K_p [1/s^2].", &|j| j.kp_per_s2);
     column("kd_per_s", "K_d [1/s].", &|j| j.kd_per_s);
+    text += &if gains.joints.iter().any(|joint| joint.observer.is_some()) {
+        observers(gains)
+    } else {
+        estimators(gains, order)
+    };
+    if let Some(pids) = notes::pids(gains) {
+        let of = |part: fn(&super::Pid) -> f64| pids.iter().map(part).collect::<Vec<_>>();
+        text += &array("p_nm_per_rad", "As a PID: p = M (K_p + a_0 K_d) [N m/rad].", &of(|g| g.p));
+        text += &array("i_nm_per_rad_s", "i = M a_0 K_p [N m/(rad s)].", &of(|g| g.i));
+        text += &array("d_nm_s_per_rad", "d = M (K_d + a_0) [N m s/rad].", &of(|g| g.d));
+    }
+    let joints = gains.certificate.iter().flat_map(|c| &c.joints);
+    let limits: Option<Vec<f64>> = joints.map(|joint| joint.limits.0).collect();
+    if let Some(limits) = limits.filter(|l| l.len() == gains.joints.len()) {
+        text += &array("torque_max_nm", "Torque limit [N m].", &limits);
+    }
+    text + "\n#endif /* PHIHAT_GAINS_H */\n"
+}
+
+/// Estimators of a law that is fed with velocity.
+fn estimators(gains: &Gains, order: usize) -> String {
     let orders: Vec<String> = gains.joints.iter().map(|j| j.a.len().to_string()).collect();
-    let _ = write!(
-        text,
+    let mut text = format!(
         "\n/* Order m of each estimator. */\nstatic const int phihat_order[PHIHAT_JOINTS] = {{{}}};\n",
         orders.join(", ")
     );
@@ -51,18 +71,35 @@ pub(super) fn text(gains: &Gains) -> String {
     );
     let sampled = rows(&|j| estimator_coefficients(&j.a, period(gains)));
     text += &table("alpha", "Sampled alpha_0 .. alpha_(m-1), in [1/s^(m-i)].", order, &sampled);
-    if let Some(pids) = notes::pids(gains) {
-        let of = |part: fn(&super::Pid) -> f64| pids.iter().map(part).collect::<Vec<_>>();
-        text += &array("p_nm_per_rad", "As a PID: p = M (K_p + a_0 K_d) [N m/rad].", &of(|g| g.p));
-        text += &array("i_nm_per_rad_s", "i = M a_0 K_p [N m/(rad s)].", &of(|g| g.i));
-        text += &array("d_nm_s_per_rad", "d = M (K_d + a_0) [N m s/rad].", &of(|g| g.d));
-    }
-    let joints = gains.certificate.iter().flat_map(|c| &c.joints);
-    let limits: Option<Vec<f64>> = joints.map(|joint| joint.limits.0).collect();
-    if let Some(limits) = limits.filter(|l| l.len() == gains.joints.len()) {
-        text += &array("torque_max_nm", "Torque limit [N m].", &limits);
-    }
-    text + "\n#endif /* PHIHAT_GAINS_H */\n"
+    text
+}
+
+/// Observers of laws from positions.
+fn observers(gains: &Gains) -> String {
+    let own = |of: &dyn Fn(&PositionObserver) -> f64| {
+        let of = |joint: &JointRecord| joint.observer.as_ref().map_or(0.0, of);
+        gains.joints.iter().map(of).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<f64>> = gains
+        .joints
+        .iter()
+        .map(|joint| joint.observer.as_ref().map_or(Vec::new(), |own| own.correction.clone()))
+        .collect();
+    let states = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut text =
+        array("share", "Share g of the way to the wanted torque per sample.", &own(&|o| o.share));
+    text += &array(
+        "delay_samples",
+        "Delay that the law predicts across [samples].",
+        &own(&|o| f64::from(o.delay_samples)),
+    );
+    let _ = write!(
+        text,
+        "\n/* Most states of an observer: order + 2. */\n#define PHIHAT_STATES_MAX {states}\n"
+    );
+    let what = "Correction l_0 .. l_(m+1), l_i in [1/s^i].";
+    text + &table("correction", what, states, &rows)
+        .replace("PHIHAT_ORDER_MAX", "PHIHAT_STATES_MAX")
 }
 
 fn array(name: &str, what: &str, values: &[f64]) -> String {

@@ -17,18 +17,33 @@ pub(super) fn text(gains: &Gains) -> String {
         ["joint", "inertia_kg_m2", "kp_per_s2", "kd_per_s", "order"].map(str::to_owned).into();
     header.extend((0..order).map(|i| format!("a_{i}")));
     header.extend((0..order).map(|i| format!("alpha_{i}")));
+    let states = gains.joints.iter().filter_map(|joint| joint.observer.as_ref());
+    let states = states.map(|own| own.correction.len()).max().unwrap_or(0);
+    if states > 0 {
+        header.extend(["share", "delay_samples"].map(str::to_owned));
+        header.extend((0..states).map(|i| format!("correction_{i}")));
+    }
     header.extend(["p_nm_per_rad", "i_nm_per_rad_s", "d_nm_s_per_rad"].map(str::to_owned));
     header.extend(["torque_max_nm", "error_bound_rad"].map(str::to_owned));
     text += &(header.join(",") + "\n");
     let pids = notes::pids(gains);
     for (j, joint) in gains.joints.iter().enumerate() {
-        let alpha = estimator_coefficients(&joint.a, period(gains));
+        let sampled = !joint.a.is_empty();
+        let alpha =
+            if sampled { estimator_coefficients(&joint.a, period(gains)) } else { Vec::new() };
         let mut row = vec![field(&joint.name)];
         row.extend([joint.inertia_kg_m2, joint.kp_per_s2, joint.kd_per_s].map(exact));
-        row.push(joint.a.len().to_string());
+        row.push(joint.order().to_string());
         let padded = |values: &[f64], i: usize| values.get(i).copied().map_or(String::new(), exact);
         row.extend((0..order).map(|i| padded(&joint.a, i)));
         row.extend((0..order).map(|i| padded(&alpha, i)));
+        if states > 0 {
+            let own = joint.observer.as_ref();
+            row.push(own.map_or(String::new(), |own| exact(own.share)));
+            row.push(own.map_or(String::new(), |own| own.delay_samples.to_string()));
+            let correction = own.map_or(&[][..], |own| &own.correction);
+            row.extend((0..states).map(|i| padded(correction, i)));
+        }
         let pid = pids.as_ref().and_then(|pids| pids.get(j));
         row.extend(pid.map_or([const { String::new() }; 3], |g| [g.p, g.i, g.d].map(exact)));
         let claims = gains.certificate.as_ref().and_then(|c| c.joints.get(j));

@@ -32,6 +32,15 @@ pub enum ExportError {
         /// Order of its estimator.
         order: usize,
     },
+    /// A law from positions.
+    #[error(
+        "joint {joint}: a law from positions has an observer, which no PID of ROS 2 controllers has\n  = help: take \
+         --format c-header and run the law, or design with `form = \"observer\"` under [loop]"
+    )]
+    Positions {
+        /// The joint.
+        joint: String,
+    },
     /// The rate is no whole number.
     #[error("rate_hz is {0}; a ROS 2 controller manager runs at a whole number of Hz")]
     Rate(f64),

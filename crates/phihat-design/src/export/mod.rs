@@ -80,7 +80,8 @@ fn check(gains: &Gains) -> Result<(), ExportError> {
     if let Some((_, name)) = names.iter().enumerate().find(|entry| again(*entry)) {
         return Err(ExportError::SameName(name.clone()));
     }
-    gains.joint_gains(&names, period_ns(gains)?, Form::Observer)?;
+    let form = gains.joints.first().map_or(Form::Observer, |own| own.form_or(Form::Observer));
+    gains.joint_gains(&names, period_ns(gains)?, form)?;
     match &gains.certificate {
         Some(certificate) => certificate.verify(gains).map_err(ExportError::Refuted),
         None => Ok(()),

@@ -35,14 +35,8 @@ pub(super) fn origin(gains: &Gains) -> Vec<String> {
 
 /// The law of `phihat`, and what is certified of it.
 pub(super) fn law(gains: &Gains) -> Vec<String> {
-    let mut lines = vec![
-        "The controller, per joint, e = q - q_d (measured minus desired):".to_owned(),
-        "  tau = M (qdd_d - K_d de - K_p e) + phi_hat[0]".to_owned(),
-        "  nu = T (tau_applied - phi_hat[0]) - M (dq - dq of the last sample)".to_owned(),
-        "  phi_hat[j] <- phi_hat[j] + T phi_hat[j+1] + alpha[m-1-j] nu,  j = 0 .. m-1,".to_owned(),
-        "  first nu and phi_hat (0 at the first sample), then tau; phi_hat[m] = 0; tau_applied is the".to_owned(),
-        "  mean torque that acted since the last sample, after limits, delay and drive.".to_owned(),
-    ];
+    let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
+    let mut lines = if seen { from_positions() } else { fed() };
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());
         lines.extend(arm(certificate));
@@ -176,4 +170,31 @@ pub(super) fn line(text: &str) -> String {
 /// Every line behind a mark.
 pub(super) fn commented(mark: &str, lines: &[String]) -> String {
     lines.iter().map(|line| format!("{mark} {line}").trim_end().to_owned() + "\n").collect()
+}
+
+/// The law that is fed with velocity.
+fn fed() -> Vec<String> {
+    vec![
+        "The controller, per joint, e = q - q_d (measured minus desired):".to_owned(),
+        "  tau = M (qdd_d - K_d de - K_p e) + phi_hat[0]".to_owned(),
+        "  nu = T (tau_applied - phi_hat[0]) - M (dq - dq of the last sample)".to_owned(),
+        "  phi_hat[j] <- phi_hat[j] + T phi_hat[j+1] + alpha[m-1-j] nu,  j = 0 .. m-1,".to_owned(),
+        "  first nu and phi_hat (0 at the first sample), then tau; phi_hat[m] = 0; tau_applied is the".to_owned(),
+        "  mean torque that acted since the last sample, after limits, delay and drive.".to_owned(),
+    ]
+}
+
+/// The law from positions.
+fn from_positions() -> Vec<String> {
+    [
+        "The controller, per joint, e = q - q_d (measured minus desired), x = (e, de, phi[0], phi[1], ...):",
+        "  x   <- x carried over the last period by the torque that acted less its feed-forward:",
+        "         e += T de + T^2/2 (u - phi[0])/M, de += T (u - phi[0])/M, phi[j] += T phi[j+1]",
+        "  x_i <- x_i + l_i (e measured - e expected), the phi times M",
+        "  x+  =  x carried on through the torques on their way, phi[0] by T (1/g - 1) phi[1] more",
+        "  tau =  ff + r + g (phi+[0] - M (K_d de+ + K_p e+) - r),  r = tau - ff of the last sample,",
+        "  ff  =  M times the mean qdd_d of the interval in which tau acts.",
+    ]
+    .map(str::to_owned)
+    .to_vec()
 }

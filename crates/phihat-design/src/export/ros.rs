@@ -25,6 +25,9 @@ const HOW: [&str; 10] = [
 const ROOM: f64 = 2.0;
 
 pub(super) fn text(gains: &Gains) -> Result<String, ExportError> {
+    if let Some(joint) = gains.joints.iter().find(|joint| joint.observer.is_some()) {
+        return Err(ExportError::Positions { joint: joint.name.clone() });
+    }
     let other = gains.joints.iter().find(|joint| joint.a.len() != 1);
     if let Some(joint) = other {
         return Err(ExportError::Order { joint: joint.name.clone(), order: joint.a.len() });

@@ -306,7 +306,7 @@ class PositionGains:
 
     ``tau`` acts from sample ``k + d`` to ``k + d + 1``. Its feed-forward enters with the reference: ``ddq_des`` is the mean
     of that interval, the desired velocity at its end less that at its begin, over the period; ``q_des`` and ``dq_des`` are
-    those of now. No gains document holds such gains, and no certificate is about them.
+    those of now. ``phihat.Gains`` from a design may be of this form too, with a certificate; these have none.
 
     Args:
         joint_names: joints, in order.
