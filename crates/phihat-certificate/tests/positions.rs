@@ -155,7 +155,7 @@ fn worst(dice: &mut Dice, joints: &[Joint], range: (f64, f64)) -> f64 {
 fn no_arm_with_laws_of_its_own_grows_where_that_is_proved() {
     let mut dice = Dice(11);
     let (mut verified, mut refused, mut unstable, mut widened) = (0, 0, 0, 0);
-    for round in 0..300 {
+    for round in 0..100 {
         let t = if round % 2 == 0 { 1e-3 } else { 2e-3 };
         let n = 2 + round % 4;
         let mut make =
@@ -201,7 +201,7 @@ fn no_arm_with_laws_of_its_own_grows_where_that_is_proved() {
     println!(
         "verified {verified}, refused {refused} ({unstable} with a joint that grows alone), widened {widened}"
     );
-    assert!(verified >= 50 && widened >= 20, "{verified} {widened}");
+    assert!(verified >= 50 && widened >= 10, "{verified} {widened}");
 }
 
 #[test]
@@ -210,12 +210,12 @@ fn an_arm_with_one_joint_that_grows_alone_is_refused() {
     let mut seen = 0;
     for _ in 0..60 {
         let mut joints: Vec<Joint> = (0..3).map(|_| joint(&mut dice, 1e-3)).collect();
-        joints[1].1.delay_samples += 5;
-        let mut arm = Arm::single(&joints[1], 1.0).unwrap();
+        joints[1].1.delay_samples += 3;
+        let mut arm = Arm::single(&joints[1], 0.4).unwrap();
         arm.q[0] = 1e-3;
         if growth(&mut arm, 4000) > 1.1 {
             seen += 1;
-            assert!(FrozenArm { low: 1.0, high: 1.0 }.verify(&pairs(&joints)).is_err());
+            assert!(FrozenArm { low: 0.4, high: 0.4 }.verify(&pairs(&joints)).is_err());
         }
     }
     assert!(seen >= 5, "{seen}");
@@ -240,7 +240,7 @@ fn edge(own: &Joint, mut calm: f64, mut wild: f64) -> f64 {
 fn a_window_ends_where_the_joint_begins_to_grow() {
     let mut dice = Dice(3);
     let (mut lows, mut highs) = (0, 0);
-    for round in 0..50 {
+    for round in 0..20 {
         let own = surprised(&mut dice, if round % 2 == 0 { 1e-3 } else { 2e-3 });
         if grows(&own, 1.0) {
             continue;
@@ -307,9 +307,9 @@ fn calm(dice: &mut Dice, count: usize, make: fn(&mut Dice, f64) -> Joint) -> Vec
 
 #[test]
 fn peak_gains_are_what_the_simulated_joint_shows() {
-    const PARTS: usize = 16;
+    const PARTS: usize = 8;
     let mut dice = Dice(21);
-    for (own, mu) in calm(&mut dice, 10, joint).into_iter().chain(calm(&mut dice, 10, surprised)) {
+    for (own, mu) in calm(&mut dice, 5, joint).into_iter().chain(calm(&mut dice, 5, surprised)) {
         let t = own.1.period_s;
         let none = |_: usize| Push::default();
         let bears = |_: usize| Push { phi: 1.0, ..Push::default() };
@@ -366,7 +366,7 @@ fn peak_gains_are_what_the_simulated_joint_shows() {
 #[test]
 fn torque_noise_is_what_the_simulated_joint_makes() {
     let mut dice = Dice(8);
-    for (own, mu) in calm(&mut dice, 10, joint).into_iter().chain(calm(&mut dice, 10, surprised)) {
+    for (own, mu) in calm(&mut dice, 5, joint).into_iter().chain(calm(&mut dice, 5, surprised)) {
         let once = |k: usize| Push { reading: if k == 0 { 1.0 } else { 0.0 }, ..Push::default() };
         let torques: Vec<f64> =
             run(&own, mu, (0.0, 0.0), once).iter().map(|seen| seen[2]).collect();
@@ -439,7 +439,7 @@ fn follows(at: &(Joint, f64), fed: bool, factor: f64) -> bool {
 #[test]
 fn a_reference_costs_what_the_simulated_joint_shows() {
     let mut dice = Dice(13);
-    for at in calm(&mut dice, 12, joint) {
+    for at in calm(&mut dice, 6, joint) {
         assert!(follows(&at, true, 1.05), "{at:?}");
         assert!(!follows(&at, true, 0.95), "{at:?}");
         assert!(!follows(&at, false, 0.95), "without feed-forward {at:?}");
@@ -447,9 +447,35 @@ fn a_reference_costs_what_the_simulated_joint_shows() {
 }
 
 #[test]
-fn a_reference_costs_more_where_the_loop_is_not_as_the_law_thinks() {
-    let mut dice = Dice(14);
-    for at in calm(&mut dice, 20, surprised) {
-        assert!(!follows(&at, true, 0.95), "{at:?}");
+fn gains_in_a_loop_of_another_form_are_refused() {
+    let mut own = joint(&mut Dice(2), 1e-3);
+    let window = InertiaWindow { low: 1.0, high: 1.1, low_hz: 0.0, high_hz: 0.0 };
+    window.verify(&own.0, &own.1).unwrap();
+    let refused = |own: &Joint| {
+        let why = window.verify(&own.0, &own.1).unwrap_err();
+        assert_eq!(why.inequality, "the loop's form is that of the gains");
+        assert!(FrozenArm { low: 1.0, high: 1.1 }.verify(&pairs(&[own.clone()])).is_err());
+    };
+    for form in [Form::Observer, Form::Literal] {
+        own.1.form = form;
+        refused(&own);
     }
+    own.1.form = Form::Positions;
+    (own.0.observer, own.0.a) = (None, vec![50.0]);
+    refused(&own);
+}
+
+#[test]
+fn drives_of_their_own_are_refused_where_a_velocity_is_measured() {
+    let (mut record, mut model) = joint(&mut Dice(2), 1e-3);
+    (record.observer, record.a, record.kp_per_s2, record.kd_per_s) =
+        (None, vec![20.0], 100.0, 20.0);
+    (model.form, model.drive_bandwidth_hz) = (Form::Observer, Some(200.0));
+    let faster = LoopModel { drive_bandwidth_hz: Some(300.0), ..model };
+    let arm = FrozenArm { low: 0.9, high: 1.1 };
+    arm.verify(&[(&record, &model), (&record, &model)]).unwrap();
+    assert!(arm.verify(&[(&record, &model), (&record, &faster)]).is_err());
+    let differenced = |of| LoopModel { velocity: VelocitySource::Differenced, ..of };
+    let (a, b) = (differenced(model), differenced(faster));
+    arm.verify(&[(&record, &a), (&record, &b)]).unwrap();
 }
