@@ -147,7 +147,7 @@ impl Loop {
         let u = match &self.sight {
             // Its feed-forward is the mean acceleration of the interval in which the torque acts: what the reference
             // does leaves nothing to see.
-            Some(sight) => self.seen(sight, x, &mut next),
+            Some(sight) => seen(sight, x, &mut next),
             None => self.fed(x, &mut next, (before, if outside.fed { ahead } else { 0.0 })),
         };
         next.line.copy_within(1.., 0);
@@ -193,16 +193,6 @@ impl Loop {
         fed - self.kd * next.velocity - self.kp * next.position + phi_hat
     }
 
-    /// The law from positions.
-    fn seen(&self, sight: &Sight, x: &Signals, next: &mut Signals) -> f64 {
-        let length = sight.length();
-        sight.see(&mut next.memory[..length], x.mean, next.position);
-        let u = sight.answer(&next.memory[..length], &x.sent);
-        next.sent.copy_within(..SENT - 1, 1);
-        next.sent[0] = u;
-        u
-    }
-
     /// Drive and inertia over the coming interval.
     fn act(&self, x: &Signals, next: &mut Signals, (told, phi, ahead): (f64, f64, f64)) {
         let t = self.period;
@@ -220,4 +210,14 @@ impl Loop {
         next.q = x.q + t * x.v + (double - 0.5 * t * t * phi) / self.mu - 0.5 * t * t * ahead;
         next.v = x.v + t * (mean - phi) / self.mu - t * ahead;
     }
+}
+
+/// The law from positions.
+fn seen(sight: &Sight, x: &Signals, next: &mut Signals) -> f64 {
+    let length = sight.length();
+    sight.see(&mut next.memory[..length], x.mean, next.position);
+    let u = sight.answer(&next.memory[..length], &x.sent);
+    next.sent.copy_within(..SENT - 1, 1);
+    next.sent[0] = u;
+    u
 }
