@@ -268,7 +268,7 @@ fn claims_of_a_second_joint_are_checked_where_they_are_others() {
         ("varying inertia", |g| second(g).varying.as_mut().unwrap().high *= 1e3),
         ("varying inertia, sampled", |g| second(g).sampled_varying.as_mut().unwrap().high *= 1e3),
         ("attenuation", |g| {
-            second(g).continuous.as_mut().unwrap().attenuation.blocking_w = Some(1.0)
+            second(g).continuous.as_mut().unwrap().attenuation.blocking_w = Some(1.0);
         }),
         ("optimality", |g| {
             let Some(Optimality::Certified(own)) =
@@ -280,7 +280,7 @@ fn claims_of_a_second_joint_are_checked_where_they_are_others() {
         }),
         ("input-to-state", |g| second(g).continuous.as_mut().unwrap().iss.rate *= 2.0),
         ("bound = √cond(S) (40)", |g| {
-            second(g).continuous.as_mut().unwrap().paper.corrected *= 0.5
+            second(g).continuous.as_mut().unwrap().paper.corrected *= 0.5;
         }),
         ("H-infinity norm", |g| second(g).continuous.as_mut().unwrap().norm.upper *= 0.5),
         ("performance", |g| second(g).continuous.as_mut().unwrap().peaks.states[0].upper *= 0.5),

@@ -158,7 +158,7 @@ const SMALLER_SAYS_MORE: [&str; 9] = [
 
 /// The tube by the second derivation.
 fn derived(honest: &Gains, study: &Study) -> Tube {
-    let motion = Motion::of(&study).unwrap();
+    let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();
     let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
     let certificate = honest.certificate.as_ref().unwrap();

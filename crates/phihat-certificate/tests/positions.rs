@@ -454,7 +454,9 @@ fn gains_in_a_loop_of_another_form_are_refused() {
     let refused = |own: &Joint| {
         let why = window.verify(&own.0, &own.1).unwrap_err();
         assert_eq!(why.inequality, "the loop's form is that of the gains");
-        assert!(FrozenArm { low: 1.0, high: 1.1 }.verify(&pairs(&[own.clone()])).is_err());
+        assert!(
+            FrozenArm { low: 1.0, high: 1.1 }.verify(&pairs(core::slice::from_ref(own))).is_err()
+        );
     };
     for form in [Form::Observer, Form::Literal] {
         own.1.form = form;

@@ -28,7 +28,7 @@ pub(crate) fn read(text: &str) -> Study {
 
 /// Samples of the motion.
 pub(crate) fn reference(study: &Study) -> Reference {
-    let motion = Motion::of(&study).unwrap();
+    let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();
     let period_ns = study.control.period_ns;
     #[allow(
