@@ -1,5 +1,6 @@
 //! Stability of a coupled arm at every frozen posture where each joint has a law of its own.
 
+use phihat::VelocitySource;
 use serde::{Deserialize, Serialize};
 
 use crate::check::complex::Disc;
@@ -36,7 +37,7 @@ const CLAIM: &str = "laws of their own";
 ///
 /// # Not claimed
 ///
-/// Postures that move; friction, gravity's gradient and limits in action.
+/// Drives that differ where a measured velocity is heard; postures that move; friction, gravity's gradient and limits in action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrozenArm {
@@ -64,7 +65,7 @@ impl FrozenArm {
         let mut returns = Vec::with_capacity(loops.len());
         for (record, model) in loops {
             plausible::gains(CLAIM, record)?;
-            plausible::model(CLAIM, model)?;
+            plausible::model(CLAIM, record, model)?;
             let own = Returns::new(record, model);
             let middle = (low * high).sqrt();
             Family { returns: &own, low: middle, high: middle }
@@ -72,6 +73,7 @@ impl FrozenArm {
                 .map_err(|why| why.on(&record.name))?;
             returns.push(own);
         }
+        one_drive(loops)?;
         let proved = over_arcs(1.0, |arc| {
             let sides = returns.iter().map(|own| Sides::of(&own.at(arc.disc), (low, high)));
             one_circle(sides)
@@ -83,6 +85,18 @@ impl FrozenArm {
             refuse(CLAIM, &what, 0.0, 1.0)
         })
     }
+}
+
+/// Behind a drive, velocity answers torque by another law than position does: where joints differ in that and one hears
+/// a measured velocity, the loop is not `det(W + diag L_i)`.
+fn one_drive(loops: &[(&JointRecord, &LoopModel)]) -> Result<(), Refutation> {
+    let measured = loops.iter().any(|(record, model)| {
+        record.observer.is_none() && model.velocity == VelocitySource::Measured
+    });
+    let bits = |i: usize| loops[i].1.drive_bandwidth_hz.map(f64::to_bits);
+    let same = (1..loops.len()).all(|i| bits(i) == bits(0));
+    let what = "with a measured velocity all joints have the same drive";
+    Refutation::unless(CLAIM, what, 0.0, 1.0, same || !measured)
 }
 
 /// Bounds of `Re((N + aΔ)(N + bΔ)*)` and `Im(NΔ*)` over an arc.
@@ -113,7 +127,7 @@ fn one_circle(sides: impl Iterator<Item = Sides>) -> bool {
                 if slope < 0.0 {
                     *most = most.min(-apart_low / slope);
                 }
-            } else if slope > 0.0 {
+            } else if slope > 0.0 && apart_low.is_finite() {
                 *least = least.max(-apart_low / slope);
             } else {
                 // NaN is no proof either.

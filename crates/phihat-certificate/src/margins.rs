@@ -53,7 +53,7 @@ impl Margins {
     /// [`Refutation`], naming the margin.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         let Self { low, high, .. } = *self;
         at_most(CLAIM, "1 ≤ gain margin up", 1.0, self.gain_up)?;
         at_most(CLAIM, "1 ≤ gain margin down", 1.0, self.gain_down)?;

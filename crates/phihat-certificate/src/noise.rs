@@ -68,7 +68,7 @@ impl TorqueNoise {
     /// [`Refutation`], naming the figure.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         plausible::ratios(CLAIM, &self.mu)?;
         at_most(CLAIM, "0 < quantum", f64::MIN_POSITIVE, self.quantum_rad)?;
         at_most(CLAIM, "quantum < ∞", self.quantum_rad, f64::MAX)?;

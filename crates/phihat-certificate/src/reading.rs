@@ -38,7 +38,7 @@ impl ReadingError {
     /// [`Refutation`], naming the gain.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         plausible::ratios(CLAIM, &self.mu)?;
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);

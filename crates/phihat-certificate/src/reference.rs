@@ -73,12 +73,14 @@ impl ReferenceError {
     /// [`Refutation`], naming the gain.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         plausible::ratios(CLAIM, &self.mu)?;
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);
             let decay = Decay::of(CLAIM, &of)?;
             if of.sight.is_some() {
+                let what = "M̄q̈_d is fed forward in a law from positions";
+                Refutation::unless(CLAIM, what, 0.0, 1.0, self.feed_forward)?;
                 self.kicked(&of, &decay)?;
                 continue;
             }

@@ -44,7 +44,7 @@ impl LargestStep {
         (torque_max, torque_rate_max): (Option<f64>, Option<f64>),
     ) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         plausible::ratios(CLAIM, &self.mu)?;
         for limit in torque_max.into_iter().chain(torque_rate_max) {
             at_most(CLAIM, "0 < limit", f64::MIN_POSITIVE, limit)?;

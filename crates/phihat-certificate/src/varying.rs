@@ -122,7 +122,7 @@ impl SampledVarying {
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         const CLAIM: &str = "varying inertia, sampled";
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         range(CLAIM, (self.low, self.high))?;
         for (end, mu) in [("low", self.low), ("high", self.high)] {
             let of = Loop::new(gains, model, mu);

@@ -93,7 +93,7 @@ impl InertiaWindow {
         rate: f64,
     ) -> Result<(), Refutation> {
         plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, model)?;
+        plausible::model(CLAIM, gains, model)?;
         let returns = Returns::new(gains, model);
         let radius = (-rate * model.period_s).exp();
         let Self { low, high, .. } = *self;

@@ -1,5 +1,7 @@
 //! What every sampled claim begins with: numbers that make sense.
 
+use phihat::Form;
+
 use super::sample::SENT;
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, PositionObserver, Refutation};
@@ -59,8 +61,10 @@ fn observer(claim: &str, own: &PositionObserver) -> Result<(), Refutation> {
     at_most(claim, "delay of the law ≤ 4 samples", f64::from(own.delay_samples), SENT as f64)
 }
 
-/// A loop that can be run.
-pub(crate) fn model(claim: &str, model: &LoopModel) -> Result<(), Refutation> {
+/// A loop that can be run with these gains.
+pub(crate) fn model(claim: &str, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
+    let of_gains = gains.observer.is_some() == (model.form == Form::Positions);
+    Refutation::unless(claim, "the loop's form is that of the gains", 0.0, 1.0, of_gains)?;
     let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
     for value in bandwidths.chain([model.period_s]) {
         if !value.is_finite() || value <= 0.0 {

@@ -267,15 +267,20 @@ fn a_drive_is_the_integral_of_its_decay() -> Result<(), &'static str> {
 
 #[test]
 fn the_literal_laws_factors_are_those_of_the_product() {
-    let record = JointRecord {
+    let record = JointRecord { a: vec![7.0, 2.0], ..fed() };
+    assert_eq!(literal(&record), product(&[7.0, 2.0], &[5.0, 3.0, 1.0]));
+}
+
+/// Gains of a law that is fed with velocity.
+fn fed() -> JointRecord {
+    JointRecord {
         name: String::new(),
         inertia_kg_m2: 1.0,
         kp_per_s2: 5.0,
         kd_per_s: 3.0,
-        a: vec![7.0, 2.0],
+        a: vec![7.0; 4],
         observer: None,
-    };
-    assert_eq!(literal(&record), product(&[7.0, 2.0], &[5.0, 3.0, 1.0]));
+    }
 }
 
 #[test]
@@ -296,7 +301,7 @@ fn numbers_that_make_no_sense_are_refused() {
     let runs = |change: &dyn Fn(&mut LoopModel)| {
         let mut own = plain();
         change(&mut own);
-        model("", &own).is_ok()
+        model("", &fed(), &own).is_ok()
     };
     assert_eq!(phihat::DELAY_MAX, 8);
     let most = 8;
@@ -313,14 +318,7 @@ fn numbers_that_make_no_sense_are_refused() {
         assert!(!runs(&|m| m.drive_bandwidth_hz = Some(bad)));
     }
     let of = |change: &dyn Fn(&mut JointRecord)| {
-        let mut own = JointRecord {
-            name: String::new(),
-            inertia_kg_m2: 1.0,
-            kp_per_s2: 5.0,
-            kd_per_s: 3.0,
-            a: vec![7.0; 4],
-            observer: None,
-        };
+        let mut own = fed();
         change(&mut own);
         gains("", &own).is_ok()
     };

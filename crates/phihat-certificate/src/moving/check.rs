@@ -41,7 +41,7 @@ impl Moving {
     pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
         let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
         plausible::gains(CLAIM, gains).map_err(refused)?;
-        plausible::model(CLAIM, model).map_err(refused)?;
+        plausible::model(CLAIM, gains, model).map_err(refused)?;
         self.plausible()?;
         if let Some(hz) = model.drive_bandwidth_hz {
             let what = "the torque acts at once: a drive's lag is not in the proof";

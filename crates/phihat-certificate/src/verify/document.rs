@@ -129,7 +129,7 @@ impl Certificate {
         {
             let named = |why: Refutation| why.on(&joint.name);
             plausible::gains(CLAIM, record).map_err(named)?;
-            plausible::model(CLAIM, &joint.model).map_err(named)?;
+            plausible::model(CLAIM, record, &joint.model).map_err(named)?;
             let sides = (*nominal, record.inertia_kg_m2);
             agrees(CLAIM, "the arm is measured in the gains' M̄", sides, SAME).map_err(named)?;
             let sides = (gains.rate_hz * joint.model.period_s, 1.0);
