@@ -3,6 +3,8 @@
 use phihat::Form;
 use serde::{Deserialize, Serialize};
 
+use crate::LoopModel;
+
 /// Gains of one joint, in SI units; see NOTATION.md.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +43,15 @@ impl JointRecord {
     /// Order `m` of the estimate of `φ`.
     pub fn order(&self) -> usize {
         self.observer.as_ref().map_or(self.a.len(), |own| own.correction.len().saturating_sub(2))
+    }
+
+    /// Whether the feed-forward of a law from positions acts in the interval that it is for; always, of another law.
+    pub fn fed_in_time(&self, model: &LoopModel) -> bool {
+        let late = model.delay_samples + model.sample_delay_samples;
+        let in_time = |own: &PositionObserver| {
+            own.delay_samples == late && model.drive_bandwidth_hz.is_none()
+        };
+        self.observer.as_ref().is_none_or(in_time)
     }
 
     /// The form of the law that these gains are for; `form` says which of those that share `a`.

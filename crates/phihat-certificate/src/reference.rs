@@ -38,6 +38,9 @@ const NONE: f64 = 1e-11;
 /// T²/(4μ) max|q̈_d|,    T³/(12μ) max|q⃛_d|                                                          (S3)
 /// ```
 ///
+/// That is so without a drive and with the delay that the law knows. Behind a drive, or a delay that it does not know, the
+/// feed-forward acts in another interval than it is for, and there is no such claim.
+///
 /// # Method
 ///
 /// With the reference state `r = (q_d, q̇_d, q̈_d)`, `r_{k+1} = Φ r_k`, and `x_{k+1} = A x_k + R r_k` (in which
@@ -81,6 +84,8 @@ impl ReferenceError {
             if of.sight.is_some() {
                 let what = "M̄q̈_d is fed forward in a law from positions";
                 Refutation::unless(CLAIM, what, 0.0, 1.0, self.feed_forward)?;
+                let what = "the feed-forward acts in the interval that it is for";
+                Refutation::unless(CLAIM, what, 0.0, 1.0, gains.fed_in_time(model))?;
                 self.kicked(&of, &decay)?;
                 continue;
             }

@@ -444,6 +444,11 @@ fn a_reference_costs_what_the_simulated_joint_shows() {
         assert!(!follows(&at, true, 0.95), "{at:?}");
         assert!(!follows(&at, false, 0.95), "without feed-forward {at:?}");
     }
+    // Behind a drive or a delay that the law does not know, (S3) is a seventh of the truth: nothing is claimed there.
+    let late =
+        calm(&mut dice, 8, surprised).into_iter().filter(|(own, _)| !own.0.fed_in_time(&own.1));
+    let refused = late.inspect(|at| assert!(!follows(at, true, 100.0), "{at:?}")).count();
+    assert!(refused > 2, "{refused}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ impl JointCertificate {
             let bare = rests.iter().all(|there| !there);
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, bare)?;
         }
-        self.covers(whole)?;
+        self.covers(record, whole)?;
         if !told {
             self.verify_loop(record)?;
         }
@@ -102,13 +102,13 @@ impl JointCertificate {
     }
 
     /// That the claims are about the arm's whole range of inertia, and none is missing without a reason.
-    fn covers(&self, whole: &Certificate) -> Result<(), Refutation> {
+    fn covers(&self, record: &JointRecord, whole: &Certificate) -> Result<(), Refutation> {
         if !self.refused.is_empty() {
             return Ok(());
         }
         let arm = &whole.arm;
-        let (Some(window), Some(margins), Some(sampled), Some(reference), Some(step)) =
-            (&self.window, &self.margins, &self.sampled, &self.reference, &self.step)
+        let (Some(window), Some(margins), Some(sampled), Some(step)) =
+            (&self.window, &self.margins, &self.sampled, &self.step)
         else {
             return Err(refuse(
                 CLAIM,
@@ -125,9 +125,13 @@ impl JointCertificate {
         agrees("margins", "low is arm.low", (margins.low, arm.low), SAME)?;
         agrees("margins", "high is arm.high", (margins.high, arm.high), SAME)?;
         tried("sampled peak gains", &sampled.mu, arm)?;
-        tried("reference error", &reference.mu, arm)?;
-        let fed = reference.feed_forward;
-        Refutation::unless("reference error", "M̄q̈_d is fed forward", 0.0, 1.0, fed)?;
+        let told = self.reference.is_some() || !record.fed_in_time(&self.model);
+        Refutation::unless("reference error", "it is told, or there is none", 0.0, 1.0, told)?;
+        if let Some(reference) = &self.reference {
+            tried("reference error", &reference.mu, arm)?;
+            let fed = reference.feed_forward;
+            Refutation::unless("reference error", "M̄q̈_d is fed forward", 0.0, 1.0, fed)?;
+        }
         tried("largest step", &step.mu, arm)?;
         let together = self.reading.is_some() == self.noise.is_some();
         Refutation::unless(

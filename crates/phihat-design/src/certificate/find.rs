@@ -37,7 +37,7 @@ struct OverRange {
     margins: Margins,
     sampled: SampledPeaks,
     reading: Option<ReadingError>,
-    reference: ReferenceError,
+    reference: Option<ReferenceError>,
 }
 
 impl Shared {
@@ -102,7 +102,10 @@ impl OverRange {
         Ok(Self {
             margins: Margins::find(record, model, range)?,
             sampled: SampledPeaks::find(record, model, range, RATIOS)?,
-            reference: ReferenceError::find(record, model, true, range, RATIOS)?,
+            reference: record
+                .fed_in_time(model)
+                .then(|| ReferenceError::find(record, model, true, range, RATIOS))
+                .transpose()?,
             reading: encoder
                 .then(|| ReadingError::find(record, model, range, RATIOS))
                 .transpose()?,
@@ -134,8 +137,11 @@ impl Context<'_> {
         let bounds = over.as_ref().zip(phi.as_ref()).map(|(over, phi)| {
             let (reading, quantum) = (over.reading.as_ref(), self.quantum.unwrap_or(0.0));
             let (loop_, given) = ((*record, &model), (quantum, self.duration));
-            Evidence::new(loop_, &over.sampled, reading, Some(&over.reference), given).bounds(phi)
+            let moved = over.reference.as_ref();
+            let told = moved.is_some() || phi.motion.is_none();
+            told.then(|| Evidence::new(loop_, &over.sampled, reading, moved, given).bounds(phi))
         });
+        let bounds = bounds.flatten();
         let noise = |quantum| TorqueNoise::find(record, &model, quantum, range, RATIOS);
         let step = |_: &OverRange| LargestStep::find(record, &model, self.limits, range, RATIOS);
         Ok(JointCertificate {
@@ -149,7 +155,7 @@ impl Context<'_> {
             noise: over.as_ref().and(self.quantum).map(noise).transpose()?,
             step: over.as_ref().map(step).transpose()?,
             reading: over.as_ref().and_then(|o| o.reading.clone()),
-            reference: over.as_ref().map(|o| o.reference.clone()),
+            reference: over.as_ref().and_then(|o| o.reference.clone()),
             sampled: over.map(|o| o.sampled),
             limits: self.limits,
             phi,
