@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::Path;
 
+use phihat::Form;
 use phihat_design::prelude::*;
 use phihat_design::{Arm, Certificate, Gains, NotCounted, Outcome, design, requested_gains};
 use phihat_session::phi_along;
@@ -29,6 +30,11 @@ fn certified(study: &Study) -> Option<Gains> {
     } else {
         match design(study, &arm, &of).unwrap() {
             Outcome::Designed(gains) => *gains,
+            // By itself each joint has the arm's whole range; the arm has its tube.
+            Outcome::Infeasible(no) if study.control.form == Form::Positions => {
+                refused(&no);
+                return None;
+            }
             Outcome::Infeasible(no) => panic!("{}: {no:?}", study.name),
         }
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_design::tube::Desired;
-use phihat_design::{Arm, Gains, Infeasible, Outcome, Phi, PositionSearch};
+use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::{Demand, Motion};
 use phihat_study::{PhiSource, Study};
 
@@ -75,10 +75,7 @@ pub(crate) fn by_positions(
         }
         shares = next;
     }
-    let none = || {
-        let (clauses, alternatives) = (Vec::new(), Vec::new());
-        Outcome::Infeasible(Infeasible { clauses, alternatives, tried: 0, stable: 0 })
-    };
+    let none = || Outcome::Infeasible(search.refused());
     Ok(best.map_or_else(none, |(_, gains)| Outcome::Designed(Box::new(gains))))
 }
 

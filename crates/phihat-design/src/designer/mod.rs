@@ -3,37 +3,29 @@
 mod advice;
 mod attempt;
 mod candidate;
-mod error;
-mod infeasible;
-mod known;
-mod nominal;
+pub(crate) mod error;
+pub(crate) mod infeasible;
+pub(crate) mod known;
+pub(crate) mod nominal;
+pub(crate) mod outcome;
 mod paper;
 mod refine;
 mod search;
 mod verdict;
 
+use phihat::Form;
 use phihat_study::{DesignMethod, Study};
 
 pub use advice::{Alternative, alternatives};
 pub use error::DesignError;
 pub use infeasible::{Clause, Infeasible};
 pub use known::PhiOf;
+pub use outcome::Outcome;
 
-use crate::Gains;
 use crate::arm::Arm;
+use crate::positions;
 use attempt::Attempt;
-pub(crate) use nominal::shared_out;
 use search::{FINE, Search};
-
-/// What a design comes to: gains, or why there are none.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Outcome {
-    /// Gains with their certificate: by our method they keep every clause; by the paper's the certificate says
-    /// what holds.
-    Designed(Box<Gains>),
-    /// No gains keep every clause.
-    Infeasible(Infeasible),
-}
 
 /// Finds gains that keep a study's specification, by the method it asks for.
 ///
@@ -98,7 +90,9 @@ pub enum Outcome {
 /// ```
 pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     let mut outcome = search(study, arm, phi)?;
-    if let Outcome::Infeasible(no) = &mut outcome {
+    if let Outcome::Infeasible(no) = &mut outcome
+        && study.control.form != Form::Positions
+    {
         no.alternatives = alternatives(study, arm, phi)?;
     }
     Ok(outcome)
@@ -112,6 +106,9 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
 pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     if study.design.method == DesignMethod::Paper {
         return paper::design(study, arm, phi).map(|gains| Outcome::Designed(Box::new(gains)));
+    }
+    if study.control.form == Form::Positions {
+        return positions::search(study, arm, phi);
     }
     let search = Search::new(study, arm, phi)?;
     let attempt = Attempt::of(&search, &FINE)?;

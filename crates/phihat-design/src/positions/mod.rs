@@ -9,4 +9,5 @@ mod search;
 mod simplex;
 mod task;
 
+pub(crate) use search::search;
 pub use search::{PositionEstimate, PositionSearch};

@@ -6,11 +6,15 @@ use phihat_study::Study;
 use super::family::Family;
 use super::simplex::{Found, simplex};
 use super::task::{Task, Worth};
-use crate::designer::{PhiOf, shared_out};
+use crate::designer::error::DesignError;
+use crate::designer::infeasible::{Clause, Infeasible};
+use crate::designer::known::PhiOf;
+use crate::designer::nominal::shared_out;
+use crate::designer::outcome::Outcome;
 use crate::parallel::{parallel, threads};
 use crate::prelude::*;
 use crate::sampled::{LoopModel, TorqueNoise};
-use crate::{Arm, ArmInertia, Certificate, DesignError, FORMAT, Gains, JointRecord, Phi, VERSION};
+use crate::{Arm, ArmInertia, Certificate, FORMAT, Gains, JointRecord, Phi, VERSION};
 
 /// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;
@@ -162,6 +166,14 @@ impl<'a> PositionSearch<'a> {
         Some((gains, estimates))
     }
 
+    /// Why there are no laws: none holds the arm's range with its margin.
+    pub fn refused(&self) -> Infeasible {
+        let (key, wanted) =
+            ("design.window_margin".to_owned(), self.asked.study.design.window_margin);
+        let clause = Clause { key, joint: None, wanted, possible: None };
+        Infeasible { clauses: vec![clause], alternatives: Vec::new(), tried: 0, stable: 0 }
+    }
+
     /// Finds every claim about laws of this search.
     ///
     /// # Errors
@@ -237,6 +249,47 @@ impl Asked<'_> {
 
 /// What an exact encoder counts as per newton metre \[1/rad\]: 20 bits.
 const EXACT: f64 = 3.3e5;
+
+/// Shares of the allowed noise between which [`search`] looks, where it begins, and how often it looks.
+const SHARES: (f64, f64) = (0.01, 1.0);
+const ROUNDS: u32 = 5;
+
+/// The error of a law falls by about this power of its noise.
+const POWER: f64 = 0.4;
+
+/// An estimate this much above an error is still it.
+const NEAR: f64 = 1.02;
+
+/// Laws with the least noise whose estimates keep the error, joint by joint; their certificate says what holds.
+pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
+    let mut search = PositionSearch::new(study, arm, phi)?;
+    let wanted = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
+    let mut shares = vec![MIDDLE; wanted.len()];
+    let mut clauses = Vec::new();
+    for _ in 0..ROUNDS {
+        let Some((mut gains, estimates)) = search.laws(&shares) else {
+            return Ok(Outcome::Infeasible(search.refused()));
+        };
+        let used: Vec<f64> =
+            estimates.iter().zip(&wanted).map(|(own, error)| own.error_rad / error).collect();
+        if used.iter().all(|used| *used <= NEAR) {
+            search.certify(&mut gains)?;
+            return Ok(Outcome::Designed(Box::new(gains)));
+        }
+        let beyond = used.iter().enumerate().filter(|(_, used)| **used > NEAR);
+        let clause = |(joint, used): (usize, &f64)| Clause {
+            key: "spec.error_max_rad".to_owned(),
+            joint: Some(study.robot.joints[joint].name.clone()),
+            wanted: wanted[joint],
+            possible: Some(wanted[joint] * used),
+        };
+        clauses = beyond.map(clause).collect();
+        for (share, used) in shares.iter_mut().zip(&used) {
+            *share = (*share * used.powf(1.0 / POWER)).clamp(SHARES.0, SHARES.1);
+        }
+    }
+    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives: Vec::new(), tried: 0, stable: 0 }))
+}
 
 impl core::fmt::Debug for PositionSearch<'_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
