@@ -28,12 +28,12 @@ pub const PHIHAT_REFUSED: u32 = 4;
 /// PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
 /// instead, l = correction, v = velocity_correction, g = share, d = delay_samples; at sample k:
 ///
-///     z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
-///     z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
-///     z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
-///     ff    = M ddq_des
-///     r     = the last torque, as the limits let it through, less its ff
-///     tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+///   z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
+///   z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+///   z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
+///   ff    = M ddq_des
+///   r     = the last torque, as the limits let it through, less its ff
+///   tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
 ///
 /// tau acts from sample k + d to k + d + 1. Its feed-forward ff enters with the reference, so that ddq_des of
 /// phihat_sample is the mean of that interval.
