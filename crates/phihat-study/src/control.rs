@@ -29,8 +29,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
     let robot = &arm.robot.joints;
     let torque = robot.iter().map(|joint| joint.torque_max);
     let rate = robot.iter().map(|joint| joint.torque_rate_max);
-    let word = node.word("form")?;
-    let form = match word {
+    let form = match node.word("form")? {
         "literal" => Form::Literal,
         "positions" => Form::Positions,
         _ => Form::Observer,
@@ -39,7 +38,6 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
         form,
-        form_designed: word == "design",
         preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
@@ -64,12 +62,6 @@ pub(crate) fn fits(
         return Err(node.error(Kind::Conflict, "delay_samples", message));
     }
     let Some(gains) = gains else { return Ok(()) };
-    if control.form_designed {
-        let message = "left to the design, while the study states its [gains]";
-        return Err(node
-            .error(Kind::Conflict, "form", message)
-            .with_help("state a form, or leave the gains to `[design]`"));
-    }
     let node = top.child("gains");
     match (&gains.law, control.form) {
         (LawRequest::Coefficients { .. }, Form::Positions) => Err(node

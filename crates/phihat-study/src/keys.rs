@@ -262,11 +262,11 @@ static LOOP: Section = Section {
         Key {
             name: "form",
             unit: "",
-            shape: Shape::Word(&["observer", "literal", "positions", "design"]),
+            shape: Shape::Word(&["observer", "literal", "positions"]),
             need: Need::Word("observer"),
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
-                  each joint. `design`: `phihat design` takes `observer` or `positions`, and gains.json says which.",
+                  each joint.",
         },
         Key {
             name: "preview",

@@ -237,8 +237,6 @@ pub struct Control {
     pub delay_samples: u32,
     /// Which form of the law runs.
     pub form: Form,
-    /// Whether the form is left to the design: it then comes with the gains.
-    pub form_designed: bool,
     /// Whether the acceleration fed forward is that of the interval in which the torque will act.
     pub preview: bool,
     /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.

@@ -69,7 +69,6 @@ fn control_counts(control: &Control) {
         period_ns: _,
         delay_samples: _,
         form: _,
-        form_designed: _,
         // In the reference that bounds and tube are about.
         preview: _,
         // Claims hold while no limit acts. The rate limit is a clause of the design; a tube says whether any limit
