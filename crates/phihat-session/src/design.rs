@@ -89,7 +89,8 @@ pub fn designed_for(
         let phi = |joint, inertia| moving(phi, joint, inertia);
         search(study, arm, &phi).map_err(|e| SessionError::at(path, e))
     };
-    if study.control.form == Form::Positions {
+    // Arms that are known by intervals have no tube: the search by bounds serves them, whatever the law.
+    if study.control.form == Form::Positions && study.design.inertia == InertiaSource::Robot {
         let outcome = by_positions(study, (arm, &demand), path)?;
         return completed(study, arm, outcome, path);
     }

@@ -7,7 +7,7 @@ use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::{Demand, Motion};
 use phihat_study::{PhiSource, Study};
 
-use crate::along::{motion_along, phi_along};
+use crate::along::phi_along;
 use crate::error::SessionError;
 use crate::judged::{Judged, judge};
 
@@ -40,14 +40,11 @@ pub(crate) fn by_positions(
 ) -> Result<Outcome, SessionError> {
     let motion = Motion::of(study).map_err(|e| SessionError::at(path, e))?;
     let desired = Desired::of(study, |joint, t| motion.told(joint, t));
-    let phi = |joint: usize, inertia: f64| match &study.design.phi {
-        PhiSource::Typed { rate, jump } => Phi {
-            rate_nm_s: rate[joint],
-            jump_nm: jump[joint],
-            motion: Some(motion_along(demand, joint)),
-            ..phi_along(demand, joint, inertia)
-        },
-        _ => phi_along(demand, joint, inertia),
+    // For the search alone: the certificate of an arm with a description says nothing of φ.
+    let phi = |joint: usize, inertia: f64| {
+        let along = phi_along(demand, joint, inertia);
+        let PhiSource::Typed { rate, jump } = &study.design.phi else { return along };
+        Phi { rate_nm_s: rate[joint], jump_nm: jump[joint], ..along }
     };
     let refused = |e| SessionError::at(path, e);
     let mut search = PositionSearch::new(study, arm, &phi).map_err(refused)?;

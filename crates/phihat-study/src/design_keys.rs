@@ -125,7 +125,8 @@ pub(crate) static DESIGN: Section = Section {
             need: Need::Optional(
                 "no clause of its own; a torque-rate limit of `[loop]` or `[profile]` always counts",
             ),
-            doc: "Largest change of torque per sample that encoder steps may cause, guaranteed.",
+            doc: "Largest change of torque per sample that encoder steps may cause, guaranteed. Where there is a tube, \
+                  every change of torque from the settling time on is held against it.",
         },
         Key {
             name: "phi_from",
