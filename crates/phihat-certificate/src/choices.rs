@@ -6,18 +6,27 @@ use phihat_study::Study;
 use crate::{Gains, GainsError, LoopModel};
 
 impl Gains {
-    /// Gives a study what it leaves to the design and these gains carry: the velocity filter, which a law from positions has
-    /// not.
+    /// Gives a study what it leaves to the design and these gains carry: the form, and the velocity filter, which a law from
+    /// positions has not.
     ///
     /// # Errors
     ///
     /// [`GainsError::NoFilter`].
     pub fn complete(&self, study: &mut Study) -> Result<(), GainsError> {
+        if study.control.form_designed {
+            study.control.takes(self.designed_form());
+        }
         if study.sensor.velocity_filter_designed && study.control.form != Form::Positions {
             study.sensor.velocity_filter_hz =
                 Some(self.velocity_filter_hz.ok_or(GainsError::NoFilter)?);
         }
         Ok(())
+    }
+
+    /// The form that a design gave them.
+    fn designed_form(&self) -> Form {
+        let positions = self.joints.iter().any(|joint| joint.observer.is_some());
+        if positions { Form::Positions } else { Form::Observer }
     }
 }
 
@@ -27,6 +36,9 @@ impl LoopModel {
     pub fn with_choices_of(mut self, gains: &Gains, study: &Study) -> Self {
         if study.sensor.velocity_filter_designed {
             self.velocity_filter_hz = gains.velocity_filter_hz;
+        }
+        if study.control.form_designed {
+            self.form = gains.designed_form();
         }
         self
     }

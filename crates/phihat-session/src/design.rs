@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
+use crate::judged::Merit;
 use crate::position_search::by_positions;
 use crate::typed_phi::typed_phi_holds;
 use phihat::Form;
@@ -11,7 +12,7 @@ use phihat_design::{
     find_moving, search, typed_inertia_holds,
 };
 use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
-use phihat_study::{InertiaSource, PhiSource, Study};
+use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
 use crate::files;
@@ -80,6 +81,9 @@ pub fn designed_for(
     path: &Path,
     advice: Advice,
 ) -> Result<Outcome, SessionError> {
+    if study.control.form_designed {
+        return either_form(study, arm, path, advice);
+    }
     let demand = Demand::along(study).map_err(|e| SessionError::at(path, e))?;
     let moving = |phi: &dyn Fn(usize, f64) -> Phi, joint: usize, inertia: f64| {
         let motion = Some(motion_along(&demand, joint));
@@ -111,6 +115,37 @@ pub fn designed_for(
         }
     }
     completed(study, arm, outcome, path)
+}
+
+/// Designs in both forms that serve the study, and takes the better one.
+fn either_form(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    advice: Advice,
+) -> Result<Outcome, SessionError> {
+    let formed = |form: Form| {
+        let mut own = study.clone();
+        own.control.form_designed = false;
+        own.control.takes(form);
+        own
+    };
+    let observer = formed(Form::Observer);
+    let ours = study.design.method == DesignMethod::Ours;
+    let known = study.design.inertia == InertiaSource::Robot && study.spec.error_bound.is_some();
+    let ahead = study.control.delay_samples <= phihat_study::AHEAD_MAX;
+    if !(ours && known && ahead) {
+        return designed_for(&observer, arm, path, advice);
+    }
+    let positions = formed(Form::Positions);
+    let Outcome::Designed(seen) = designed_for(&positions, arm, path, Advice::Clauses)? else {
+        return designed_for(&observer, arm, path, advice);
+    };
+    let other = match designed_for(&observer, arm, path, Advice::Clauses)? {
+        Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => fed,
+        _ => seen,
+    };
+    Ok(Outcome::Designed(other))
 }
 
 /// One search, by bounds of joint after joint.

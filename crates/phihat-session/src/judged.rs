@@ -92,3 +92,44 @@ fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     clause("spec.error_integral_max_rad_s", limits, &integral, false);
     shares
 }
+
+/// How good gains are by their certificate, to compare those of different forms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Merit {
+    /// Whether the tube keeps every clause.
+    kept: bool,
+    /// The largest share of an error that is allowed; infinite without a tube.
+    error: f64,
+    /// The largest change of torque per sample, by what is allowed of it \[1\], or by 1 N·m.
+    noise: f64,
+}
+
+impl Merit {
+    pub(crate) fn of(study: &Study, gains: &Gains) -> Self {
+        let none = Self { kept: false, error: f64::INFINITY, noise: f64::INFINITY };
+        let Some(certificate) = &gains.certificate else { return none };
+        let Some(tube) = &certificate.tube else { return none };
+        let period = study.control.period_ns as f64 * 1e-9;
+        let allowed = |i: usize| {
+            let own = study.design.torque_step_max.as_ref().map(|most| most[i]);
+            own.or(study.limits(i).1.map(|rate| rate * period)).unwrap_or(1.0)
+        };
+        let joints = || tube.joints.iter().enumerate();
+        let noise = joints().map(|(i, joint)| joint.torque_step_steady_max_nm / allowed(i));
+        let errors = shares(study, tube, &mut Vec::new());
+        Self {
+            kept: certificate.unproved.is_empty(),
+            error: errors.into_iter().fold(0.0, f64::max),
+            noise: noise.fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether these gains are the better ones: kept before not kept, then with less noise, or nearer to the specification.
+    pub(crate) fn beats(self, other: Self) -> bool {
+        match (self.kept, other.kept) {
+            (true, true) => self.noise < other.noise,
+            (own, theirs) if own != theirs => own,
+            _ => self.error < other.error,
+        }
+    }
+}

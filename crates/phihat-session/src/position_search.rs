@@ -14,6 +14,9 @@ use crate::judged::{Judged, judge};
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;
 
+/// After so many in a row that gain nothing, it ends.
+const STUCK: u32 = 2;
+
 /// The encoder's share of the torque step that a study allows: where a search begins, and its ends. What else turns the torque has
 /// the rest.
 const FIRST: f64 = 0.6;
@@ -50,6 +53,7 @@ pub(crate) fn by_positions(
     let mut search = PositionSearch::new(study, arm, &phi).map_err(refused)?;
     let mut shares = vec![FIRST; study.robot.joints.len()];
     let mut best: Option<(Rank, Gains)> = None;
+    let mut stuck = 0;
     // Where a limit can act there is no tube, and no figure to go by.
     let free = without_rate_limits(study);
     for round in 0..ROUNDS {
@@ -60,11 +64,16 @@ pub(crate) fn by_positions(
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
         let better = best.as_ref().is_none_or(|(before, _)| rank.before(before));
         let kept = best.as_ref().is_some_and(|(before, _)| before.kept);
+        stuck = if best.as_ref().is_none_or(|(before, _)| rank.gains_on(before)) {
+            0
+        } else {
+            stuck + 1
+        };
         if better {
             best = Some((rank, gains));
         }
         // What keeps the specification and could be quieter is tried once more, not for ever.
-        if (kept && !better) || round + 1 == ROUNDS {
+        if (kept && !better) || stuck == STUCK || round + 1 == ROUNDS {
             break;
         }
         let Some(next) = next else { break };
@@ -101,6 +110,15 @@ struct Rank {
 }
 
 impl Rank {
+    /// Whether it is better by more than a tube's worth of rounding.
+    fn gains_on(&self, other: &Self) -> bool {
+        match (self.kept, other.kept) {
+            (true, true) => self.noise < 0.99 * other.noise,
+            (own, theirs) if own != theirs => own,
+            _ => self.beyond < 0.995 * other.beyond,
+        }
+    }
+
     fn before(&self, other: &Self) -> bool {
         match (self.kept, other.kept) {
             (true, true) => self.noise < other.noise,

@@ -60,8 +60,12 @@ pub fn verify(
 ) -> Result<Verification, SessionError> {
     let (gains, study, record, path) = match checked {
         Checked::Gains { gains, study } => {
-            let study = study.map(design::read).transpose()?;
-            (read_gains(gains)?, study, None, gains.to_owned())
+            let mut study = study.map(design::read).transpose()?;
+            let given = read_gains(gains)?;
+            if let Some(study) = &mut study {
+                given.complete(study).map_err(|e| SessionError::at(gains, e))?;
+            }
+            (given, study, None, gains.to_owned())
         }
         Checked::Record(folder) => {
             let (kept, path) = whole(folder)?;

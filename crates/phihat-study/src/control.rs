@@ -38,6 +38,8 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
         form,
+        form_designed: node.word("form")? == "design",
+        preview_stated: node.has("preview"),
         preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
@@ -45,7 +47,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
 }
 
 /// Samples of delay that a law from positions predicts across at most.
-const AHEAD_MAX: u32 = 4;
+pub const AHEAD_MAX: u32 = 4;
 
 /// That gains which the study states are of the loop's form.
 pub(crate) fn fits(
@@ -62,6 +64,11 @@ pub(crate) fn fits(
         return Err(node.error(Kind::Conflict, "delay_samples", message));
     }
     let Some(gains) = gains else { return Ok(()) };
+    if control.form_designed {
+        let message = "left to the design, while the study states its [gains]";
+        let error = node.error(Kind::Conflict, "form", message);
+        return Err(error.with_help("give the form, or leave the gains to `[design]`"));
+    }
     let node = top.child("gains");
     match (&gains.law, control.form) {
         (LawRequest::Coefficients { .. }, Form::Positions) => Err(node

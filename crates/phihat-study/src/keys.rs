@@ -262,11 +262,12 @@ static LOOP: Section = Section {
         Key {
             name: "form",
             unit: "",
-            shape: Shape::Word(&["observer", "literal", "positions"]),
+            shape: Shape::Word(&["observer", "literal", "positions", "design"]),
             need: Need::Word("observer"),
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
-                  each joint.",
+                  each joint. `design`: whichever of `observer` and `positions` keeps the specification with less torque noise, by \
+                  its tube.",
         },
         Key {
             name: "preview",

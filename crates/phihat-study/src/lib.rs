@@ -91,6 +91,7 @@ mod value;
 mod world;
 mod world_keys;
 
+pub use control::AHEAD_MAX;
 pub use error::{StudyError, StudyErrorKind};
 pub use fault::{Fault, FaultKind};
 pub use manual::manual;

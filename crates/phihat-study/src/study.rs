@@ -237,6 +237,10 @@ pub struct Control {
     pub delay_samples: u32,
     /// Which form of the law runs.
     pub form: Form,
+    /// Whether that is left to the design: [`Self::takes`].
+    pub form_designed: bool,
+    /// Whether the study says whether there is a preview.
+    pub preview_stated: bool,
     /// Whether the acceleration fed forward is that of the interval in which the torque will act.
     pub preview: bool,
     /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.
@@ -448,6 +452,16 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocity \[rad/s\] per joint.
     pub dq: Vec<f64>,
+}
+
+impl Control {
+    /// Gives the loop a form; what a study leaves to the form goes with it.
+    pub fn takes(&mut self, form: Form) {
+        self.form = form;
+        if !self.preview_stated {
+            self.preview = form == Form::Positions;
+        }
+    }
 }
 
 /// `[start] torque_nm`: the torque with which the drives hold the arm until the law takes over, with the same torque.

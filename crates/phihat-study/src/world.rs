@@ -7,7 +7,8 @@ use crate::payload;
 use crate::per_joint::{Joints, PerJoint};
 use crate::robot_value::limits;
 use crate::study::{
-    Drive, EndStops, Flexibility, Held, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
+    Drive, EndStops, Flexibility, Held, Loss, Network, Push, Start, Stiction, ToolForce, Wall,
+    World,
 };
 
 pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<World, StudyError> {

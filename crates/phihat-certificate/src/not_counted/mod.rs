@@ -71,6 +71,9 @@ fn control_counts(control: &Control) {
         form: _,
         // In the reference that bounds and tube are about.
         preview: _,
+        // The gains tell what became of it.
+        form_designed: _,
+        preview_stated: _,
         // Claims hold while no limit acts. The rate limit is a clause of the design; a tube says whether any limit
         // can act along it, and a run says how often one did.
         torque_max: _,

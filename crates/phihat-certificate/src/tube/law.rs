@@ -260,7 +260,8 @@ impl Loop {
             seen.fill(0.0);
             let pull = kp * (e + s * de) + kd * de;
             let weight = kp * (0.5 * s * s) + kd * s;
-            (seen[0], seen[1], seen[2]) = (e, de, (torque * (1.0 + weight) + pull) / (1.0 + weight));
+            (seen[0], seen[1], seen[2]) =
+                (e, de, (torque * (1.0 + weight) + pull) / (1.0 + weight));
             sent.fill(torque);
             return;
         }

@@ -31,6 +31,8 @@ const SPEEDS: [f64; 5] = [0.3, 0.5, 0.75, 1.1, 1.6];
 /// First step of a search, by the logarithm, and how often it looks: to compare nominal inertias, and to choose.
 const ROUGH: (f64, u32) = (0.25, 100);
 const FINE: (f64, u32) = (0.2, 260);
+/// From a law that was found for another share.
+const AGAIN: (f64, u32) = (0.06, 120);
 
 /// A law that costs more than this does not hold.
 const HOLDS: f64 = 500.0;
@@ -41,6 +43,11 @@ struct Chosen {
     order: usize,
     x: Vec<f64>,
     cost: f64,
+}
+
+/// The law of the better order.
+fn better(a: Chosen, b: Chosen) -> Chosen {
+    if b.cost < a.cost { b } else { a }
 }
 
 /// What all joints ask.
@@ -65,6 +72,8 @@ pub struct PositionSearch<'a> {
     known: PhiOf<'a>,
     /// The last laws: where the next search begins.
     last: Vec<Option<Chosen>>,
+    /// Whether their orders were compared.
+    ordered: bool,
 }
 
 /// What a law is estimated to do for its joint.
@@ -118,7 +127,7 @@ impl<'a> PositionSearch<'a> {
             }
         }
         let (_, asked, last) = best.ok_or(DesignError::NoSpec)?;
-        Ok(Self { asked, known: phi, last })
+        Ok(Self { asked, known: phi, last, ordered: false })
     }
 
     /// The laws with the least error for a share of the allowed noise, per joint; without a certificate. `None`: some joint
@@ -130,12 +139,12 @@ impl<'a> PositionSearch<'a> {
         let (asked, last) = (&self.asked, &self.last);
         let found = parallel(&joints, threads(), |joint| {
             let before = last[joint].as_ref();
-            let of = |order: &usize| {
-                let before = before.filter(|before| before.order == *order);
-                asked.joint((joint, *order), (shares[joint], before), FINE)
+            let of = |order: usize, effort: (f64, u32)| {
+                let before = before.filter(|before| before.order == order);
+                asked.joint((joint, order), (shares[joint], before), effort)
             };
-            let better = |a: Chosen, b: Chosen| if b.cost < a.cost { b } else { a };
-            orders.iter().filter_map(of).reduce(better)
+            let again = before.filter(|_| self.ordered).and_then(|own| of(own.order, AGAIN));
+            again.or_else(|| orders.iter().filter_map(|order| of(*order, FINE)).reduce(better))
         });
         let found = found.into_iter().collect::<Option<Vec<Chosen>>>()?;
         let mut records = Vec::new();
@@ -162,6 +171,7 @@ impl<'a> PositionSearch<'a> {
             certificate: None,
             trade_off: Vec::new(),
         };
+        self.ordered = true;
         self.last = found.into_iter().map(Some).collect();
         Some((gains, estimates))
     }
