@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import phihat
 
-STUDY = Path(__file__).parents[2] / "studies" / "panda.toml"
+STUDY = Path(__file__).parents[2] / "studies" / "panda_hand.toml"
 
 # %% Unknown payload and friction, 18-bit encoders, no velocity sensor, one sample of delay.
 trace = phihat.simulate(STUDY)

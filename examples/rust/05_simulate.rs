@@ -14,7 +14,7 @@ use phihat_study::Study;
 fn main() -> Result<(), Box<dyn Error>> {
     // Unknown payload and friction, 18-bit encoders, no velocity sensor, one sample of delay.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut study = Study::read(&root.join("studies/panda.toml"))?;
+    let mut study = Study::read(&root.join("studies/panda_hand.toml"))?;
     study.duration = 4.0; // of 10 s: this is an example
 
     // This study states its gains. They run only if the arm's inertia stays inside their window.

@@ -8,7 +8,7 @@ use crate::book;
 use crate::shell::{cargo, read, write};
 
 /// The README's main job.
-const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda_design.toml"];
+const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda.toml"];
 
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";

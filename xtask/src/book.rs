@@ -31,9 +31,13 @@ const MDBOOK: &str = "0.5.4";
 /// The page that is made from what the program says of itself.
 const COMMANDS: &str = "docs/book/src/reference/commands.md";
 
-/// Figures of the book and of the README: what the page `tutorial` leaves of this study.
-const FIGURES: [&str; 3] = ["error", "inertia-window", "trade-off"];
-const FIGURES_OF: &str = "panda_design";
+/// Figures of the book and of the README: page whose commands make them, study, name.
+const FIGURES: [(&str, &str, &str); 4] = [
+    ("tutorial", "panda_design", "error"),
+    ("tutorial", "panda_design", "inertia-window"),
+    ("tutorial", "panda_design", "trade-off"),
+    ("how-to/franka", "panda", "error"),
+];
 
 /// Documents outside of the book whose links are followed too.
 const DOCUMENTS: [&str; 9] = [
@@ -100,7 +104,9 @@ pub(crate) fn python(root: &Path, interpreter: &str) -> Result<(), String> {
 /// Writes what is made of the program: the page of commands, and the figures that the tutorial's runs leave.
 pub(crate) fn bless(root: &Path) -> Result<(), String> {
     write(&root.join(COMMANDS), &commands(root)?)?;
-    run(root, Path::new("tutorial.md"), Part::Commands)?;
+    for page in ["tutorial.md", "how-to/franka.md"] {
+        run(root, Path::new(page), Part::Commands)?;
+    }
     figures(root).iter().try_for_each(|(made, kept)| write(kept, &read(made)?))
 }
 
@@ -108,11 +114,11 @@ fn stale(what: &str) -> String {
     format!("{what} is stale: run `cargo xtask bless book` and look at the diff")
 }
 
-/// Every figure as the tutorial's run has just drawn it, and as it is kept.
-fn figures(root: &Path) -> [(PathBuf, PathBuf); 3] {
-    FIGURES.map(|name| {
-        let made = format!("{SCRATCH}/tutorial/out/{FIGURES_OF}/figures/{name}.svg");
-        let kept = format!("{SOURCE}/figures/{FIGURES_OF}-{name}.svg");
+/// Every figure as its page's commands have just drawn it, and as it is kept.
+fn figures(root: &Path) -> [(PathBuf, PathBuf); 4] {
+    FIGURES.map(|(page, study, name)| {
+        let made = format!("{SCRATCH}/{page}/out/{study}/figures/{name}.svg");
+        let kept = format!("{SOURCE}/figures/{study}-{name}.svg");
         (root.join(made), root.join(kept))
     })
 }

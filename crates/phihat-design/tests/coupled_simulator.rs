@@ -24,7 +24,7 @@ const MOVED: usize = 3;
 /// A torque on joint 2 from one sample to another.
 type Push = (f64, usize, usize);
 
-/// The Panda of `studies/panda.toml`, held at rest without gravity, friction and encoder, with some pushes.
+/// The Panda of `studies/panda_hand.toml`, held at rest without gravity, friction and encoder, with some pushes.
 fn study(pushes: &[Push]) -> Study {
     let mut text = "duration_s = 1.5\n[robot]\nname = \"panda\"\n[gains]\norder = 2\nbandwidth_rad_s = 20.0\n\
         damping = 1.0\nestimator_bandwidth_rad_s = 50.0\nestimator_damping = 1.0\n\

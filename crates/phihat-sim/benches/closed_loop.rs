@@ -67,7 +67,7 @@ fn main() {
     let runs = if quick { 1 } else { 15 };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let plain = Study::from_text(PLAIN, "closed_loop", &root).unwrap();
-    let full = Study::read(&root.join("studies/panda.toml")).unwrap();
+    let full = Study::read(&root.join("studies/panda_hand.toml")).unwrap();
     for (name, study) in
         [("closed_loop_panda_rk4", &plain), ("closed_loop_panda_full_world", &full)]
     {
