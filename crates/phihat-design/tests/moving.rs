@@ -179,8 +179,8 @@ fn growth(
 fn what_is_proved_withstands_every_path_that_was_thought_of() {
     let mut dice = Dice(5);
     for (gains, model, (low, high)) in cases() {
-        let moving = Moving::find(&gains, &model, (low, high)).unwrap();
-        moving.verify(&gains, &model).unwrap();
+        let moving = Moving::find(&[(&gains, &model)], (low, high)).unwrap();
+        moving.verify(&[(&gains, &model)]).unwrap();
         println!(
             "{low} to {high}: {} 1/s, δ = {}, {} taps, λ = {}",
             moving.rate_per_s,
@@ -210,11 +210,11 @@ fn the_attack_would_find_an_unstable_loop() {
 #[test]
 fn a_strengthened_claim_is_refused() {
     for (gains, model, range) in cases() {
-        let good = Moving::find(&gains, &model, range).unwrap();
+        let good = Moving::find(&[(&gains, &model)], range).unwrap();
         let refused = |change: &dyn Fn(&mut Moving)| {
             let mut forged = good.clone();
             change(&mut forged);
-            forged.verify(&gains, &model).unwrap_err()
+            forged.verify(&[(&gains, &model)]).unwrap_err()
         };
         let faster = |m: &mut Moving, factor: f64| {
             m.rate_per_s *= factor;
@@ -241,9 +241,9 @@ fn a_strengthened_claim_is_refused() {
         refused(&|m| m.drift = 0.0);
         refused(&|m| m.drift = -1.0);
         let late = LoopModel { delay_samples: 8, ..model };
-        good.verify(&gains, &late).unwrap_err();
+        good.verify(&[(&gains, &late)]).unwrap_err();
         let slow = LoopModel { drive_bandwidth_hz: Some(200.0), ..model };
-        good.verify(&gains, &slow).unwrap_err();
+        good.verify(&[(&gains, &slow)]).unwrap_err();
     }
 }
 
