@@ -6,7 +6,7 @@ use crate::check::plausible;
 use crate::check::returns::Returns;
 use crate::{JointRecord, LoopModel, Refutation};
 
-const CLAIM: &str = "stability while moving";
+pub(super) const CLAIM: &str = "stability while moving";
 
 /// Most taps of a multiplier.
 const TAPS: usize = 4096;

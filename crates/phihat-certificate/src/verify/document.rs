@@ -90,6 +90,12 @@ impl Certificate {
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;
             self.moves(moving, gains)?;
         }
+        if let Some(any) = &self.any_speed {
+            let whole = self.refused().is_none();
+            Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;
+            let models = self.joints.iter().map(|joint| &joint.model);
+            any.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
+        }
         self.refused().map_or(Ok(()), Err)
     }
 
