@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::document::Moving;
 use crate::{JointRecord, LoopModel, Refutation};
 
+const CLAIM: &str = "stability at any speed";
+
 /// A range of inertia through which the coupled arm may move at any speed.
 ///
 /// # Claim
@@ -53,6 +55,8 @@ impl AnySpeed {
     /// [`Refutation`], with the joint and the frequency at which the proof fails.
     pub fn verify(&self, loops: &[(&JointRecord, &LoopModel)]) -> Result<(), Refutation> {
         let Self { low, high } = *self;
+        let sensible = 0.0 < low && low <= high && high.is_finite();
+        Refutation::unless(CLAIM, "0 < low ≤ high < ∞", low, high, sensible)?;
         let at_rest = Moving {
             low,
             high,
@@ -64,7 +68,7 @@ impl AnySpeed {
             needed_limits_per_s: None,
         };
         at_rest.verify(loops).map_err(|why| Refutation {
-            claim: why.claim.replace(super::check::CLAIM, "stability at any speed"),
+            claim: why.claim.replace(super::check::CLAIM, CLAIM),
             ..why
         })
     }

@@ -325,7 +325,7 @@ fn no_arm_with_laws_of_its_own_grows_while_it_moves_as_fast_as_is_proved() {
 fn no_arm_with_laws_of_its_own_grows_where_any_speed_is_proved() {
     let mut dice = Dice(17);
     let (mut proved, mut widened) = (0, 0);
-    for round in 0..2 * arms().unwrap_or(6) {
+    for round in 0..arms().map_or(8, |arms| 2 * arms) {
         let (n, t) = (2 + round % 3, if round % 2 == 0 { 1e-3 } else { 2e-3 });
         let joints: Vec<Joint> = (0..n).map(|_| joint(&mut dice, t)).collect();
         let middle = dice.between(0.8, 1.3);
