@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow, LargestStep,
-    LoopModel, Margins, Moving, NotCounted, Phi, ReadingError, ReferenceError, Refutation,
-    SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube, VaryingWindow,
+    AnySpeed, ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow,
+    LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError, ReferenceError,
+    Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube, VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -26,6 +26,9 @@ pub struct Certificate {
     /// Why stability while the arm moves is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving_refused: Option<Refutation>,
+    /// The widest range found, around the middle of the arm's, through which it may move at any speed; for laws of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub any_speed: Option<AnySpeed>,
     /// Stability at every frozen posture where joints have laws of their own; `None`: they share one, or it is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frozen: Option<FrozenArm>,

@@ -98,7 +98,7 @@ pub use iss::Iss;
 pub use law::UnitLaw;
 pub use margins::Margins;
 pub use model::LoopModel;
-pub use moving::{Moving, Unstable};
+pub use moving::{AnySpeed, Moving, Unstable};
 pub use noise::TorqueNoise;
 pub use norm::NormH;
 pub use not_counted::{LeftOut, NotCounted};

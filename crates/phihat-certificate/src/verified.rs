@@ -46,9 +46,19 @@ impl Certificate {
     /// As for [`Self::verify`].
     pub fn verified(&self, gains: &Gains) -> Result<Verified, Refutation> {
         self.verify(gains)?;
-        let each = self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint)));
+        let alone = self.frozen.is_some();
+        let each = self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint, alone)));
         let mut shown = merged(each);
+        let range = |low: f64, high: f64| format!("μ in {low:.5} … {high:.5}");
         let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        if let Some(frozen) = &self.frozen {
+            let what = "coupled arm stable at every frozen posture";
+            shown.push(whole(what, range(frozen.low, frozen.high)));
+        }
+        if let Some(any) = &self.any_speed {
+            let what = "coupled arm stable while inertia moves at any speed";
+            shown.push(whole(what, range(any.low, any.high)));
+        }
         if let Some(moving) = &self.moving {
             let value = format!(
                 "‖dW/dt‖ ≤ {:.4} 1/s, Coriolis torque and gradients left out",
@@ -151,16 +161,18 @@ impl Certificate {
     }
 }
 
-/// What is shown of one joint.
-fn proved(joint: &JointCertificate) -> Vec<(String, String)> {
+/// What is shown of one joint; where laws differ, some of it of the joint `alone`, and not of the arm.
+fn proved(joint: &JointCertificate, alone: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
+    let by_itself = if alone { ", the joint by itself" } else { "" };
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     if let Some(window) = &joint.window {
-        add("stable at frozen inertia", format!("μ in {:.5} … {:.5}", window.low, window.high));
+        let range = format!("μ in {:.5} … {:.5}", window.low, window.high);
+        add(&format!("stable at frozen inertia{by_itself}"), range);
     }
     if let Some(varying) = &joint.sampled_varying {
         let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);
-        add("stable while inertia jumps from sample to sample", range);
+        add(&format!("stable while inertia jumps from sample to sample{by_itself}"), range);
     }
     if let Some(varying) = &joint.varying {
         let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);

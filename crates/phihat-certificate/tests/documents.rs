@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use phihat_certificate::{
-    ArmBasis, Certificate, Gains, Motion, Optimality, Phi, PhiBasis, Refutation,
+    AnySpeed, ArmBasis, Certificate, Gains, Motion, Optimality, Phi, PhiBasis, Refutation,
 };
 use phihat_study::Study;
 
@@ -229,7 +229,7 @@ fn nothing_rests_on_a_claim_that_is_refused() {
         (joint.noise, joint.step, joint.bounds) = (None, None, None);
         joint
     }
-    let list: [Forgery; 9] = [
+    let list: [Forgery; 10] = [
         ("honestly refused", |g| drop(bare(g).phi.take())),
         ("no claim rests", |g| bare(g).margins = honest().certificate.unwrap().joints[0].margins),
         ("no claim rests", |g| {
@@ -253,6 +253,23 @@ fn nothing_rests_on_a_claim_that_is_refused() {
             bare(g);
             claims(g).moving = honest().certificate.unwrap().moving;
         }),
+        ("no claim rests", |g| {
+            bare(g);
+            claims(g).any_speed = Some(AnySpeed { low: 1.0, high: 1.0 });
+        }),
+    ];
+    stopped(&list, verify);
+}
+
+#[test]
+fn a_range_for_any_speed_is_proved_for_every_joint() {
+    let mut gains = honest();
+    claims(&mut gains).any_speed = Some(AnySpeed { low: 1.0, high: 1.0 });
+    verify(&gains).unwrap();
+    let list: [Forgery; 3] = [
+        ("at θ", |g| claims(g).any_speed = Some(AnySpeed { low: 0.2, high: 8.0 })),
+        ("low ≤ high", |g| claims(g).any_speed = Some(AnySpeed { low: 2.0, high: 1.0 })),
+        ("low ≤ high", |g| claims(g).any_speed = Some(AnySpeed { low: f64::NAN, high: 1.0 })),
     ];
     stopped(&list, verify);
 }

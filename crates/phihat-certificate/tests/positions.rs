@@ -4,6 +4,8 @@
 
 #[path = "support/arm.rs"]
 mod arm;
+#[path = "support/moving_laws.rs"]
+mod moving_laws;
 
 use arm::{Arm, Joint, Push, correction, growth};
 use phihat::{Form, TorqueSource, VelocitySource};
@@ -104,10 +106,16 @@ impl Posture {
 
     /// `W⁻¹`.
     fn inverse(&self) -> Vec<Vec<f64>> {
+        let values = self.values.iter().map(|value| 1.0 / value).collect();
+        Self { values, angles: self.angles.clone() }.turned()
+    }
+
+    /// `W`.
+    fn turned(&self) -> Vec<Vec<f64>> {
         let n = self.values.len();
         let mut w = vec![vec![0.0; n]; n];
         for (i, value) in self.values.iter().enumerate() {
-            w[i][i] = 1.0 / value;
+            w[i][i] = *value;
         }
         let planes = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
         for ((i, j), angle) in planes.zip(&self.angles) {

@@ -193,12 +193,12 @@ fn stability_while_moving_is_claimed_in_numbers_that_make_sense() {
     let claims = gains.certificate.as_ref().unwrap();
     let (record, model) = (&gains.joints[0], &claims.joints[0].model);
     let own = claims.moving.clone().unwrap();
-    own.verify(record, model).unwrap();
+    own.verify(&[(record, model)]).unwrap();
     // A tenth faster with the same multiplier.
     let mut faster = own.clone();
     faster.rate_per_s *= 1.1;
     faster.delta = faster.step(model.period_s).0;
-    assert!(faster.verify(record, model).is_err());
+    assert!(faster.verify(&[(record, model)]).is_err());
     let edits: [Edit<Moving>; 21] = [
         ("δ = rate", |m| m.delta *= 1.0 + 1e-8),
         ("δ = rate", |m| m.delta *= 1.0 - 1e-8),
@@ -229,13 +229,13 @@ fn stability_while_moving_is_claimed_in_numbers_that_make_sense() {
         let told = if proof {
             other.stable(record, model).err().map(|why| why.inequality)
         } else {
-            other.verify(record, model).err().map(|why| why.inequality)
+            other.verify(&[(record, model)]).err().map(|why| why.inequality)
         };
         let told = told.unwrap_or_else(|| "passes".into());
         assert!(told.contains(gate), "{gate}: {told}");
     }
     let driven = LoopModel { drive_bandwidth_hz: Some(500.0), ..*model };
-    let told = own.verify(record, &driven).unwrap_err().inequality;
+    let told = own.verify(&[(record, &driven)]).unwrap_err().inequality;
     assert!(told.contains("a drive's lag"), "{told}");
     // By hand: low 1/2, high 2, 10 1/s, 1 ms: χ = 2 · 40 · 1e-3, δ = 0.01 (1 + χ²/12), η = χ/6; 2(h₁ sin θ + h₂ sin 2θ).
     let mut small = own.clone();

@@ -246,7 +246,7 @@ fn an_inertia_that_stands_still_is_stable_while_moving_exactly_inside_its_window
             needed_motion_per_s: None,
             needed_limits_per_s: None,
         };
-        let checked = |low: f64, high: f64| moving(low, high).verify(gains, model);
+        let checked = |low: f64, high: f64| moving(low, high).verify(&[(gains, model)]);
         for edge in [window.low, window.high] {
             let inward = if edge < 1.0 { 1.0 + BEYOND } else { 1.0 - BEYOND };
             if (1e-3..1e3).contains(&edge) {

@@ -179,8 +179,8 @@ fn growth(
 fn what_is_proved_withstands_every_path_that_was_thought_of() {
     let mut dice = Dice(5);
     for (gains, model, (low, high)) in cases() {
-        let moving = Moving::find(&gains, &model, (low, high)).unwrap();
-        moving.verify(&gains, &model).unwrap();
+        let moving = Moving::find(&[(&gains, &model)], (low, high)).unwrap();
+        moving.verify(&[(&gains, &model)]).unwrap();
         println!(
             "{low} to {high}: {} 1/s, δ = {}, {} taps, λ = {}",
             moving.rate_per_s,
@@ -210,11 +210,11 @@ fn the_attack_would_find_an_unstable_loop() {
 #[test]
 fn a_strengthened_claim_is_refused() {
     for (gains, model, range) in cases() {
-        let good = Moving::find(&gains, &model, range).unwrap();
+        let good = Moving::find(&[(&gains, &model)], range).unwrap();
         let refused = |change: &dyn Fn(&mut Moving)| {
             let mut forged = good.clone();
             change(&mut forged);
-            forged.verify(&gains, &model).unwrap_err()
+            forged.verify(&[(&gains, &model)]).unwrap_err()
         };
         let faster = |m: &mut Moving, factor: f64| {
             m.rate_per_s *= factor;
@@ -241,40 +241,43 @@ fn a_strengthened_claim_is_refused() {
         refused(&|m| m.drift = 0.0);
         refused(&|m| m.drift = -1.0);
         let late = LoopModel { delay_samples: 8, ..model };
-        good.verify(&gains, &late).unwrap_err();
+        good.verify(&[(&gains, &late)]).unwrap_err();
         let slow = LoopModel { drive_bandwidth_hz: Some(200.0), ..model };
-        good.verify(&gains, &slow).unwrap_err();
+        good.verify(&[(&gains, &slow)]).unwrap_err();
     }
 }
 
-/// A small arm's gains with their certificate.
-fn designed() -> Gains {
+/// A small arm's study, what is known of the arm, and its gains with their certificate.
+fn designed() -> (Study, Arm, Gains) {
     let text = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_max_rad = 5e-3\n[design]\n\
                 phi_rate_max_nm_s = 1.0\nphi_jump_max_nm = 0.1\norders = [1]\n[loop]\ndelay_samples = 1\n[world]\n\
                 gravity_m_s2 = [0.0, 0.0, 0.0]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
     let study = Study::from_text(text, "moving.toml", std::path::Path::new("")).unwrap();
-    let phi = |_: usize, _: f64| Phi {
+    let motion = [(study.robot.poses["ready"].clone(), vec![0.5, -1.0, 1.0])];
+    let arm = Arm::of(&study).unwrap().along(&motion).unwrap();
+    match design(&study, &arm, &|_: usize, _: f64| phi()).unwrap() {
+        Outcome::Designed(mut gains) => {
+            find_moving(&mut gains, &arm);
+            (study, arm, *gains)
+        }
+        Outcome::Infeasible(no) => panic!("{no:?}"),
+    }
+}
+
+fn phi() -> Phi {
+    Phi {
         basis: PhiBasis::Typed,
         source: "typed".into(),
         size_nm: None,
         rate_nm_s: 1.0,
         jump_nm: 0.1,
         motion: None,
-    };
-    let motion = [(study.robot.poses["ready"].clone(), vec![0.5, -1.0, 1.0])];
-    let arm = Arm::of(&study).unwrap().along(&motion).unwrap();
-    match design(&study, &arm, &phi).unwrap() {
-        Outcome::Designed(mut gains) => {
-            find_moving(&mut gains, &arm);
-            *gains
-        }
-        Outcome::Infeasible(no) => panic!("{no:?}"),
     }
 }
 
 #[test]
 fn a_design_says_how_fast_its_arm_may_move() {
-    let gains = designed();
+    let (_, _, gains) = designed();
     let certificate = gains.certificate.clone().unwrap();
     certificate.verify(&gains).unwrap();
     let moving = certificate.moving.clone().unwrap();
@@ -293,4 +296,38 @@ fn a_design_says_how_fast_its_arm_may_move() {
     refused(&|c| {
         c.arm.searched.as_mut().unwrap().proved = Some(Proved { low: 0.0, high: 0.5, cells: 1 });
     });
+}
+
+#[test]
+fn an_arm_with_laws_of_its_own_says_how_fast_it_may_move() {
+    let (study, arm, mut gains) = designed();
+    let known = gains.certificate.take().unwrap().arm;
+    for (joint, factor) in gains.joints.iter_mut().zip([1.0, 0.95, 1.04]) {
+        joint.kp_per_s2 *= factor * factor;
+        joint.kd_per_s *= factor;
+        joint.a[0] *= factor;
+    }
+    let phis = vec![Some(phi()); 3];
+    gains.certificate = Some(Certificate::find(&study, &gains, known, &phis).unwrap());
+    find_moving(&mut gains, &arm);
+    let certificate = gains.certificate.clone().unwrap();
+    certificate.verify(&gains).unwrap();
+    let (moving, any) = (certificate.moving.clone().unwrap(), certificate.any_speed.unwrap());
+    println!("{} 1/s; any speed from {} to {}", moving.rate_per_s, any.low, any.high);
+    assert!(moving.rate_per_s > 1.0 && any.high > 1.2 * any.low);
+    let shown = format!("{:?}", certificate.verified(&gains).unwrap().proved);
+    assert!(shown.contains("at any speed") && shown.contains("every frozen posture"), "{shown}");
+    let refused = |change: &dyn Fn(&mut Certificate)| {
+        let mut forged = certificate.clone();
+        change(&mut forged);
+        forged.verify(&gains).unwrap_err().claim
+    };
+    refused(&|c| c.moving.as_mut().unwrap().delta *= 0.9);
+    refused(&|c| c.moving.as_mut().unwrap().low *= 1.1);
+    let wider = refused(&|c| c.any_speed.as_mut().unwrap().high *= 3.0);
+    assert!(wider.ends_with("stability at any speed"), "{wider}");
+    // Another joint's law in the gains, that the claims do not know of.
+    let mut other = gains.clone();
+    other.joints[1].kp_per_s2 *= 60.0;
+    certificate.verify(&other).unwrap_err();
 }

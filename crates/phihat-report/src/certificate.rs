@@ -41,6 +41,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (tube(record))
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
+        (moving(certificate))
         (coupled(certificate))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
@@ -99,6 +100,26 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                     }
                 } } }
             }
+        }
+    }
+}
+
+/// How the inertia may change while the arm moves, and how it does.
+fn moving(certificate: &Certificate) -> Markup {
+    let rate = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), number);
+    html! {
+        @if let Some(moving) = &certificate.moving {
+            p {
+                "While the arm moves, the coupled loop is stable as long as its inertia, in units of M̄, changes by at most "
+                (number(moving.rate_per_s)) " per second, anywhere in its range. The reference needs "
+                (rate(moving.needed_motion_per_s)) ", all joints at their speed limits "
+                (rate(moving.needed_limits_per_s)) ", as far as it was searched. Coriolis and viscous torque are left out."
+            }
+        } @else if let Some(why) = &certificate.moving_refused {
+            p { "Stability while the arm moves is not proved: " (line(&why.to_string())) }
+        }
+        @if let Some(any) = &certificate.any_speed {
+            p { "Within μ = " (number(any.low)) " … " (number(any.high)) " the inertia may move at any speed." }
         }
     }
 }

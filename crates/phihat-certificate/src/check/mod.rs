@@ -15,4 +15,6 @@ pub(crate) mod sample;
 pub(crate) mod sight;
 
 #[cfg(test)]
+mod kick_tests;
+#[cfg(test)]
 pub(crate) mod tests;

@@ -16,6 +16,7 @@ pub(crate) struct Push {
     pub(crate) ddq: f64,
 }
 
+#[derive(Clone)]
 struct Torques {
     law: JointGains<f64>,
     state: JointState<f64>,
@@ -27,10 +28,13 @@ struct Torques {
 }
 
 /// The arm, with torques and inertia in units of `M̄`.
+#[derive(Clone)]
 pub(crate) struct Arm {
     joints: Vec<Torques>,
-    /// `W⁻¹`.
-    inverse: Vec<Vec<f64>>,
+    /// The mean of `W⁻¹` over the sample to come.
+    pub(crate) inverse: Vec<Vec<f64>>,
+    /// The same with the weights `2(T − s)/T²`, as position sees it.
+    pub(crate) kicked: Vec<Vec<f64>>,
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
     pub(crate) asked: Vec<f64>,
@@ -65,8 +69,14 @@ impl Arm {
         let joints: Option<Vec<_>> = joints.iter().map(of).collect();
         let n = inverse.len();
         let none = vec![0.0; n];
-        let mut arm =
-            Self { joints: joints?, inverse, q: none.clone(), v: none.clone(), asked: none };
+        let mut arm = Self {
+            joints: joints?,
+            kicked: inverse.clone(),
+            inverse,
+            q: none.clone(),
+            v: none.clone(),
+            asked: none,
+        };
         // The first sample tells a law where it is.
         arm.step(&vec![Push::default(); n]);
         Some(arm)
@@ -95,10 +105,10 @@ impl Arm {
             means.push(mean - push[i].phi);
             doubles.push(double - 0.5 * t * t * push[i].phi);
         }
-        for (i, row) in self.inverse.iter().enumerate() {
-            let by = |of: &[f64]| row.iter().zip(of).map(|(a, b)| a * b).sum::<f64>();
-            self.q[i] += t * self.v[i] + by(&doubles);
-            self.v[i] += t * by(&means);
+        let by = |row: &[f64], of: &[f64]| row.iter().zip(of).map(|(a, b)| a * b).sum::<f64>();
+        for (i, (row, kicked)) in self.inverse.iter().zip(&self.kicked).enumerate() {
+            self.q[i] += t * self.v[i] + by(kicked, &doubles);
+            self.v[i] += t * by(row, &means);
         }
     }
 

@@ -74,7 +74,15 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
     }
-    lines.extend(certificate.joints.first().map(law));
+    if let Some(first) = certificate.joints.first() {
+        lines.push(law(first));
+        // What one joint's form shows of an arm it shows of joints with that one law.
+        lines.push(if certificate.frozen.is_some() {
+            any_speed(certificate)
+        } else {
+            jumps(first)
+        });
+    }
     lines.extend(coupled(certificate));
     lines.extend(not_counted(&certificate.not_counted));
     lines.push(proved(certificate));
@@ -95,6 +103,17 @@ fn moving(certificate: &Certificate) -> String {
         moving.rate_per_s,
         rate(moving.needed_motion_per_s),
         rate(moving.needed_limits_per_s)
+    )
+}
+
+/// What the coupled arm's inertia may do at any speed, where laws differ.
+fn any_speed(certificate: &Certificate) -> String {
+    certificate.any_speed.as_ref().map_or_else(
+        || "NOT proved, stability while the inertia moves at any speed".to_owned(),
+        |any| {
+            let (low, high) = (any.low, any.high);
+            format!("the inertia may move at any speed within μ = {low:.3} … {high:.3}, Coriolis torque and gradients left out")
+        },
     )
 }
 
@@ -172,7 +191,7 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
 
 /// What the law that the joints share is optimal for, and how fast its inertia may vary.
 fn law(joint: &JointCertificate) -> String {
-    let continuous = joint.continuous.as_ref().map_or_else(
+    joint.continuous.as_ref().map_or_else(
         || "a law from positions: no claim in continuous time".to_owned(),
         |law| {
             let gamma = law.attenuation.gamma_return_difference;
@@ -186,13 +205,16 @@ fn law(joint: &JointCertificate) -> String {
                 law.paper.printed, law.paper.corrected
             )
         },
-    );
-    let varying = joint.sampled_varying.as_ref().map_or_else(
+    )
+}
+
+/// How the inertia of joints with one law may jump.
+fn jumps(joint: &JointCertificate) -> String {
+    joint.sampled_varying.as_ref().map_or_else(
         || "no common quadratic form for inertia that varies from sample to sample".to_owned(),
         |v| {
             let (low, high) = (v.low, v.high);
             format!("inertia may jump from sample to sample within μ = {low:.3} … {high:.3}")
         },
-    );
-    [continuous, varying].join("\n")
+    )
 }

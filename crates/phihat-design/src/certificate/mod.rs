@@ -95,6 +95,7 @@ impl FindCertificate for Certificate {
             joints,
             moving: None,
             moving_refused: None,
+            any_speed: None,
             frozen,
             frozen_refused,
             coupled: None,

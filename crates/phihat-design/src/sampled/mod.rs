@@ -57,7 +57,6 @@ pub use peak::{FindSampledPeaks, SampledPeaks};
 pub use reading::{FindReadingError, ReadingError};
 pub(crate) use reference::left_by_acceleration;
 pub use reference::{FindReferenceError, ReferenceError};
-pub(crate) use refutation::refuse;
 pub use sampled_varying::{FindSampledVarying, SampledVarying};
 pub use state_matrix::{Reaction, StateMatrix};
 pub use step::{FindStep, LargestStep};

@@ -1,7 +1,7 @@
-//! The loop that may have a moving inertia in it, cut where its torque meets that.
+//! A loop that may have a moving inertia in it, cut where its torque meets that.
 
 use crate::JointRecord;
-use crate::claims::Refutation;
+use crate::claims::{Refutation, UnitLaw};
 use crate::sampled::model::LoopModel;
 use crate::sampled::open_loop::OpenLoop;
 use crate::sampled::polynomial::Polynomial;
@@ -31,5 +31,11 @@ impl<'a> Cut<'a> {
         }
         let (open, kick) = OpenLoop::with_kick(gains, model);
         Ok(Self { gains, model, open, kick })
+    }
+
+    /// Whether another joint's loop is this one, but for its name and `M̄`.
+    pub(super) fn is_of(&self, gains: &JointRecord, model: &LoopModel) -> bool {
+        let alike = UnitLaw::from(gains) == UnitLaw::from(self.gains);
+        alike && gains.observer == self.gains.observer && model == self.model
     }
 }

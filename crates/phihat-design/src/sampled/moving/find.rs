@@ -1,4 +1,4 @@
-//! The multiplier that allows the largest rate, by linear programming on a grid of frequencies.
+//! The multiplier that allows the largest rate, one for all joints, by linear programming on a grid of frequencies.
 
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::Complex;
@@ -29,8 +29,14 @@ const SMALL: f64 = 1e-5;
 /// How often the frequency at which a proof fails joins the grid.
 const ROUNDS: u32 = 5;
 
+/// Where laws differ, a programme begins with every so many points of the grid; those at which its answer leaves less room
+/// than it thinks, by more than a share, join it, so often.
+const SPARSE: usize = 8;
+const THINKS: f64 = 1e-6;
+const JOINS: u32 = 40;
+
 /// The largest rate with its proof.
-pub(super) fn largest(about: &Cut<'_>, range: (f64, f64)) -> Result<Moving, Unstable> {
+pub(super) fn largest(about: &[Cut<'_>], range: (f64, f64)) -> Result<Moving, Unstable> {
     let mut grid = Grid::of(about, range);
     let (mut below, mut above) = RATES;
     let mut best = grid.proved(about, below)?;
@@ -47,7 +53,8 @@ pub(super) fn largest(about: &Cut<'_>, range: (f64, f64)) -> Result<Moving, Unst
 /// `N`, `Δ`, `K` at the frequencies of the grid.
 struct Grid {
     range: (f64, f64),
-    points: Vec<Point>,
+    /// One list for each loop.
+    points: Vec<Vec<Point>>,
 }
 
 struct Point {
@@ -63,6 +70,8 @@ struct Point {
     /// `|N| < 2 high |Δ|`: the loop is not large against the inertia.
     close: bool,
     matters: bool,
+    /// It is in the programme.
+    counts: bool,
 }
 
 impl Point {
@@ -80,37 +89,82 @@ impl Point {
             scale: n.norm_sqr() + c * c * d.norm_sqr(),
             close: n.norm() < 2.0 * high * d.norm(),
             matters: n.norm() < LARGE * high * d.norm(),
+            counts: true,
         }
     }
 }
 
+/// What (M2) asks of the taps at one point, over its scale: `Σ h_j gain_j − |h_j| cost_j − room ≥ least`.
+struct Row {
+    /// `gain_j`, `cost_j`, in the order of [`TAPS`].
+    taps: Vec<(f64, f64)>,
+    least: f64,
+}
+
+impl Row {
+    fn new(p: &Point, before: &Moving, eta: f64) -> Self {
+        let Moving { low, high, delta, drift, .. } = *before;
+        let r = 0.5 * (high - low);
+        let size = p.open + p.kick / drift;
+        let y = before.multiplier(p.theta);
+        let whole = r * r + drift * eta * eta;
+        let left = p.shifted - whole * size - p.kick * y * y / (4.0 * drift);
+        let tap = |j: &usize| {
+            let j = *j as f64;
+            let gain = 2.0 * (j * p.theta).sin() * p.turned / p.scale;
+            (gain, (delta * j).min(high - low) * size / p.scale)
+        };
+        Self { taps: TAPS.iter().map(tap).collect(), least: -left / p.scale }
+    }
+
+    fn room(&self, h: &[f64]) -> f64 {
+        let taps = h.iter().zip(&self.taps);
+        taps.map(|(h, (gain, cost))| h * gain - h.abs() * cost).sum::<f64>() - self.least
+    }
+}
+
 impl Grid {
-    fn of(about: &Cut<'_>, range: (f64, f64)) -> Self {
-        let points = angles().into_iter().map(|theta| Point::at(theta, about, range));
-        Self { range, points: points.filter(|p| p.matters).collect() }
+    fn of(about: &[Cut<'_>], range: (f64, f64)) -> Self {
+        let own = |cut: &Cut<'_>| {
+            let points = angles().into_iter().map(|theta| Point::at(theta, cut, range));
+            let mut points: Vec<Point> = points.filter(|p| p.matters).collect();
+            for (i, point) in points.iter_mut().enumerate() {
+                point.counts = about.len() == 1 || i % SPARSE == 0;
+            }
+            points
+        };
+        Self { range, points: about.iter().map(own).collect() }
     }
 
     /// A multiplier for a rate, with its proof.
-    fn proved(&mut self, about: &Cut<'_>, rate: f64) -> Result<Moving, Unstable> {
+    fn proved(&mut self, about: &[Cut<'_>], rate: f64) -> Result<Moving, Unstable> {
         let mut failure = Unstable {
             inequality: format!("a multiplier exists for inertia that changes at {rate:.3} 1/s"),
             theta: 0.0,
             left: 0.0,
             right: 1.0,
         };
+        let Some(period) = about.first().map(|cut| cut.model.period_s) else {
+            return Err(failure);
+        };
         for _ in 0..ROUNDS {
-            let Some(moving) = self.multiplier(rate, about.model.period_s) else { break };
-            match moving.stable(about.gains, about.model) {
-                Ok(()) => return Ok(moving),
-                Err(why) => failure = why,
+            let Some(moving) = self.multiplier(rate, period) else { break };
+            let mut fails = false;
+            for (cut, points) in about.iter().zip(&mut self.points) {
+                if let Err(why) = moving.stable(cut.gains, cut.model) {
+                    points.push(Point::at(why.theta, cut, self.range));
+                    (failure, fails) = (why, true);
+                }
             }
-            self.points.push(Point::at(failure.theta, about, self.range));
+            if !fails {
+                return Ok(moving);
+            }
         }
         Err(failure)
     }
 
     /// A multiplier for a rate, not yet proved; `None` where there is none.
-    fn multiplier(&self, rate: f64, period: f64) -> Option<Moving> {
+    fn multiplier(&mut self, rate: f64, period: f64) -> Option<Moving> {
         let (low, high) = self.range;
         let mut moving = Moving {
             low,
@@ -122,51 +176,76 @@ impl Grid {
             needed_motion_per_s: None,
             needed_limits_per_s: None,
         };
-        let (delta, apart) = moving.step(period);
-        let close = self.points.iter().filter(|p| p.close);
+        let (delta, eta) = moving.step(period);
+        let close = self.points.iter().flatten().filter(|p| p.close);
         let kick = close.map(|p| (p.kick / p.open).sqrt()).largest();
         moving.delta = delta;
-        moving.drift = (0.5 * (high - low) * kick / apart).max(1e-6);
+        moving.drift = (0.5 * (high - low) * kick / eta).max(1e-6);
         // The second time with the first's estimate of the term in y².
         for _ in 0..2 {
-            moving.h = self.programme(&moving, apart)?;
+            moving.h = self.taps(&moving, eta)?;
         }
         Some(moving)
     }
 
-    /// Taps that leave the most room, up to what is enough.
-    fn programme(&self, before: &Moving, apart: f64) -> Option<Vec<f64>> {
-        let Moving { low, high, delta, drift, .. } = *before;
-        let r = 0.5 * (high - low);
-        let whole = r * r + drift * apart * apart;
-        let mut problem = Problem::new(OptimizationDirection::Maximize);
-        let room = problem.add_var(1.0, (-1.0, ROOM));
-        let mut tap = |j: f64| problem.add_var(-SMALL * j / high, (0.0, f64::INFINITY));
-        let taps: Vec<(usize, Variable, Variable)> =
-            TAPS.iter().map(|j| (*j, tap(*j as f64), tap(*j as f64))).collect();
-        for p in &self.points {
-            let size = p.open + p.kick / drift;
-            let y = before.multiplier(p.theta);
-            let left = p.shifted - whole * size - p.kick * y * y / (4.0 * drift);
-            let mut row = vec![(room, -1.0)];
-            for (j, plus, minus) in &taps {
-                let j = *j as f64;
-                let gain = 2.0 * (j * p.theta).sin() * p.turned / p.scale;
-                let cost = (delta * j).min(high - low) * size / p.scale;
-                row.extend([(*plus, gain - cost), (*minus, -gain - cost)]);
+    /// Taps that leave the most room, up to what is enough, at every point of the grid.
+    fn taps(&mut self, before: &Moving, eta: f64) -> Option<Vec<f64>> {
+        let of = |points: &Vec<Point>| points.iter().map(|p| Row::new(p, before, eta)).collect();
+        let rows: Vec<Vec<Row>> = self.points.iter().map(of).collect();
+        let mut taps = Vec::new();
+        for _ in 0..JOINS {
+            let both = self.points.iter().flatten().zip(rows.iter().flatten());
+            let counted = both.filter(|(p, _)| p.counts).map(|(_, row)| row);
+            let (found, room) = programme(counted, before.high)?;
+            let mut more = false;
+            for (points, rows) in self.points.iter_mut().zip(&rows) {
+                more |= join(points, rows, &found, room);
             }
-            problem.add_constraint(&row, ComparisonOp::Ge, -left / p.scale);
-        }
-        let solution = problem.solve().ok()?.into_solution().ok()?;
-        if solution.var_value(room) < MARGIN {
-            return None;
+            taps = found;
+            if !more {
+                break;
+            }
         }
         let mut h = vec![0.0; TAPS[TAPS.len() - 1]];
-        for (j, plus, minus) in taps {
-            h[j - 1] = solution.var_value(plus) - solution.var_value(minus);
+        for (j, tap) in TAPS.iter().zip(taps) {
+            h[j - 1] = tap;
         }
         let last = h.iter().rposition(|h| h.abs() > 0.0).map_or(0, |j| j + 1);
         h.truncate(last);
         Some(h)
     }
+}
+
+/// Takes the points with the least room among their neighbours into the programme where that is less than it thinks.
+fn join(points: &mut [Point], rows: &[Row], taps: &[f64], thinks: f64) -> bool {
+    let room: Vec<f64> = rows.iter().map(|row| row.room(taps)).collect();
+    let mut more = false;
+    for (i, point) in points.iter_mut().enumerate() {
+        let beside = [i.checked_sub(1), Some(i + 1)].map(|k| k.and_then(|k| room.get(k)));
+        let least = beside.into_iter().flatten().all(|other| room[i] <= *other);
+        if !point.counts && least && room[i] < thinks - THINKS {
+            (point.counts, more) = (true, true);
+        }
+    }
+    more
+}
+
+/// Taps, in the order of [`TAPS`], and the room that they leave; `None` where that is not enough.
+fn programme<'a>(rows: impl Iterator<Item = &'a Row>, high: f64) -> Option<(Vec<f64>, f64)> {
+    let mut problem = Problem::new(OptimizationDirection::Maximize);
+    let room = problem.add_var(1.0, (-1.0, ROOM));
+    let mut tap = |j: &usize| problem.add_var(-SMALL * *j as f64 / high, (0.0, f64::INFINITY));
+    let taps: Vec<(Variable, Variable)> = TAPS.iter().map(|j| (tap(j), tap(j))).collect();
+    for own in rows {
+        let mut row = vec![(room, -1.0)];
+        for ((plus, minus), (gain, cost)) in taps.iter().zip(&own.taps) {
+            row.extend([(*plus, gain - cost), (*minus, -gain - cost)]);
+        }
+        problem.add_constraint(&row, ComparisonOp::Ge, own.least);
+    }
+    let solution = problem.solve().ok()?.into_solution().ok()?;
+    let left = solution.var_value(room);
+    let value = |tap| solution.var_value(tap);
+    let taps = taps.into_iter().map(|(plus, minus)| value(plus) - value(minus)).collect();
+    (left >= MARGIN).then_some((taps, left))
 }

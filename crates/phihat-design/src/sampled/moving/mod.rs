@@ -14,23 +14,31 @@ use cut::{CLAIM, Cut};
 
 /// Finding [`Moving`].
 pub trait FindMoving: Sized {
-    /// Finds the largest rate for a range of inertia.
+    /// Finds the largest rate for joints with their laws in their loops, and a range of inertia.
     ///
     /// # Errors
     ///
     /// [`Refutation`] when no rate is proved.
-    fn find(gains: &JointRecord, model: &LoopModel, range: (f64, f64)) -> Result<Self, Refutation>;
+    fn find(loops: &[(&JointRecord, &LoopModel)], range: (f64, f64)) -> Result<Self, Refutation>;
 }
 
 impl FindMoving for Moving {
     fn find(
-        gains: &JointRecord,
-        model: &LoopModel,
+        loops: &[(&JointRecord, &LoopModel)],
         (low, high): (f64, f64),
     ) -> Result<Self, Refutation> {
-        let about = Cut::of(gains, model)?;
+        let mut about: Vec<Cut<'_>> = Vec::new();
+        for (gains, model) in loops {
+            if !about.iter().any(|known| known.is_of(gains, model)) {
+                about.push(Cut::of(gains, model).map_err(|why| why.on(&gains.name))?);
+            }
+        }
+        if about.is_empty() {
+            return Err(refuse(CLAIM, "there is a joint", 0.0, 1.0));
+        }
         let range = (low * (1.0 - 1e-9), high * (1.0 + 1e-9));
-        find::largest(&about, range).map_err(refused)
+        let found = find::largest(&about, range).map_err(refused)?;
+        found.verify(loops).map(|()| found)
     }
 }
 
