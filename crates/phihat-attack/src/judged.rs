@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_design::{Clause, Gains, Outcome as Designed, requested_gains};
 use phihat_session::designed;
 use phihat_study::Study;
 
 use crate::claim::{Claim, claimed};
+use crate::draft::Laws;
+use crate::typed::{sketched, typed};
 
 /// The result of a design, and what its certificate says of it.
 #[derive(Debug)]
@@ -21,10 +23,24 @@ pub enum Verdict {
 
 /// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
 pub fn judged(study: &Study, path: &Path) -> Verdict {
-    let gains = match designed(study, path) {
+    judged_by(study, &Laws::Designed, path)
+}
+
+/// Likewise, with laws from elsewhere: they get the certificate that a design would give them.
+pub(crate) fn judged_by(study: &Study, laws: &Laws, path: &Path) -> Verdict {
+    let found = match (laws, requested_gains(study)) {
+        (Laws::Typed(_), Some(own)) => {
+            typed(study, own, path).map_err(|why| format!("typed: {why}"))
+        }
+        (Laws::Sketched(shares), _) => {
+            sketched(study, shares, path).map_err(|why| format!("sketched: {why}"))
+        }
+        _ => designed(study, path).map_err(|why| format!("design: {why}")),
+    };
+    let gains = match found {
         Ok(Designed::Designed(gains)) => gains,
         Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
-        Err(why) => return Verdict::NotProved(format!("design: {why}")),
+        Err(why) => return Verdict::NotProved(why),
     };
     let read = gains.to_json().and_then(|text| Gains::from_json(&text));
     let gains = match read {

@@ -3,14 +3,17 @@
 use std::path::Path;
 use std::time::Instant;
 
+use phihat::Form;
 use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
 
 use crate::claim::Claim;
+use crate::derived::derived;
 use crate::draft::Draft;
 use crate::drawn::drawn;
+use crate::frozen::at_rest;
 use crate::held::{JointFound, held};
-use crate::judged::{Verdict, judged};
+use crate::judged::{Verdict, judged_by};
 use crate::record::{Ended, Record};
 use crate::run::run;
 use crate::second::opinion;
@@ -28,12 +31,16 @@ const SECOND: usize = 2;
 pub struct Trial<'a> {
     /// Seed of the attack.
     pub seed: u64,
+    /// Share of the studies that have laws from positions.
+    pub positions: f64,
     /// Runs per study.
     pub runs: usize,
     /// Where studies that were broken are kept, each in a folder of its number.
     pub folder: &'a Path,
     /// Of every so many, the certified ones are kept, and other simulators asked; 0: none.
     pub keep_every: u64,
+    /// Of every so many, those certified with laws from positions are verified against their study; 0: none.
+    pub derive_every: u64,
     /// The Python that asks them.
     pub python: Option<&'a Path>,
 }
@@ -54,10 +61,12 @@ impl Trial<'_> {
             found: Vec::new(),
             violations: Vec::new(),
             second: None,
+            at_rest: None,
+            derived: None,
             seconds: (0.0, 0.0),
         };
         for _ in 0..DRAWS {
-            match drawn(&mut dice, &folder) {
+            match drawn(&mut dice, self.positions, &folder) {
                 Ok(draft) => {
                     record.tags.clone_from(&draft.tags);
                     self.examine(draft, &mut dice, &folder, &mut record);
@@ -93,7 +102,7 @@ impl Trial<'_> {
                 }
             };
             record.joints = study.robot.joints.len();
-            let judged = judged(&study, &path);
+            let judged = judged_by(&study, &draft.laws, &path);
             let worse = match &judged {
                 Verdict::Infeasible(clauses) => relief(clauses),
                 _ => None,
@@ -170,6 +179,7 @@ impl Trial<'_> {
                 record.redrawn.push(format!("{name}: {why}"));
             }
         }
+        self.beside((draft, gains), dice, folder, record);
         if let Some(python) = self.python.filter(|_| self.asked(record.index)) {
             match opinion(python, folder) {
                 Ok((second, violations)) => {
@@ -177,6 +187,31 @@ impl Trial<'_> {
                     record.violations.extend(violations);
                 }
                 Err(why) => record.redrawn.push(why.to_string()),
+            }
+        }
+    }
+}
+
+impl Trial<'_> {
+    /// What is claimed besides the runs, of laws from positions.
+    fn beside(
+        &self,
+        (draft, gains): (&Draft, &Gains),
+        dice: &mut Dice,
+        folder: &Path,
+        record: &mut Record,
+    ) {
+        let Ok(study) = draft.study(&draft.nominal, folder) else { return };
+        if study.control.form != Form::Positions {
+            return;
+        }
+        let found = at_rest(&study, gains, dice);
+        record.at_rest = (found.reached > 0.0).then_some(found.reached);
+        record.violations.extend(found.violations);
+        if self.derive_every > 0 && record.index.is_multiple_of(self.derive_every) {
+            match derived(folder) {
+                Ok(told) => record.derived = Some(told),
+                Err(left) => record.violations.push(left),
             }
         }
     }
@@ -196,5 +231,6 @@ fn worst(all: &mut Vec<JointFound>, one: &[JointFound]) {
     for (all, one) in all.iter_mut().zip(one) {
         all.error_rad = all.error_rad.max(one.error_rad);
         all.velocity_rad_s = all.velocity_rad_s.max(one.velocity_rad_s);
+        all.step_nm = all.step_nm.max(one.step_nm);
     }
 }
