@@ -37,10 +37,10 @@ impl UserArm {
         let share = dice.share();
         if share < 0.03 {
             Self::Named(dice.pick(&NAMED))
-        } else if share < 0.15 {
+        } else if share < 0.10 {
             Self::Named("planar3r")
         } else {
-            let joints = dice.pick(&[2, 2, 2, 3, 3, 4]);
+            let joints = dice.pick(&[2, 2, 2, 2, 3, 3, 4]);
             chain(dice, joints)
         }
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use phihat_design::claims::Refutation;
 use phihat_design::{Clause, Gains, Outcome as Designed, requested_gains};
 use phihat_session::designed;
 use phihat_study::Study;
@@ -17,6 +18,8 @@ pub enum Verdict {
     Infeasible(Vec<Clause>),
     /// No claim, and why.
     NotProved(String),
+    /// Gains whose certificate does not verify, although it refuses nothing or something else.
+    Refuted(Box<Gains>, Refutation),
     /// Gains with a certificate that was verified, and what it claims.
     Certified(Box<Gains>, Claim),
 }
@@ -47,8 +50,15 @@ pub(crate) fn judged_by(study: &Study, laws: &Laws, path: &Path) -> Verdict {
         Ok(gains) => gains,
         Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
     };
-    if let Some(why) = gains.certificate.as_ref().and_then(|c| c.verify(&gains).err()) {
-        return Verdict::NotProved(format!("verify: {why}"));
+    if let Some(certificate) = &gains.certificate
+        && let Err(why) = certificate.verify(&gains)
+    {
+        // What the document itself refuses it may refuse, in the same words.
+        return if certificate.refused().is_some_and(|own| own.claim == why.claim) {
+            Verdict::NotProved(format!("verify: {why}"))
+        } else {
+            Verdict::Refuted(Box::new(gains), why)
+        };
     }
     match claimed(&gains, study) {
         Ok(claim) => Verdict::Certified(Box::new(gains), claim),

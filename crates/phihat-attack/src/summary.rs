@@ -34,7 +34,7 @@ pub struct Summary {
     pub redrawn: BTreeMap<String, usize>,
     /// Runs, and those outside of the claim since a limit acted.
     pub runs: (usize, usize),
-    /// Certified trials that left a bound.
+    /// Trials that left a bound, or whose certificate does not verify.
     pub broken: Vec<u64>,
     /// Of what was drawn: certified trials, and those broken.
     pub by_tag: BTreeMap<String, (usize, usize)>,
@@ -84,6 +84,7 @@ impl Summary {
             *summary.ended.entry(ended).or_default() += 1;
             if record.ended != Ended::Certified {
                 *summary.reasons.entry(short(&record.reason)).or_default() += 1;
+                summary.broken.extend((!record.violations.is_empty()).then_some(record.index));
             }
             for why in &record.redrawn {
                 *summary.redrawn.entry(short(why)).or_default() += 1;

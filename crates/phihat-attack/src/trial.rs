@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use phihat::Form;
+use phihat_design::claims::Refutation;
 use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
 
@@ -12,7 +13,7 @@ use crate::derived::derived;
 use crate::draft::Draft;
 use crate::drawn::drawn;
 use crate::frozen::at_rest;
-use crate::held::{JointFound, held};
+use crate::held::{JointFound, Violation, held};
 use crate::judged::{Verdict, judged_by};
 use crate::record::{Ended, Record};
 use crate::run::run;
@@ -126,6 +127,16 @@ impl Trial<'_> {
                 record.ended = Ended::NotProved;
                 record.reason = why;
             }
+            Some(Verdict::Refuted(gains, why)) => {
+                record.ended = Ended::NotProved;
+                record.reason = format!("verify refutes: {why}");
+                record.violations.push(refuted(&why));
+                write(
+                    folder,
+                    &[("gains.json".to_owned(), gains.to_json().unwrap_or_default())],
+                    record,
+                );
+            }
             Some(Verdict::Infeasible(clauses)) => {
                 record.ended = Ended::Infeasible;
                 let key = |clause: &Clause| clause.key.clone();
@@ -174,11 +185,7 @@ impl Trial<'_> {
         }
         keep.push(("gains.json".to_owned(), gains.to_json().unwrap_or_default()));
         keep.push(("claim.json".to_owned(), serde_json::to_string(claim).unwrap_or_default()));
-        for (name, text) in keep {
-            if let Err(why) = std::fs::write(folder.join(&name), text) {
-                record.redrawn.push(format!("{name}: {why}"));
-            }
-        }
+        write(folder, &keep, record);
         self.beside((draft, gains), dice, folder, record);
         if let Some(python) = self.python.filter(|_| self.asked(record.index)) {
             match opinion(python, folder) {
@@ -214,6 +221,28 @@ impl Trial<'_> {
                 Err(left) => record.violations.push(left),
             }
         }
+    }
+}
+
+/// Files of a trial.
+fn write(folder: &Path, files: &[(String, String)], record: &mut Record) {
+    for (name, text) in files {
+        if let Err(why) = std::fs::write(folder.join(name), text) {
+            record.redrawn.push(format!("{name}: {why}"));
+        }
+    }
+}
+
+/// What was found and does not verify is a finding too.
+fn refuted(why: &Refutation) -> Violation {
+    Violation {
+        run: "verify".to_owned(),
+        joint: String::new(),
+        signal: format!("{}: {}", why.claim, why.inequality),
+        t_s: 0.0,
+        measured: why.left,
+        claimed: (0.0, why.right),
+        ratio: f64::MAX,
     }
 }
 

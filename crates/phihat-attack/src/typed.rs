@@ -94,9 +94,12 @@ fn with_tube(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotT
             }
             Err(why) => certificate.tube_refused = Some(why.to_string()),
         }
-        certificate.coupled = coupled_along(study, &gains)?;
     }
     gains.certificate = Some(certificate);
+    let coupled = coupled_along(study, &gains)?;
+    if let Some(certificate) = &mut gains.certificate {
+        certificate.coupled = coupled;
+    }
     find_moving(&mut gains, arm);
     Ok(Outcome::Designed(Box::new(gains)))
 }
