@@ -29,7 +29,7 @@ impl UserArm {
             return Self::Named(dice.pick(&NAMED));
         }
         let joints = dice.pick(&[2, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12]);
-        chain(dice, joints)
+        chain(dice, joints, (0.1, 1.5))
     }
 
     /// Two to four joints, mostly of a random chain; now and then a whole arm of `robots/`.
@@ -41,7 +41,7 @@ impl UserArm {
             Self::Named("planar3r")
         } else {
             let joints = dice.pick(&[2, 2, 2, 2, 3, 3, 4]);
-            chain(dice, joints)
+            chain(dice, joints, (0.2, 3.0))
         }
     }
 
@@ -79,7 +79,7 @@ impl UserArm {
 
 const NAMED: [&str; 4] = ["planar3r", "panda", "iiwa14", "ur5"];
 
-fn chain(dice: &mut Dice, n: usize) -> UserArm {
+fn chain(dice: &mut Dice, n: usize, rotors: (f64, f64)) -> UserArm {
     let reach = dice.log_between(0.25, 1.5);
     let (first, taper) = (dice.log_between(0.5, 10.0), dice.between(0.6, 0.95));
     let prismatic = if dice.chance(0.3) { 0.25 } else { 0.0 };
@@ -95,7 +95,7 @@ fn chain(dice: &mut Dice, n: usize) -> UserArm {
         before = along.map(|x| x * length);
         parts.push(part);
     }
-    let rotor = rotors(dice, &parts);
+    let rotor = rotor_inertia(dice, &parts, rotors);
     UserArm::Written {
         joints: n,
         urdf: urdf(dice, &parts, before),
@@ -104,8 +104,8 @@ fn chain(dice: &mut Dice, n: usize) -> UserArm {
 }
 
 /// Rotor inertia: a share of what the joint moves at most; none at all now and then.
-fn rotors(dice: &mut Dice, parts: &[Part]) -> Vec<f64> {
-    let share = if dice.chance(0.06) { 0.0 } else { dice.log_between(0.1, 1.5) };
+fn rotor_inertia(dice: &mut Dice, parts: &[Part], (low, high): (f64, f64)) -> Vec<f64> {
+    let share = if dice.chance(0.06) { 0.0 } else { dice.log_between(low, high) };
     let even = dice.chance(0.5);
     let at = |i: usize, dice: &mut Dice| {
         let factor = if even { 1.0 } else { dice.between(0.5, 1.5) };

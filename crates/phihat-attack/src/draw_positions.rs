@@ -14,10 +14,11 @@ use crate::spectrum::inverse;
 const POSTURES: usize = 12;
 
 impl Hand<'_> {
-    /// `[loop]`, and the length of the run: short, since the search by positions finds a tube several times.
+    /// `[loop]`, and the length of the run: short, so that there are many.
     pub(crate) fn positions_control(&mut self) -> String {
         self.rate = self.dice.pick(&[250.0, 333.0, 500.0, 500.0, 1000.0, 1000.0, 1000.0, 2000.0]);
-        self.duration = self.dice.between(0.7, if self.rate > 1000.0 { 1.0 } else { 1.6 });
+        let longest = if self.dice.chance(0.2) { 1.8 } else { 0.9 };
+        self.duration = self.dice.between(0.4, if self.rate > 1000.0 { 0.7 } else { longest });
         self.delay = self.dice.pick(&[0, 1, 1, 1, 2, 3, 4]);
         let mut text = format!(
             "rate_hz = {:?}\ndelay_samples = {}\nform = \"positions\"\n",
