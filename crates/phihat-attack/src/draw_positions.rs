@@ -86,10 +86,10 @@ impl Hand<'_> {
     /// Where laws from positions come from. Most are typed: a search takes a hundred times as long as a tube of theirs.
     pub(crate) fn laws(&mut self) -> Laws {
         let share = self.dice.share();
-        if share < 0.88 {
+        if share < 0.95 {
             return Laws::Typed(self.typed());
         }
-        if share > 0.98 {
+        if share > 0.99 {
             self.tag("designed");
             return Laws::Designed;
         }

@@ -103,6 +103,8 @@ impl Trial<'_> {
                 }
             };
             record.joints = study.robot.joints.len();
+            // What takes for ever can be looked at.
+            write(folder, &[("study.toml".to_owned(), draft.text(&draft.nominal))], record);
             let judged = judged_by(&study, &draft.laws, &path);
             let worse = match &judged {
                 Verdict::Infeasible(clauses) => relief(clauses),
@@ -114,9 +116,6 @@ impl Trial<'_> {
             draft.error_bound.iter_mut().for_each(|error| *error *= factor);
         }
         record.seconds.0 = began.elapsed().as_secs_f64();
-        if let Err(why) = std::fs::write(&path, draft.text(&draft.nominal)) {
-            record.redrawn.push(format!("study.toml: {why}"));
-        }
         match verdict {
             Some(Verdict::Certified(gains, claim)) => {
                 record.ended = Ended::Certified;
