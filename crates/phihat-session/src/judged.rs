@@ -40,6 +40,8 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judg
         Ok(tube) => tube,
         Err((why, open)) => {
             certificate.unproved.push(format!("the specification: no tube, {why}"));
+            // One that was found for another study is none of this.
+            certificate.tube = None;
             certificate.tube_refused = Some(why);
             certificate.settle = Some(Settle::of(study, None));
             return if open { Judged::Open } else { Judged::Unknown };

@@ -50,10 +50,12 @@ pub(crate) fn by_positions(
     let mut search = PositionSearch::new(study, arm, &phi).map_err(refused)?;
     let mut shares = vec![FIRST; study.robot.joints.len()];
     let mut best: Option<(Rank, Gains)> = None;
+    // Where a limit can act there is no tube, and no figure to go by.
+    let free = without_rate_limits(study);
     for round in 0..ROUNDS {
         let Some((mut gains, _)) = search.laws(&shares) else { break };
         search.certify(&mut gains).map_err(refused)?;
-        let judged = judge(study, &mut gains, &desired);
+        let judged = judge(&free, &mut gains, &desired);
         let loudest = shares.iter().copied().fold(0.0, f64::max);
         let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
@@ -76,8 +78,19 @@ pub(crate) fn by_positions(
     }
     // Laws of which a claim is refused do not arm.
     let best = best.filter(|(rank, _)| rank.armed);
-    let none = || Outcome::Infeasible(search.refused());
-    Ok(best.map_or_else(none, |(_, gains)| Outcome::Designed(Box::new(gains))))
+    let Some((_, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
+    if (0..shares.len()).any(|joint| study.limits(joint).1.is_some()) {
+        judge(study, &mut gains, &desired);
+    }
+    Ok(Outcome::Designed(Box::new(gains)))
+}
+
+/// The study without limits of torque rate.
+fn without_rate_limits(study: &Study) -> Study {
+    let mut free = study.clone();
+    free.control.torque_rate_max = None;
+    free.interface.profile.torque_rate_max = None;
+    free
 }
 
 /// How good gains are.
@@ -125,10 +138,14 @@ fn next(
         Judged::Unknown => return (unknown, None),
         Judged::Kept(shares) | Judged::Beyond(shares) => shares,
     };
+    let period = study.control.period_ns as f64 * 1e-9;
     let step = |i: usize| -> f64 {
+        let Some(joint) = tube.map(|tube| &tube.joints[i]) else { return 0.0 };
         let allowed = study.design.torque_step_max.as_ref().map(|most| most[i]);
-        let own = tube.map(|tube| tube.joints[i].torque_step_steady_max_nm);
-        own.zip(allowed).map_or(0.0, |(own, allowed)| own / allowed)
+        let steady = allowed.map_or(0.0, |allowed| joint.torque_step_steady_max_nm / allowed);
+        // A limit must not act from the start on.
+        let limit = study.limits(i).1.map(|rate| rate * period);
+        limit.map_or(steady, |limit| steady.max(joint.torque_step_max_nm / limit))
     };
     let steps: Vec<f64> = (0..shares.len()).map(step).collect();
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);

@@ -19,6 +19,8 @@ pub(crate) struct ControlSide {
     motion: Motion,
     /// Whether the next command must be zero: the robot's start rule.
     starts: bool,
+    /// Whether the law takes over a torque at the next sample: that of `commands`.
+    takes_over: bool,
     echo: Option<Echo>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
@@ -71,9 +73,23 @@ impl ControlSide {
             references: (0..n).map(|i| reference(&motion, i, 0.0)).collect(),
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
+            takes_over: false,
             echo: Echo::new(study),
             commands: vec![Command::default(); n],
         }
+    }
+
+    /// The same, where something holds the arm with a torque \[N·m\] per joint until the first sample.
+    pub(crate) fn taking_over(mut self, held: Option<&[f64]>) -> Self {
+        let Some(held) = held else { return self };
+        self.takes_over = true;
+        for (command, torque) in self.commands.iter_mut().zip(held) {
+            command.tau = *torque;
+        }
+        if let Brain::Driver { tau, .. } = &mut self.brain {
+            tau.copy_from_slice(held);
+        }
+        self
     }
 
     /// One control sample at time `t` \[s\]; leaves `references` and `commands`. A controller that does
@@ -91,6 +107,15 @@ impl ControlSide {
             return;
         }
         match &mut self.brain {
+            Brain::Law { gains, states } if core::mem::take(&mut self.takes_over) => {
+                let joints = gains.iter().zip(states).zip(&mut self.commands);
+                for (i, ((gains, state), command)) in joints.enumerate() {
+                    let (m, wanted) = (&sample.joints[i], &self.references[i]);
+                    // What is not finite is met by the law at the next sample.
+                    gains.resume(state, m, wanted, command.tau);
+                    *command = gains.limits().command(command.tau, command.tau);
+                }
+            }
             Brain::Law { gains, states } => {
                 let asked = (&sample.joints, &self.references);
                 update_joints(gains, states, asked.0, asked.1, &mut self.commands);

@@ -150,7 +150,7 @@ impl Simulation {
         let motion = Motion::of(study)?;
         let world = Box::new(World::new(study, &motion)?);
         Ok(Self {
-            control: control(motion)?,
+            control: control(motion)?.taking_over(world.held.as_deref()),
             world,
             names: study.robot.joints.iter().map(|j| j.name.clone()).collect(),
             period_ns: study.control.period_ns,

@@ -390,21 +390,29 @@ static SENSOR: Section = Section {
 
 static START: Section = Section {
     path: "start",
-    doc: "Where the run begins; without this section, on the reference. Give `q_rad` or `pose`.",
+    doc: "Where the run begins, and what holds the arm there; without `q_rad` and `pose`, on the reference.",
     keys: &[
         Key {
             name: "q_rad",
             unit: "rad",
             shape: Shape::PerJoint(POSITION, &[]),
-            need: Need::Optional("`pose` is given"),
+            need: Need::Optional("`pose`, or the reference"),
             doc: "Position.",
         },
         Key {
             name: "pose",
             unit: "",
             shape: Shape::Text,
-            need: Need::Optional("`q_rad` is given"),
+            need: Need::Optional("`q_rad`, or the reference"),
             doc: "A named pose of the robot.",
+        },
+        Key {
+            name: "torque_nm",
+            unit: "N·m",
+            shape: Shape::PerJoint(Bounds::closed(-1e5, 1e5), &["gravity"]),
+            need: Need::Optional("no torque"),
+            doc: "Torque with which something holds the arm before, and with which the law takes over: its first command. \
+                  `\"gravity\"`: what holds the robot's description there, without payload, where the robot does not do so by itself.",
         },
         Key {
             name: "dq_rad_s",

@@ -15,7 +15,7 @@ use crate::keys::STUDY;
 use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
-use crate::study::Study;
+use crate::study::{Interface, Study};
 use crate::{control, design, fault, gains, profile, reference, spec, supervisor, world};
 
 /// Largest study \[byte\].
@@ -113,6 +113,10 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let control = control::read(&top.child("loop"), &arm, period_ns)?;
     control::fits(&control, gains.as_ref(), top)?;
     let world = world::read(top, &arm, duration)?;
+    let interface = profile::read(&top.child("profile"), &arm, rate)?;
+    if world.held.is_some() {
+        takes_over(top, &interface)?;
+    }
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -126,13 +130,31 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         control,
         sensor,
         world,
-        interface: Box::new(profile::read(&top.child("profile"), &arm, rate)?),
+        interface: Box::new(interface),
         supervisor: supervisor::read(&top.child("supervisor"), &arm, duration)?,
         faults: fault::read(top, &arm, duration)?,
         reference: reference::read(&top.child("reference"), &arm, run)?,
         inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
+}
+
+/// That nothing else says with which torque the law begins.
+fn takes_over(top: &Node<'_>, interface: &Interface) -> Result<(), StudyError> {
+    let refused = |message: &str, help: &str| {
+        let error = top.child("start").error(Kind::Conflict, "torque_nm", message);
+        Err(error.with_help(help))
+    };
+    if top.child("supervisor").exists() {
+        return refused("a supervisor arms the law", "give `preset_nm` in `[supervisor]`");
+    }
+    if interface.kept && interface.profile.first_torque_max.is_some() {
+        return refused(
+            "the robot's interface begins with a torque of its own",
+            "leave it out, or `profile.controller_keeps = false`",
+        );
+    }
+    Ok(())
 }
 
 /// `[gains]`, unless they are left to `[design]`.

@@ -363,6 +363,8 @@ pub struct World {
     pub substeps: u32,
     /// Start position and velocity; `None`: on the reference.
     pub start: Option<Start>,
+    /// What holds the arm before the law takes over; `None`: nothing.
+    pub held: Option<Held>,
 }
 
 /// `[world.stiction]`: dry friction as bristles.
@@ -446,6 +448,32 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocity \[rad/s\] per joint.
     pub dq: Vec<f64>,
+}
+
+/// `[start] torque_nm`: the torque with which the drives hold the arm until the law takes over, with the same torque.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Held {
+    /// Typed \[N·m\], per joint.
+    By(Vec<f64>),
+    /// What holds the robot's description against gravity where the run begins, without payload.
+    ByGravity,
+}
+
+impl Study {
+    /// The torque \[N·m\] per joint that holds the arm at a start `q` \[rad\].
+    pub fn held_torque(&self, q: &[f64]) -> Option<Vec<f64>> {
+        self.world.held.as_ref().map(|held| match held {
+            Held::By(torque) => torque.clone(),
+            // The robot does so by itself.
+            Held::ByGravity if self.interface.profile.adds_gravity => vec![0.0; q.len()],
+            Held::ByGravity => {
+                let model = self.robot.plant_model().with_gravity(self.world.gravity);
+                let (rest, mut torque) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+                model.bias(&mut phihat_model::Workspace::new(&model), q, &rest, &mut torque);
+                torque
+            }
+        })
+    }
 }
 
 /// `[reference]`: what the arm shall do; every kind is C².

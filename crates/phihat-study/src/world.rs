@@ -4,10 +4,10 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::payload;
-use crate::per_joint::Joints;
+use crate::per_joint::{Joints, PerJoint};
 use crate::robot_value::limits;
 use crate::study::{
-    Drive, EndStops, Flexibility, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
+    Drive, EndStops, Flexibility, Held, Loss, Network, Push, Start, Stiction, ToolForce, Wall, World,
 };
 
 pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<World, StudyError> {
@@ -35,6 +35,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Worl
         pushes: pushes.iter().map(|node| push(node, arm, duration)).collect::<Result<_, _>>()?,
         substeps: node.small_count("substeps")?,
         start: start(&top.child("start"), arm)?,
+        held: held(&top.child("start"), arm)?,
     })
 }
 
@@ -162,8 +163,18 @@ fn end_stops(node: &Node<'_>, joints: &Joints) -> Result<Option<EndStops>, Study
     Ok(Some(EndStops { stiffness, damping: joints.numbers(node, "damping_nm_s_rad")? }))
 }
 
+fn held(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Held>, StudyError> {
+    if !node.has("torque_nm") {
+        return Ok(None);
+    }
+    Ok(Some(match arm.joints.numbers_or_word(node, "torque_nm")? {
+        PerJoint::Values(torque) => Held::By(torque),
+        PerJoint::Word(_) => Held::ByGravity,
+    }))
+}
+
 fn start(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Start>, StudyError> {
-    if !node.exists() {
+    if !["q_rad", "pose", "dq_rad_s"].iter().any(|key| node.has(key)) {
         return Ok(None);
     }
     let q = arm.position(node, "q_rad", "pose")?;

@@ -19,6 +19,8 @@ impl List {
             flexibility: _,
             // How finely the simulator integrates.
             substeps: _,
+            // Of the start; what was not counted of it dies out as all that is not there.
+            held: _,
             warm_up,
             stiction,
             end_stops,

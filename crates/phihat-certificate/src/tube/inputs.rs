@@ -53,6 +53,20 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
+    /// Where the run begins, and how fast.
+    pub(super) fn start(&self) -> (Vec<f64>, Vec<f64>) {
+        match &self.study.world.start {
+            Some(start) => (start.q.clone(), start.dq.clone()),
+            None => (self.reference.q[0].clone(), self.reference.dq[0].clone()),
+        }
+    }
+
+    /// Torque that held the arm before the first sample \[N·m\] per joint.
+    pub(super) fn held(&self) -> Vec<f64> {
+        let held = self.study.held_torque(&self.start().0);
+        held.unwrap_or_else(|| vec![0.0; self.joints.len()])
+    }
+
     /// Half an encoder step \[rad\] per joint.
     pub(super) fn half_steps(&self) -> Vec<f64> {
         let n = self.joints.len();

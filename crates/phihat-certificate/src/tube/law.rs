@@ -34,6 +34,8 @@ pub(super) struct Loop {
     delay: usize,
     /// The law is first asked at the second sample; the first command is none.
     waits: bool,
+    /// The first command is the torque that held the arm before.
+    takes_over: bool,
     drive: Option<Drive>,
     sight: Option<Sight>,
     pub(super) size: usize,
@@ -59,6 +61,8 @@ pub(super) struct Wanted {
     pub(super) ddq: f64,
     /// The same of the torque that acted in the interval before, where the law asks: [`Loop::fed_before`].
     pub(super) acted: f64,
+    /// The torque to take over at the first sample, where that is done.
+    pub(super) held: f64,
 }
 
 impl Loop {
@@ -101,6 +105,7 @@ impl Loop {
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,
             delay,
+            takes_over: study.world.held.is_some(),
             waits: interface.kept && interface.profile.first_torque_max.is_some(),
             size: 2 + ways + held + delay.max(1) + 1 + usize::from(drive.is_some()),
             drive,
@@ -117,6 +122,18 @@ impl Loop {
     /// At which sample the law is first asked.
     pub(super) fn begins(&self) -> usize {
         usize::from(self.waits)
+    }
+
+    /// Its state where a torque was commanded for long.
+    pub(super) fn after(&self, held: f64) -> Vec<f64> {
+        let mut s = vec![0.0; self.size];
+        s[self.newest()..=self.acting().max(self.newest() + 1)].fill(held);
+        s
+    }
+
+    /// Acceleration that was fed forward with the torque before the first sample.
+    pub(super) fn fed_at_first(&self, first: f64) -> f64 {
+        if self.takes_over { first } else { 0.0 }
     }
 
     fn memory(&self) -> usize {
@@ -191,6 +208,10 @@ impl Loop {
         wanted: Wanted,
     ) -> f64 {
         let (e, de) = (y - wanted.q, v - wanted.dq);
+        if first && self.takes_over {
+            self.resume(held, (e, de), wanted);
+            return wanted.held;
+        }
         if let Some(sight) = &self.sight {
             let (seen, sent) = held.split_at_mut(sight.length());
             let inertia = self.law.inertia_kg_m2;
@@ -225,6 +246,33 @@ impl Loop {
         };
         self.law.inertia_kg_m2 * (wanted.ddq - self.law.kd_per_s * de - self.law.kp_per_s2 * e)
             + estimate
+    }
+
+    /// What the law holds once `wanted.held` is what it would have told.
+    fn resume(&self, held: &mut [f64], (e, de): (f64, f64), wanted: Wanted) {
+        let (kp, kd) = (self.law.kp_per_s2, self.law.kd_per_s);
+        let torque = wanted.held / self.law.inertia_kg_m2 - wanted.ddq;
+        if let Some(sight) = &self.sight {
+            // Carried on through the delay under `torque`, `φ̂ − K_p ê − K_d ė̂` is `torque` again; it is so for one `φ̂`:
+            // with `s` on the way, `s²(torque − φ̂)/2` and `s(torque − φ̂)` come to `ê + sė̂` and `ė̂`.
+            let s = self.period * sight.ahead as f64;
+            let (seen, sent) = held.split_at_mut(sight.length());
+            seen.fill(0.0);
+            let pull = kp * (e + s * de) + kd * de;
+            let weight = kp * (0.5 * s * s) + kd * s;
+            (seen[0], seen[1], seen[2]) = (e, de, (torque * (1.0 + weight) + pull) / (1.0 + weight));
+            sent.fill(torque);
+            return;
+        }
+        held.fill(0.0);
+        let phi = torque + kp * e + kd * de;
+        if self.literal {
+            let last = held.len() - 1;
+            let shown = self.on_error[0] * e + self.on_error[1] * de;
+            held[last] = -(phi + shown) / self.on_integrals[last];
+        } else {
+            held[0] = self.law.inertia_kg_m2 * phi;
+        }
     }
 
     /// Sample `k` without a reference, as `state ← A state + b y + c q̇`.

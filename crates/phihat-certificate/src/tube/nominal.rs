@@ -112,6 +112,8 @@ struct Command<'a> {
     inputs: &'a Inputs<'a>,
     loops: &'a [Loop],
     states: Vec<Vec<f64>>,
+    /// What held the arm before.
+    held: Vec<f64>,
     dry: &'a Dry,
     adds: &'a Adds,
     /// The arm with nothing in its hand, as the robot knows it.
@@ -126,10 +128,12 @@ impl<'a> Command<'a> {
         let study = inputs.study;
         let n = loops.len();
         let bare = study.robot.plant_model().with_gravity(study.world.gravity);
+        let held = inputs.held();
         Self {
             inputs,
             loops,
-            states: loops.iter().map(|l| vec![0.0; l.size]).collect(),
+            states: loops.iter().zip(&held).map(|(own, held)| own.after(*held)).collect(),
+            held,
             dry,
             adds,
             ws: Workspace::new(&bare),
@@ -161,7 +165,11 @@ impl<'a> Command<'a> {
                 q: reference.q[k][i],
                 dq: reference.dq[k][i],
                 ddq: reference.ddq[k][i],
-                acted: before.map_or(0.0, |before| reference.ddq[before][i]),
+                acted: before.map_or_else(
+                    || own.fed_at_first(reference.ddq[0][i]),
+                    |before| reference.ddq[before][i],
+                ),
+                held: self.held[i],
             };
             own.sample(k, state, (q[i], v[i]), wanted);
             command[i] = state[own.newest()];
@@ -201,10 +209,7 @@ impl Nominal {
             tau: vec![0.0; loops.len()],
         };
         let mut laws = Command::new(inputs, loops, dry, adds);
-        let (mut q, mut v) = match &study.world.start {
-            Some(start) => (start.q.clone(), start.dq.clone()),
-            None => (inputs.reference.q[0].clone(), inputs.reference.dq[0].clone()),
-        };
+        let (mut q, mut v) = inputs.start();
         let mut run = Self { q: vec![q.clone()], v: vec![v.clone()], ..Self::default() };
         let fine = 2 * count((period / (2.0 * STEP)).ceil().max(1.0));
         let theirs = study.world.substeps as usize;

@@ -338,7 +338,7 @@ impl<'a> Sweep<'a> {
             swept.velocity.push(widened(low, high, &v));
             let k = frame.first + at - 1;
             let nominal = &self.setting.run.command[k];
-            let before = if k > 0 { self.setting.run.command[k - 1].clone() } else { vec![0.0; n] };
+            let before = if k > 0 { self.setting.run.command[k - 1].clone() } else { self.setting.inputs.held() };
             let mut torques = Vec::new();
             let mut steps = Vec::new();
             for i in 0..n {

@@ -13,6 +13,8 @@ pub(super) struct SampledLaw {
     pub(super) period: f64,
     /// The first command is zero, and the law is first asked at the second sample.
     pub(super) starts_at_zero: bool,
+    /// The first command is the torque that held the arm before: [`Control::holding`].
+    pub(super) takes_over: bool,
 }
 
 impl SampledLaw {
@@ -78,6 +80,8 @@ pub(super) struct Control<const W: usize> {
     joints: Vec<JointState<W>>,
     /// What the law asked for at this sample.
     pub(super) command: Vec<Lane<W>>,
+    /// Torque that held the arm before the first sample; 0 of a deviation.
+    held: Vec<f64>,
     /// Mean torque over the interval that begins at this sample.
     pub(super) mean: Vec<Lane<W>>,
     /// `∫∫ τ − ½T² mean`: what the drive's curve adds to a unit inertia's way over the interval.
@@ -122,9 +126,21 @@ impl<const W: usize> Control<W> {
         Self {
             joints: law.joints.iter().map(joint).collect(),
             command: vec![zero; n],
+            held: vec![0.0; n],
             mean: vec![zero; n],
             bulge: vec![zero; n],
         }
+    }
+
+    /// The same after torques that held the arm for long.
+    pub(super) fn holding(mut self, held: &[f64]) -> Self {
+        for (state, torque) in self.joints.iter_mut().zip(held) {
+            let torque = [*torque; W];
+            (state.acted, state.told) = (torque, torque);
+            state.line.fill(torque);
+        }
+        self.held.copy_from_slice(held);
+        self
     }
 
     /// Number of states per run.
@@ -157,6 +173,9 @@ impl<const W: usize> Control<W> {
             let first = usize::from(law.starts_at_zero);
             self.command[i] = if k < first {
                 [0.0; W]
+            } else if k == first && law.takes_over {
+                state.take_over(joint, law.period, (reference(i), self.held[i]), &message);
+                [self.held[i]; W]
             } else {
                 state.law(joint, law.period, k == first, reference(i), &message)
             };
@@ -278,6 +297,41 @@ impl<const W: usize> JointState<W> {
         }
         self.law_velocity = *velocity;
         command
+    }
+
+    /// The law's state such that it would have commanded `held`.
+    fn take_over(
+        &mut self,
+        joint: &SampledJoint,
+        period: f64,
+        ([q, dq, ddq], held): (Jet, f64),
+        [position, velocity, _]: &[Lane<W>; 3],
+    ) {
+        let SampledJoint { inertia, kp, kd, .. } = *joint;
+        self.law_velocity = *velocity;
+        for c in 0..W {
+            let (e, de) = (position[c] - q, velocity[c] - dq);
+            let wanted = held / inertia - ddq;
+            match (&joint.positions, joint.model.form) {
+                (Some(law), _) => {
+                    let ahead = period * law.ahead() as f64;
+                    let share = ahead * (kd + 0.5 * ahead * kp);
+                    let force = kp * (e + ahead * de) + kd * de;
+                    (self.memory[0][c], self.memory[1][c]) = (e, de);
+                    self.memory[2][c] = wanted + force / (1.0 + share);
+                    self.sent.iter_mut().for_each(|sent| sent[c] = wanted);
+                }
+                (None, Form::Literal) => {
+                    let rest = joint.on_error[0] * e + joint.on_error[1] * de;
+                    let phi = wanted + kd * de + kp * e;
+                    let highest = self.memory.iter_mut().zip(&joint.on_memory).next_back();
+                    let (memory, factor) = highest.expect("an estimator has a memory");
+                    memory[c] = (-phi - rest) / factor;
+                }
+                (None, _) => self.memory[0][c] = inertia * (wanted + kd * de + kp * e),
+            }
+        }
+        self.fed.fill(ddq);
     }
 
     /// The law from positions.

@@ -44,9 +44,9 @@ impl Nominal {
         let mut plant = Plant::new(scene, model);
         // The study's simulator is one of the two: the finer one, unless it has one step.
         let (fine, coarse) = (scene.substeps.max(2), scene.substeps.div_ceil(2));
-        let mut control = Control::<1>::new(&scene.law);
+        let mut control = Control::<1>::new(&scene.law).holding(&scene.held);
         let (mut q, mut dq) = scene.start.clone();
-        let mut last = vec![0.0; n];
+        let mut last = scene.held.clone();
         for k in 0..rows {
             run.q.extend_from_slice(&q);
             run.dq.extend_from_slice(&dq);

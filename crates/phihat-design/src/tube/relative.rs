@@ -35,7 +35,7 @@ pub(super) fn relative(
                 let own = result.command[row * n + i];
                 let middle = nominal.command[at];
                 let most_torque = larger(middle + own.1, -(middle + own.0));
-                let before = if k > 0 { nominal.command[at - n] } else { 0.0 };
+                let before = if k > 0 { nominal.command[at - n] } else { scene.held[i] };
                 let own = result.change[row * n + i];
                 let change = larger(middle - before + own.1, -(middle - before + own.0));
                 let (most, most_step) = scene.limits[i];

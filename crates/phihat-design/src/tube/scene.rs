@@ -111,6 +111,8 @@ pub(super) struct Scene<'a> {
     /// Where they begin and end between steps.
     pub(super) edges: Vec<Edge>,
     pub(super) start: (Vec<f64>, Vec<f64>),
+    /// Torque that held the arm before the first sample.
+    pub(super) held: Vec<f64>,
     /// Largest error of a reading \[rad\].
     pub(super) misread: Vec<f64>,
     pub(super) measured_velocity: bool,
@@ -147,6 +149,7 @@ impl<'a> Scene<'a> {
         let law = SampledLaw {
             joints: joints.map(|(record, model)| SampledJoint::new(record, *model)).collect(),
             period,
+            takes_over: study.world.held.is_some(),
             starts_at_zero: study.interface.kept && profile.first_torque_max.is_some(),
         };
         let friction = |i: usize| {
@@ -187,6 +190,7 @@ impl<'a> Scene<'a> {
             friction: (0..n).map(friction).collect(),
             pushes: &study.world.pushes,
             edges: edges(study, period),
+            held: study.held_torque(&start.0).unwrap_or_else(|| vec![0.0; n]),
             start,
             misread: (0..n).map(misread).collect(),
             expects: models.iter().any(|m| m.form == Form::Positions),

@@ -29,6 +29,11 @@ impl Drive {
         Self { step, ..self }
     }
 
+    /// As if so much torque had been asked for for long.
+    pub(crate) fn held(self, demand: f64) -> Self {
+        Self { demand, gap: 0.0, ..self }
+    }
+
     /// Takes a new demand at the start of an interval.
     pub(crate) fn demand(&mut self, demand: f64) {
         let demand = if (demand - self.demand).abs() > self.step {

@@ -39,6 +39,8 @@ pub(crate) struct World {
     sensing: Sensing,
     pub(crate) path: CommandPath,
     pub(crate) plant: Plant,
+    /// What held the arm before the first command \[N·m\]; `None`: nothing.
+    pub(crate) held: Option<Vec<f64>>,
     /// What the robot adds by itself, and the whole that its drives shall give \[N·m\].
     added: Vec<f64>,
     demand: Vec<f64>,
@@ -56,9 +58,16 @@ impl World {
             let joint = study.robot.joints[joint].name.clone();
             return Err(SimError::TooStiff { joint, substeps: study.world.substeps, needed });
         }
+        let mut path = CommandPath::new(study)?;
+        let held = study.held_torque(&plant.q[..study.robot.joints.len()]);
+        if let Some(torque) = &held {
+            path.held(torque);
+            plant.held(torque);
+        }
         Ok(Self {
             sensing: Sensing::new(study),
-            path: CommandPath::new(study)?,
+            path,
+            held,
             added: vec![0.0; study.robot.joints.len()],
             demand: Vec::with_capacity(study.robot.joints.len()),
             plant,

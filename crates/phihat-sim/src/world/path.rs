@@ -1,6 +1,6 @@
 //! The way of a command from the controller to the drives.
 
-use phihat::Delay;
+use phihat::{DELAY_MAX, Delay};
 use phihat_study::{Fault, FaultKind, Study};
 
 use super::firmware::{Abort, Firmware};
@@ -46,6 +46,17 @@ impl CommandPath {
             told_max: zero.clone(),
             step_max: zero,
         })
+    }
+
+    /// As if so much torque per joint had been sent for long.
+    pub(super) fn held(&mut self, torque: &[f64]) {
+        for (i, torque) in torque.iter().enumerate() {
+            for _ in 0..DELAY_MAX {
+                self.delays[i].pass(*torque);
+            }
+            self.sent[i] = *torque;
+            self.told[i] = *torque;
+        }
     }
 
     /// Whether the controller runs at time `t` \[s\].

@@ -101,6 +101,14 @@ impl Plant {
         }
     }
 
+    /// As if the drives had given so much torque for long.
+    pub(super) fn held(&mut self, torque: &[f64]) {
+        self.tau_mean.copy_from_slice(torque);
+        for (drive, torque) in self.forces.drives.iter_mut().zip(torque) {
+            *drive = drive.held(*torque);
+        }
+    }
+
     /// Lets faults and temperature of time `t` \[s\] act on drives and friction.
     fn change(&mut self, t: f64) {
         let warmth =
