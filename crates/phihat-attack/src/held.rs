@@ -88,7 +88,7 @@ pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
     let t: Vec<f64> = trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
     for (joint, claimed) in trace.joints.iter().zip(&claim.joints) {
         let around = |sizes: &[f64]| sizes.iter().map(|x| (-x, *x)).collect::<Vec<_>>();
-        let before = core::iter::once(&0.0).chain(&joint.tau_command);
+        let before = core::iter::once(&claimed.held).chain(&joint.tau_command);
         let step: Vec<f64> = joint.tau_command.iter().zip(before).map(|(a, b)| a - b).collect();
         let signals = [
             ("e", &joint.e, claimed.error.clone()),
@@ -213,6 +213,7 @@ mod tests {
             velocity: vec![(-1.0, 1.0); 2],
             torque: vec![1.0; 2],
             step: vec![1.0; 2],
+            held: 0.0,
         };
         Claim { joints: vec![joint], settle_s: 0.0, limits_silent: true }
     }

@@ -28,6 +28,7 @@ mod record;
 mod run;
 mod second;
 mod spectrum;
+mod start;
 mod summary;
 mod trial;
 mod typed;
