@@ -9,12 +9,12 @@ use crate::arm::UserArm;
 use crate::draft::{Draft, Laws, Load, Scope, World};
 use crate::hand::Hand;
 
-/// A random study, not yet known to be one; of all of them, a share has laws from positions.
+/// A random study, not yet known to be one; of all of them, a share has laws from positions, and of these a share comes from a search.
 ///
 /// # Errors
 ///
 /// [`RobotError`]: a fault of the generator of arms.
-pub fn draw(dice: &mut Dice, positions: f64) -> Result<Draft, RobotError> {
+pub fn draw(dice: &mut Dice, (positions, searched): (f64, f64)) -> Result<Draft, RobotError> {
     let positions = dice.chance(positions);
     let arm = if positions { UserArm::small(dice) } else { UserArm::draw(dice) };
     let robot = arm.robot()?;
@@ -34,7 +34,7 @@ pub fn draw(dice: &mut Dice, positions: f64) -> Result<Draft, RobotError> {
     let settle = hand.duration * hand.dice.between(0.3, 0.7);
     let error_bound = hand.error_bound();
     let design = if positions { hand.positions_design() } else { hand.design() };
-    let laws = if positions { hand.laws() } else { Laws::Designed };
+    let laws = if positions { hand.laws(searched) } else { Laws::Designed };
     let (duration, tags) = (hand.duration, hand.tags);
     Ok(Draft {
         arm,

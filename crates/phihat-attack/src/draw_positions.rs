@@ -83,13 +83,14 @@ impl Hand<'_> {
         text
     }
 
-    /// Where laws from positions come from. Most are typed: a search takes a hundred times as long as a tube of theirs.
-    pub(crate) fn laws(&mut self) -> Laws {
+    /// Where laws from positions come from. Most are typed: a search takes a hundred times as long as a tube of theirs. Of those
+    /// searched for, one in five is a whole design.
+    pub(crate) fn laws(&mut self, searched: f64) -> Laws {
         let share = self.dice.share();
-        if share < 0.95 {
+        if share >= searched {
             return Laws::Typed(self.typed());
         }
-        if share > 0.99 {
+        if share < 0.2 * searched {
             self.tag("designed");
             return Laws::Designed;
         }

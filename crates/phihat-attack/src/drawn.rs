@@ -46,8 +46,8 @@ impl From<StudyError> for NoDraft {
 }
 
 /// A draft that is a study and that can be simulated, its arm's files in the folder.
-pub(crate) fn drawn(dice: &mut Dice, positions: f64, folder: &Path) -> Result<Draft, NoDraft> {
-    let mut draft = draw(dice, positions).map_err(NoDraft::Arm)?;
+pub(crate) fn drawn(dice: &mut Dice, shares: (f64, f64), folder: &Path) -> Result<Draft, NoDraft> {
+    let mut draft = draw(dice, shares).map_err(NoDraft::Arm)?;
     std::fs::create_dir_all(folder)?;
     for (name, text) in draft.arm.section().1 {
         std::fs::write(folder.join(name), text)?;

@@ -34,6 +34,8 @@ pub struct Trial<'a> {
     pub seed: u64,
     /// Share of the studies that have laws from positions.
     pub positions: f64,
+    /// Share of these whose laws come from a search.
+    pub searched: f64,
     /// Runs per study.
     pub runs: usize,
     /// Where studies that were broken are kept, each in a folder of its number.
@@ -67,7 +69,7 @@ impl Trial<'_> {
             seconds: (0.0, 0.0),
         };
         for _ in 0..DRAWS {
-            match drawn(&mut dice, self.positions, &folder) {
+            match drawn(&mut dice, (self.positions, self.searched), &folder) {
                 Ok(draft) => {
                     record.tags.clone_from(&draft.tags);
                     self.examine(draft, &mut dice, &folder, &mut record);
