@@ -25,7 +25,24 @@ pub enum UserArm {
 impl UserArm {
     /// One of `robots/` in three of ten, else a random chain.
     pub fn draw(dice: &mut Dice) -> Self {
-        if dice.chance(0.3) { Self::Named(dice.pick(&NAMED)) } else { chain(dice) }
+        if dice.chance(0.3) {
+            return Self::Named(dice.pick(&NAMED));
+        }
+        let joints = dice.pick(&[2, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12]);
+        chain(dice, joints, (0.1, 1.5))
+    }
+
+    /// Two to four joints, mostly of a random chain; now and then a whole arm of `robots/`.
+    pub fn small(dice: &mut Dice) -> Self {
+        let share = dice.share();
+        if share < 0.03 {
+            Self::Named(dice.pick(&NAMED))
+        } else if share < 0.10 {
+            Self::Named("planar3r")
+        } else {
+            let joints = dice.pick(&[2, 2, 2, 2, 3, 3, 4]);
+            chain(dice, joints, (0.2, 3.0))
+        }
     }
 
     /// The robot.
@@ -62,8 +79,7 @@ impl UserArm {
 
 const NAMED: [&str; 4] = ["planar3r", "panda", "iiwa14", "ur5"];
 
-fn chain(dice: &mut Dice) -> UserArm {
-    let n = dice.pick(&[2, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12]);
+fn chain(dice: &mut Dice, n: usize, rotors: (f64, f64)) -> UserArm {
     let reach = dice.log_between(0.25, 1.5);
     let (first, taper) = (dice.log_between(0.5, 10.0), dice.between(0.6, 0.95));
     let prismatic = if dice.chance(0.3) { 0.25 } else { 0.0 };
@@ -79,7 +95,7 @@ fn chain(dice: &mut Dice) -> UserArm {
         before = along.map(|x| x * length);
         parts.push(part);
     }
-    let rotor = rotors(dice, &parts);
+    let rotor = rotor_inertia(dice, &parts, rotors);
     UserArm::Written {
         joints: n,
         urdf: urdf(dice, &parts, before),
@@ -88,8 +104,8 @@ fn chain(dice: &mut Dice) -> UserArm {
 }
 
 /// Rotor inertia: a share of what the joint moves at most; none at all now and then.
-fn rotors(dice: &mut Dice, parts: &[Part]) -> Vec<f64> {
-    let share = if dice.chance(0.06) { 0.0 } else { dice.log_between(0.1, 1.5) };
+fn rotor_inertia(dice: &mut Dice, parts: &[Part], (low, high): (f64, f64)) -> Vec<f64> {
+    let share = if dice.chance(0.06) { 0.0 } else { dice.log_between(low, high) };
     let even = dice.chance(0.5);
     let at = |i: usize, dice: &mut Dice| {
         let factor = if even { 1.0 } else { dice.between(0.5, 1.5) };
@@ -106,9 +122,10 @@ mod tests {
     #[test]
     fn every_chain_is_read() {
         for index in 0..200 {
-            let arm = UserArm::draw(&mut Dice::new(7, index));
-            let robot = arm.robot().unwrap();
-            assert!(!robot.joints.is_empty());
+            for arm in [UserArm::draw, UserArm::small] {
+                let robot = arm(&mut Dice::new(7, index)).robot().unwrap();
+                assert!(!robot.joints.is_empty());
+            }
         }
     }
 }

@@ -7,6 +7,8 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::start::held_at_start;
+
 /// Bounds on error and velocity error of every joint, until the end of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
@@ -35,6 +37,9 @@ pub struct JointClaim {
     pub torque: Vec<f64>,
     /// Largest change of it from one sample to the next \[N·m\].
     pub step: Vec<f64>,
+    /// Torque that held the joint before the first sample \[N·m\]: where its first change begins.
+    #[serde(default)]
+    pub held: f64,
 }
 
 /// Why gains claim nothing about a study, as the certificate has it.
@@ -76,7 +81,7 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
         return Err(NoClaim::NotCounted(left_out.key.clone()));
     }
     if let Some(tube) = tube {
-        return Ok(documented(tube));
+        return Ok(documented(tube, study));
     }
     // Without a tube: bounds on the steady error of each joint by itself.
     let joints = certificate.joints.iter().map(|joint| {
@@ -90,6 +95,7 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
             velocity: vec![(-v, v)],
             torque: Vec::new(),
             step: Vec::new(),
+            held: 0.0,
         })
     });
     let joints = joints.collect::<Result<_, NoClaim>>()?;
@@ -97,9 +103,10 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
 }
 
 /// What a tube in a certificate says.
-fn documented(tube: &Tube) -> Claim {
+fn documented(tube: &Tube, study: &Study) -> Claim {
+    let before = held_at_start(study).ok().flatten();
     let zip = |low: &[f64], high: &[f64]| low.iter().copied().zip(high.iter().copied()).collect();
-    let joint = |joint: &TubeJoint| JointClaim {
+    let joint = |(i, joint): (usize, &TubeJoint)| JointClaim {
         name: joint.name.clone(),
         from_s: 0.0,
         bin_s: Some(tube.bin_s),
@@ -107,9 +114,10 @@ fn documented(tube: &Tube) -> Claim {
         velocity: zip(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s),
         torque: vec![joint.torque_max_nm; joint.error_low_rad.len()],
         step: joint.torque_step_nm.clone(),
+        held: before.as_ref().map_or(0.0, |held| held[i]),
     };
     Claim {
-        joints: tube.joints.iter().map(joint).collect(),
+        joints: tube.joints.iter().enumerate().map(joint).collect(),
         settle_s: tube.settle_s,
         limits_silent: tube.limits_silent,
     }

@@ -44,6 +44,17 @@ pub struct Scope {
     pub coulomb: (Vec<f64>, Vec<f64>),
 }
 
+/// Where a study's laws come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Laws {
+    /// From its design.
+    Designed,
+    /// From its `[gains]`, as text.
+    Typed(String),
+    /// From the search by positions, once: the shares of the allowed torque noise, per joint.
+    Sketched(Vec<f64>),
+}
+
 /// A study to be.
 #[derive(Debug, Clone)]
 pub struct Draft {
@@ -59,6 +70,8 @@ pub struct Draft {
     pub own_coulomb: Vec<f64>,
     /// Lines of `[design]` besides those of the scope.
     pub design: String,
+    /// Where the laws come from.
+    pub laws: Laws,
     /// Lines of `[loop]`.
     pub control: String,
     /// Lines of `[sensor]`.
@@ -92,6 +105,9 @@ impl Draft {
         let _ =
             writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.design);
         self.ranges(&mut text);
+        if let Laws::Typed(section) = &self.laws {
+            text += section;
+        }
         let _ = write!(text, "\n[loop]\n{}\n[sensor]\n{}\n[world]\n", self.control, self.sensor);
         let _ = writeln!(text, "{}coulomb_extra_nm = {:?}", self.world, world.coulomb);
         let _ = writeln!(text, "substeps = {}", self.substeps);

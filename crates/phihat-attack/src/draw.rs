@@ -6,20 +6,21 @@ use phihat_model::{JointKind, RobotError};
 use phihat_session::Dice;
 
 use crate::arm::UserArm;
-use crate::draft::{Draft, Load, Scope, World};
+use crate::draft::{Draft, Laws, Load, Scope, World};
 use crate::hand::Hand;
 
-/// A random study, not yet known to be one.
+/// A random study, not yet known to be one; of all of them, a share has laws from positions, and of these a share comes from a search.
 ///
 /// # Errors
 ///
 /// [`RobotError`]: a fault of the generator of arms.
-pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
-    let arm = UserArm::draw(dice);
+pub fn draw(dice: &mut Dice, (positions, searched): (f64, f64)) -> Result<Draft, RobotError> {
+    let positions = dice.chance(positions);
+    let arm = if positions { UserArm::small(dice) } else { UserArm::draw(dice) };
     let robot = arm.robot()?;
-    let mut hand = Hand { robot, dice, tags: vec![arm.name()], rate: 0.0, duration: 0.0 };
-    let control = hand.control();
-    let sensor = hand.sensor();
+    let mut hand = Hand { robot, dice, tags: vec![arm.name()], rate: 0.0, delay: 0, duration: 0.0 };
+    let control = if positions { hand.positions_control() } else { hand.control() };
+    let sensor = if positions { hand.positions_sensor() } else { hand.sensor() };
     let mut world = hand.gravity();
     let friction = hand.dice.chance(0.7);
     let _ = writeln!(world, "friction = \"{}\"", if friction { "robot" } else { "none" });
@@ -32,7 +33,8 @@ pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
     let own_coulomb = own.map(|c| if friction { c } else { 0.0 }).collect();
     let settle = hand.duration * hand.dice.between(0.3, 0.7);
     let error_bound = hand.error_bound();
-    let design = hand.design();
+    let design = if positions { hand.positions_design() } else { hand.design() };
+    let laws = if positions { hand.laws(searched) } else { Laws::Designed };
     let (duration, tags) = (hand.duration, hand.tags);
     Ok(Draft {
         arm,
@@ -41,6 +43,7 @@ pub fn draw(dice: &mut Dice) -> Result<Draft, RobotError> {
         error_bound,
         own_coulomb,
         design,
+        laws,
         control,
         sensor,
         world,
@@ -57,10 +60,10 @@ impl Hand<'_> {
         let rates = [200.0, 250.0, 333.0, 500.0, 1000.0, 1000.0, 1000.0, 2000.0, 4000.0];
         self.rate = self.dice.pick(&rates);
         self.duration = self.dice.between(1.5, if self.rate > 1000.0 { 2.5 } else { 4.0 });
-        let delay = self.dice.pick(&[0, 0, 1, 1, 1, 2, 3]);
-        let mut text = format!("rate_hz = {:?}\ndelay_samples = {delay}\n", self.rate);
+        self.delay = self.dice.pick(&[0, 0, 1, 1, 1, 2, 3]);
+        let mut text = format!("rate_hz = {:?}\ndelay_samples = {}\n", self.rate, self.delay);
         self.tag(&format!("{} Hz", self.rate));
-        self.tag(&format!("delay {delay}"));
+        self.tag(&format!("delay {}", self.delay));
         if self.dice.chance(0.1) {
             text += "form = \"literal\"\n";
             self.tag("literal");
@@ -98,16 +101,21 @@ impl Hand<'_> {
             let _ = writeln!(text, "velocity_filter_hz = {cut:?}");
         }
         if self.dice.chance(0.1) {
-            self.tag("bias");
-            let far = self.dice.log_between(1e-5, 1e-2);
-            let bias: Vec<f64> = (0..self.count()).map(|_| self.dice.between(-far, far)).collect();
-            let _ = writeln!(text, "position_bias_rad = {bias:?}");
+            text += &self.bias();
         }
         if self.dice.chance(0.1) {
             text += "torque = \"demanded\"\n";
             self.tag("demanded");
         }
         text
+    }
+
+    /// A constant misreading of every joint.
+    pub(crate) fn bias(&mut self) -> String {
+        self.tag("bias");
+        let far = self.dice.log_between(1e-5, 1e-2);
+        let bias: Vec<f64> = (0..self.count()).map(|_| self.dice.between(-far, far)).collect();
+        format!("position_bias_rad = {bias:?}\n")
     }
 
     fn gravity(&mut self) -> String {
@@ -253,7 +261,7 @@ impl Hand<'_> {
         (0..self.count()).map(|i| if slides(i) { 0.3 * error } else { error }).collect()
     }
 
-    fn design(&mut self) -> String {
+    pub(crate) fn design(&mut self) -> String {
         let orders = self.dice.pick(&["[1, 2]", "[1, 2]", "[1]", "[2]", "[1, 2, 3]", "[3]"]);
         let mut text = format!("orders = {orders}\n");
         if self.dice.chance(0.2) {

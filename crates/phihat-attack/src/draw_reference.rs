@@ -25,11 +25,19 @@ impl Hand<'_> {
             (None, self.circle(&at))
         };
         let mut text = String::new();
-        if let Some(start) = start.filter(|_| self.dice.chance(0.15)) {
+        let away = self.dice.chance(0.15);
+        if self.dice.chance(0.2) {
+            self.tag("held");
+            text += "\n[start]\ntorque_nm = \"gravity\"\n";
+        }
+        if let Some(start) = start.filter(|_| away) {
             self.tag("start");
             let far = self.dice.log_between(1e-4, 0.03);
             let q: Vec<f64> = start.iter().map(|q| q + self.dice.between(-far, far)).collect();
-            let _ = write!(text, "\n[start]\nq_rad = {q:?}\n");
+            if text.is_empty() {
+                text += "\n[start]\n";
+            }
+            let _ = writeln!(text, "q_rad = {q:?}");
             if self.dice.chance(0.3) {
                 let fast = self.dice.log_between(1e-3, 0.1);
                 let dq: Vec<f64> = q.iter().map(|_| self.dice.between(-fast, fast)).collect();

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use phihat::{GainError, JointDesign, JointGains};
+use phihat::{Form, GainError, JointDesign, JointGains};
 use phihat_model::RobotError;
 use phihat_session::Dice;
 use phihat_sim::{SimError, Simulation};
@@ -46,8 +46,8 @@ impl From<StudyError> for NoDraft {
 }
 
 /// A draft that is a study and that can be simulated, its arm's files in the folder.
-pub(crate) fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, NoDraft> {
-    let mut draft = draw(dice).map_err(NoDraft::Arm)?;
+pub(crate) fn drawn(dice: &mut Dice, shares: (f64, f64), folder: &Path) -> Result<Draft, NoDraft> {
+    let mut draft = draw(dice, shares).map_err(NoDraft::Arm)?;
     std::fs::create_dir_all(folder)?;
     for (name, text) in draft.arm.section().1 {
         std::fs::write(folder.join(name), text)?;
@@ -57,14 +57,12 @@ pub(crate) fn drawn(dice: &mut Dice, folder: &Path) -> Result<Draft, NoDraft> {
     let mut study = draft.study(&stiffest, folder)?;
     study.sensor.velocity_filter_designed = false;
     let period = study.control.period_ns as f64 * 1e-9;
-    let design = JointDesign {
-        inertia: 1.0,
-        kp: 100.0,
-        kd: 20.0,
-        a: &[20.0],
-        period,
-        form: study.control.form,
+    // Which law it is makes no integration stiff.
+    let form = match study.control.form {
+        Form::Literal => Form::Literal,
+        Form::Observer | Form::Positions => Form::Observer,
     };
+    let design = JointDesign { inertia: 1.0, kp: 100.0, kd: 20.0, a: &[20.0], period, form };
     let law = JointGains::new(&design)?;
     match Simulation::new(&study, &vec![law; study.robot.joints.len()]) {
         Ok(_) => Ok(draft),

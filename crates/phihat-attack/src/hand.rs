@@ -9,6 +9,7 @@ pub(crate) struct Hand<'a> {
     pub(crate) dice: &'a mut Dice,
     pub(crate) tags: Vec<String>,
     pub(crate) rate: f64,
+    pub(crate) delay: u32,
     pub(crate) duration: f64,
 }
 

@@ -21,6 +21,10 @@ pub struct JointFound {
     pub velocity_bound_rad_s: f64,
     /// Likewise |ė| \[rad/s\].
     pub velocity_rad_s: f64,
+    /// Largest bound on the change of the commanded torque per sample in the steady part \[N·m\]; 0: not claimed.
+    pub step_bound_nm: f64,
+    /// Largest such change \[N·m\].
+    pub step_nm: f64,
 }
 
 /// A bound that was left.
@@ -84,7 +88,7 @@ pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
     let t: Vec<f64> = trace.t_ns.iter().map(|t| *t as f64 * 1e-9).collect();
     for (joint, claimed) in trace.joints.iter().zip(&claim.joints) {
         let around = |sizes: &[f64]| sizes.iter().map(|x| (-x, *x)).collect::<Vec<_>>();
-        let before = core::iter::once(&0.0).chain(&joint.tau_command);
+        let before = core::iter::once(&claimed.held).chain(&joint.tau_command);
         let step: Vec<f64> = joint.tau_command.iter().zip(before).map(|(a, b)| a - b).collect();
         let signals = [
             ("e", &joint.e, claimed.error.clone()),
@@ -102,7 +106,7 @@ pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
                 }
             }
         }
-        found.joints.push(steady(claim, claimed, joint, &t));
+        found.joints.push(steady(claim, claimed, (joint, &step), &t));
     }
     found
 }
@@ -153,7 +157,12 @@ fn bin(claimed: &JointClaim, t: f64, bins: usize) -> Option<usize> {
     Some(place.min(bins - 1))
 }
 
-fn steady(claim: &Claim, claimed: &JointClaim, joint: &JointTrace, t: &[f64]) -> JointFound {
+fn steady(
+    claim: &Claim,
+    claimed: &JointClaim,
+    (joint, step): (&JointTrace, &[f64]),
+    t: &[f64],
+) -> JointFound {
     let from = t.partition_point(|t| *t < claim.settle_s - 1e-12);
     let first = bin(claimed, claim.settle_s.max(claimed.from_s), claimed.error.len()).unwrap_or(0);
     let most = |values: &[f64]| {
@@ -168,6 +177,8 @@ fn steady(claim: &Claim, claimed: &JointClaim, joint: &JointTrace, t: &[f64]) ->
         error_rad: most(&joint.e),
         velocity_bound_rad_s: bound(&claimed.velocity),
         velocity_rad_s: most(&joint.de),
+        step_bound_nm: claimed.step.iter().skip(first).fold(0.0_f64, |a, b| a.max(*b)),
+        step_nm: most(step),
     }
 }
 
@@ -202,6 +213,7 @@ mod tests {
             velocity: vec![(-1.0, 1.0); 2],
             torque: vec![1.0; 2],
             step: vec![1.0; 2],
+            held: 0.0,
         };
         Claim { joints: vec![joint], settle_s: 0.0, limits_silent: true }
     }

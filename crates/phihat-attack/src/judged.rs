@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
-use phihat_design::{Clause, Gains, Outcome as Designed};
+use phihat_design::claims::Refutation;
+use phihat_design::{Clause, Gains, Outcome as Designed, requested_gains};
 use phihat_session::designed;
 use phihat_study::Study;
 
 use crate::claim::{Claim, claimed};
+use crate::draft::Laws;
+use crate::typed::{sketched, typed};
 
 /// The result of a design, and what its certificate says of it.
 #[derive(Debug)]
@@ -15,24 +18,47 @@ pub enum Verdict {
     Infeasible(Vec<Clause>),
     /// No claim, and why.
     NotProved(String),
+    /// Gains whose certificate does not verify, although it refuses nothing or something else.
+    Refuted(Box<Gains>, Refutation),
     /// Gains with a certificate that was verified, and what it claims.
     Certified(Box<Gains>, Claim),
 }
 
 /// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
 pub fn judged(study: &Study, path: &Path) -> Verdict {
-    let gains = match designed(study, path) {
+    judged_by(study, &Laws::Designed, path)
+}
+
+/// Likewise, with laws from elsewhere: they get the certificate that a design would give them.
+pub(crate) fn judged_by(study: &Study, laws: &Laws, path: &Path) -> Verdict {
+    let found = match (laws, requested_gains(study)) {
+        (Laws::Typed(_), Some(own)) => {
+            typed(study, own, path).map_err(|why| format!("typed: {why}"))
+        }
+        (Laws::Sketched(shares), _) => {
+            sketched(study, shares, path).map_err(|why| format!("sketched: {why}"))
+        }
+        _ => designed(study, path).map_err(|why| format!("design: {why}")),
+    };
+    let gains = match found {
         Ok(Designed::Designed(gains)) => gains,
         Ok(Designed::Infeasible(no)) => return Verdict::Infeasible(no.clauses),
-        Err(why) => return Verdict::NotProved(format!("design: {why}")),
+        Err(why) => return Verdict::NotProved(why),
     };
     let read = gains.to_json().and_then(|text| Gains::from_json(&text));
     let gains = match read {
         Ok(gains) => gains,
         Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
     };
-    if let Some(why) = gains.certificate.as_ref().and_then(|c| c.verify(&gains).err()) {
-        return Verdict::NotProved(format!("verify: {why}"));
+    if let Some(certificate) = &gains.certificate
+        && let Err(why) = certificate.verify(&gains)
+    {
+        // What the document itself refuses it may refuse, in the same words.
+        return if certificate.refused().is_some_and(|own| own.claim == why.claim) {
+            Verdict::NotProved(format!("verify: {why}"))
+        } else {
+            Verdict::Refuted(Box::new(gains), why)
+        };
     }
     match claimed(&gains, study) {
         Ok(claim) => Verdict::Certified(Box::new(gains), claim),

@@ -35,9 +35,18 @@ struct Arguments {
     /// Runs per study: extreme and drawn payloads and friction.
     #[arg(long, default_value_t = 6)]
     runs: usize,
+    /// Share of the studies whose joints have laws from positions.
+    #[arg(long, default_value_t = 0.4)]
+    positions: f64,
+    /// Share of these whose laws come from a search, which takes up to minutes; the others are typed.
+    #[arg(long, default_value_t = 0.05)]
+    searched: f64,
     /// Keep one among every so many studies; 0: none.
     #[arg(long, default_value_t = 20)]
     keep_every: u64,
+    /// Of every so many studies, verify those certified with laws from positions against their study; 0: none.
+    #[arg(long, default_value_t = 10)]
+    derive_every: u64,
     /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.
     #[arg(long, value_name = "PYTHON")]
     python: Option<PathBuf>,
@@ -71,13 +80,22 @@ fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
     let mut journal = journal?;
     let program = program()?;
-    let Arguments { seed, runs, keep_every, .. } = *arguments;
+    let Arguments { seed, runs, keep_every, derive_every, positions, searched, .. } = *arguments;
     let python = arguments.python.as_deref();
-    let trial = Trial { seed, runs, folder: &folder, keep_every, python };
+    let trial = Trial {
+        seed,
+        positions,
+        searched,
+        runs,
+        folder: &folder,
+        keep_every,
+        derive_every,
+        python,
+    };
     let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
     let id = |index: &u64| {
         format!(
-            "{index} of {seed}, {runs} runs, every {keep_every} asked {}, program {program:016x}",
+            "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked {}, every {derive_every} derived, program {program:016x}",
             python.is_some()
         )
     };

@@ -6,6 +6,8 @@ use phihat::{Command, JointGains, JointState, Measurement, update_joints};
 use phihat_sim::{Driver, Moment, Outcome, SimError, Simulation};
 use phihat_study::Study;
 
+use crate::start::held_at_start;
+
 /// The law behind encoders that read `Q(q + b) − b`.
 #[derive(Debug)]
 struct Displaced {
@@ -14,12 +16,22 @@ struct Displaced {
     read: Vec<Measurement<f64>>,
     commands: Vec<Command<f64>>,
     by: Vec<f64>,
+    /// What held the arm before, until the law takes it over.
+    held: Option<Vec<f64>>,
 }
 
 impl Driver for Displaced {
     fn drive(&mut self, moment: &Moment<'_>, tau: &mut [f64]) {
         for ((read, sensed), by) in self.read.iter_mut().zip(&moment.sample.joints).zip(&self.by) {
             *read = Measurement { q: sensed.q - by, ..*sensed };
+        }
+        if let Some(held) = self.held.take() {
+            let joints = self.gains.iter().zip(&mut self.states).zip(&self.read);
+            for (i, ((gains, state), read)) in joints.enumerate() {
+                gains.resume(state, read, &moment.references[i], held[i]);
+            }
+            tau.copy_from_slice(&held);
+            return;
         }
         update_joints(
             &self.gains,
@@ -57,7 +69,9 @@ pub(crate) fn run(
     }
     let n = law.len();
     let inertia: Vec<f64> = law.iter().map(JointGains::inertia).collect();
+    let held = held_at_start(&study)?;
     let driver = Displaced {
+        held,
         gains: law.to_vec(),
         states: vec![JointState::new(); n],
         read: vec![Measurement::default(); n],

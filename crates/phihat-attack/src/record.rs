@@ -42,6 +42,10 @@ pub struct Record {
     pub violations: Vec<Violation>,
     /// What other simulators said, where they were asked.
     pub second: Option<Second>,
+    /// At frozen postures: reached over claimed coupled gains, the most; `None`: not looked at.
+    pub at_rest: Option<f64>,
+    /// What `verify --study` said, where it was asked.
+    pub derived: Option<String>,
     /// Time of design and verification, and of the runs \[s\].
     pub seconds: (f64, f64),
 }

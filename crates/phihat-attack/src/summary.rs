@@ -34,7 +34,7 @@ pub struct Summary {
     pub redrawn: BTreeMap<String, usize>,
     /// Runs, and those outside of the claim since a limit acted.
     pub runs: (usize, usize),
-    /// Certified trials that left a bound.
+    /// Trials that left a bound, or whose certificate does not verify.
     pub broken: Vec<u64>,
     /// Of what was drawn: certified trials, and those broken.
     pub by_tag: BTreeMap<String, (usize, usize)>,
@@ -42,6 +42,14 @@ pub struct Summary {
     pub ratio_large: Option<Spread>,
     /// Likewise on joints below 15 % of the arm's largest.
     pub ratio_small: Option<Spread>,
+    /// Likewise on all joints with laws from positions.
+    pub ratio_positions: Option<Spread>,
+    /// There, bound over measured change of torque per sample, of the steady part.
+    pub ratio_step: Option<Spread>,
+    /// There, reached over claimed coupled gains.
+    pub reached: Option<Spread>,
+    /// What `verify --study` said of tubes of laws from positions.
+    pub derived: BTreeMap<String, usize>,
     /// Runs by other simulators, and what of studies they do not know.
     pub second: (usize, BTreeMap<String, usize>),
     /// Time of designs and of runs \[s\], summed over threads.
@@ -62,6 +70,10 @@ impl Summary {
             by_tag: BTreeMap::new(),
             ratio_large: None,
             ratio_small: None,
+            ratio_positions: None,
+            ratio_step: None,
+            reached: None,
+            derived: BTreeMap::new(),
             second: (0, BTreeMap::new()),
             seconds: (0.0, 0.0),
             panics,
@@ -72,6 +84,7 @@ impl Summary {
             *summary.ended.entry(ended).or_default() += 1;
             if record.ended != Ended::Certified {
                 *summary.reasons.entry(short(&record.reason)).or_default() += 1;
+                summary.broken.extend((!record.violations.is_empty()).then_some(record.index));
             }
             for why in &record.redrawn {
                 *summary.redrawn.entry(short(why)).or_default() += 1;
@@ -103,9 +116,24 @@ impl Summary {
                 list.push(joint.bound_rad / joint.error_rad);
             }
         }
+        summary.positions(records);
         summary.ratio_large = spread(large);
         summary.ratio_small = spread(small);
         summary
+    }
+
+    /// What is told of laws from positions by themselves.
+    fn positions(&mut self, records: &[Record]) {
+        let own = || records.iter().filter(|r| r.tags.iter().any(|tag| tag == "positions"));
+        let joints = || own().flat_map(|record| &record.found);
+        let errors = joints().filter(|j| j.error_rad > 0.0).map(|j| j.bound_rad / j.error_rad);
+        self.ratio_positions = spread(errors.collect());
+        let steps = joints().filter(|j| j.step_nm > 0.0 && j.step_bound_nm > 0.0);
+        self.ratio_step = spread(steps.map(|j| j.step_bound_nm / j.step_nm).collect());
+        self.reached = spread(own().filter_map(|record| record.at_rest).collect());
+        for told in own().filter_map(|record| record.derived.as_ref()) {
+            *self.derived.entry(short(told)).or_default() += 1;
+        }
     }
 }
 
@@ -149,17 +177,22 @@ impl fmt::Display for Summary {
         writeln!(f, "runs: {runs}, of these {outside} outside of the claim since a limit acted")?;
         writeln!(f, "runs by Pinocchio and MuJoCo: {}", self.second.0)?;
         list(f, "of these not asked, because of", &self.second.1)?;
-        for (name, spread) in
-            [("larger errors", self.ratio_large), ("errors below 15 %", self.ratio_small)]
-        {
+        for (name, spread) in [
+            ("bound over measured, larger errors", self.ratio_large),
+            ("bound over measured, errors below 15 %", self.ratio_small),
+            ("laws from positions: bound over measured error", self.ratio_positions),
+            ("laws from positions: bound over measured torque step", self.ratio_step),
+            ("laws from positions: reached over claimed coupled gains", self.reached),
+        ] {
             if let Some(Spread { count, median, ninth_decile, worst }) = spread {
                 writeln!(
                     f,
-                    "bound over measured, {name}: median {median:.2}, 90 % below {ninth_decile:.2}, worst {worst:.2} \
+                    "{name}: median {median:.2}, 90 % below {ninth_decile:.2}, worst {worst:.2} \
                      ({count} joints)"
                 )?;
             }
         }
+        list(f, "tubes of laws from positions, by verify --study", &self.derived)?;
         writeln!(f, "of what was drawn: certified, broken")?;
         for (tag, (certified, broken)) in &self.by_tag {
             writeln!(f, "  {certified:>6} {broken:>6}  {tag}")?;

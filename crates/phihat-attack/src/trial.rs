@@ -3,14 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
+use phihat::Form;
+use phihat_design::claims::Refutation;
 use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
 
 use crate::claim::Claim;
+use crate::derived::derived;
 use crate::draft::Draft;
 use crate::drawn::drawn;
-use crate::held::{JointFound, held};
-use crate::judged::{Verdict, judged};
+use crate::frozen::at_rest;
+use crate::held::{JointFound, Violation, held};
+use crate::judged::{Verdict, judged_by};
 use crate::record::{Ended, Record};
 use crate::run::run;
 use crate::second::opinion;
@@ -28,12 +32,18 @@ const SECOND: usize = 2;
 pub struct Trial<'a> {
     /// Seed of the attack.
     pub seed: u64,
+    /// Share of the studies that have laws from positions.
+    pub positions: f64,
+    /// Share of these whose laws come from a search.
+    pub searched: f64,
     /// Runs per study.
     pub runs: usize,
     /// Where studies that were broken are kept, each in a folder of its number.
     pub folder: &'a Path,
     /// Of every so many, the certified ones are kept, and other simulators asked; 0: none.
     pub keep_every: u64,
+    /// Of every so many, those certified with laws from positions are verified against their study; 0: none.
+    pub derive_every: u64,
     /// The Python that asks them.
     pub python: Option<&'a Path>,
 }
@@ -54,10 +64,12 @@ impl Trial<'_> {
             found: Vec::new(),
             violations: Vec::new(),
             second: None,
+            at_rest: None,
+            derived: None,
             seconds: (0.0, 0.0),
         };
         for _ in 0..DRAWS {
-            match drawn(&mut dice, &folder) {
+            match drawn(&mut dice, (self.positions, self.searched), &folder) {
                 Ok(draft) => {
                     record.tags.clone_from(&draft.tags);
                     self.examine(draft, &mut dice, &folder, &mut record);
@@ -93,7 +105,9 @@ impl Trial<'_> {
                 }
             };
             record.joints = study.robot.joints.len();
-            let judged = judged(&study, &path);
+            // What takes for ever can be looked at.
+            write(folder, &[("study.toml".to_owned(), draft.text(&draft.nominal))], record);
+            let judged = judged_by(&study, &draft.laws, &path);
             let worse = match &judged {
                 Verdict::Infeasible(clauses) => relief(clauses),
                 _ => None,
@@ -104,9 +118,6 @@ impl Trial<'_> {
             draft.error_bound.iter_mut().for_each(|error| *error *= factor);
         }
         record.seconds.0 = began.elapsed().as_secs_f64();
-        if let Err(why) = std::fs::write(&path, draft.text(&draft.nominal)) {
-            record.redrawn.push(format!("study.toml: {why}"));
-        }
         match verdict {
             Some(Verdict::Certified(gains, claim)) => {
                 record.ended = Ended::Certified;
@@ -116,6 +127,16 @@ impl Trial<'_> {
             Some(Verdict::NotProved(why)) => {
                 record.ended = Ended::NotProved;
                 record.reason = why;
+            }
+            Some(Verdict::Refuted(gains, why)) => {
+                record.ended = Ended::NotProved;
+                record.reason = format!("verify refutes: {why}");
+                record.violations.push(refuted(&why));
+                write(
+                    folder,
+                    &[("gains.json".to_owned(), gains.to_json().unwrap_or_default())],
+                    record,
+                );
             }
             Some(Verdict::Infeasible(clauses)) => {
                 record.ended = Ended::Infeasible;
@@ -165,11 +186,8 @@ impl Trial<'_> {
         }
         keep.push(("gains.json".to_owned(), gains.to_json().unwrap_or_default()));
         keep.push(("claim.json".to_owned(), serde_json::to_string(claim).unwrap_or_default()));
-        for (name, text) in keep {
-            if let Err(why) = std::fs::write(folder.join(&name), text) {
-                record.redrawn.push(format!("{name}: {why}"));
-            }
-        }
+        write(folder, &keep, record);
+        self.beside((draft, gains), dice, folder, record);
         if let Some(python) = self.python.filter(|_| self.asked(record.index)) {
             match opinion(python, folder) {
                 Ok((second, violations)) => {
@@ -179,6 +197,53 @@ impl Trial<'_> {
                 Err(why) => record.redrawn.push(why.to_string()),
             }
         }
+    }
+}
+
+impl Trial<'_> {
+    /// What is claimed besides the runs, of laws from positions.
+    fn beside(
+        &self,
+        (draft, gains): (&Draft, &Gains),
+        dice: &mut Dice,
+        folder: &Path,
+        record: &mut Record,
+    ) {
+        let Ok(study) = draft.study(&draft.nominal, folder) else { return };
+        if study.control.form != Form::Positions {
+            return;
+        }
+        let found = at_rest(&study, gains, dice);
+        record.at_rest = (found.reached > 0.0).then_some(found.reached);
+        record.violations.extend(found.violations);
+        if self.derive_every > 0 && record.index.is_multiple_of(self.derive_every) {
+            match derived(folder) {
+                Ok(told) => record.derived = Some(told),
+                Err(left) => record.violations.push(left),
+            }
+        }
+    }
+}
+
+/// Files of a trial.
+fn write(folder: &Path, files: &[(String, String)], record: &mut Record) {
+    for (name, text) in files {
+        if let Err(why) = std::fs::write(folder.join(name), text) {
+            record.redrawn.push(format!("{name}: {why}"));
+        }
+    }
+}
+
+/// What was found and does not verify is a finding too.
+fn refuted(why: &Refutation) -> Violation {
+    Violation {
+        run: "verify".to_owned(),
+        joint: String::new(),
+        signal: format!("{}: {}", why.claim, why.inequality),
+        t_s: 0.0,
+        measured: why.left,
+        claimed: (0.0, why.right),
+        ratio: f64::MAX,
     }
 }
 
@@ -196,5 +261,6 @@ fn worst(all: &mut Vec<JointFound>, one: &[JointFound]) {
     for (all, one) in all.iter_mut().zip(one) {
         all.error_rad = all.error_rad.max(one.error_rad);
         all.velocity_rad_s = all.velocity_rad_s.max(one.velocity_rad_s);
+        all.step_nm = all.step_nm.max(one.step_nm);
     }
 }

@@ -46,6 +46,10 @@ fn kept(name: &str) -> bool {
             println!("{name}: not proved: {why}");
             return !why.is_empty();
         }
+        Verdict::Refuted(_, why) => {
+            println!("{name}: does not verify: {why}");
+            return false;
+        }
         Verdict::Infeasible(clauses) => {
             println!("{name}: infeasible: {clauses:?}");
             return !clauses.is_empty();

@@ -102,8 +102,10 @@ pub fn gains(bytes: &[u8]) {
             let again = gains.to_json().map(|text| Gains::from_json(&text));
             assert!(matches!(again, Ok(Ok(again)) if again == gains), "does not read back");
             let names: Vec<String> = gains.joints.iter().map(|joint| joint.name.clone()).collect();
-            if let Ok(laws) = gains.joint_gains(&names, 1_000_000, phihat::Form::Observer) {
-                assert_eq!(laws.len(), names.len());
+            for form in [phihat::Form::Observer, phihat::Form::Positions] {
+                if let Ok(laws) = gains.joint_gains(&names, 1_000_000, form) {
+                    assert_eq!(laws.len(), names.len());
+                }
             }
         }
         Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),

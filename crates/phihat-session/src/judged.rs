@@ -16,9 +16,12 @@ pub(crate) enum Judged {
     Unknown,
 }
 
-/// Puts tube, settling time and what is not proved into the gains' certificate.
+/// Puts tube, settling time and what is not proved into the gains' certificate. Where that refuses a claim there is no tube.
 pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
-    let found = {
+    let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
+    let found = if let Some(why) = refused {
+        Err((format!("a claim does not hold: {why}"), true))
+    } else {
         let mut own = study.clone();
         match gains.complete(&mut own) {
             Ok(()) => tube(&own, gains, desired)
@@ -37,6 +40,8 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judg
         Ok(tube) => tube,
         Err((why, open)) => {
             certificate.unproved.push(format!("the specification: no tube, {why}"));
+            // One that was found for another study is none of this.
+            certificate.tube = None;
             certificate.tube_refused = Some(why);
             certificate.settle = Some(Settle::of(study, None));
             return if open { Judged::Open } else { Judged::Unknown };

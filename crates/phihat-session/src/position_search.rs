@@ -61,7 +61,9 @@ pub(crate) fn by_positions(
         search.certify(&mut gains).map_err(refused)?;
         let judged = judge(&free, &mut gains, &desired);
         let loudest = shares.iter().copied().fold(0.0, f64::max);
+        let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
+        let rank = Rank { armed, ..rank };
         let better = best.as_ref().is_none_or(|(before, _)| rank.before(before));
         let kept = best.as_ref().is_some_and(|(before, _)| before.kept);
         stuck = if best.as_ref().is_none_or(|(before, _)| rank.gains_on(before)) {
@@ -83,6 +85,8 @@ pub(crate) fn by_positions(
         }
         shares = next;
     }
+    // Laws of which a claim is refused do not arm.
+    let best = best.filter(|(rank, _)| rank.armed);
     let Some((_, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
     if (0..shares.len()).any(|joint| study.limits(joint).1.is_some()) {
         judge(study, &mut gains, &desired);
@@ -101,6 +105,8 @@ fn without_rate_limits(study: &Study) -> Study {
 /// How good gains are.
 #[derive(Debug, Clone, Copy)]
 struct Rank {
+    /// Whether every claim holds without which the laws do not arm.
+    armed: bool,
     /// Whether the tube keeps every clause.
     kept: bool,
     /// The largest share of a clause; infinite without a tube.
@@ -120,6 +126,9 @@ impl Rank {
     }
 
     fn before(&self, other: &Self) -> bool {
+        if self.armed != other.armed {
+            return self.armed;
+        }
         match (self.kept, other.kept) {
             (true, true) => self.noise < other.noise,
             (own, theirs) if own != theirs => own,
@@ -135,7 +144,7 @@ fn next(
     judged: &Judged,
     (shares, noise): (&[f64], f64),
 ) -> (Rank, Option<Vec<f64>>) {
-    let unknown = Rank { kept: false, beyond: f64::INFINITY, noise };
+    let unknown = Rank { armed: true, kept: false, beyond: f64::INFINITY, noise };
     let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
         let moved = shares.iter().enumerate();
         Some(moved.map(|(i, s)| (s * factor(i)).clamp(SHARES.0, SHARES.1)).collect())
@@ -159,7 +168,12 @@ fn next(
     let steps: Vec<f64> = (0..shares.len()).map(step).collect();
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let (error, loudest) = (most(errors), most(&steps));
-    let rank = Rank { kept: error <= 1.0 && loudest <= 1.0, beyond: error.max(loudest), noise };
+    let rank = Rank {
+        armed: true,
+        kept: error <= 1.0 && loudest <= 1.0,
+        beyond: error.max(loudest),
+        noise,
+    };
     // All joints get stiffer where one has too much error, as far as each has room: they push each other.
     let needed = (1.03 * error).powf(1.0 / POWER);
     let factor = |i: usize| {

@@ -1,0 +1,105 @@
+//! Laws from positions that no design chose, with the certificate that a design would give them.
+
+use std::path::Path;
+
+use phihat_design::prelude::FindCertificate as _;
+use phihat_design::tube::{Desired, tube};
+use phihat_design::{
+    Arm, ArmError, Certificate, DesignError, Gains, GainsError, Outcome, PositionSearch, Settle,
+    claims::Refutation, find_moving,
+};
+use phihat_session::{SessionError, arm, coupled_along, phi_along};
+use phihat_sim::{Demand, Motion, SimError};
+use phihat_study::Study;
+use thiserror::Error;
+
+/// Why laws have no certificate.
+#[derive(Debug, Error)]
+pub(crate) enum NotTyped {
+    /// The arm's inertia is not known.
+    #[error(transparent)]
+    Session(Box<SessionError>),
+    /// It has no range against the nominal inertia.
+    #[error(transparent)]
+    Arm(#[from] ArmError),
+    /// The gains are none of this study.
+    #[error(transparent)]
+    Gains(#[from] GainsError),
+    /// Its reference cannot be followed.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+    /// A search cannot begin.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// Nothing at all can be claimed about the laws.
+    #[error("{0}")]
+    Refuted(Box<Refutation>),
+}
+
+impl From<Refutation> for NotTyped {
+    fn from(why: Refutation) -> Self {
+        Self::Refuted(Box::new(why))
+    }
+}
+
+/// Finds every claim about typed laws.
+///
+/// # Errors
+///
+/// [`NotTyped`]
+pub(crate) fn typed(study: &Study, mut gains: Gains, path: &Path) -> Result<Outcome, NotTyped> {
+    let arm = arm(study, path).map_err(|why| NotTyped::Session(Box::new(why)))?;
+    let nominal = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let phi = vec![None; gains.joints.len()];
+    gains.certificate = Some(Certificate::find(study, &gains, arm.against(nominal)?, &phi)?);
+    with_tube(study, gains, &arm)
+}
+
+/// The laws with which a search by positions begins: the least error for shares of the torque noise, and one tube.
+///
+/// # Errors
+///
+/// [`NotTyped`]
+pub(crate) fn sketched(study: &Study, shares: &[f64], path: &Path) -> Result<Outcome, NotTyped> {
+    let arm = arm(study, path).map_err(|why| NotTyped::Session(Box::new(why)))?;
+    let demand = Demand::along(study)?;
+    let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
+    let mut search = PositionSearch::new(study, &arm, &phi)?;
+    let Some((mut gains, _)) = search.laws(shares) else {
+        return Ok(Outcome::Infeasible(search.refused()));
+    };
+    search.certify(&mut gains)?;
+    for joint in gains.certificate.iter_mut().flat_map(|certificate| &mut certificate.joints) {
+        // Bounds of joints by themselves are none of joints that push each other.
+        (joint.bounds, joint.phi) = (None, None);
+    }
+    with_tube(study, gains, &arm)
+}
+
+/// What is claimed of the arm as a whole.
+fn with_tube(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotTyped> {
+    let Some(mut certificate) = gains.certificate.take() else {
+        return Ok(Outcome::Designed(Box::new(gains)));
+    };
+    if certificate.refused().is_none() {
+        let motion = Motion::of(study)?;
+        let desired = Desired::of(study, |joint, t| motion.told(joint, t));
+        let mut own = study.clone();
+        gains.complete(&mut own)?;
+        match tube(&own, &gains, &desired) {
+            Ok(found) => {
+                let settle = Settle::of(study, Some(&found));
+                certificate.tube = Some(found.steady_from(settle.settle_s));
+                certificate.settle = Some(settle);
+            }
+            Err(why) => certificate.tube_refused = Some(why.to_string()),
+        }
+    }
+    gains.certificate = Some(certificate);
+    let coupled = coupled_along(study, &gains)?;
+    if let Some(certificate) = &mut gains.certificate {
+        certificate.coupled = coupled;
+    }
+    find_moving(&mut gains, arm);
+    Ok(Outcome::Designed(Box::new(gains)))
+}
