@@ -34,7 +34,9 @@ pub(crate) fn derived(folder: &Path) -> Result<String, Violation> {
     let Some(tube) = verified.tube else { return Ok("no tube".to_owned()) };
     Ok(match tube.on_trust {
         Some(why) => format!("on trust: {why}"),
-        None if tube.joints.iter().all(|joint| joint.confirmed()) => "confirmed".to_owned(),
+        None if tube.joints.iter().all(phihat_certificate::tube::JointBeside::confirmed) => {
+            "confirmed".to_owned()
+        }
         None => "first derivation tighter".to_owned(),
     })
 }

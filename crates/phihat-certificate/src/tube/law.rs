@@ -32,13 +32,21 @@ pub(super) struct Loop {
     filter: f64,
     late: usize,
     delay: usize,
-    /// The law is first asked at the second sample; the first command is none.
-    waits: bool,
-    /// The first command is the torque that held the arm before.
-    takes_over: bool,
+    begin: Begin,
     drive: Option<Drive>,
     sight: Option<Sight>,
     pub(super) size: usize,
+}
+
+/// What the first command is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Begin {
+    /// The law's.
+    AtOnce,
+    /// None: the law is first asked at the second sample.
+    OneLater,
+    /// The torque that held the arm before.
+    Held,
 }
 
 /// A drive's first-order lag.
@@ -105,8 +113,13 @@ impl Loop {
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,
             delay,
-            takes_over: study.world.held.is_some(),
-            waits: interface.kept && interface.profile.first_torque_max.is_some(),
+            begin: match &study.world.held {
+                Some(_) => Begin::Held,
+                None if interface.kept && interface.profile.first_torque_max.is_some() => {
+                    Begin::OneLater
+                }
+                None => Begin::AtOnce,
+            },
             size: 2 + ways + held + delay.max(1) + 1 + usize::from(drive.is_some()),
             drive,
             sight,
@@ -121,7 +134,7 @@ impl Loop {
 
     /// At which sample the law is first asked.
     pub(super) fn begins(&self) -> usize {
-        usize::from(self.waits)
+        usize::from(self.begin == Begin::OneLater)
     }
 
     /// Its state where a torque was commanded for long.
@@ -133,7 +146,7 @@ impl Loop {
 
     /// Acceleration that was fed forward with the torque before the first sample.
     pub(super) fn fed_at_first(&self, first: f64) -> f64 {
-        if self.takes_over { first } else { 0.0 }
+        if self.begin == Begin::Held { first } else { 0.0 }
     }
 
     fn memory(&self) -> usize {
@@ -208,7 +221,7 @@ impl Loop {
         wanted: Wanted,
     ) -> f64 {
         let (e, de) = (y - wanted.q, v - wanted.dq);
-        if first && self.takes_over {
+        if first && self.begin == Begin::Held {
             self.resume(held, (e, de), wanted);
             return wanted.held;
         }

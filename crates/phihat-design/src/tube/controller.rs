@@ -325,8 +325,9 @@ impl<const W: usize> JointState<W> {
                     let rest = joint.on_error[0] * e + joint.on_error[1] * de;
                     let phi = wanted + kd * de + kp * e;
                     let highest = self.memory.iter_mut().zip(&joint.on_memory).next_back();
-                    let (memory, factor) = highest.expect("an estimator has a memory");
-                    memory[c] = (-phi - rest) / factor;
+                    if let Some((memory, factor)) = highest {
+                        memory[c] = (-phi - rest) / factor;
+                    }
                 }
                 (None, _) => self.memory[0][c] = inertia * (wanted + kd * de + kp * e),
             }
