@@ -6,7 +6,7 @@
 use std::hint::black_box;
 
 use phihat_model::Robot;
-use phihat_rivals::{All, DesignedJoint, RIVALS, Supply, Tuning, rival};
+use phihat_rivals::{All, DesignedJoint, DesignedPosition, RIVALS, Supply, Tuning, rival};
 
 /// Positions and velocities that keep changing, made of nothing that costs much beside an update.
 fn triangle(k: u32, joint: usize) -> (f64, f64) {
@@ -22,12 +22,22 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let center = &robot.poses["ready"];
     let inertia = robot.inertia_range(20, 1).mean;
     let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
+    let positions = |m: &f64| DesignedPosition {
+        inertia: *m,
+        kp: 400.0,
+        kd: 40.0,
+        correction: vec![0.271, 28.5, -1000.0],
+        share: 0.5,
+    };
     let supply = Supply {
+        designed_positions: Ok(inertia.iter().map(positions).collect()),
         designed: Ok(inertia.iter().map(first_order).collect()),
         inertia,
         model: model.with_masses_times(0.8).unwrap(),
         viscous: vec![0.1; n],
         torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
+        torque_rate_max: None,
+        delay_samples: 1,
         task_period: Some(5.0),
         tip: robot.tip.clone(),
         orbit: None,
@@ -50,8 +60,17 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
         }
         let acted = tau.clone();
         let (q, dq, q_d) = (black_box(&q[..]), black_box(&dq[..]), black_box(&q_d[..]));
-        let all =
-            All { q, dq, tau: &acted, clipped: &clipped, q_d, dq_d: dq, ddq_d: black_box(&ddq_d) };
+        let ddq_d = black_box(&ddq_d[..]);
+        let all = All {
+            q,
+            dq,
+            tau: &acted,
+            clipped: &clipped,
+            q_d,
+            dq_d: dq,
+            ddq_d,
+            ddq_d_acting: ddq_d,
+        };
         match &mut running {
             Some(running) => running.update(&all, &mut tau),
             None => _ = black_box(&all),

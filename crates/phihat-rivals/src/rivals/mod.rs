@@ -24,6 +24,7 @@ mod park_chung;
 mod pd;
 mod pd_gravity;
 mod pd_plus;
+mod positions;
 mod prescribed_performance;
 mod proposed;
 mod proposed_designed;
@@ -76,6 +77,9 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<proposed::First>(),
     Entry::of::<proposed::Second>(),
     Entry::of::<proposed_designed::ProposedDesigned>(),
+    Entry::of::<positions::First>(),
+    Entry::of::<positions::Second>(),
+    Entry::of::<positions::ByDesign>(),
 ];
 
 /// The rival of an id.
