@@ -35,7 +35,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// A bound on the error or a window: the certificates of these laws are `phihat design`'s, of a study and its own motion.
+/// An inertia window in a closed form. The comparison finds a bound on the error by peak gains of the sampled loop, as for the
+/// paper's law; the tube of `phihat design` belongs to one motion.
 ///
 /// # References
 ///
@@ -105,24 +106,34 @@ const SLOW_POLE: Scalar = Scalar {
     high: 200.0,
 };
 
+/// The law from positions of a row with free scalars, at unit inertia; `None` where the row, or the number of values, is another.
+pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPosition> {
+    let (scalars, slow) = match (id, values) {
+        ("proposed-positions-1", [scalars @ ..]) => (scalars, None),
+        ("proposed-positions-2", [scalars @ .., slow]) => (scalars, Some(*slow)),
+        _ => return None,
+    };
+    let &[omega, zeta, real, pair, damping, hz] = scalars else { return None };
+    let [kp, kd] = outer_gains(omega, zeta);
+    let mut poles = vec![Poles::Real(real), Poles::Pair([pair, damping])];
+    poles.extend(slow.map(Poles::Real));
+    let share = -(-TAU * hz * period).exp_m1();
+    Some(DesignedPosition { inertia: 1.0, kp, kd, correction: correction(&poles, period), share })
+}
+
 impl FromPositions {
-    /// The same law for every joint.
+    /// The same law for every joint: a row's with its values.
     fn shared(
+        id: &str,
         tuning: &Tuning,
-        (inertia, drives): (Inertia, Drives),
-        [omega, zeta, hz]: [f64; 3],
-        poles: &[Poles],
+        values: &[f64],
+        (inertia, drives): &(Inertia, Drives),
     ) -> Result<Self, Refusal> {
-        let [kp, kd] = outer_gains(omega, zeta);
-        let period = tuning.period();
-        let correction = correction(poles, period);
-        let share = -(-TAU * hz * period).exp_m1();
-        let joint = |inertia: &f64| {
-            let (inertia, correction) = (*inertia, correction.clone());
-            DesignedPosition { inertia, kp, kd, correction, share }
-        };
+        let law = position_law(id, values, tuning.period());
+        let law = law.ok_or_else(|| Refusal::Tuning(format!("{id} has no law of these values")))?;
+        let joint = |inertia: &f64| DesignedPosition { inertia: *inertia, ..law.clone() };
         let joints: Vec<_> = inertia.values().iter().map(joint).collect();
-        Self::of(&joints, &drives, period)
+        Self::of(&joints, drives, tuning.period())
     }
 
     /// The law of every joint by itself, sampled every `period` \[s\].
@@ -184,9 +195,8 @@ impl Rival for First {
     type Knows = (Inertia, Drives);
 
     fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
-        let [omega, zeta, real, pair, damping, hz] = tuning.values()?;
-        let poles = [Poles::Real(real), Poles::Pair([pair, damping])];
-        FromPositions::shared(tuning, knows, [omega, zeta, hz], &poles).map(Self)
+        let values: [f64; 6] = tuning.values()?;
+        FromPositions::shared(Self::CARD.id, tuning, &values, &knows).map(Self)
     }
 
     fn update(
@@ -222,9 +232,8 @@ impl Rival for Second {
     type Knows = (Inertia, Drives);
 
     fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
-        let [omega, zeta, real, pair, damping, hz, slow] = tuning.values()?;
-        let poles = [Poles::Real(real), Poles::Pair([pair, damping]), Poles::Real(slow)];
-        FromPositions::shared(tuning, knows, [omega, zeta, hz], &poles).map(Self)
+        let values: [f64; 7] = tuning.values()?;
+        FromPositions::shared(Self::CARD.id, tuning, &values, &knows).map(Self)
     }
 
     fn update(
