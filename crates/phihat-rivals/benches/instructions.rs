@@ -14,6 +14,12 @@ fn triangle(k: u32, joint: usize) -> (f64, f64) {
     if phase < 2.0 { (0.1 * (phase - 1.0), 0.1) } else { (0.1 * (3.0 - phase), -0.1) }
 }
 
+/// A law from positions of order 1.
+fn position(inertia: &f64) -> DesignedPosition {
+    let correction = vec![0.271, 28.5, -1000.0];
+    DesignedPosition { inertia: *inertia, kp: 400.0, kd: 40.0, correction, share: 0.5 }
+}
+
 /// The sum of all torques \[N·m\]; `None` where the rival does not apply.
 fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let robot = Robot::named(robot).unwrap();
@@ -22,15 +28,8 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let center = &robot.poses["ready"];
     let inertia = robot.inertia_range(20, 1).mean;
     let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
-    let positions = |m: &f64| DesignedPosition {
-        inertia: *m,
-        kp: 400.0,
-        kd: 40.0,
-        correction: vec![0.271, 28.5, -1000.0],
-        share: 0.5,
-    };
     let supply = Supply {
-        designed_positions: Ok(inertia.iter().map(positions).collect()),
+        designed_positions: Ok(inertia.iter().map(position).collect()),
         designed: Ok(inertia.iter().map(first_order).collect()),
         inertia,
         model: model.with_masses_times(0.8).unwrap(),

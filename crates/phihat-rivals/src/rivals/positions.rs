@@ -109,7 +109,7 @@ const SLOW_POLE: Scalar = Scalar {
 /// The law from positions of a row with free scalars, at unit inertia; `None` where the row, or the number of values, is another.
 pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPosition> {
     let (scalars, slow) = match (id, values) {
-        ("proposed-positions-1", [scalars @ ..]) => (scalars, None),
+        ("proposed-positions-1", scalars) => (scalars, None),
         ("proposed-positions-2", [scalars @ .., slow]) => (scalars, Some(*slow)),
         _ => return None,
     };
