@@ -49,7 +49,8 @@ fn notes() -> Vec<String> {
          study's to foresee; other laws get it at the sample. Their tuning begins at ADRC's default poles. A law per joint \
          has too many scalars for this tuner: that row has the gains of least error that the design of this project reckons \
          for torque steps of the cap on noise, as far as the encoder makes them, from the range of inertia and the load \
-         along the study's own motion, without a tube. Other laws have one set of gains for all joints: what it gains from \
+         along the study's own motion, without a tube; that clause is for the worst step, and the cap for the mean, so that this \
+         row uses about a quarter of the cap. Other laws have one set of gains for all joints: what it gains from \
          a law per joint, they were not offered.",
         "A law with more free scalars gets no more evaluations: a law with many may be better than its row. \
          Where an author's tuning procedure is not a choice of scalars, it is not followed.",
