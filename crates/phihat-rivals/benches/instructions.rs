@@ -15,9 +15,9 @@ fn triangle(k: u32, joint: usize) -> (f64, f64) {
 }
 
 /// A law from positions of order 1.
-fn position(inertia: &f64) -> DesignedPosition {
+fn position(inertia: f64) -> DesignedPosition {
     let correction = vec![0.271, 28.5, -1000.0];
-    DesignedPosition { inertia: *inertia, kp: 400.0, kd: 40.0, correction, share: 0.5 }
+    DesignedPosition { inertia, kp: 400.0, kd: 40.0, correction, share: 0.5 }
 }
 
 /// The sum of all torques \[N·m\]; `None` where the rival does not apply.
@@ -29,7 +29,7 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let inertia = robot.inertia_range(20, 1).mean;
     let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
     let supply = Supply {
-        designed_positions: Ok(inertia.iter().map(position).collect()),
+        designed_positions: Ok(inertia.iter().copied().map(position).collect()),
         designed: Ok(inertia.iter().map(first_order).collect()),
         inertia,
         model: model.with_masses_times(0.8).unwrap(),
