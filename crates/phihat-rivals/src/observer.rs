@@ -95,8 +95,6 @@ fn shifted(row: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{Poles, correction};
     use nalgebra::DMatrix;
 
