@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
 use phihat_rivals::{All, Curve, Refusal, Running, Supply};
-use phihat_sim::{Driver, Moment, Motion as PlannedMotion};
+use phihat_sim::{Driver, Moment, Motion as PlannedMotion, SimError};
 use phihat_study::{Reference, Study};
 
 /// Link masses of the nominal model over the arm's.
@@ -15,7 +15,9 @@ pub const NOMINAL_MASSES: f64 = 0.8;
 pub struct Adapter {
     rival: Box<dyn Running>,
     measured: [Vec<f64>; 3],
-    wanted: [Vec<f64>; 3],
+    wanted: [Vec<f64>; 4],
+    /// The motion with preview, for a rival that is told of it.
+    ahead: Option<PlannedMotion>,
     clipped: Vec<bool>,
     broken: Broken,
 }
@@ -24,9 +26,22 @@ pub struct Adapter {
 pub(crate) type Broken = Arc<OnceLock<(f64, usize)>>;
 
 impl Adapter {
-    /// Puts a rival for `joints` joints behind the simulator's seam.
+    /// Puts a rival for `joints` joints behind the simulator's seam. What will be wanted where a torque acts is for it what is
+    /// wanted now: see [`Adapter::with_preview`].
     pub fn new(rival: Box<dyn Running>, joints: usize) -> Box<Self> {
         Self::watched(rival, joints, Broken::default())
+    }
+
+    /// A rival that is told of the reference's acceleration where its torques will act, behind the study's delay.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError`]: the arm cannot follow the study's reference.
+    pub fn with_preview(self: Box<Self>, study: &Study) -> Result<Box<Self>, SimError> {
+        let mut seeing = study.clone();
+        seeing.control.preview = true;
+        let ahead = Some(PlannedMotion::of(&seeing)?);
+        Ok(Box::new(Self { ahead, ..*self }))
     }
 
     /// An adapter that writes into `broken` when the rival first gives a torque that is no number.
@@ -35,7 +50,8 @@ impl Adapter {
         Box::new(Self {
             rival,
             measured: [zero(), zero(), zero()],
-            wanted: [zero(), zero(), zero()],
+            wanted: [zero(), zero(), zero(), zero()],
+            ahead: None,
             clipped: vec![false; joints],
             broken,
         })
@@ -51,15 +67,18 @@ impl Driver for Adapter {
             for (column, value) in self.measured.iter_mut().zip(columns) {
                 column[i] = value;
             }
-            for (column, value) in self.wanted.iter_mut().zip([wanted.q, wanted.dq, wanted.ddq]) {
+            let acting = self.ahead.as_ref().map_or(wanted.ddq, |m| m.told(i, moment.t)[2]);
+            let columns = [wanted.q, wanted.dq, wanted.ddq, acting];
+            for (column, value) in self.wanted.iter_mut().zip(columns) {
                 column[i] = value;
             }
             let status = moment.last[i].status;
             self.clipped[i] = status.saturated || status.rate_limited;
         }
         let [q, dq, acted] = &self.measured;
-        let [q_d, dq_d, ddq_d] = &self.wanted;
-        let all = All { q, dq, tau: acted, clipped: &self.clipped, q_d, dq_d, ddq_d };
+        let [q_d, dq_d, ddq_d, ddq_d_acting] = &self.wanted;
+        let (tau_acted, clipped) = (acted, &self.clipped);
+        let all = All { q, dq, tau: tau_acted, clipped, q_d, dq_d, ddq_d, ddq_d_acting };
         self.rival.update(&all, tau);
         if let Some(joint) = tau.iter().position(|tau| !tau.is_finite()) {
             // Only the first counts.
@@ -85,11 +104,18 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         model: model.with_masses_times(masses)?,
         viscous: viscous.enumerate().map(known).collect(),
         torque_max: study.control.torque_max.clone(),
+        torque_rate_max: study.control.torque_rate_max.clone(),
+        delay_samples: study.control.delay_samples,
         task_period: period(&study.reference),
         tip: robot.tip.clone(),
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
-        designed: Err(Refusal::NotApplicable("no gains were designed for this arm".to_owned())),
+        designed: Err(not_designed()),
+        designed_positions: Err(not_designed()),
     })
+}
+
+fn not_designed() -> Refusal {
+    Refusal::NotApplicable("no gains were designed for this arm".to_owned())
 }
 
 /// One turn of a study's reference, after its start.

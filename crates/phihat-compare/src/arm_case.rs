@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
-use phihat_rivals::{Entry, Refusal, Supply};
+use phihat_rivals::{DesignedPosition, Entry, Refusal, Supply};
 use phihat_sim::Motion;
 use phihat_study::Study;
 use toml::Table;
@@ -14,6 +14,7 @@ use crate::adapter::{NOMINAL_MASSES, supply};
 use crate::error::CompareError;
 use crate::motion::MotionRange;
 use crate::proposed_law::{NotDesigned, ProposedLaw};
+use crate::proposed_positions::designed_positions;
 use crate::record::ArmRecord;
 
 /// An arm: its study, and what follows from it before any run.
@@ -38,6 +39,7 @@ pub struct ArmCase {
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
+    designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
 }
 
 impl ArmCase {
@@ -84,6 +86,7 @@ impl ArmCase {
             error_bound,
             limits,
             designed: OnceLock::new(),
+            designed_positions: OnceLock::new(),
             study,
         })
     }
@@ -98,9 +101,10 @@ impl ArmCase {
         self.designed.get_or_init(|| ProposedLaw::designed(&self.study).map_err(Arc::new))
     }
 
-    /// The proposed law with the values of a row, where the row's law is the proposed one under whatever name.
+    /// The paper's law with the values of a row, where the row's law is the paper's under whatever name; that from positions is
+    /// another.
     pub(crate) fn proposed(&self, entry: &Entry, values: &[f64]) -> Option<ProposedLaw> {
-        if entry.needs.designed {
+        if entry.needs.designed && !entry.needs.preview {
             return self.designed().as_ref().ok().cloned();
         }
         ProposedLaw::with(entry.card.id, values, &self.units, self.ratio)
@@ -113,7 +117,12 @@ impl ArmCase {
     /// [`ModelError`]: the nominal model cannot be made.
     pub(crate) fn supply(&self, entry: &Entry, study: &Study) -> Result<Supply, ModelError> {
         let mut supply = supply(study, &self.units, NOMINAL_MASSES)?;
-        if entry.needs.designed {
+        if entry.needs.designed && entry.needs.preview {
+            let found = || designed_positions(&self.study, &self.limits).map_err(Arc::new);
+            let designed = self.designed_positions.get_or_init(found).clone();
+            supply.designed_positions =
+                designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+        } else if entry.needs.designed {
             let designed = self.designed().as_ref().map(ProposedLaw::joints);
             supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
         }

@@ -28,6 +28,7 @@ mod prepare;
 mod promise;
 mod proposed_claims;
 mod proposed_law;
+mod proposed_positions;
 mod record;
 mod repeat;
 mod row;

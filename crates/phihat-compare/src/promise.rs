@@ -6,6 +6,7 @@ use phihat_study::Study;
 
 use crate::arm_case::ArmCase;
 use crate::mark::Mark;
+use crate::proposed_claims::position_bound;
 use crate::row::ConditionRecord;
 
 /// What is declared of an arm in a study before its run, `demand` along its reference.
@@ -42,6 +43,10 @@ pub(crate) fn bound(
     }
     if let Some(law) = arm.proposed(entry, values) {
         return law.bound(study, &demand);
+    }
+    if entry.needs.preview {
+        let law = (entry.card.id, values);
+        return position_bound(law, (&arm.units, arm.ratio), study, &demand);
     }
     let period = study.control.period_ns as f64 * 1e-9;
     let tuning = Tuning::new(values, &arm.units, period).ok()?;

@@ -1,9 +1,11 @@
 //! What is promised of the law of this project before a run: a bound on its error, a certificate of optimality.
 
-use phihat_design::JointRecord;
+use phihat::Form;
 use phihat_design::claims::{Attenuation, Optimality};
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks, TorqueNoise};
+use phihat_design::{JointRecord, PositionObserver};
+use phihat_rivals::position_law;
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -13,22 +15,31 @@ use crate::proposed_law::ProposedLaw;
 /// Inertia ratios at which the sampled loop's gains are found.
 const RATIOS: u32 = 9;
 
-impl ProposedLaw {
+/// One law for all joints, at unit inertia, and the arm that it is held against.
+struct Shared<'a> {
+    record: JointRecord,
+    form: Form,
+    /// `M̄` \[kg·m²\] per joint.
+    inertia: &'a [f64],
+    /// Eigenvalues of `M̄^{-1/2} M M̄^{-1/2}` over postures and payloads.
+    ratio: [f64; 2],
+}
+
+impl Shared<'_> {
     /// Largest |e| \[rad\] per joint that is promised before the run, over the arm's range of inertia; `None`
     /// where the sampled loop is unstable somewhere in it.
     ///
     /// ```text
     /// |e| ≤ (ramp |φ̇| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
     /// ```
-    pub(crate) fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
-        let record = self.record();
+    fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
         let mut known: Vec<(LoopModel, Gains)> = Vec::new();
         let joint = |i: usize| {
-            let model = LoopModel::from_study(study, i);
+            let model = LoopModel { form: self.form, ..LoopModel::from_study(study, i) };
             let seen = known.iter().find(|(other, _)| *other == model).map(|(_, found)| *found);
             let found = match seen {
                 Some(found) => found,
-                None => Gains::find(&record, &model, (self.ratio[0], self.ratio[1]))?,
+                None => Gains::find(&self.record, &model, (self.ratio[0], self.ratio[1]))?,
             };
             known.push((model, found));
             let (acceleration, jerk) = demand.motion(i);
@@ -41,6 +52,40 @@ impl ProposedLaw {
             Some(load / self.inertia[i] + found.reading * 0.5 * quantum + moved)
         };
         (0..self.inertia.len()).map(joint).collect()
+    }
+}
+
+/// What is promised of a row of the law from positions with one law for all joints, of nominal inertia `inertia` \[kg·m²\] and
+/// `ratio` over it; `None` for other rows, and where the loop is unstable somewhere. Laws that differ from joint to joint do not
+/// separate by eigenvalues of the inertia: nothing is promised of them without a tube.
+pub(crate) fn position_bound(
+    (id, values): (&str, &[f64]),
+    (inertia, ratio): (&[f64], [f64; 2]),
+    study: &Study,
+    demand: &Demand,
+) -> Option<Vec<f64>> {
+    let law = position_law(id, values, study.control.period_ns as f64 * 1e-9)?;
+    let observer = PositionObserver {
+        correction: law.correction,
+        share: law.share,
+        delay_samples: study.control.delay_samples,
+    };
+    let record = JointRecord {
+        name: String::new(),
+        inertia_kg_m2: 1.0,
+        kp_per_s2: law.kp,
+        kd_per_s: law.kd,
+        a: Vec::new(),
+        observer: Some(observer),
+    };
+    Shared { record, form: Form::Positions, inertia, ratio }.bound(study, demand)
+}
+
+impl ProposedLaw {
+    /// Largest |e| \[rad\] per joint that is promised before the run; `None` where the sampled loop is unstable somewhere.
+    pub(crate) fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
+        let (record, inertia, ratio) = (self.record(), &self.inertia[..], self.ratio);
+        Shared { record, form: study.control.form, inertia, ratio }.bound(study, demand)
     }
 
     fn record(&self) -> JointRecord {

@@ -44,7 +44,10 @@ pub(crate) fn run(
     let supply = arm.supply(entry, study)?;
     let rival = entry.build(&tuning, &supply)?;
     let broken = Broken::default();
-    let driver = Adapter::watched(rival, arm.joints(), Arc::clone(&broken));
+    let mut driver = Adapter::watched(rival, arm.joints(), Arc::clone(&broken));
+    if entry.needs.preview {
+        driver = driver.with_preview(study)?;
+    }
     let mut outcome = Simulation::driven(study, driver, &arm.units)?.run(|_| ());
     if untimed(entry) {
         transversal(&mut outcome.trace, &supply)?;

@@ -6,12 +6,18 @@
 use std::hint::black_box;
 
 use phihat_model::Robot;
-use phihat_rivals::{All, DesignedJoint, RIVALS, Supply, Tuning, rival};
+use phihat_rivals::{All, DesignedJoint, DesignedPosition, RIVALS, Supply, Tuning, rival};
 
 /// Positions and velocities that keep changing, made of nothing that costs much beside an update.
 fn triangle(k: u32, joint: usize) -> (f64, f64) {
     let phase = (f64::from(k) * 2e-3 + 0.3 * joint as f64) % 4.0;
     if phase < 2.0 { (0.1 * (phase - 1.0), 0.1) } else { (0.1 * (3.0 - phase), -0.1) }
+}
+
+/// A law from positions of order 1.
+fn position(inertia: f64) -> DesignedPosition {
+    let correction = vec![0.271, 28.5, -1000.0];
+    DesignedPosition { inertia, kp: 400.0, kd: 40.0, correction, share: 0.5 }
 }
 
 /// The sum of all torques \[N·m\]; `None` where the rival does not apply.
@@ -23,11 +29,14 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let inertia = robot.inertia_range(20, 1).mean;
     let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
     let supply = Supply {
+        designed_positions: Ok(inertia.iter().copied().map(position).collect()),
         designed: Ok(inertia.iter().map(first_order).collect()),
         inertia,
         model: model.with_masses_times(0.8).unwrap(),
         viscous: vec![0.1; n],
         torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
+        torque_rate_max: None,
+        delay_samples: 1,
         task_period: Some(5.0),
         tip: robot.tip.clone(),
         orbit: None,
@@ -50,8 +59,17 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
         }
         let acted = tau.clone();
         let (q, dq, q_d) = (black_box(&q[..]), black_box(&dq[..]), black_box(&q_d[..]));
-        let all =
-            All { q, dq, tau: &acted, clipped: &clipped, q_d, dq_d: dq, ddq_d: black_box(&ddq_d) };
+        let ddq_d = black_box(&ddq_d[..]);
+        let all = All {
+            q,
+            dq,
+            tau: &acted,
+            clipped: &clipped,
+            q_d,
+            dq_d: dq,
+            ddq_d,
+            ddq_d_acting: ddq_d,
+        };
         match &mut running {
             Some(running) => running.update(&all, &mut tau),
             None => _ = black_box(&all),

@@ -3,7 +3,7 @@
 use crate::error::Refusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
-use crate::supply::{DesignedJoint, Supply};
+use crate::supply::{DesignedJoint, DesignedPosition, Supply};
 
 /// No knowledge of the arm.
 #[derive(Debug, Clone, Copy)]
@@ -104,5 +104,52 @@ impl Knows for Designed {
     const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
     fn of(supply: &Supply) -> Result<Self, Refusal> {
         supply.designed.clone().map(Self)
+    }
+}
+
+/// The same for laws from positions, a law per joint.
+#[derive(Debug, Clone)]
+pub struct DesignedPositions(Vec<DesignedPosition>);
+
+impl DesignedPositions {
+    /// One entry per joint.
+    pub fn joints(&self) -> &[DesignedPosition] {
+        &self.0
+    }
+}
+
+impl Knows for DesignedPositions {
+    const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        supply.designed_positions.clone().map(Self)
+    }
+}
+
+/// When a torque acts, and which torques do: the loop around a law.
+#[derive(Debug, Clone)]
+pub struct Drives {
+    delay: u32,
+    most: Option<Vec<f64>>,
+    rate: Option<Vec<f64>>,
+}
+
+impl Drives {
+    /// Samples from a torque's command to its acting.
+    pub fn delay(&self) -> u32 {
+        self.delay
+    }
+
+    /// Largest torque \[N·m\] and largest change of it \[N·m/s\] of a joint, where it has such limits.
+    pub fn limits(&self, joint: usize) -> (Option<f64>, Option<f64>) {
+        let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(joint)).copied();
+        (of(&self.most), of(&self.rate))
+    }
+}
+
+impl Knows for Drives {
+    const NEEDS: Needs = Needs { delay: true, limits: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        let (most, rate) = (supply.torque_max.clone(), supply.torque_rate_max.clone());
+        Ok(Self { delay: supply.delay_samples, most, rate })
     }
 }

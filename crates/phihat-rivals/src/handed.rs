@@ -21,6 +21,8 @@ pub struct All<'a> {
     pub dq_d: &'a [f64],
     /// Desired acceleration \[rad/s²\].
     pub ddq_d: &'a [f64],
+    /// Mean of the desired acceleration over the interval in which the torque of this sample will act \[rad/s²\].
+    pub ddq_d_acting: &'a [f64],
 }
 
 /// Measurements that a rival takes.

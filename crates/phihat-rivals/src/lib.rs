@@ -39,6 +39,7 @@ mod math;
 mod measured;
 mod needs;
 mod nominal;
+mod observer;
 mod orbit;
 mod planar;
 mod regressor;
@@ -52,10 +53,11 @@ mod tuning;
 pub use card::{Card, Grade, Tick, Ticks};
 pub use claim::{Condition, DeclaredArm};
 pub use error::Refusal;
-pub use facts::{Designed, Inertia, Nothing, Period, TorqueMax};
+pub use facts::{Designed, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax};
 pub use handed::{All, Knows, Sees, Wants};
 pub use measured::{
-    Acceleration, Motion, MotionAndTorque, NoReference, Positions, PositionsAndTorque, Velocity,
+    Acceleration, Motion, MotionAndTorque, NoReference, Positions, PositionsAndTorque, Preview,
+    Velocity,
 };
 pub use needs::Needs;
 pub use nominal::{Gravity, Nominal, Viscous};
@@ -63,6 +65,6 @@ pub use orbit::Orbit;
 pub use planar::{LINKS, Planar, Tip};
 pub use regressor::Regressor;
 pub use rival::{Entry, Rival, Running};
-pub use rivals::{RIVALS, rival};
-pub use supply::{Curve, DesignedJoint, Supply};
+pub use rivals::{RIVALS, position_law, rival};
+pub use supply::{Curve, DesignedJoint, DesignedPosition, Supply};
 pub use tuning::{Scalar, Tuning};

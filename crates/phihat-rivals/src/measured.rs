@@ -59,6 +59,17 @@ pub struct Acceleration<'a> {
     pub ddq: &'a [f64],
 }
 
+/// The desired position, velocity and acceleration, the last one known in advance.
+#[derive(Debug, Clone, Copy)]
+pub struct Preview<'a> {
+    /// \[rad\]
+    pub q: &'a [f64],
+    /// \[rad/s\]
+    pub dq: &'a [f64],
+    /// Mean over the interval in which the torque of this sample will act \[rad/s²\].
+    pub ddq_acting: &'a [f64],
+}
+
 /// The clock alone: a rival that follows an orbit and not a time.
 #[derive(Debug, Clone, Copy)]
 pub struct NoReference;
@@ -102,6 +113,13 @@ impl<'a> Wants<'a> for Acceleration<'a> {
     const NEEDS: Needs = Needs { derivatives: 2, ..Needs::NONE };
     fn of(all: &All<'a>) -> Self {
         Self { q: all.q_d, dq: all.dq_d, ddq: all.ddq_d }
+    }
+}
+
+impl<'a> Wants<'a> for Preview<'a> {
+    const NEEDS: Needs = Needs { derivatives: 2, preview: true, ..Needs::NONE };
+    fn of(all: &All<'a>) -> Self {
+        Self { q: all.q_d, dq: all.dq_d, ddq_acting: all.ddq_d_acting }
     }
 }
 

@@ -14,6 +14,10 @@ pub struct Needs {
     pub torque: bool,
     /// Derivatives of the reference, 0 to 2.
     pub derivatives: u8,
+    /// The reference's acceleration in the interval in which the torque of a sample will act.
+    pub preview: bool,
+    /// The loop's delay, in samples.
+    pub delay: bool,
     /// One nominal inertia per joint, in the law itself.
     pub inertia: bool,
     /// Gains that were designed for the arm's range of inertia and a bound on its load.
@@ -42,6 +46,8 @@ impl Needs {
         velocity: false,
         torque: false,
         derivatives: 0,
+        preview: false,
+        delay: false,
         inertia: false,
         designed: false,
         friction: false,
@@ -63,6 +69,8 @@ impl Needs {
             velocity: self.velocity || other.velocity,
             torque: self.torque || other.torque,
             derivatives,
+            preview: self.preview || other.preview,
+            delay: self.delay || other.delay,
             inertia: self.inertia || other.inertia,
             designed: self.designed || other.designed,
             friction: self.friction || other.friction,
@@ -91,6 +99,8 @@ impl fmt::Display for Needs {
             (self.torque, "applied torque"),
             (self.derivatives == 1, "reference to velocity"),
             (self.derivatives == 2, "reference to acceleration"),
+            (self.preview, "preview of it"),
+            (self.delay, "delay"),
             (self.inertia, "inertia per joint"),
             (self.designed, "designed gains"),
             (self.friction, "friction per joint"),

@@ -18,6 +18,10 @@ pub struct Supply {
     pub viscous: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub torque_max: Option<Vec<f64>>,
+    /// Limits on the change of torque \[N·m/s\] per joint.
+    pub torque_rate_max: Option<Vec<f64>>,
+    /// Samples from a torque's command to its acting.
+    pub delay_samples: u32,
     /// The period of the task \[s\].
     pub task_period: Option<f64>,
     /// The frame at the arm's tip.
@@ -26,6 +30,8 @@ pub struct Supply {
     pub orbit: Option<Arc<dyn Curve>>,
     /// The gains that this project's design gives for the arm's specification; or why there are none.
     pub designed: Result<Vec<DesignedJoint>, Refusal>,
+    /// The same for laws from positions.
+    pub designed_positions: Result<Vec<DesignedPosition>, Refusal>,
 }
 
 impl Supply {
@@ -46,6 +52,21 @@ pub struct DesignedJoint {
     pub kd: f64,
     /// Estimator coefficients `a_0 … a_{m−1}`, `a_i` in \[1/s^(m−i)\].
     pub a: Vec<f64>,
+}
+
+/// The law from positions of one joint, as it was designed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignedPosition {
+    /// Nominal inertia `M̄` \[kg·m²\].
+    pub inertia: f64,
+    /// `K_p` \[1/s²\].
+    pub kp: f64,
+    /// `K_d` \[1/s\].
+    pub kd: f64,
+    /// `ℓ` of [`PositionDesign`](phihat::PositionDesign).
+    pub correction: Vec<f64>,
+    /// `g`: share of the way to the wanted torque that is gone in one sample.
+    pub share: f64,
 }
 
 /// A closed path `q = Φ(θ)` in joint space, with the task's own speed: `θ` runs at 1 s/s.

@@ -21,6 +21,7 @@ fn answer(bench: &Bench, id: &str, values: &[f64], still: bool) -> Vec<f64> {
         q_d: &[0.4, 1.2, 0.6],
         dq_d: &dq_d,
         ddq_d: &ddq_d,
+        ddq_d_acting: &ddq_d,
     };
     let mut tau = zero.to_vec();
     built.update(&all, &mut tau);

@@ -238,7 +238,10 @@ fn published_gains_on_seven_joints() {
     }
 }
 
-const SECOND_HALF: [&str; 21] = [
+const SECOND_HALF: [&str; 24] = [
+    "proposed-positions-1",
+    "proposed-positions-2",
+    "proposed-positions-designed",
     "proposed-1",
     "proposed-2",
     "proposed-designed",

@@ -117,6 +117,7 @@ fn a_rival_is_handed_only_what_it_declares() {
             q_d: &zero,
             dq_d: &zero,
             ddq_d: &tau,
+            ddq_d_acting: &tau,
         };
         pd.update(&all, &mut out);
         answers.push(out.map(f64::to_bits));

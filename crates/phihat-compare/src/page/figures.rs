@@ -21,7 +21,8 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
         p.hint {
             "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among laws "
             "whose arm followed, and those within 0.5 % of it. Plain laws come first, then the paper's Table 1 in its order, other "
-            "laws, and the paper's own; with a script, a heading sorts. "
+            "laws, the paper's own, and this project's from positions; with a script, a heading sorts. "
+            "Torque noise is what the tuning caps: mean |τ_k − 2τ_{k−1} + τ_{k−2}|/√3 over the joint's torque limit, so that a smooth motion has next to none. "
             "Default gains are in “" a href="#traces" { "Every cell and its trace" } "”."
         }
         @if let Some(world) = first { (table(comparison, arm, world)) }

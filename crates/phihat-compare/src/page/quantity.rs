@@ -61,12 +61,16 @@ const fn row(
 const RUNS_TO_SPEC: &str = "runs to spec";
 
 /// Every column, in the order of the table.
-pub(super) const QUANTITIES: [Quantity; 12] = [
+pub(super) const QUANTITIES: [Quantity; 13] = [
     world(("rms error", "rms [mrad]"), "mrad", "the error over the whole motion", |f| {
         Some(MILLI * f.error_rms_rad)
     }),
     world(("largest error", "max [mrad]"), "mrad", "the largest error", |f| {
         Some(MILLI * f.error_max_rad)
+    }),
+    // What the cap of the tuning is about: what a smooth motion asks for is not in it.
+    world(("torque noise", "noise [%]"), "% of limit", "a torque without noise", |f| {
+        Some(100.0 * f.noise)
     }),
     world(("effort", "effort [%]"), "% of limit", "little torque", |f| Some(100.0 * f.effort)),
     world(("chatter", "chatter [N·m]"), "N·m", "a quiet drive", |f| Some(f.chatter_nm)),

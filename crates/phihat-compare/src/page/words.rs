@@ -15,7 +15,8 @@ pub const DEFAULTS: &str = "from the source where it prints some that could be u
                             tuning starts from them";
 
 /// Of a law whose gains are designed.
-pub const NOT_TUNED: &str = "no free scalar: they are `phihat design STUDY`'s for the specification, the same in every world";
+pub const NOT_TUNED: &str = "no free scalar: they are `phihat design STUDY`'s, for the specification or, from positions, for the \
+                             tuning's cap on noise as a torque step; the same in every world";
 
 /// Whether nothing can be chosen of a law: its gains are designed, and its runs have one kind of gains.
 pub(super) fn is_designed(rival: Option<&RivalRecord>) -> bool {

@@ -137,7 +137,16 @@ fn torque_difference(law: &UnitLaw, choi: [f64; 4], period: f64) -> Result<(f64,
         let [q, dq, q_d, dq_d, ddq_d] = [5.0, 7.0, 9.0, 11.0, 13.0].map(wave);
         let mut theirs = [0.0; 3];
         let (tau, clipped) = (&[0.0; 3], &[false; 3]);
-        let all = All { q: &q, dq: &dq, tau, clipped, q_d: &q_d, dq_d: &dq_d, ddq_d: &ddq_d };
+        let all = All {
+            q: &q,
+            dq: &dq,
+            tau,
+            clipped,
+            q_d: &q_d,
+            dq_d: &dq_d,
+            ddq_d: &ddq_d,
+            ddq_d_acting: &ddq_d,
+        };
         choi.update(&all, &mut theirs);
         for (i, state) in states.iter_mut().enumerate() {
             let measured = Measurement { q: q[i], dq: dq[i], tau_applied: 0.0 };

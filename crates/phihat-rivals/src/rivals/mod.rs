@@ -24,6 +24,7 @@ mod park_chung;
 mod pd;
 mod pd_gravity;
 mod pd_plus;
+mod positions;
 mod prescribed_performance;
 mod proposed;
 mod proposed_designed;
@@ -37,7 +38,8 @@ mod time_delay;
 mod ultra_local;
 mod yang;
 
-/// Every rival: plain laws, the rows of the paper's Table 1 in its order, other laws, and the paper's own, its last row.
+/// Every rival: plain laws, the rows of the paper's Table 1 in its order, other laws, the paper's own, its last row, and this
+/// project's law from positions.
 /// One line each.
 pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),
@@ -76,7 +78,12 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<proposed::First>(),
     Entry::of::<proposed::Second>(),
     Entry::of::<proposed_designed::ProposedDesigned>(),
+    Entry::of::<positions::First>(),
+    Entry::of::<positions::Second>(),
+    Entry::of::<positions::ByDesign>(),
 ];
+
+pub use positions::position_law;
 
 /// The rival of an id.
 pub fn rival(id: &str) -> Option<&'static Entry> {

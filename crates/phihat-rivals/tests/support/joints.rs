@@ -68,6 +68,7 @@ impl Joints {
                 q_d: &target,
                 dq_d: &zero,
                 ddq_d: &zero,
+                ddq_d_acting: &zero,
             };
             rival.update(&all, &mut tau);
             points.push(Point { t, e: q[0] - self.target, de: dq[0], tau: tau[0] });

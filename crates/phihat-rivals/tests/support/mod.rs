@@ -7,7 +7,9 @@ use core::f64::consts::TAU;
 use std::sync::Arc;
 
 use phihat_model::{Model, Robot, Workspace};
-use phihat_rivals::{All, Curve, DeclaredArm, DesignedJoint, Entry, Supply, Tuning};
+use phihat_rivals::{
+    All, Curve, DeclaredArm, DesignedJoint, DesignedPosition, Entry, Supply, Tuning,
+};
 
 /// Sample period \[s\].
 pub(crate) const PERIOD: f64 = 1e-3;
@@ -67,6 +69,18 @@ fn designed(inertia: &[f64]) -> Vec<DesignedJoint> {
     inertia.iter().map(joint).collect()
 }
 
+/// A law from positions as a design might give it: all observer poles at 0.9, torque half of the way in a sample.
+fn designed_positions(inertia: &[f64]) -> Vec<DesignedPosition> {
+    let joint = |m: &f64| DesignedPosition {
+        inertia: *m,
+        kp: 400.0,
+        kd: 40.0,
+        correction: vec![1.0 - 0.729, 0.0285 / PERIOD, -0.001 / (PERIOD * PERIOD)],
+        share: 0.5,
+    };
+    inertia.iter().map(joint).collect()
+}
+
 impl Bench {
     /// An arm of the project, upright, with friction; the nominal model has links of 0.8 times the mass and no
     /// dry friction. `center` of the motion is the pose `ready`, and the run starts on it.
@@ -80,10 +94,13 @@ impl Bench {
             model: plant.clone().with_masses_times(0.8).unwrap(),
             viscous: vec![0.1; n],
             torque_max: robot.joints.iter().map(|joint| joint.torque_max).collect(),
+            torque_rate_max: None,
+            delay_samples: 0,
             task_period: Some(6.17),
             tip: robot.tip.clone(),
             orbit: None,
             designed: Ok(designed(&range.mean)),
+            designed_positions: Ok(designed_positions(&range.mean)),
         };
         let center = robot.poses["ready"].clone();
         supply.orbit = Some(Arc::new(Sines { center: center.clone(), amplitude: 0.3 }));
@@ -162,6 +179,9 @@ impl Bench {
             let wanted: Vec<_> = (0..n).map(|i| self.reference(i, t)).collect();
             let part = |j: usize| -> Vec<f64> { wanted.iter().map(|w| w[j]).collect() };
             let (q_d, dq_d, ddq_d) = (part(0), part(1), part(2));
+            // What is commanded acts at once, over the sample.
+            let next = |i: usize| (self.reference(i, t + PERIOD)[1] - dq_d[i]) / PERIOD;
+            let ddq_d_acting: Vec<f64> = (0..n).map(next).collect();
             let mut tau = acted.clone();
             rival.update(
                 &All {
@@ -172,6 +192,7 @@ impl Bench {
                     q_d: &q_d,
                     dq_d: &dq_d,
                     ddq_d: &ddq_d,
+                    ddq_d_acting: &ddq_d_acting,
                 },
                 &mut tau,
             );
