@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phihat_design::tube::Desired;
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
-use phihat_sim::{Demand, Motion};
+use phihat_sim::{Demand, Motion, fed_along};
 use phihat_study::{PhiSource, Study};
 
 use crate::along::phi_along;
@@ -42,7 +42,13 @@ pub(crate) fn by_positions(
     path: &Path,
 ) -> Result<Outcome, SessionError> {
     let motion = Motion::of(study).map_err(|e| SessionError::at(path, e))?;
-    let desired = Desired::of(study, |joint, t| motion.told(joint, t));
+    let bare = Desired::of(study, |joint, t| motion.told(joint, t));
+    let told = |gains: &Gains| {
+        let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+        let samples = bare.q.len() / inertia.len().max(1);
+        let fed = fed_along(study, &motion, &inertia, samples);
+        Ok::<_, SessionError>(bare.clone().feeding(&fed.map_err(|e| SessionError::at(path, e))?))
+    };
     // For the search alone: the certificate of an arm with a description says nothing of φ.
     let phi = |joint: usize, inertia: f64| {
         let along = phi_along(demand, joint, inertia);
@@ -59,14 +65,15 @@ pub(crate) fn by_positions(
     for round in 0..ROUNDS {
         let Some((mut gains, _)) = search.laws(&shares) else { break };
         search.certify(&mut gains).map_err(refused)?;
+        let desired = told(&gains)?;
         let judged = judge(&free, &mut gains, &desired);
         let loudest = shares.iter().copied().fold(0.0, f64::max);
         let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
         let rank = Rank { armed, ..rank };
-        let better = best.as_ref().is_none_or(|(before, _)| rank.before(before));
-        let kept = best.as_ref().is_some_and(|(before, _)| before.kept);
-        stuck = if best.as_ref().is_none_or(|(before, _)| rank.gains_on(before)) {
+        let better = best.as_ref().is_none_or(|(before, _)| rank.beats(before, 0.0));
+        let kept = best.as_ref().is_some_and(|(before, _)| before.kept());
+        stuck = if best.as_ref().is_none_or(|(before, _)| rank.beats(before, 0.005)) {
             0
         } else {
             stuck + 1
@@ -89,6 +96,7 @@ pub(crate) fn by_positions(
     let best = best.filter(|(rank, _)| rank.armed);
     let Some((_, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
     if (0..shares.len()).any(|joint| study.limits(joint).1.is_some()) {
+        let desired = told(&gains)?;
         judge(study, &mut gains, &desired);
     }
     Ok(Outcome::Designed(Box::new(gains)))
@@ -105,35 +113,42 @@ fn without_rate_limits(study: &Study) -> Study {
 /// How good gains are.
 #[derive(Debug, Clone, Copy)]
 struct Rank {
-    /// Whether every claim holds without which the laws do not arm.
+    /// Whether no claim is refused.
     armed: bool,
-    /// Whether the tube keeps every clause.
-    kept: bool,
-    /// The largest share of a clause; infinite without a tube.
-    beyond: f64,
+    /// The largest share of an error that is allowed; infinite without a tube.
+    error: f64,
+    /// The largest share of a change of torque that is allowed.
+    loudest: f64,
     /// The largest share of the noise.
     noise: f64,
 }
 
 impl Rank {
-    /// Whether it is better by more than a tube's worth of rounding.
-    fn gains_on(&self, other: &Self) -> bool {
-        match (self.kept, other.kept) {
-            (true, true) => self.noise < 0.99 * other.noise,
-            (own, theirs) if own != theirs => own,
-            _ => self.beyond < 0.995 * other.beyond,
+    const UNKNOWN: Self =
+        Self { armed: true, error: f64::INFINITY, loudest: f64::INFINITY, noise: f64::INFINITY };
+
+    /// Whether the tube keeps every clause.
+    fn kept(&self) -> bool {
+        self.error <= 1.0 && self.loudest <= 1.0
+    }
+
+    /// What counts, the less the better, and how far it is gone: torque within its limits, then the error, then the noise.
+    fn stage(&self) -> (u8, f64) {
+        if !self.armed {
+            (0, self.loudest)
+        } else if self.kept() {
+            (3, self.noise)
+        } else if self.loudest <= 1.0 {
+            (2, self.error)
+        } else {
+            (1, self.loudest)
         }
     }
 
-    fn before(&self, other: &Self) -> bool {
-        if self.armed != other.armed {
-            return self.armed;
-        }
-        match (self.kept, other.kept) {
-            (true, true) => self.noise < other.noise,
-            (own, theirs) if own != theirs => own,
-            _ => self.beyond < other.beyond,
-        }
+    /// Whether it is better, by more than a share.
+    fn beats(&self, other: &Self, share: f64) -> bool {
+        let ((own, value), (theirs, others)) = (self.stage(), other.stage());
+        own > theirs || (own == theirs && value < (1.0 - share) * others)
     }
 }
 
@@ -144,7 +159,6 @@ fn next(
     judged: &Judged,
     (shares, noise): (&[f64], f64),
 ) -> (Rank, Option<Vec<f64>>) {
-    let unknown = Rank { armed: true, kept: false, beyond: f64::INFINITY, noise };
     let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
         let moved = shares.iter().enumerate();
         Some(moved.map(|(i, s)| (s * factor(i)).clamp(SHARES.0, SHARES.1)).collect())
@@ -152,8 +166,8 @@ fn next(
     let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
     let errors = match judged {
         // Stiffer laws close a tube sooner.
-        Judged::Open => return (unknown, to(&|_| 1.5)),
-        Judged::Unknown => return (unknown, None),
+        Judged::Open => return (Rank::UNKNOWN, to(&|_| 1.5)),
+        Judged::Unknown => return (Rank::UNKNOWN, None),
         Judged::Kept(shares) | Judged::Beyond(shares) => shares,
     };
     let period = study.control.period_ns as f64 * 1e-9;
@@ -168,12 +182,7 @@ fn next(
     let steps: Vec<f64> = (0..shares.len()).map(step).collect();
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let (error, loudest) = (most(errors), most(&steps));
-    let rank = Rank {
-        armed: true,
-        kept: error <= 1.0 && loudest <= 1.0,
-        beyond: error.max(loudest),
-        noise,
-    };
+    let rank = Rank { armed: true, error, loudest, noise };
     // All joints get stiffer where one has too much error, as far as each has room: they push each other.
     let needed = (1.03 * error).powf(1.0 / POWER);
     let factor = |i: usize| {

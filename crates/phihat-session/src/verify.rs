@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use phihat_certificate::tube::Reference;
 use phihat_certificate::{Certificate, Refutation, TubeAgain, Verified};
 use phihat_design::Gains;
-use phihat_sim::{Metrics, Motion};
+use phihat_sim::{Metrics, Motion, fed_along};
 use phihat_study::Study;
 
 use crate::design;
@@ -137,5 +137,8 @@ fn derived_tube(
     };
     let n = study.robot.joints.len();
     let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
+    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let Ok(fed) = fed_along(study, &motion, &inertia, reference.q.len()) else { return Ok(None) };
+    let reference = reference.feeding(&fed);
     certificate.derive_tube(gains, (study, &reference), share)
 }

@@ -6,6 +6,7 @@ use phihat_study::Study;
 use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
 use crate::error::SimError;
+use crate::feedforward::FeedForward;
 use crate::motion::Motion;
 use crate::sample::Sample;
 use crate::supervision::Supervised;
@@ -21,6 +22,8 @@ pub(crate) struct ControlSide {
     starts: bool,
     /// Whether the law takes over a torque at the next sample: that of `commands`.
     takes_over: bool,
+    /// What is fed forward, and what it is for this sample \[rad/s²\].
+    fed: Option<(FeedForward, Vec<f64>)>,
     echo: Option<Echo>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
@@ -29,9 +32,18 @@ pub(crate) struct ControlSide {
 /// Who computes the torques.
 #[derive(Debug)]
 enum Brain {
-    Law { gains: Vec<JointGains<f64>>, states: Vec<JointState<f64>> },
+    Law {
+        gains: Vec<JointGains<f64>>,
+        states: Vec<JointState<f64>>,
+        /// The references with what is fed forward beside them.
+        asked: Vec<Reference<f64>>,
+    },
     Supervised(Box<Supervised>),
-    Driver { driver: Box<dyn Driver>, limits: Vec<Limits<f64>>, tau: Vec<f64> },
+    Driver {
+        driver: Box<dyn Driver>,
+        limits: Vec<Limits<f64>>,
+        tau: Vec<f64>,
+    },
 }
 
 impl ControlSide {
@@ -42,14 +54,20 @@ impl ControlSide {
         motion: Motion,
     ) -> Result<Self, SimError> {
         let inertia = gains.iter().map(JointGains::inertia).collect();
+        let gains_count = gains.len();
         let limits = limits(study)?;
         let limited = gains.iter().zip(limits).map(|(gains, limits)| gains.with_limits(limits));
         let gains: Vec<_> = limited.collect();
         let brain = match study.supervisor.as_deref() {
             Some(request) => Brain::Supervised(Box::new(Supervised::new(study, request, &gains)?)),
-            None => Brain::Law { states: vec![JointState::new(); gains.len()], gains },
+            None => Brain::Law {
+                asked: Vec::with_capacity(gains.len()),
+                states: vec![JointState::new(); gains.len()],
+                gains,
+            },
         };
-        Ok(Self::with(study, brain, inertia, motion))
+        let fed = FeedForward::of(study)?.map(|fed| (fed, vec![0.0; gains_count]));
+        Ok(Self { fed, ..Self::with(study, brain, inertia, motion) })
     }
 
     /// Puts the study's torque limits behind a controller of somebody else's.
@@ -74,6 +92,7 @@ impl ControlSide {
             motion,
             starts: study.interface.kept && study.interface.profile.first_torque_max.is_some(),
             takes_over: false,
+            fed: None,
             echo: Echo::new(study),
             commands: vec![Command::default(); n],
         }
@@ -106,19 +125,25 @@ impl ControlSide {
         if !runs || first {
             return;
         }
+        if let Brain::Law { asked, .. } = &mut self.brain {
+            asked.clone_from(&self.references);
+            if let Some((fed, more)) = &mut self.fed {
+                fed.acceleration(&self.motion, t, &self.inertia, more);
+                asked.iter_mut().zip(more).for_each(|(wanted, more)| wanted.ddq += *more);
+            }
+        }
         match &mut self.brain {
-            Brain::Law { gains, states } if core::mem::take(&mut self.takes_over) => {
+            Brain::Law { gains, states, asked } if core::mem::take(&mut self.takes_over) => {
                 let joints = gains.iter().zip(states).zip(&mut self.commands);
                 for (i, ((gains, state), command)) in joints.enumerate() {
-                    let (m, wanted) = (&sample.joints[i], &self.references[i]);
+                    let (m, wanted) = (&sample.joints[i], &asked[i]);
                     // What is not finite is met by the law at the next sample.
                     gains.resume(state, m, wanted, command.tau);
                     *command = gains.limits().command(command.tau, command.tau);
                 }
             }
-            Brain::Law { gains, states } => {
-                let asked = (&sample.joints, &self.references);
-                update_joints(gains, states, asked.0, asked.1, &mut self.commands);
+            Brain::Law { gains, states, asked } => {
+                update_joints(gains, states, &sample.joints, asked, &mut self.commands);
             }
             // The reference waits where the arm does not track.
             Brain::Supervised(supervised) => {
@@ -132,6 +157,12 @@ impl ControlSide {
                 for ((command, limits), tau) in self.commands.iter_mut().zip(limits).zip(tau) {
                     *command = limits.command(*tau, command.tau);
                 }
+            }
+        }
+        if let Some((_, more)) = &self.fed {
+            // What is recorded is the whole that is taken for φ.
+            for (i, command) in self.commands.iter_mut().enumerate() {
+                command.phi_hat += self.inertia[i] * more[i];
             }
         }
         if let Some(echo) = &mut self.echo {

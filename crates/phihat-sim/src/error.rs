@@ -20,6 +20,9 @@ pub enum OutOfReach {
 /// A study that reads well, yet cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimError {
+    /// The description that is fed forward.
+    #[error("feedforward.mass_scale: {0}")]
+    FeedForward(phihat_model::ModelError),
     /// Gains and robot disagree.
     #[error("the gains are for {gains} joints, the robot has {robot}")]
     JointCount {

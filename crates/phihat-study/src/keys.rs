@@ -1,6 +1,7 @@
 //! The format of a study, all but `[design]` and `[reference]`: every key with unit, range, default and meaning.
 
 use crate::design_keys::DESIGN;
+use crate::feedforward::FEEDFORWARD;
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::key_parts::{ROBOT_OR_NONE, TIME, per_joint, table};
 use crate::profile::PROFILE;
@@ -72,6 +73,12 @@ pub(crate) static STUDY: Section = Section {
             doc: "What goes wrong for a while, each a `[[fault]]`.",
         },
         table("start", Need::Optional("on the reference"), &START, "Where the run begins."),
+        table(
+            "feedforward",
+            Need::Optional("M̄ q̈_d alone"),
+            &FEEDFORWARD,
+            "What is known of the arm and need not be estimated.",
+        ),
         Key {
             name: "reference",
             unit: "",

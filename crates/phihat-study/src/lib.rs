@@ -62,6 +62,7 @@ mod design_keys;
 mod entries;
 mod error;
 mod fault;
+mod feedforward;
 mod format;
 mod gains;
 mod key_parts;

@@ -16,7 +16,9 @@ use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
 use crate::study::{Interface, Study};
-use crate::{control, design, fault, gains, profile, reference, spec, supervisor, world};
+use crate::{
+    control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
+};
 
 /// Largest study \[byte\].
 const BYTES_MAX: usize = 1 << 20;
@@ -127,6 +129,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
         gains,
         design: design::read(&top.child("design"), (&arm, &world), base)?,
+        feedforward: feedforward::read(top, &arm, &control)?,
         control,
         sensor,
         world,

@@ -82,6 +82,8 @@ pub struct Study {
     pub faults: Vec<Fault>,
     /// What the arm shall do.
     pub reference: Reference,
+    /// Torque that is fed forward beside `M̄ q̈_d`.
+    pub feedforward: Option<FeedForward>,
 }
 
 /// `[spec]`: bounds on the error that hold after `settle`; `None` where the study states none.
@@ -452,6 +454,28 @@ pub struct Start {
     pub q: Vec<f64>,
     /// Velocity \[rad/s\] per joint.
     pub dq: Vec<f64>,
+}
+
+/// `[feedforward]`: torque along the reference that the law is told with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeedForward {
+    /// What of the robot's description.
+    pub known: Known,
+    /// Masses and inertias of that description over those of the robot's own.
+    pub mass_scale: f64,
+    /// Level of dry friction \[N·m\] per joint.
+    pub coulomb: Vec<f64>,
+}
+
+/// What of a description is fed forward.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// Nothing.
+    Nothing,
+    /// The torque that holds it.
+    Gravity,
+    /// The torque that moves it, in place of `M̄ q̈_d`.
+    InverseDynamics,
 }
 
 impl Control {

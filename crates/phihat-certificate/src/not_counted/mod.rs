@@ -41,6 +41,8 @@ impl NotCounted {
             faults,
             // In φ, and in what its motion costs.
             reference: _,
+            // In what the search takes for φ, and in the tube.
+            feedforward: _,
         } = study;
         let mut list = List(Vec::new());
         control_counts(control);

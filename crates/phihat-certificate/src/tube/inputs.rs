@@ -17,6 +17,15 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// The same with what is fed forward beside `q̈_d`, sample by sample \[rad/s²\].
+    #[must_use]
+    pub fn feeding(mut self, rows: &[Vec<f64>]) -> Self {
+        for (own, row) in self.ddq.iter_mut().zip(rows) {
+            own.iter_mut().zip(row).for_each(|(own, more)| *own += more);
+        }
+        self
+    }
+
     /// Samples a motion, `t → q_d, q̇_d, q̈_d` of all joints, at every sample of a study's run and one more.
     pub fn of(study: &Study, at: impl Fn(f64) -> Vec<[f64; 3]>) -> Self {
         let period_ns = study.control.period_ns;

@@ -14,6 +14,13 @@ pub struct Desired {
 }
 
 impl Desired {
+    /// The same with accelerations added to those that are fed forward, row by row \[rad/s²\].
+    #[must_use]
+    pub fn feeding(mut self, rows: &[Vec<f64>]) -> Self {
+        self.ddq.iter_mut().zip(rows.iter().flatten()).for_each(|(own, more)| *own += more);
+        self
+    }
+
     /// Samples a motion `(joint, t) → q_d, q̇_d, q̈_d` as a study's run does.
     pub fn of(study: &Study, at: impl Fn(usize, f64) -> [f64; 3]) -> Self {
         let n = study.robot.joints.len();

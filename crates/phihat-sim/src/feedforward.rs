@@ -1,0 +1,109 @@
+//! Torque that is fed forward along the reference, from what is known of the arm.
+
+use phihat_model::{Model, Workspace};
+use phihat_study::{Known, Study};
+
+use crate::error::SimError;
+use crate::motion::Motion;
+
+/// Velocity at which fed-forward dry friction reaches 1/√2 of its level \[rad/s\].
+const COULOMB_VELOCITY: f64 = 1e-3;
+
+/// What a study feeds forward beside `M̄ q̈_d`.
+///
+/// # Law
+///
+/// ```text
+/// τ_ff = g(q_d)  or  ID(q_d, q̇_d, q̈_d) − M̄ q̈_d,  of the description with its masses scaled,  + f̂ q̇_d/√(q̇_d² + v_c²)
+/// ```
+///
+/// With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
+#[derive(Debug)]
+pub struct FeedForward {
+    known: Known,
+    model: Model,
+    workspace: Workspace<f64>,
+    coulomb: Vec<f64>,
+    /// From a sample to the instant that it is about \[s\].
+    ahead: f64,
+    jets: [Vec<f64>; 3],
+    /// What is known \[N·m\].
+    torque: Vec<f64>,
+}
+
+impl FeedForward {
+    /// `None`: the study feeds nothing forward but `M̄ q̈_d`.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::FeedForward`]: masses of that scale make no arm.
+    pub fn of(study: &Study) -> Result<Option<Self>, SimError> {
+        let Some(own) = &study.feedforward else { return Ok(None) };
+        let model = study.robot.plant_model().with_gravity(study.world.gravity);
+        let model = model.with_masses_times(own.mass_scale).map_err(SimError::FeedForward)?;
+        let period = study.control.period_ns as f64 * 1e-9;
+        let middle = (f64::from(study.control.delay_samples) + 0.5) * period;
+        let zero = vec![0.0; study.robot.joints.len()];
+        Ok(Some(Self {
+            known: own.known,
+            workspace: Workspace::new(&model),
+            model,
+            coulomb: own.coulomb.clone(),
+            ahead: if study.control.preview { middle } else { 0.0 },
+            jets: [zero.clone(), zero.clone(), zero.clone()],
+            torque: zero,
+        }))
+    }
+
+    /// What is fed forward with the sample at `t` \[s\], over `M̄` \[kg·m²\] per joint: to be added to the acceleration that the
+    /// law is told \[rad/s²\].
+    pub fn acceleration(&mut self, motion: &Motion, t: f64, inertia: &[f64], out: &mut [f64]) {
+        self.known_at(motion, t + self.ahead);
+        let [_, dq, ddq] = &self.jets;
+        for (i, out) in out.iter_mut().enumerate() {
+            let dry = self.coulomb[i] * dq[i] / dq[i].hypot(COULOMB_VELOCITY);
+            let instead = if self.known == Known::InverseDynamics { ddq[i] } else { 0.0 };
+            *out = (self.torque[i] + dry) / inertia[i] - instead;
+        }
+    }
+
+    /// The torque of the description at an instant of the motion \[N·m\], without dry friction, goes into `torque`.
+    fn known_at(&mut self, motion: &Motion, t: f64) {
+        let [q, dq, ddq] = &mut self.jets;
+        for i in 0..q.len() {
+            [q[i], dq[i], ddq[i]] = motion.at(i, t);
+        }
+        self.torque.fill(0.0);
+        match self.known {
+            Known::Nothing => {}
+            Known::Gravity => {
+                let rest = vec![0.0; q.len()];
+                self.model.bias(&mut self.workspace, q, &rest, &mut self.torque);
+            }
+            Known::InverseDynamics => {
+                self.model.inverse_dynamics(&mut self.workspace, q, dq, ddq, &mut self.torque);
+            }
+        }
+    }
+}
+
+/// What a study feeds forward at every one of so many samples, over `M̄`: rows of `n`; empty where it feeds nothing.
+///
+/// # Errors
+///
+/// As [`FeedForward::of`].
+pub fn fed_along(
+    study: &Study,
+    motion: &Motion,
+    inertia: &[f64],
+    samples: usize,
+) -> Result<Vec<Vec<f64>>, SimError> {
+    let Some(mut own) = FeedForward::of(study)? else { return Ok(Vec::new()) };
+    let row = |k: usize| {
+        let mut row = vec![0.0; inertia.len()];
+        let t = (k as u64 * study.control.period_ns) as f64 * 1e-9;
+        own.acceleration(motion, t, inertia, &mut row);
+        row
+    };
+    Ok((0..samples).map(row).collect())
+}
