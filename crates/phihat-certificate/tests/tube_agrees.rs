@@ -8,7 +8,7 @@ use phihat_certificate::tube::{Inputs, Reference, derive};
 use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
-use phihat_sim::Motion;
+use phihat_sim::{Motion, Simulation, fed_along};
 use support::{read, reference};
 
 const PLANAR: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\nkp_per_s2 = 1200.0\n\
@@ -23,13 +23,17 @@ fn both(text: &str) -> (Tube, Tube) {
     let gains = requested_gains(&study).unwrap();
     let motion = Motion::of(&study).unwrap();
     let desired = Desired::of(&study, |joint, t| motion.told(joint, t));
+    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let whole = reference(&study);
+    let fed = fed_along(&study, &motion, &inertia, whole.q.len()).unwrap();
+    let desired = desired.feeding(&fed);
     let first = tube(&study, &gains, &desired).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let (low, high) = &study.design.coulomb;
     let inputs = Inputs {
         study: &study,
         joints: &gains.joints,
         velocity_filter_hz: study.sensor.velocity_filter_hz,
-        reference: &reference(&study),
+        reference: &whole.feeding(&fed),
         payload: Some(&study.design.payload),
         coulomb: (low, high),
         bin_s: first.bin_s,
@@ -263,5 +267,57 @@ fn a_reference_is_sampled_through_the_run_and_once_more() {
         let t = 2e-3 * k as f64;
         assert!((row[0] - t).abs() < 1e-12 && (row[1] + t).abs() < 1e-12, "{k}");
         assert!((own.dq[k][1] + 2.0).abs() < 1e-12 && (own.ddq[k][0] - 3.0).abs() < 1e-12);
+    }
+}
+
+/// A law from positions for each joint.
+const POSITIONS: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\norder = 1\nbandwidth_rad_s = 40.0\n\
+                         estimator_bandwidth_rad_s = 160.0\ntorque_bandwidth_hz = 120.0\ninertia_kg_m2 = [0.5, 0.25]\n\
+                         [loop]\nrate_hz = 1000.0\ndelay_samples = 1\nform = \"positions\"\n";
+
+#[test]
+fn what_is_held_and_what_is_fed_forward_stays_in_both_tubes() {
+    let observer = PLANAR.replace("[loop]\n", "[loop]\nform = \"observer\"\n");
+    let literal = PLANAR.replace("[loop]\n", "[loop]\nform = \"literal\"\n");
+    let world =
+        format!("{DIFFERENCED}{WORLD}coulomb_extra_nm = 0.05\npayload = {{ mass_kg = 0.2 }}\n");
+    let held = "[start]\ntorque_nm = \"gravity\"\n";
+    let fed = "[feedforward]\nmodel = \"inverse_dynamics\"\nmass_scale = 0.9\ncoulomb_nm = 0.03\n";
+    let cases =
+        [("observer", &*observer, ""), ("literal", &literal, ""), ("positions", POSITIONS, fed)];
+    for (name, arm, fed) in cases {
+        let text = format!("{HEAD}{arm}{}{world}{held}{fed}{SINES}", payload(0.3));
+        let free = format!("{HEAD}{arm}{}{world}{SINES}", payload(0.3));
+        let (first, second) = both(&text);
+        let study = read(&text);
+        let law = requested_gains(&study).unwrap();
+        let names: Vec<String> = law.joints.iter().map(|joint| joint.name.clone()).collect();
+        let law = law.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
+        let run = Simulation::new(&study, &law).unwrap().run(|_| ());
+        for (i, joint) in run.trace.joints.iter().enumerate() {
+            for tube in [&first, &second] {
+                let own = &tube.joints[i];
+                for (t, e) in run.trace.t_ns.iter().zip(&joint.e) {
+                    let bin = tube.bin_of(*t).min(own.error_low_rad.len() - 1);
+                    let inside = own.error_low_rad[bin] <= *e && *e <= own.error_high_rad[bin];
+                    assert!(inside, "{name}: {e} at {t} ns");
+                }
+            }
+        }
+        // It is another tube than that of an arm that is let go, and both derivations say so.
+        let (let_go, again) = both(&free);
+        for (a, b, without) in [(&first, &second, &let_go), (&second, &first, &again)] {
+            for ((own, other), without) in a.joints.iter().zip(&b.joints).zip(&without.joints) {
+                let widest =
+                    |joint: &TubeJoint| joint.error_high_rad.iter().fold(0.0_f64, |m, e| m.max(*e));
+                println!(
+                    "{name}: {:.3e} {:.3e} {:.3e}",
+                    widest(own),
+                    widest(other),
+                    widest(without)
+                );
+                assert!((0.6..1.7).contains(&(widest(own) / widest(other))), "{name}");
+            }
+        }
     }
 }
