@@ -5,7 +5,7 @@ use phihat_model::input::plain;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, JointRecord, PositionObserver, TradeOff};
+use crate::{Certificate, JointLimit, JointRecord, PositionObserver, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -65,6 +65,9 @@ pub struct Gains {
     /// What other errors would have cost in torque noise, ascending in noise; empty where nothing was searched.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub trade_off: Vec<TradeOff>,
+    /// How far each joint's law is from what no linear law undercuts; informs, and empty where nobody asked.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limit: Vec<JointLimit>,
 }
 
 /// Why a gains document cannot be used.

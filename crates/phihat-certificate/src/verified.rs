@@ -22,8 +22,8 @@ pub struct Statement {
 ///
 /// # Not claimed
 ///
-/// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method` and
-/// `trade_off` inform; nothing checks them, and they do not appear here.
+/// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method`,
+/// `trade_off` and `limit` inform; nothing checks them, and they do not appear here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
     /// Claims that were shown from the file.

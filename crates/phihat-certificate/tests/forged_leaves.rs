@@ -120,7 +120,8 @@ fn told(path: &str) -> bool {
 fn no_more(path: &str, (old, new): (Option<&Value>, Option<&Value>)) -> bool {
     let any = |list: &[&str]| list.iter().any(|part| path.contains(part));
     // What informs and appears in no answer of `verify`.
-    let informs = any(&["/method", "/trade_off/"]) || path.ends_with("/source") && !told(path);
+    let informs =
+        any(&["/method", "/trade_off/", "/limit/"]) || path.ends_with("/source") && !told(path);
     // What `verify` proves, or replays in the study's arm, whatever stands there.
     let proved = any(&[
         "/varying/",

@@ -9,10 +9,10 @@ use phihat_design::{Arm, Gains, Infeasible, Outcome, ProofProgress};
 use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
-use phihat_session::{Advice, are_of_a_run, arm, designed_for, files, read};
+use phihat_session::{Advice, are_of_a_run, arm, beside_limits, designed_for, files, read};
 
 use crate::failure::Failure;
-use crate::shown::spinner;
+use crate::shown::{Shown, spinner};
 use crate::table;
 
 /// Find gains that keep a study's specification, and prove what can be proved about them.
@@ -38,6 +38,10 @@ pub(crate) struct Design {
     /// as it comes in so many seconds.
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60")]
     prove_range: Option<f64>,
+    /// Tell how far each joint's law is from what no linear law undercuts at a known inertia, and what not knowing the
+    /// inertia costs: takes some seconds more, and is kept in gains.json, for the report. No claim: nothing checks it.
+    #[arg(long)]
+    limit: bool,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -64,6 +68,10 @@ impl Design {
                 if let Some(seconds) = self.prove_range {
                     prove_range(&mut gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
                 }
+                if self.limit {
+                    let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
+                    beside_limits(&study, &mut gains, &mut shown)?;
+                }
                 self.write(&study, &gains)
             }
             Outcome::Infeasible(no) => Ok(self.refuse(&no)),
@@ -89,6 +97,9 @@ impl Design {
             println!("{}", gains.method);
             if let Some(certificate) = &gains.certificate {
                 println!("{}", table::certificate(certificate));
+            }
+            if !gains.limit.is_empty() {
+                println!("{}", table::limit(&gains.limit));
             }
             println!("gains: {}", path.display());
         }

@@ -84,13 +84,13 @@ pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, search,
 };
-pub use limit::{Limit, LimitError, LimitRequest, limit};
+pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, CoupledGains, ErrorBound, FORMAT, FrozenPayload,
-    FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointRecord, JointRun, Left,
-    LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver, Proved, Quantity,
-    Searched, Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch,
-    VERSION, Verified, Witness,
+    FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointLimit, JointRecord,
+    JointRun, Left, LeftOut, Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver,
+    Proved, Quantity, Searched, Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept,
+    TubeWatch, VERSION, Verified, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch};
 pub use request::requested_gains;

@@ -84,6 +84,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         joints: study.robot.joints.iter().enumerate().map(joint).collect(),
         certificate: None,
         trade_off: Vec::new(),
+        limit: Vec::new(),
     })
 }
 

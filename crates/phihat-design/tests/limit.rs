@@ -3,10 +3,18 @@
 //! or the law found not as good as told.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
+mod sampled_support;
+
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use phihat_design::{Limit, LimitError, LimitRequest, limit};
+use phihat::{
+    Form, JointGains, JointState, Measurement, PositionDesign, Reference, VelocitySource,
+};
+use phihat_design::sampled::LoopModel;
+use phihat_design::{JointRecord, Limit, LimitError, LimitRequest, beside_limit, limit};
+use phihat_design::{Phi, PhiBasis, PositionObserver};
+use sampled_support::{Outside, Random, Rig, plain, record};
 
 /// Joint 6 of a Panda at its nominal inertia.
 const WRIST: LimitRequest = LimitRequest {
@@ -315,4 +323,131 @@ fn bad_input_is_refused_by_name() {
     // A torque that hardly moves the joint: a law would have to be longer than any that is tried.
     let stiff = refused(LimitRequest { inertia: 1e6, ..WRIST });
     assert!(matches!(stiff, LimitError::NoLaw { low_rad, .. } if low_rad > 0.0), "{stiff}");
+}
+
+/// The core's own law in its loop, at a ratio of inertia.
+fn rig(law: &JointRecord, model: &LoopModel, mu: f64) -> Rig {
+    let Some(own) = &law.observer else { return Rig::new(law, model, mu) };
+    let any = record(100.0, 20.0, &[30.0], law.inertia_kg_m2);
+    let mut rig = Rig::new(&any, &LoopModel { form: Form::Observer, ..*model }, mu);
+    rig.gains = JointGains::from_positions(&PositionDesign {
+        inertia: law.inertia_kg_m2,
+        kp: law.kp_per_s2,
+        kd: law.kd_per_s,
+        correction: &own.correction,
+        velocity_correction: &[],
+        share: own.share,
+        delay: own.delay_samples as usize,
+        period: model.period_s,
+    })
+    .unwrap();
+    rig.state = JointState::new();
+    let _ = rig.gains.update(&mut rig.state, &Measurement::default(), &Reference::default());
+    rig
+}
+
+/// Error bound and torque change of the core's law, summed up over its answers to one sample of `φ` and of a wrong reading;
+/// `None` where they do not die out.
+fn summed_up(
+    law: &JointRecord,
+    model: &LoopModel,
+    mu: f64,
+    phi: &Phi,
+    quantum: f64,
+) -> Option<[f64; 2]> {
+    let answers = |first: Outside| {
+        let mut rig = rig(law, model, mu);
+        let answer = |k: usize| {
+            let q = rig.q;
+            let now = if k == 0 { first } else { Outside::default() };
+            (q, rig.step(&now).tau)
+        };
+        let (q, tau): (Vec<f64>, Vec<f64>) = (0..3000).map(answer).unzip();
+        (q, tau)
+    };
+    let (jump, _) = answers(Outside { phi: 1.0, ..Outside::default() });
+    let (read, tau) = answers(Outside { encoder: 1.0, ..Outside::default() });
+    let ramp: Vec<f64> = summed(&jump).iter().map(|sum| model.period_s * sum).collect();
+    let dies = size(&ramp[2500..]) < 1e-9 * size(&ramp) && size(&read[2500..]) < 1e-9 * size(&read);
+    let error =
+        size(&ramp) * phi.rate_nm_s + size(&jump) * phi.jump_nm + size(&read) * 0.5 * quantum;
+    dies.then_some([error, 0.5 * quantum * size(&changes(&tau))])
+}
+
+fn wrist_phi() -> Phi {
+    Phi {
+        basis: PhiBasis::Typed,
+        source: "typed".to_owned(),
+        size_nm: None,
+        rate_nm_s: 2.577,
+        jump_nm: 0.3,
+        motion: None,
+    }
+}
+
+#[test]
+fn a_law_of_the_core_beside_the_limit() {
+    let phi = wrist_phi();
+    let (quantum, period_s) = (TAU / 65_536.0, 4e-3);
+    let mut random = Random(3);
+    let (mut kinds, mut least) = ([0; 2], f64::INFINITY);
+    for case in 0..200 {
+        let (kind, delay) = (case % 2, case / 2 % 3);
+        let omega = random.around(15.0, 50.0);
+        let damping = random.around(1.0, 2.5);
+        let pole = (-omega * period_s * random.around(1.5, 5.0)).exp();
+        let base = record(omega * omega, damping * omega, &[random.around(1.5, 5.0) * omega], 0.67);
+        let correction = vec![
+            1.0 - pole.powi(3),
+            1.5 * (1.0 - pole).powi(2) * (1.0 + pole) / period_s,
+            -(1.0 - pole).powi(3) / (period_s * period_s),
+        ];
+        let share = random.around(0.3, 1.0);
+        let own = PositionObserver { correction, share, delay_samples: delay };
+        let positions = JointRecord { a: Vec::new(), observer: Some(own), ..base.clone() };
+        let law = [base, positions][kind as usize].clone();
+        let model = LoopModel {
+            period_s,
+            form: [Form::Observer, Form::Positions][kind as usize],
+            velocity: VelocitySource::Differenced,
+            ..plain(delay)
+        };
+        let range = (0.8, 1.4);
+        let Ok(found) = beside_limit(&law, &model, (&phi, quantum), range) else { continue };
+        let Some([error, _]) = summed_up(&law, &model, 1.0, &phi, quantum) else { continue };
+        // What is told is what the core does: at M̄, and nothing over the range is larger.
+        assert!((found.own_rad / error - 1.0).abs() < 1e-6, "{found:?} {error}");
+        for mu in [0.8, 1.0, 1.4] {
+            let [error, change] = summed_up(&law, &model, mu, &phi, quantum).unwrap();
+            assert!(error <= found.range_rad * (1.0 + 1e-6), "{found:?} {mu} {error}");
+            assert!(change <= found.torque_noise_nm * (1.0 + 1e-6), "{found:?} {mu} {change}");
+        }
+        assert!(found.times_limit() >= 1.0 && found.times_lightest() >= 1.0, "{found:?}");
+        assert!(found.price_of_range() >= found.times_limit());
+        least = least.min(found.times_limit());
+        kinds[kind as usize] += 1;
+        if kinds.iter().all(|count| *count >= 10) {
+            break;
+        }
+    }
+    println!("{kinds:?} laws with feedback and from positions; least {least:.3} times the limit");
+    assert!(kinds.iter().all(|count| *count >= 10), "{kinds:?}");
+    assert!(least < 2.5, "{least}");
+}
+
+#[test]
+fn what_the_limit_does_not_cover_is_not_compared() {
+    let phi = wrist_phi();
+    let law = record(400.0, 40.0, &[70.0], 0.67);
+    let lags = LoopModel {
+        velocity: VelocitySource::Differenced,
+        drive_bandwidth_hz: Some(100.0),
+        ..plain(1)
+    };
+    for (model, quantum) in
+        [(plain(1), 1e-4), (lags, 1e-4), (LoopModel { drive_bandwidth_hz: None, ..lags }, 0.0)]
+    {
+        let refused = beside_limit(&law, &model, (&phi, quantum), (0.8, 1.4)).unwrap_err();
+        assert!(matches!(refused, LimitError::NotCovered { .. }), "{refused}");
+    }
 }

@@ -5,6 +5,7 @@ use crate::figure::claim_figures;
 use crate::kit::MILLI;
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
+use crate::limit::limit;
 use crate::record::Record;
 use crate::tube_section::tube;
 use maud::{Markup, PreEscaped, html};
@@ -43,6 +44,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (stability(certificate))
         (moving(certificate))
         (coupled(certificate))
+        (limit(&record.gains.limit))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }

@@ -22,6 +22,7 @@ mod drawing;
 mod figure;
 mod kind;
 pub mod kit;
+mod limit;
 mod limited;
 mod page;
 mod payload;

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, design};
+use phihat_design::{Arm, Gains, JointLimit, Outcome, Phi, PhiBasis, design};
 use phihat_report::{FIGURES, figures, page};
 use phihat_study::Study;
 use roxmltree::Document;
@@ -156,5 +156,30 @@ fn names_cannot_leave_a_figure() {
         for figure in figures(&fixture.record()) {
             Document::parse(&figure.svg).unwrap_or_else(|e| panic!("{}: {e}", figure.name));
         }
+    }
+}
+
+#[test]
+fn laws_beside_the_limit_are_told_where_somebody_asked() {
+    let told = "beside the limit of linear laws";
+    assert!(!page(&with(certified()).record()).contains(told));
+    let mut gains = certified();
+    gains.limit = vec![JointLimit {
+        name: gains.joints[0].name.clone(),
+        phi_source: "typed in the study".to_owned(),
+        phi_rate_nm_s: 2.0,
+        phi_jump_nm: 0.3,
+        torque_noise_nm: 0.6,
+        limit_rad: (1e-4, 1e-4),
+        limit_lightest_rad: (1.25e-4, 1.25e-4),
+        own_rad: 1.5e-4,
+        range_rad: 3.5e-4,
+    }];
+    // As a file, and back; the certificate holds as before.
+    let gains = Gains::from_json(&gains.to_json().unwrap()).unwrap();
+    gains.certificate.as_ref().unwrap().verify(&gains).unwrap();
+    let html = page(&with(gains).record());
+    for part in [told, "1.5", "3.5", "does not check", "typed in the study"] {
+        assert!(html.contains(part), "{part}");
     }
 }

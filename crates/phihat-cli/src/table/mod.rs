@@ -2,6 +2,7 @@
 
 mod coupled;
 mod design;
+mod limit;
 mod metrics;
 mod robots;
 
@@ -9,6 +10,7 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
 pub(crate) use design::{certificate, gains, not_counted};
+pub(crate) use limit::limit;
 pub(crate) use metrics::{metrics, tube, verdict};
 pub(crate) use robots::{joints, robots};
 

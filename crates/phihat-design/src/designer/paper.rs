@@ -62,6 +62,7 @@ pub(super) fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Gains, 
         joints: joints.iter().enumerate().map(joint).collect(),
         certificate: None,
         trade_off: Vec::new(),
+        limit: Vec::new(),
     };
     let against = arm.against(request.inertia.clone())?;
     let phi: Vec<_> = (0..joints.len()).map(|i| Some(known(i))).collect();

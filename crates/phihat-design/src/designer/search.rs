@@ -298,6 +298,7 @@ impl<'a> Search<'a> {
             joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
             certificate: None,
             trade_off: Vec::new(),
+            limit: Vec::new(),
         }
     }
 

@@ -33,6 +33,18 @@ pub enum LimitError {
         "the numbers of this joint are too far apart: check the units of inertia, quantum and torque_change_max"
     )]
     Scale,
+    /// The loop has what the limit leaves out.
+    #[error("it does not cover {what}")]
+    NotCovered {
+        /// What that is.
+        what: &'static str,
+    },
+    /// The law that is set beside the limit does not hold.
+    #[error("the law is not stable at μ = {mu}, or a constant φ leaves an error there")]
+    Unstable {
+        /// Inertia over `M̄`.
+        mu: f64,
+    },
     /// No law of this length keeps the torque's change.
     #[error(
         "no law whose response ends within {length} samples was found that changes the torque by no more than \

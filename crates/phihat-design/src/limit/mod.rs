@@ -25,6 +25,7 @@
 //! all of them.
 
 mod backward;
+mod beside;
 mod error;
 mod found;
 mod law;
@@ -36,6 +37,7 @@ mod rows;
 mod tied;
 mod unavoidable;
 
+pub use beside::beside_limit;
 pub use error::LimitError;
 pub use found::Limit;
 pub use request::LimitRequest;

@@ -170,6 +170,7 @@ impl<'a> PositionSearch<'a> {
             joints: records,
             certificate: None,
             trade_off: Vec::new(),
+            limit: Vec::new(),
         };
         self.ordered = true;
         self.last = found.into_iter().map(Some).collect();

@@ -199,6 +199,7 @@ fn gains(joints: usize) -> Gains {
         joints: (0..joints).map(joint).collect(),
         certificate: None,
         trade_off: Vec::new(),
+        limit: Vec::new(),
     }
 }
 
