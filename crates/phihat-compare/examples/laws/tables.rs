@@ -40,7 +40,8 @@ impl Least {
 #[derive(Debug, Serialize)]
 pub(crate) struct WorldRow {
     pub(crate) world: String,
-    pub(crate) runs: Vec<Run>,
+    /// `None`: there are no gains.
+    pub(crate) runs: Vec<Option<Run>>,
 }
 
 /// What a gains document of the worlds was designed for.
@@ -104,35 +105,44 @@ pub(crate) fn worlds(rows: &[WorldRow]) -> String {
             .to_owned();
     for row in rows {
         let [new, old] = row.runs.as_slice() else { continue };
-        let worst = |run: &Run| run.diverged.is_none().then(|| largest(&run.errors));
-        let shown = |run: &Run| match run.diverged {
+        let worst = |run: &Option<Run>| {
+            let ended = run.as_ref().filter(|run| run.diverged.is_none());
+            ended.map(|run| largest(&run.errors))
+        };
+        let shown = |run: &Option<Run>| match run.as_ref().and_then(|run| run.diverged) {
             Some(t) => format!("diverged at {t:.2} s"),
             None => mrad(worst(run)),
         };
+        let dash = || "–".to_owned();
+        let limited =
+            |run: &Option<Run>| run.as_ref().map_or_else(dash, |run| run.limited.to_string());
+        let step =
+            |run: &Option<Run>| run.as_ref().map_or_else(dash, |run| format!("{:.2}", run.step));
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {}, {} | {:.2}, {:.2} |",
+            "| {} | {} | {} | {} | {}, {} | {}, {} |",
             row.world,
             shown(new),
             shown(old),
             ratio(worst(new), worst(old)),
-            new.limited,
-            old.limited,
-            new.step,
-            old.step
+            limited(new),
+            limited(old),
+            step(new),
+            step(old)
         );
     }
     text += "\nEvery joint, positions / observer [mrad]:\n\n";
-    let joints = rows.iter().flat_map(|row| &row.runs).map(|run| run.errors.len()).max();
+    let joints =
+        rows.iter().flat_map(|row| row.runs.iter().flatten()).map(|run| run.errors.len()).max();
     let numbers = 1..=joints.unwrap_or(0);
     let head: Vec<String> = numbers.clone().map(|joint| format!("joint {joint}")).collect();
     let rule: Vec<&str> = numbers.map(|_| "---").collect();
     let _ = writeln!(text, "| world | {} |\n|---|{}|", head.join(" | "), rule.join("|"));
     for row in rows {
         let [new, old] = row.runs.as_slice() else { continue };
-        let pairs = new.errors.iter().zip(&old.errors);
-        let pairs = pairs.map(|(new, old)| format!("{:.3} / {:.3}", 1e3 * new, 1e3 * old));
-        let pairs: Vec<String> = pairs.collect();
+        let of = |run: &Option<Run>, joint: usize| mrad(run.as_ref().map(|run| run.errors[joint]));
+        let pair = |joint: usize| format!("{} / {}", of(new, joint), of(old, joint));
+        let pairs: Vec<String> = (0..joints.unwrap_or(0)).map(pair).collect();
         let _ = writeln!(text, "| {} | {} |", row.world, pairs.join(" | "));
     }
     text
@@ -149,7 +159,11 @@ pub(crate) fn designs(rows: &[Designed]) -> String {
             row.bits,
             mrad(Some(row.asked)),
             mrad(row.errors.as_deref().map(largest)),
-            if row.proved { "" } else { ", not all of it proved" }
+            if row.proved {
+                String::new()
+            } else {
+                format!(", not proved: {}", row.unproved.join("; "))
+            }
         );
     }
     text

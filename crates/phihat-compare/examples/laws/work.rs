@@ -65,6 +65,10 @@ impl Design {
         let mrad = |list: Option<Vec<f64>>| list.map_or(f64::NAN, |list| 1e3 * largest(&list));
         match &self.gains {
             Err(why) => why.lines().next().unwrap_or_default().to_owned(),
+            Ok(gains) if self.errors().is_none() => {
+                let why = gains.certificate.as_ref().and_then(|all| all.tube_refused.as_deref());
+                format!("no tube: {}", why.unwrap_or("not said why"))
+            }
             Ok(_) => format!(
                 "tube {:.4} mrad, step {:.3} N·m",
                 mrad(self.errors()),
