@@ -91,7 +91,7 @@ fn arm_row(
             form: form.to_owned(),
             errors: best.as_ref().and_then(Design::errors),
             step: best.as_ref().and_then(Design::steps).as_deref().map(largest),
-            tried: tried.iter().map(|one| (one.asked, one.reached)).collect(),
+            tried,
             run: best.as_ref().map(ran).transpose()?.flatten(),
         });
     }

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::work::{Run, largest};
+use crate::work::{Run, Try, largest};
 
 /// The least error that each form reaches on an arm.
 #[derive(Debug, Serialize)]
@@ -24,8 +24,8 @@ pub(crate) struct Least {
     pub(crate) errors: Option<Vec<f64>>,
     /// Certified change of torque per sample, of the worst joint \[N·m\].
     pub(crate) step: Option<f64>,
-    /// What was asked for \[rad\], and what came of it.
-    pub(crate) tried: Vec<(f64, Option<f64>)>,
+    /// Every design.
+    pub(crate) tried: Vec<Try>,
     /// Measured in the study's own world.
     pub(crate) run: Option<Run>,
 }
@@ -93,6 +93,17 @@ pub(crate) fn arms(rows: &[ArmRow]) -> String {
             run(new),
             run(old)
         );
+    }
+    text += "\nEvery design, certified error of the worst joint [mrad] at its certified step [N·m]:\n\n";
+    for row in rows {
+        for form in &row.forms {
+            let one = |one: &Try| match one.step {
+                Some(step) => format!("{} at {step:.2}", mrad(one.error)),
+                None => "none".to_owned(),
+            };
+            let all: Vec<String> = form.tried.iter().map(one).collect();
+            let _ = writeln!(text, "- {}, {}: {}.", row.arm, form.form, all.join("; "));
+        }
     }
     text
 }
@@ -179,7 +190,10 @@ mod tests {
             form: String::new(),
             step: errors.as_ref().map(|_| 0.5),
             errors,
-            tried: vec![],
+            tried: vec![
+                Try { asked: 1e-3, error: Some(7e-4), step: Some(1.2) },
+                Try { asked: 1e-3, error: None, step: None },
+            ],
             run: None,
         };
         let row = |new, old| ArmRow {
@@ -192,5 +206,6 @@ mod tests {
         let lines: Vec<&str> = text.lines().skip(2).collect();
         assert_eq!(lines[0], "| a | 1 | 0.300 | 0.600 | 0.50 | 0.50, 0.50 | –, – |");
         assert_eq!(lines[1], "| a | 1 | – | 1.000 | – | –, 0.50 | –, – |");
+        assert!(text.ends_with("- a, : 0.700 at 1.20; none.\n"), "{text}");
     }
 }

@@ -116,12 +116,23 @@ pub(crate) fn design(
     Ok(design)
 }
 
+/// What a try came to, whether it keeps its steps or not.
+#[derive(Debug, Serialize)]
+pub(crate) struct Try {
+    /// The error that was asked for \[rad\].
+    pub(crate) asked: f64,
+    /// Certified error \[rad\] of the worst joint; `None`: there is no tube.
+    pub(crate) error: Option<f64>,
+    /// Certified change of torque per sample \[N·m\] of the worst joint.
+    pub(crate) step: Option<f64>,
+}
+
 /// The design with the least certified error that some tries come to, and every try.
 pub(crate) fn least_error(
     journal: &mut Journal,
     case: (&str, &str),
     first: f64,
-) -> Result<(Option<Design>, Vec<Tried>), Box<dyn Error>> {
+) -> Result<(Option<Design>, Vec<Try>), Box<dyn Error>> {
     let (mut tried, mut designs) = (Vec::new(), Vec::new());
     while let Some(asked) = next(&tried, first).filter(|_| tried.len() < TRIES) {
         // Round figures, so that a study can be written down.
@@ -132,7 +143,13 @@ pub(crate) fn least_error(
     }
     let best = least(&tried);
     let at = tried.iter().position(|one| one.reached.is_some() && one.reached == best);
-    Ok((at.map(|at| designs.swap_remove(at)), tried))
+    let shown = designs.iter().map(|design| Try {
+        asked: design.asked,
+        error: design.errors().as_deref().map(largest),
+        step: design.steps().as_deref().map(largest),
+    });
+    let shown = shown.collect();
+    Ok((at.map(|at| designs.swap_remove(at)), shown))
 }
 
 /// The first design, of some allowed errors, that proves all that is asked for; the last one that runs, if none does.
