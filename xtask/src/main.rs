@@ -14,6 +14,7 @@ mod dependencies;
 mod files;
 mod fuzz;
 mod instructions;
+mod laws;
 mod mutants;
 mod rivals;
 mod rules;
@@ -41,6 +42,9 @@ const USAGE: &str = "usage:
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
+  cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
+                               laws from positions against laws fed with velocity: least certified errors, and worlds
+                               that differ; all of it is kept in docs/laws.md (half an hour; resumes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";
 
@@ -57,6 +61,7 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, rest)) if verb == "laws" => laws::run(&shell::root(), rest),
         Some((verb, _)) if verb == "rivals" => rivals::run(&shell::root()),
         Some((verb, rest)) if verb == "soak" => {
             let samples = rest.first().map_or("1000000000", String::as_str);
