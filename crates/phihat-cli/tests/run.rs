@@ -80,11 +80,11 @@ fn gains_can_come_from_a_file_and_are_bound_to_their_robot() {
     assert_eq!(phihat(&folder, &given).code, 0);
     let trace = |out: &str| fs::read(folder.join(out).join("trace.csv")).unwrap();
     assert!(trace("out/first") == trace("b"));
-    let wrong = ["simulate", "studies/panda.toml", "--gains", "out/first/gains.json"];
+    let wrong = ["simulate", "studies/panda_hand.toml", "--gains", "out/first/gains.json"];
     let answer = phihat(&folder, &wrong);
     assert_eq!(answer.code, 2);
     assert!(answer.err.contains("joint1") && answer.err.contains("panda_joint1"), "{}", answer.err);
-    assert!(!folder.join("out/panda").exists());
+    assert!(!folder.join("out/panda_hand").exists());
     let text = fs::read_to_string(folder.join("out/first/gains.json")).unwrap();
     fs::write(folder.join("bad.json"), text.replace("\"kp_per_s2\": 4", "\"kp_per_s2\": -4"))
         .unwrap();
@@ -105,7 +105,7 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
     assert!(answer.out.contains("OUT OF SPEC") && answer.out.contains('!'), "{}", answer.out);
     assert!(folder.join("out/strict/report.html").is_file());
 
-    let text = fs::read_to_string(folder.join("studies/panda.toml")).unwrap();
+    let text = fs::read_to_string(folder.join("studies/panda_hand.toml")).unwrap();
     let wild: String = text
         .lines()
         .map(|line| if line.starts_with("inertia_kg_m2") { "inertia_kg_m2 = 20.0" } else { line })

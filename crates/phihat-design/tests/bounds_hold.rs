@@ -93,7 +93,9 @@ fn on_every_committed_study() {
     files.sort();
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "toml")) {
         let study = Study::read(file).unwrap();
-        if !NotCounted::of(&study).is_empty() {
+        // What chooses a form, or is fed forward, is judged by its tube.
+        let by_tube = study.control.form_designed || study.feedforward.is_some();
+        if !NotCounted::of(&study).is_empty() || by_tube {
             continue;
         }
         if let Some(least) = tightest(study) {

@@ -1,7 +1,7 @@
 //! The rivals at hand, and what is known of one.
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{ContentArrangement, Table};
+use comfy_table::{ColumnConstraint, ContentArrangement, Table};
 use phihat_compare::{
     CompareError, DEFAULTS, Mark, NOT_TUNED, RivalRecord, UNITS, model_free_in_full,
 };
@@ -85,6 +85,10 @@ fn table<const N: usize>(header: [&str; N]) -> Table {
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_width(WIDTH);
     table.set_header(header);
+    // What one types is not broken.
+    if let Some(column) = table.column_mut(0) {
+        column.set_constraint(ColumnConstraint::ContentWidth);
+    }
     table
 }
 
