@@ -5,7 +5,7 @@ use phihat_model::input::plain;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, JointLimit, JointRecord, PositionObserver, TradeOff};
+use crate::{Certificate, CoarserEncoder, JointLimit, JointRecord, PositionObserver, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -68,6 +68,10 @@ pub struct Gains {
     /// How far each joint's law is from what no linear law undercuts; informs, and empty where nobody asked.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub limit: Vec<JointLimit>,
+    /// What becomes of the tube behind coarser encoders, the least coarse first; informs, and empty where there is no tube or
+    /// no encoder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coarser: Vec<CoarserEncoder>,
 }
 
 /// Why a gains document cannot be used.

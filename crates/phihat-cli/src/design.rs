@@ -101,6 +101,9 @@ impl Design {
             if !gains.limit.is_empty() {
                 println!("{}", table::limit(&gains.limit));
             }
+            if let Some(coarser) = table::coarser(gains) {
+                println!("{coarser}");
+            }
             println!("gains: {}", path.display());
         }
         Ok(ExitCode::SUCCESS)

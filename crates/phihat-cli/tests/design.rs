@@ -199,3 +199,35 @@ fn what_is_typed_must_hold_what_the_robots_own_model_says() {
     let (code, text) = refusal(&phi(60.0, 1.0));
     assert_eq!(code, 0, "{text}");
 }
+
+#[test]
+fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
+    let folder = folder("coarser");
+    let tight = planar("").replace("1.5e-2", "6e-3");
+    fs::write(folder.join("declared.toml"), &tight).unwrap();
+    let answer = json(&folder, &["design", "declared.toml", "--json"]);
+    assert_eq!(answer["outcome"], "designed", "{answer:#}");
+    let file = answer["file"].as_str().unwrap();
+    let coarser = answer["gains"]["coarser"].as_array().unwrap();
+    assert_eq!(coarser.len(), 3);
+    let declared = answer["gains"]["certificate"]["tube"]["joints"].as_array().unwrap();
+    let mut finer: Vec<f64> =
+        declared.iter().map(|joint| joint["error_max_rad"].as_f64().unwrap()).collect();
+    for (one, bits) in coarser.iter().zip([17, 16, 15]) {
+        // The world itself, with that encoder, is no part of what foretold it.
+        let study = format!("behind{bits}.toml");
+        let text = tight.replace("encoder_bits = 18", &format!("encoder_bits = {bits}"));
+        fs::write(folder.join(&study), text).unwrap();
+        let run = json(&folder, &["simulate", &study, "--gains", file, "--uncertified", "--json"]);
+        let joints = run["metrics"]["joints"].as_array().unwrap();
+        let foretold = one["error_max_rad"].as_array().unwrap();
+        assert_eq!(foretold.len(), joints.len(), "{one}");
+        for (i, (joint, foretold)) in joints.iter().zip(foretold).enumerate() {
+            let (measured, foretold) =
+                (joint["error_steady_max_rad"].as_f64().unwrap(), foretold.as_f64().unwrap());
+            assert!(measured <= foretold, "{bits} bits, joint {i}: {measured} > {foretold}");
+            assert!(foretold > finer[i], "{bits} bits, joint {i}: {foretold} ≤ {}", finer[i]);
+            finer[i] = foretold;
+        }
+    }
+}

@@ -85,6 +85,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),
+        coarser: Vec::new(),
     })
 }
 

@@ -1,5 +1,6 @@
 //! What was proved about the gains, beside what the run measured.
 
+use crate::coarser::coarser;
 use crate::coupled::coupled;
 use crate::figure::claim_figures;
 use crate::kit::MILLI;
@@ -45,6 +46,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (moving(certificate))
         (coupled(certificate))
         (limit(&record.gains.limit))
+        (coarser(&record.gains))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }

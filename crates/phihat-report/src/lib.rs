@@ -17,6 +17,7 @@
 mod band;
 mod certificate;
 mod chart;
+mod coarser;
 mod coupled;
 mod drawing;
 mod figure;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
+use crate::coarser::coarser;
 use crate::judged::Merit;
 use crate::position_search::by_positions;
 use crate::typed_phi::typed_phi_holds;
@@ -184,8 +185,8 @@ fn estimated(
     }
 }
 
-/// Adds to the gains that were taken what no search needs: how far a push on one joint moves every joint, and how fast the
-/// arm may move.
+/// Adds to the gains that were taken what no search needs: how far a push on one joint moves every joint, how fast the
+/// arm may move, and what becomes of the tube behind coarser encoders.
 fn completed(
     study: &Study,
     arm: &Arm,
@@ -198,6 +199,7 @@ fn completed(
             certificate.coupled = coupled;
         }
         find_moving(gains, arm);
+        gains.coarser = coarser(study, gains).map_err(|e| SessionError::at(path, e))?;
     }
     Ok(outcome)
 }

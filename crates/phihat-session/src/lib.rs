@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod coarser;
 mod design;
 mod dice;
 pub mod disk;
@@ -42,6 +43,7 @@ mod record;
 mod run_record;
 mod session;
 mod spec_search;
+mod told;
 mod typed_phi;
 mod verify;
 mod watch;

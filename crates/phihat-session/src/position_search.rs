@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use phihat_design::tube::Desired;
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
-use phihat_sim::{Demand, Motion, fed_along};
+use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
 
 use crate::along::phi_along;
 use crate::error::SessionError;
 use crate::judged::{Judged, judge};
+use crate::told::told;
 
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;
@@ -41,14 +41,7 @@ pub(crate) fn by_positions(
     (arm, demand): (&Arm, &Demand),
     path: &Path,
 ) -> Result<Outcome, SessionError> {
-    let motion = Motion::of(study).map_err(|e| SessionError::at(path, e))?;
-    let bare = Desired::of(study, |joint, t| motion.told(joint, t));
-    let told = |gains: &Gains| {
-        let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-        let samples = bare.q.len() / inertia.len().max(1);
-        let fed = fed_along(study, &motion, &inertia, samples);
-        Ok::<_, SessionError>(bare.clone().feeding(&fed.map_err(|e| SessionError::at(path, e))?))
-    };
+    let told = |gains: &Gains| told(study, gains).map_err(|e| SessionError::at(path, e));
     // For the search alone: the certificate of an arm with a description says nothing of φ.
     let phi = |joint: usize, inertia: f64| {
         let along = phi_along(demand, joint, inertia);

@@ -1,5 +1,6 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
+mod coarser;
 mod coupled;
 mod design;
 mod limit;
@@ -9,6 +10,7 @@ mod robots;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
+pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
 pub(crate) use limit::limit;
 pub(crate) use metrics::{metrics, tube, verdict};

@@ -63,6 +63,7 @@ pub(super) fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Gains, 
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),
+        coarser: Vec::new(),
     };
     let against = arm.against(request.inertia.clone())?;
     let phi: Vec<_> = (0..joints.len()).map(|i| Some(known(i))).collect();

@@ -299,6 +299,7 @@ impl<'a> Search<'a> {
             certificate: None,
             trade_off: Vec::new(),
             limit: Vec::new(),
+            coarser: Vec::new(),
         }
     }
 

@@ -171,6 +171,7 @@ impl<'a> PositionSearch<'a> {
             certificate: None,
             trade_off: Vec::new(),
             limit: Vec::new(),
+            coarser: Vec::new(),
         };
         self.ordered = true;
         self.last = found.into_iter().map(Some).collect();

@@ -200,6 +200,7 @@ fn gains(joints: usize) -> Gains {
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),
+        coarser: Vec::new(),
     }
 }
 

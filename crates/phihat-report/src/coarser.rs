@@ -1,0 +1,56 @@
+//! What becomes of the tube behind coarser encoders.
+
+use crate::kit::MILLI;
+use crate::kit::number::number;
+use crate::kit::text::line;
+use maud::{Markup, html};
+use phihat_design::Gains;
+
+/// A table with a row per encoder, that of the study first; nothing where there is no tube or no encoder.
+pub(crate) fn coarser(gains: &Gains) -> Markup {
+    let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
+    let Some(tube) = tube.filter(|_| !gains.coarser.is_empty()) else { return html! {} };
+    let errors: Vec<f64> = tube.joints.iter().map(|joint| joint.error_max_rad).collect();
+    let steps: Vec<f64> = tube.joints.iter().map(|joint| joint.torque_step_max_nm).collect();
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: these gains behind coarser encoders" {
+            table {
+                caption { span { "The same gains behind coarser encoders: largest |e| after settling by the tube, in mrad" } }
+                thead { tr {
+                    th scope="col" { "bits" }
+                    @for joint in &tube.joints { th scope="col" { (line(&joint.name)) } }
+                    th scope="col" { "largest |Δτ| " span.unit { "[N·m]" } }
+                    th scope="col" { "limit of torque rate" }
+                } }
+                tbody {
+                    (row("as declared", (&errors, &steps), true))
+                    @for one in &gains.coarser {
+                        @let bits = format!("−{}", one.bits_fewer);
+                        @if let Some(why) = &one.refused {
+                            tr {
+                                th scope="row" { (bits) }
+                                td colspan=(errors.len() + 2) { "no tube: " (line(why)) }
+                            }
+                        } @else {
+                            (row(&bits, (&one.error_max_rad, &one.torque_step_max_nm), one.within_rate_limits))
+                        }
+                    }
+                }
+            }
+        }
+        p {
+            "Gains are made for the encoder that the study declares. Where a limit of torque rate can act, the errors are those "
+            "without it, and none is proved. " code { "phihat verify" } " checks the declared encoder only."
+        }
+    }
+}
+
+fn row(bits: &str, (errors, steps): (&[f64], &[f64]), within: bool) -> Markup {
+    let largest = steps.iter().copied().fold(0.0, f64::max);
+    html! { tr {
+        th scope="row" { (bits) }
+        @for error in errors { td { (number(error * MILLI)) } }
+        td { (number(largest)) }
+        td { @if within { "cannot act" } @else { "can act" } }
+    } }
+}

@@ -1,0 +1,58 @@
+//! What becomes of a tube behind coarser encoders.
+
+use phihat_design::tube::tube;
+use phihat_design::{CoarserEncoder, Gains};
+use phihat_sim::SimError;
+use phihat_study::Study;
+
+use crate::told::told;
+
+/// How many bits less are looked at.
+const FEWER: core::ops::RangeInclusive<u32> = 1..=3;
+
+/// An encoder has one bit at least.
+const BITS_MIN: u32 = 1;
+
+/// The tubes of gains behind encoders of fewer bits, from where the tube settles on; none where the gains have no tube, or
+/// no joint an encoder.
+///
+/// # Errors
+///
+/// [`SimError`]: the arm cannot follow the reference.
+pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder>, SimError> {
+    let settle = gains.certificate.as_ref().and_then(|certificate| {
+        certificate.tube.as_ref()?;
+        Some(certificate.settle.as_ref()?.settle_s)
+    });
+    let (Some(settle), Some(bits)) = (settle, &study.sensor.encoder_bits) else {
+        return Ok(Vec::new());
+    };
+    let mut own = study.clone();
+    // Without a filter that the design chose there would have been no tube.
+    if gains.complete(&mut own).is_err() {
+        return Ok(Vec::new());
+    }
+    let desired = told(&own, gains)?;
+    let period = study.control.period_ns as f64 * 1e-9;
+    own.control.torque_rate_max = None;
+    own.interface.profile.torque_rate_max = None;
+    let one = |bits_fewer: u32| {
+        let fewer = |bits: &u32| bits.saturating_sub(bits_fewer).max(BITS_MIN);
+        own.sensor.encoder_bits = Some(bits.iter().map(fewer).collect());
+        let (tube, refused) = match tube(&own, gains, &desired) {
+            Ok(tube) => (Some(tube.steady_from(settle)), None),
+            Err(why) => (None, Some(why.to_string())),
+        };
+        let joints = || tube.iter().flat_map(|tube| &tube.joints).enumerate();
+        let limits = |i: usize| study.limits(i).1.map_or(f64::INFINITY, |rate| rate * period);
+        CoarserEncoder {
+            bits_fewer,
+            error_max_rad: joints().map(|(_, joint)| joint.error_max_rad).collect(),
+            torque_step_max_nm: joints().map(|(_, joint)| joint.torque_step_max_nm).collect(),
+            within_rate_limits: tube.is_some()
+                && joints().all(|(i, joint)| joint.torque_step_max_nm <= limits(i)),
+            refused,
+        }
+    };
+    Ok(FEWER.map(one).collect())
+}
