@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_model::{InertiaRange, Robot};
+use phihat_model::{Chain, InertiaRange, Part, Robot};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -18,14 +18,24 @@ const SEED: u64 = 1;
 
 /// List the built-in arms, or show one: joints, limits, friction, inertia range, sources.
 ///
+/// Of a file with more than one chain of joints, it lists those that could be arms, the longest first.
+///
 /// The inertia range tells the nominal inertia M̄ of each joint that centres the window (not the one with the least
 /// error, which a design finds), and the ratio of eigenvalues that the
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  phihat robots\n  phihat robots panda")]
+#[command(
+    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots two_arms.urdf --base torso --tip left_tool0"
+)]
 pub(crate) struct Robots {
     /// A built-in arm, or a file: a URDF, or the TOML that stands beside one.
     name: Option<String>,
+    /// Link that the arm stands on, in a file of a larger robot.
+    #[arg(long, value_name = "LINK")]
+    base: Option<String>,
+    /// Link that the arm ends in.
+    #[arg(long, value_name = "LINK")]
+    tip: Option<String>,
     /// Print one JSON document in place of tables.
     #[arg(long)]
     json: bool,
@@ -62,12 +72,35 @@ impl Robots {
     }
 
     fn show(&self, name: &str) -> Result<(), Failure> {
-        let is_file = Path::new(name).extension().is_some();
-        let robot = if is_file { Robot::read(Path::new(name)) } else { Robot::named(name) }
-            .map_err(Failure::plain)?;
+        let file = Some(Path::new(name)).filter(|path| path.extension().is_some());
+        let part = Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() };
+        let chains = file.filter(|_| !part.is_stated()).map(Robot::chains);
+        let chains = chains.transpose().map_err(Failure::plain)?.unwrap_or_default();
+        let robot = match file {
+            Some(path) => Robot::read_part(path, &part),
+            None if part.is_stated() => {
+                let why =
+                    "--base and --tip cut an arm out of a file; built-in robots are arms already";
+                return Err(Failure::plain(why));
+            }
+            None => Robot::named(name),
+        };
+        let whole = robot.as_ref().is_ok_and(|robot| {
+            chains.iter().all(|chain| chain.joints == robot.model.joint_names())
+        });
+        if !self.json && !whole && !chains.is_empty() {
+            println!("{}", table::chains(&chains));
+            if let [first, ..] = &chains[..] {
+                println!(
+                    "an arm of them alone: --base {} --tip {}, or base and tip in [robot]\n",
+                    first.base, first.tip
+                );
+            }
+        }
+        let robot = robot.map_err(Failure::plain)?;
         let range = robot.inertia_range(POSTURES, SEED);
         if self.json {
-            println!("{:#}", document(&robot, &range));
+            println!("{:#}", document(&robot, &range, &chains));
             return Ok(());
         }
         println!("{} · {}", robot.name, robot.description);
@@ -94,7 +127,8 @@ impl Robots {
     }
 }
 
-fn document(robot: &Robot, range: &InertiaRange) -> serde_json::Value {
+fn document(robot: &Robot, range: &InertiaRange, chains: &[Chain]) -> serde_json::Value {
+    let chain = |c: &Chain| json!({ "base": c.base, "tip": c.tip, "joints": c.joints });
     let joint = |(i, j): (usize, &phihat_model::Joint)| {
         json!({
             "name": j.name,
@@ -125,6 +159,7 @@ fn document(robot: &Robot, range: &InertiaRange) -> serde_json::Value {
         "eigenvalue_max": range.lambda_max,
         "eigenvalue_ratio": range.ratio(),
         "warnings": robot.warnings,
+        "chains": chains.iter().map(chain).collect::<Vec<_>>(),
         "joints": robot.joints.iter().enumerate().map(joint).collect::<Vec<_>>(),
     })
 }

@@ -14,6 +14,10 @@ pub struct Body {
     pub inertia: [f64; 6],
 }
 
+/// A principal moment so far below zero, relative to the trace, is one whose digits were cut; or so far \[kg·m²\].
+const CUT_DIGITS: f64 = 1e-3;
+const NOTHING: f64 = 1e-12;
+
 /// How far a physical inertia may miss a condition through rounding, relative to its trace.
 const ROUNDING: f64 = 1e-9;
 
@@ -35,6 +39,34 @@ impl Body {
             && minors.iter().all(|m| *m >= -tiny * tiny)
             && determinant >= -tiny * tiny * tiny;
         if definite { Ok(()) } else { Err(NotRigid::Inertia(*inertia)) }
+    }
+
+    /// The same with all principal moments raised so far that none is negative, where one is by no more than digits that were
+    /// cut; `None`: nothing is to be raised, or it is more than that.
+    pub(crate) fn raised_if_rounded(&self) -> Option<Self> {
+        let [xx, _, _, yy, _, zz] = self.inertia;
+        let finite = self.inertia.iter().all(|x| x.is_finite());
+        if !finite || !matches!(self.check(), Err(NotRigid::Inertia(_))) {
+            return None;
+        }
+        let by = -1.01 * self.least_principal_moment();
+        let [_, xy, xz, _, yz, _] = self.inertia;
+        let raised = Self { inertia: [xx + by, xy, xz, yy + by, yz, zz + by], ..*self };
+        (by <= CUT_DIGITS * (xx + yy + zz) + NOTHING && raised.check().is_ok()).then_some(raised)
+    }
+
+    /// The least eigenvalue of the inertia: the roots of its characteristic polynomial are `c + 2p cos(θ + 2πk/3)`.
+    fn least_principal_moment(&self) -> f64 {
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        let c = (xx + yy + zz) / 3.0;
+        let (a, b, d) = (xx - c, yy - c, zz - c);
+        let p = ((a * a + b * b + d * d + 2.0 * (xy * xy + xz * xz + yz * yz)) / 6.0).sqrt();
+        if p == 0.0 {
+            return c;
+        }
+        let determinant = a * (b * d - yz * yz) - xy * (xy * d - yz * xz) + xz * (xy * yz - b * xz);
+        let angle = libm::acos((0.5 * determinant / (p * p * p)).clamp(-1.0, 1.0)) / 3.0;
+        c + 2.0 * p * libm::cos(angle + 2.0 * core::f64::consts::FRAC_PI_3)
     }
 
     /// Whether some mass distribution has this inertia: no principal moment above the sum of the
@@ -93,5 +125,33 @@ impl Lumped {
     pub(crate) fn parameters(&self) -> [f64; 10] {
         let ([hx, hy, hz], i) = (self.h, &self.i);
         [self.m, hx, hy, hz, i[0][0], i[0][1], i[1][1], i[0][2], i[1][2], i[2][2]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Body;
+    use crate::placement::{from_rpy, mul, transpose};
+
+    #[test]
+    fn inertia_is_raised_by_what_its_least_moment_lacks() {
+        let r = from_rpy([0.3, -0.7, 1.1]);
+        let body = |moments: [f64; 3]| {
+            let [a, b, c] = moments;
+            let turned =
+                mul(&mul(&r, &[[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]), &transpose(&r));
+            let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = turned;
+            Body { mass: 1.0, com: [0.0; 3], inertia: [xx, xy, xz, yy, yz, zz] }
+        };
+        for moments in [[0.2, 0.1, -1e-5], [0.4, -3e-4, 0.3], [2.0, 2.0, -1e-4]] {
+            let least = moments.into_iter().fold(f64::INFINITY, f64::min);
+            let (before, after) = (body(moments), body(moments).raised_if_rounded().unwrap());
+            assert!((before.least_principal_moment() - least).abs() < 1e-12);
+            assert!(after.check().is_ok());
+            assert!((after.inertia[0] - before.inertia[0] + 1.01 * least).abs() < 1e-12);
+        }
+        // What nobody rounded is refused, and what is right is left.
+        assert!(body([0.2, 0.1, -0.01]).raised_if_rounded().is_none());
+        assert!(body([0.2, 0.1, 0.05]).raised_if_rounded().is_none());
     }
 }

@@ -53,13 +53,18 @@ impl Description {
         let joints = self.links.iter_mut().filter_map(|link| link.joint.as_mut());
         let mut moving = joints.filter(|joint| joint.motion != Motion::Fixed);
         let Some(joint) = moving.find(|joint| joint.name == name) else { return false };
-        joint.placement = joint.placement.then(&joint.displacement(position));
-        joint.motion = Motion::Fixed;
+        joint.hold(position);
         true
     }
 }
 
 impl JointOf {
+    /// Fixes it at `position`.
+    pub(crate) fn hold(&mut self, position: f64) {
+        self.placement = self.placement.then(&self.displacement(position));
+        self.motion = Motion::Fixed;
+    }
+
     /// What the joint adds to its placement at `position`.
     fn displacement(&self, position: f64) -> Placement {
         match self.motion {

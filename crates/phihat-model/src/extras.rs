@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::error::RobotError;
 use crate::joint::{Friction, Sigmoid};
+use crate::part::Part;
 use crate::profile::Profile;
 use crate::robot::Robot;
 use crate::robot_text::read_text;
@@ -24,6 +25,11 @@ struct File {
     description: String,
     urdf: String,
     tip: String,
+    /// Where the arm stands in a larger robot: its joints are those from here to the tip.
+    base: Option<String>,
+    /// Joints held fixed, each with its position.
+    #[serde(default)]
+    locked: BTreeMap<String, f64>,
     licence: String,
     provenance: String,
     joints: Vec<String>,
@@ -101,6 +107,13 @@ pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathB
         return Err(RobotError::Value { origin: origin.to_owned(), key: "urdf".to_owned(), why });
     }
     Ok(path.parent().unwrap_or(Path::new("")).join(named))
+}
+
+/// The part of the URDF that the TOML file `text` is about.
+pub(crate) fn part(text: &str, origin: &str) -> Result<Part> {
+    let file = parse(text, origin)?;
+    let tip = file.base.is_some().then_some(file.tip);
+    Ok(Part { base: file.base, tip, joints: None, locked: file.locked })
 }
 
 /// The text of a robot file beside a URDF, if there is one that is about this URDF; another file of that name, such

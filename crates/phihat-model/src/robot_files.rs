@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
 use crate::robot_text::read_text;
-use crate::{Model, Robot, extras, urdf};
+use crate::{Chain, Model, Part, Robot, extras, urdf};
 
 /// Files of the arms that come with the crate: name, URDF, TOML.
 macro_rules! arms {
@@ -30,20 +30,29 @@ impl Robot {
     /// [`RobotError`], with file, line where there is one, link or joint, value and what would be
     /// valid.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
+        Self::read_part(path, &Part::default())
+    }
+
+    /// As [`read`](Self::read), but for a part of the description alone; a TOML file lists the joints of that part.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]
+    pub fn read_part(path: &Path, part: &Part) -> Result<Self, RobotError> {
         let text = read_text(path)?;
         let origin = path.display().to_string();
         if path.extension().is_none_or(|extension| extension != "toml") {
             let beside = path.with_extension("toml");
             let Some(more) = extras::about_urdf(&beside, path)? else {
-                return Ok(Self::from_text(&text, None, &origin)?.of([path.to_owned()]));
+                return Ok(Self::assemble(&text, part, &origin, None)?.of([path.to_owned()]));
             };
             let more_origin = beside.display().to_string();
-            let robot = Self::assemble(&text, &origin, Some((&more, &more_origin)))?;
+            let robot = Self::assemble(&text, part, &origin, Some((&more, &more_origin)))?;
             return Ok(robot.of([path.to_owned(), beside]));
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
         let (urdf_text, urdf_origin) = (read_text(&urdf)?, urdf.display().to_string());
-        let robot = Self::assemble(&urdf_text, &urdf_origin, Some((&text, &origin)))?;
+        let robot = Self::assemble(&urdf_text, part, &urdf_origin, Some((&text, &origin)))?;
         Ok(robot.of([path.to_owned(), urdf]))
     }
 
@@ -59,7 +68,39 @@ impl Robot {
     ///
     /// [`RobotError`], as for [`read`](Self::read).
     pub fn from_text(urdf: &str, toml: Option<&str>, origin: &str) -> Result<Self, RobotError> {
-        Self::assemble(urdf, origin, toml.map(|text| (text, origin)))
+        Self::assemble(urdf, &Part::default(), origin, toml.map(|text| (text, origin)))
+    }
+
+    /// Makes a robot from a part of the text of a URDF.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`], as for [`read`](Self::read).
+    pub fn part_of_text(urdf: &str, part: &Part, origin: &str) -> Result<Self, RobotError> {
+        Self::assemble(urdf, part, origin, None)
+    }
+
+    /// The chains of joints in a URDF, or in that which a TOML file names, that could be arms, the longest first.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]: the file is no URDF. That an arm cannot be made of a chain is told by [`read_part`](Self::read_part).
+    pub fn chains(path: &Path) -> Result<Vec<Chain>, RobotError> {
+        let (text, origin) = (read_text(path)?, path.display().to_string());
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            return Self::chains_of_text(&text, &origin);
+        }
+        let urdf = extras::urdf_beside(path, &text, &origin)?;
+        Self::chains_of_text(&read_text(&urdf)?, &urdf.display().to_string())
+    }
+
+    /// The chains of joints in the text of a URDF that could be arms, the longest first.
+    ///
+    /// # Errors
+    ///
+    /// As for [`chains`](Self::chains).
+    pub fn chains_of_text(urdf: &str, origin: &str) -> Result<Vec<Chain>, RobotError> {
+        urdf::chains(urdf, origin).map_err(RobotError::plain)
     }
 
     /// Gives one of the arms that come with the crate: those of [`names`](Self::names).
@@ -76,7 +117,8 @@ impl Robot {
                 known: NAMES,
             });
         };
-        Self::assemble(urdf, &format!("{name}.urdf"), Some((toml, &format!("{name}.toml"))))
+        let toml = Some((*toml, &*format!("{name}.toml")));
+        Self::assemble(urdf, &Part::default(), &format!("{name}.urdf"), toml)
     }
 
     /// Names of the arms that come with the crate.
@@ -84,9 +126,23 @@ impl Robot {
         NAMES
     }
 
-    fn assemble(urdf: &str, origin: &str, toml: Option<(&str, &str)>) -> Result<Self, RobotError> {
-        let read = urdf::read(urdf, origin).map_err(RobotError::plain)?;
-        let tip = outermost_frame(&read.model);
+    fn assemble(
+        urdf: &str,
+        part: &Part,
+        origin: &str,
+        toml: Option<(&str, &str)>,
+    ) -> Result<Self, RobotError> {
+        // Whoever asks for a part of his own, asks for it in place of the file's.
+        let stated = match toml {
+            Some((text, origin)) if !part.is_stated() => {
+                let mut stated = extras::part(text, origin).map_err(RobotError::plain)?;
+                stated.locked.extend(part.locked.clone());
+                stated
+            }
+            _ => part.clone(),
+        };
+        let read = urdf::read(urdf, &stated, origin).map_err(RobotError::plain)?;
+        let tip = stated.tip.unwrap_or_else(|| outermost_frame(&read.model));
         let robot = Self {
             name: read.name,
             description: String::new(),

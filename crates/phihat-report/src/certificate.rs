@@ -46,7 +46,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (moving(certificate))
         (coupled(certificate))
         (limit(&record.gains.limit))
-        (coarser(&record.gains))
+        (coarser(record.gains))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }

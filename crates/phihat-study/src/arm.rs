@@ -1,6 +1,6 @@
 //! `[robot]`: the arm, its names, its poses, and whether a position is one it can have.
 
-use phihat_model::Robot;
+use phihat_model::{Part, Robot};
 use toml::de::DeValue;
 
 use crate::base::Base;
@@ -14,6 +14,21 @@ use crate::value::number;
 /// Slack on a limit, for figures that were rounded when they were written down \[rad, rad/s, m\].
 const ROUNDING: f64 = 1e-6;
 
+/// The part of a description that the study says its arm is; what it locks belongs to it where it does say one.
+fn part(node: &Node<'_>) -> Result<Part, StudyError> {
+    let word = |key: &str| node.has(key).then(|| node.word(key).map(str::to_owned)).transpose();
+    let mut part = Part { base: word("base")?, tip: word("tip")?, ..Part::default() };
+    if part.is_stated()
+        && let Some(DeValue::Table(table)) = node.value("locked").map(toml::Spanned::get_ref)
+    {
+        for (name, value) in in_file_order(table) {
+            let at = number(value.get_ref()).unwrap_or_default();
+            part.locked.insert(name.get_ref().to_string(), at);
+        }
+    }
+    Ok(part)
+}
+
 /// The arm of a study and the names by which the study speaks of it.
 #[derive(Debug, Clone)]
 pub(crate) struct StudyArm {
@@ -24,15 +39,25 @@ pub(crate) struct StudyArm {
 impl StudyArm {
     /// Reads `[robot]`; files are relative to `base`.
     pub(crate) fn read(node: &Node<'_>, base: Base<'_>) -> Result<Self, StudyError> {
+        let part = part(node)?;
         let robot = if node.either("name", "file")? == "name" {
+            if let Some(key) = ["base", "tip"].into_iter().find(|key| node.has(key)) {
+                let why = "built-in robots are arms already: lock what shall not move";
+                return Err(node.error(Kind::Conflict, key, why));
+            }
             built_in(node)?
         } else {
             let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
-            Robot::read(&base.join(node.word("file")?)).map_err(refuse)?
+            Robot::read_part(&base.join(node.word("file")?), &part).map_err(refuse)?
         };
         let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let all = Joints { names: names(&robot), locked: Vec::new() };
         let mut arm = Self { robot, joints: all };
+        if part.is_stated() {
+            // Cut out with the part: those of the arm as well as those beside it.
+            arm.joints.locked = part.locked.into_keys().collect();
+            return arm.with_armature(node);
+        }
         let locks = arm.locks(node)?;
         if !locks.is_empty() {
             let refuse = |error| node.error(Kind::Robot, "locked", format!("{error}"));
@@ -40,12 +65,17 @@ impl StudyArm {
             arm.joints.names = names(&arm.robot);
             arm.joints.locked = locks.into_iter().map(|(name, _)| name).collect();
         }
-        if let Some(armature) = arm.joints.numbers_if(node, "armature_kg_m2")? {
-            for (joint, value) in arm.robot.joints.iter_mut().zip(armature) {
+        arm.with_armature(node)
+    }
+
+    /// With the rotor inertia that the study states in place of the description's.
+    fn with_armature(mut self, node: &Node<'_>) -> Result<Self, StudyError> {
+        if let Some(armature) = self.joints.numbers_if(node, "armature_kg_m2")? {
+            for (joint, value) in self.robot.joints.iter_mut().zip(armature) {
                 joint.armature = value;
             }
         }
-        Ok(arm)
+        Ok(self)
     }
 
     fn locks(&self, node: &Node<'_>) -> Result<Vec<(String, f64)>, StudyError> {

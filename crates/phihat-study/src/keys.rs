@@ -116,6 +116,21 @@ static ROBOT: Section = Section {
                   the study any more: per-joint values have no entry for it.",
         },
         Key {
+            name: "base",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("the root of the description"),
+            doc: "Link of `file` that the arm stands on: joints below it, up to `tip`, are the arm's. All others stand still: where \
+                  `locked` says, else as near to 0 as their limits let them.",
+        },
+        Key {
+            name: "tip",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("all that moves below `base`"),
+            doc: "Link of `file` that the arm ends in. `phihat robots FILE` lists the chains that a description has.",
+        },
+        Key {
             name: "armature_kg_m2",
             unit: "kg·m²",
             shape: Shape::PerJoint(ARMATURE, &[]),

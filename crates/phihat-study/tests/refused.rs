@@ -6,12 +6,15 @@
 
 mod support;
 
+use std::fs;
+use std::path::Path;
+
 use phihat_study::StudyErrorKind::{
     BeyondLimits, Conflict, MissingKey, OutOfRange, Robot, Syntax, UnknownKey, UnknownName,
     WrongLength, WrongType, WrongUnit,
 };
 use phihat_study::{StudyError, StudyErrorKind};
-use support::{REFERENCE_LINE, read, with_line, with_reference};
+use support::{GOOD, REFERENCE_LINE, read, read_in, with_line, with_reference};
 
 fn check(text: &str, (line, key, kind, fragment): (usize, &str, StudyErrorKind, &str)) {
     let answer: Result<(), StudyError> = read(text).map(drop);
@@ -565,6 +568,32 @@ fn a_locked_joint_is_no_joint_any_more() {
 }
 
 #[test]
+fn an_arm_is_cut_out_of_a_file_by_its_base_and_tip() {
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../phihat-model/robots");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cut");
+    fs::create_dir_all(&folder).unwrap();
+    // By itself: what stands beside the file is about the whole arm.
+    fs::copy(robots.join("planar3r.urdf"), folder.join("alone.urdf")).unwrap();
+    let with = |keys: &str| {
+        let text = GOOD.replace("name = \"planar3r\"\nlocked = {}", keys);
+        let text = text.replace("[0.42, 0.18, 0.14]", "[0.42, 0.18]");
+        let text = text.replace("[0.1, 0.2, 0.3]", "[0.1, 0.2]");
+        read_in(&text.replace("center = \"ready\"", "center_rad = [0.4, 0.5]"), &folder)
+    };
+    let robot = phihat_model::Robot::named("planar3r").unwrap();
+    let [base, .., tip] = robot.model.frame_names() else { panic!("frames") };
+    let cut =
+        format!("file = 'alone.urdf'\nbase = {base:?}\ntip = {tip:?}\nlocked = {{ joint3 = 0.2 }}");
+    let study = with(&cut).unwrap();
+    assert_eq!(study.robot.model.joint_names(), ["joint1", "joint2"]);
+    assert_eq!(study.robot.tip, *tip);
+    let error = with(&cut.replace(&format!("{tip:?}"), "'nothing'")).unwrap_err().to_string();
+    assert!(error.contains("there is no link \"nothing\""), "{error}");
+    let built_in = with_line(6, "base = \"base\"");
+    check(&built_in, (6, "robot.base", Conflict, "arms already"));
+}
+
+#[test]
 fn the_first_mistake_of_several_is_the_one() {
     let text =
         with_line(19, "rate_khz = 1.0").replace("mass_kg", "mass_g").replace("18\n", "'x'\n");
@@ -576,7 +605,7 @@ fn a_name_that_no_study_can_have_is_refused() {
     for origin in
         ["", "Base.toml", "a b.toml", "../.toml", "ä.toml", &format!("{}.toml", "a".repeat(65))]
     {
-        let error = phihat_study::Study::from_text(support::GOOD, origin, "".as_ref()).unwrap_err();
+        let error = phihat_study::Study::from_text(GOOD, origin, "".as_ref()).unwrap_err();
         assert_eq!((error.kind(), error.line()), (UnknownName, 0), "{origin}");
     }
 }

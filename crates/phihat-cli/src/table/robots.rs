@@ -1,7 +1,8 @@
 //! The arms at hand.
 
 use comfy_table::Table;
-use phihat_model::{InertiaRange, Robot};
+use phihat_model::input::plain;
+use phihat_model::{Chain, InertiaRange, Robot};
 
 use super::{align, plain_table};
 
@@ -13,6 +14,20 @@ pub(crate) fn robots(robots: &[Robot]) -> Table {
         table.add_row([robot.name.clone(), joints, robot.description.clone()]);
     }
     table
+}
+
+/// One row per chain that could be an arm.
+pub(crate) fn chains(chains: &[Chain]) -> String {
+    let mut table = plain_table(["base", "tip", "joints", "which"]);
+    for chain in chains {
+        let which = match &chain.joints[..] {
+            [first, .., last] => format!("{first} … {last}"),
+            all => all.concat(),
+        };
+        let count = chain.joints.len().to_string();
+        table.add_row([chain.base.clone(), chain.tip.clone(), count, which].map(|s| plain(&s)));
+    }
+    format!("chains of joints that could be arms\n{table}")
 }
 
 /// One row per joint of an arm.

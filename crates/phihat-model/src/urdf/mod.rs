@@ -4,12 +4,15 @@ use crate::Model;
 use crate::error::RobotError;
 use crate::joint::Joint;
 
+mod chains;
 mod element;
+mod part;
 mod read;
 mod scan;
+mod travel;
 mod tree;
 
-pub(crate) use read::read;
+pub(crate) use read::{chains, read};
 
 /// Largest description that is read \[bytes\].
 pub(crate) const BYTES_MAX: usize = 4 << 20;

@@ -1,52 +1,192 @@
 //! From the text of a URDF to links, joints and their limits.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use roxmltree::{Document, Node};
 
 use super::element::Element;
-use super::tree::{self, JointElement, LinkElement};
+use super::part::Whole;
+use super::travel::{Moves, read_limits, read_moves};
+use super::tree::{JointElement, LinkElement, Tree};
 use super::{Result, Urdf, scan};
 use crate::body::{Body, Lumped};
 use crate::description::{JointOf, Motion};
 use crate::error::RobotError;
-use crate::joint::{Friction, Joint, JointKind};
+use crate::joint::JointKind;
+use crate::part::{Chain, Part};
 use crate::placement::{dot, mul, normalised, transpose};
 use crate::{Model, Workspace};
 
-/// Most links.
-const LINKS_MAX: usize = 64;
-/// A limit beyond this is what some exporters write for none \[rad, m, rad/s, N·m\].
-const BOUNDLESS: f64 = 1e9;
-/// Most joints that move.
-const MOVING_MAX: usize = 16;
+/// Most links, and most joints: far more than any robot has.
+const LINKS_MAX: usize = 4096;
+/// Most joints of an arm.
+const MOVING_MAX: usize = 32;
+/// Most prefixes that are declared for a file that forgot to.
+const PREFIXES_MAX: usize = 8;
 
-/// Reads and checks a URDF; `origin` stands for the file in errors.
-pub(crate) fn read(text: &str, origin: &str) -> Result<Urdf> {
+/// What is read of a description before it is known which part of it is the arm.
+type Elements<'a, 'x> = (Vec<LinkElement<'a, 'x>>, Vec<JointElement<'a, 'x>>);
+
+/// Reads and checks a part of a URDF; `origin` stands for the file in errors.
+pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
+    let text = &readable(text, origin)?;
+    let document = document(text, origin)?;
+    let root = robot_element(&document, origin)?;
+    let mut warnings = Vec::new();
+    let (mut links, mut joints) = elements(root, origin, &mut warnings)?;
+    let tree = Tree::of(&links, &joints, origin)?;
+    let whole = Whole { links: &links, joints: &joints, tree: &tree, origin };
+    let cut = whole.cut(part, &mut warnings)?;
+    let moving = cut.driven.iter().filter(|driven| **driven).count();
+    if moving > MOVING_MAX {
+        let proposed = whole.chains().into_iter().find(|chain| chain.joints.len() <= MOVING_MAX);
+        return Err(too_many(moving, proposed.as_ref(), origin));
+    }
+    let mut driven = Vec::new();
+    for link in &tree.order {
+        let Some(at) = tree.hangs[*link].filter(|at| cut.driven[*at]) else { continue };
+        if let Moves::Driven(kind) = joints[at].moves {
+            driven.push(read_limits(&joints[at].element, kind, &mut warnings)?);
+        }
+    }
+    for (at, joint) in joints.iter_mut().enumerate().filter(|(at, _)| !cut.driven[*at]) {
+        joint.joint.hold(cut.at[at]);
+    }
+    let matter = matter(&mut links, (&tree, &cut.driven, part), &mut warnings)?;
+    let (description, order) = tree.describe(&links, &joints, &matter);
+    let name = root.attribute("name").unwrap_or("robot").to_owned();
+    let model = Model::new(description);
+    if let Some(at) = unmoved(&model) {
+        let at = order.iter().filter(|at| cut.driven[**at]).nth(at).copied().unwrap_or(0);
+        let why = format!(
+            "it moves no mass, so torque has nothing to act on: link \"{}\" and what is welded to it need an <inertial>",
+            joints[at].child
+        );
+        return Err(joints[at].element.error(why));
+    }
+    Ok(Urdf { name, model, joints: driven, warnings })
+}
+
+/// The chains of a URDF that could be arms, the longest first.
+pub(crate) fn chains(text: &str, origin: &str) -> Result<Vec<Chain>> {
+    let text = &readable(text, origin)?;
+    let document = document(text, origin)?;
+    let root = robot_element(&document, origin)?;
+    let (links, joints) = elements(root, origin, &mut Vec::new())?;
+    let tree = Tree::of(&links, &joints, origin)?;
+    Ok(Whole { links: &links, joints: &joints, tree: &tree, origin }.chains())
+}
+
+fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError {
+    let remedy = proposed.map_or_else(String::new, |chain| {
+        let Chain { base, tip, joints } = chain;
+        format!(", such as base = \"{base}\", tip = \"{tip}\" ({} joints)", joints.len())
+    });
+    let why = format!(
+        "{moving} joints move, more than the {MOVING_MAX} of an arm: name the arm's base and tip{remedy}"
+    );
+    RobotError::Tree { origin: origin.to_owned(), why }
+}
+
+/// The text with prefixes declared that nobody declared: what other programs read beside us.
+fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> {
     scan::scan(text, origin)?;
-    let document = Document::parse(text).map_err(|error| RobotError::Xml {
+    let mut text = Cow::Borrowed(text);
+    // Where comments stand before the declaration it says nothing: blanks take its place, for the lines to stay.
+    if let Some(start) = text.find("<?xml").filter(|start| *start > 0)
+        && let Some(length) = text[start..].find("?>")
+    {
+        let end = start + length + "?>".len();
+        let blank = |c: char| if c == '\n' { c } else { ' ' };
+        let declared: String = text[start..end].chars().map(blank).collect();
+        text = Cow::Owned(format!("{}{declared}{}", &text[..start], &text[end..]));
+    }
+    for _ in 0..PREFIXES_MAX {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, at)) = Document::parse(&text) else {
+            break;
+        };
+        if prefix == "xacro" {
+            return Err(xacro(at.row, origin));
+        }
+        let Some(start) = text.find("<robot") else { break };
+        let (before, after) = text.split_at(start + "<robot".len());
+        text = Cow::Owned(format!("{before} xmlns:{prefix}=\"undeclared:{prefix}\"{after}"));
+    }
+    Ok(text)
+}
+
+fn xacro(line: u32, origin: &str) -> RobotError {
+    let why = "this is xacro, which writes URDF: expand it first, `xacro FILE.xacro > FILE.urdf`";
+    RobotError::Xml { origin: origin.to_owned(), line, why: why.to_owned() }
+}
+
+fn document<'t>(text: &'t str, origin: &str) -> Result<Document<'t>> {
+    Document::parse(text).map_err(|error| RobotError::Xml {
         origin: origin.to_owned(),
         line: error.pos().row,
         why: error.to_string(),
-    })?;
+    })
+}
+
+/// The root element, which must be a robot's, all expanded.
+fn robot_element<'a, 'x>(document: &'a Document<'x>, origin: &str) -> Result<Node<'a, 'x>> {
     let root = document.root_element();
     if !root.has_tag_name("robot") {
-        let why = format!("the root element is <{}>; it must be <robot>", root.tag_name().name());
+        let tag = root.tag_name().name();
+        let hint = match tag {
+            "mujoco" => " (this is MJCF: attach it in Python, `phihat.mujoco`)",
+            "sdf" => " (this is SDF, which is not read)",
+            _ => "",
+        };
+        let why = format!("the root element is <{tag}>; it must be <robot>{hint}");
         return Err(RobotError::Xml { origin: origin.to_owned(), line: 1, why });
     }
-    let mut warnings = Vec::new();
-    let links = read_links(root, origin, &mut warnings)?;
-    let joints = read_joints(root, origin, &mut warnings)?;
-    let (description, order) = tree::grow(&links, &joints, origin)?;
-    let name = root.attribute("name").unwrap_or("robot").to_owned();
-    let moving = || order.iter().map(|at| &joints[*at]).filter(|joint| joint.moving.is_some());
-    let model = Model::new(description);
-    if let Some(joint) = unmoved(&model).and_then(|at| moving().nth(at)) {
-        let why = "it moves no mass, so torque has nothing to act on".to_owned();
-        return Err(joint.element.error(why));
+    let written = |node: &Node<'_, '_>| {
+        node.tag_name().namespace().is_some_and(|space| space.contains("xacro"))
+    };
+    if let Some(node) = root.children().find(written) {
+        return Err(xacro(document.text_pos_at(node.range().start).row, origin));
     }
-    let joints = moving().filter_map(|joint| joint.moving.clone()).collect();
-    Ok(Urdf { name, model, joints, warnings })
+    Ok(root)
+}
+
+fn elements<'a, 'x>(
+    root: Node<'a, 'x>,
+    origin: &'a str,
+    warnings: &mut Vec<String>,
+) -> Result<Elements<'a, 'x>> {
+    Ok((read_links(root, origin)?, read_joints(root, origin, warnings)?))
+}
+
+/// Matter of every link. Of a part, what is wrong with it counts where a joint moves it.
+fn matter(
+    links: &mut [LinkElement<'_, '_>],
+    (tree, driven, part): (&Tree, &[bool], &Part),
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Lumped>> {
+    let mut moved = vec![false; links.len()];
+    for at in &tree.order {
+        let Some(joint) = tree.hangs[*at] else { continue };
+        moved[*at] = driven[joint] || moved[tree.parent_of_joint[joint]];
+    }
+    let one = |(link, moved): (&mut LinkElement<'_, '_>, bool)| {
+        let read = std::mem::replace(&mut link.matter, Ok((Lumped::default(), Vec::new())));
+        match read {
+            Ok((matter, odd)) => {
+                if moved {
+                    warnings.extend(odd);
+                }
+                Ok(matter)
+            }
+            Err(why) if moved || !part.is_stated() => Err(why),
+            Err(why) => {
+                warnings.push(format!("{why} (nothing moves it, so it is not needed)"));
+                Ok(Lumped::default())
+            }
+        }
+    };
+    links.iter_mut().zip(moved).map(one).collect()
 }
 
 /// A coordinate whose motion takes no energy, at a posture like no other.
@@ -71,11 +211,7 @@ fn unmoved(model: &Model) -> Option<usize> {
     None
 }
 
-fn read_links<'a, 'x>(
-    root: Node<'a, 'x>,
-    origin: &'a str,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<LinkElement<'a, 'x>>> {
+fn read_links<'a, 'x>(root: Node<'a, 'x>, origin: &'a str) -> Result<Vec<LinkElement<'a, 'x>>> {
     let nodes = || root.children().filter(|child| child.has_tag_name("link"));
     at_most(origin, "links", nodes().count(), LINKS_MAX)?;
     let mut names = BTreeSet::new();
@@ -85,15 +221,22 @@ fn read_links<'a, 'x>(
         if !names.insert(element.name) {
             return Err(element.error("another link has this name".to_owned()));
         }
-        links.push(LinkElement { element, matter: read_matter(&element, warnings)? });
+        links.push(LinkElement { element, matter: read_matter(&element) });
     }
     Ok(links)
 }
 
-fn read_matter(link: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<Lumped> {
-    let Some(inertial) = link.child(link.node, "inertial")? else {
-        return Ok(Lumped::default());
-    };
+/// What a link's `<inertial>` says, and what is odd about it.
+fn read_matter(link: &Element<'_, '_>) -> Result<(Lumped, Vec<String>)> {
+    let mut all = link.node.children().filter(|child| child.has_tag_name("inertial"));
+    let Some(inertial) = all.next() else { return Ok((Lumped::default(), Vec::new())) };
+    let mut odd = Vec::new();
+    if all.next().is_some() {
+        let name = link.name;
+        odd.push(format!(
+            "link \"{name}\": more than one <inertial>; the first is read, as others do"
+        ));
+    }
     let part = |tag: &str| {
         link.child(inertial, tag)?.ok_or_else(|| link.error(format!("<inertial> has no <{tag}>")))
     };
@@ -102,20 +245,29 @@ fn read_matter(link: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<Lum
     let [xx, xy, xz] = [entry("ixx")?, entry("ixy")?, entry("ixz")?];
     let [yy, yz, zz] = [entry("iyy")?, entry("iyz")?, entry("izz")?];
     let at = link.placement(inertial)?;
-    let stated = Body { mass, com: [0.0; 3], inertia: [xx, xy, xz, yy, yz, zz] };
+    let mut stated = Body { mass, com: [0.0; 3], inertia: [xx, xy, xz, yy, yz, zz] };
+    if let Some(raised) = stated.raised_if_rounded() {
+        let by = raised.inertia[0] - stated.inertia[0];
+        odd.push(format!(
+            "link \"{}\": inertia with a negative principal moment, by rounding: all three raised by {by:.1e} kg·m²",
+            link.name
+        ));
+        stated = raised;
+    }
     stated.check().map_err(|why| link.error(why.to_string()))?;
     if !stated.obeys_triangle_inequality() {
-        let name = link.name;
-        warnings.push(format!(
-            "link \"{name}\": no mass distribution has this inertia (triangle inequality)"
+        odd.push(format!(
+            "link \"{}\": no mass distribution has this inertia (triangle inequality)",
+            link.name
         ));
     }
     if mass <= 0.0 && stated.inertia.iter().any(|x| x.abs() > 0.0) {
-        warnings.push(format!("link \"{}\": it has inertia but no mass", link.name));
+        odd.push(format!("link \"{}\": it has inertia but no mass", link.name));
     }
+    let [xx, xy, xz, yy, yz, zz] = stated.inertia;
     let turned = mul(&mul(&at.r, &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), &transpose(&at.r));
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = turned;
-    Ok(Body { com: at.p, inertia: [xx, xy, xz, yy, yz, zz], ..stated }.lumped())
+    Ok((Body { com: at.p, inertia: [xx, xy, xz, yy, yz, zz], ..stated }.lumped(), odd))
 }
 
 fn read_joints<'a, 'x>(
@@ -133,8 +285,6 @@ fn read_joints<'a, 'x>(
         at_most(origin, "joints", joints.len() + 1, LINKS_MAX)?;
         joints.push(read_joint(element, warnings)?);
     }
-    let moving = joints.iter().filter(|joint| joint.moving.is_some()).count();
-    at_most(origin, "joints that move", moving, MOVING_MAX)?;
     Ok(joints)
 }
 
@@ -143,32 +293,20 @@ fn read_joint<'a, 'x>(
     warnings: &mut Vec<String>,
 ) -> Result<JointElement<'a, 'x>> {
     let node = element.node;
-    let kind = match element.text(node, "type")? {
-        "fixed" => None,
-        "revolute" => Some(JointKind::Revolute),
-        "continuous" => Some(JointKind::Continuous),
-        "prismatic" => Some(JointKind::Prismatic),
-        other => {
-            return Err(element.error(format!(
-                "type \"{other}\" is not read; revolute, continuous, prismatic and fixed are"
-            )));
-        }
-    };
+    let moves = read_moves(&element)?;
     let end = |tag: &str| {
         let missing = || element.error(format!("it has no <{tag} link=…>"));
         element.text(element.child(node, tag)?.ok_or_else(missing)?, "link")
     };
     let (parent, child) = (end("parent")?, end("child")?);
-    if element.child(node, "mimic")?.is_some() {
-        return Err(element.error(
-            "<mimic> joints are not read: make it fixed, or a joint of its own".to_owned(),
-        ));
-    }
+    let kind = match moves {
+        Moves::Not | Moves::Free(_) => None,
+        Moves::Driven(kind) | Moves::Follows { kind, .. } => Some(kind),
+    };
     let axis = match kind {
         None => [1.0, 0.0, 0.0],
         Some(_) => read_axis(&element, warnings)?,
     };
-    let moving = kind.map(|kind| read_limits(&element, kind, warnings)).transpose()?;
     let motion = match kind {
         None => Motion::Fixed,
         Some(JointKind::Prismatic) => Motion::Prismatic,
@@ -176,7 +314,7 @@ fn read_joint<'a, 'x>(
     };
     let placement = element.placement(node)?;
     let joint = JointOf { name: element.name.to_owned(), motion, parent: 0, placement, axis };
-    Ok(JointElement { element, parent, child, joint, moving })
+    Ok(JointElement { element, parent, child, joint, moves })
 }
 
 fn read_axis(joint: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<[f64; 3]> {
@@ -187,85 +325,6 @@ fn read_axis(joint: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<[f64
         warnings.push(format!("joint \"{}\": axis {stated:?} is not of length 1", joint.name));
     }
     Ok(axis)
-}
-
-/// Ends of travel; `None` where they are so far apart that somebody meant none.
-fn read_travel<'a, 'x>(
-    joint: &Element<'a, 'x>,
-    (kind, limit): (JointKind, Option<Node<'a, 'x>>),
-    warnings: &mut Vec<String>,
-) -> Result<Option<(f64, f64)>> {
-    let Some(limit) = limit else {
-        return Err(joint.error("it has no <limit>; only continuous joints go without".into()));
-    };
-    let number = |key| Ok(joint.number_if_any(limit, key)?.unwrap_or(0.0));
-    let (low, high) = (number("lower")?, number("upper")?);
-    if low >= high {
-        return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
-    }
-    if high - low <= BOUNDLESS {
-        return Ok(Some((low, high)));
-    }
-    if kind == JointKind::Prismatic {
-        let why = "leave a sliding joint without ends: state its travel in metres";
-        return Err(joint.error(format!("limits {low} … {high} {why}")));
-    }
-    let why = format!("travel beyond {BOUNDLESS:e} is read as none: the joint turns without end");
-    warnings.push(format!("joint \"{}\": a {why}", joint.name));
-    Ok(None)
-}
-
-fn read_limits(
-    joint: &Element<'_, '_>,
-    kind: JointKind,
-    warnings: &mut Vec<String>,
-) -> Result<Joint> {
-    let limit = joint.child(joint.node, "limit")?;
-    let number = |key| limit.map_or(Ok(None), |node| joint.number_if_any(node, key));
-    let position = match kind {
-        JointKind::Continuous => None,
-        _ => read_travel(joint, (kind, limit), warnings)?,
-    };
-    let kind = if position.is_none() { JointKind::Continuous } else { kind };
-    let mut positive = |key| match number(key)? {
-        Some(x) if x < 0.0 => {
-            Err(joint.error(format!("<limit {key}=\"{x}\"> must not be negative")))
-        }
-        Some(x) if x > BOUNDLESS => {
-            let why = format!("{key} limit beyond {BOUNDLESS:e} is read as none");
-            warnings.push(format!("joint \"{}\": a {why}", joint.name));
-            Ok(None)
-        }
-        Some(x) if x > 0.0 => Ok(Some(x)),
-        Some(_) => {
-            warnings.push(format!("joint \"{}\": {key} limit 0 is read as none", joint.name));
-            Ok(None)
-        }
-        None => Ok(None),
-    };
-    let (torque_max, velocity_max) = (positive("effort")?, positive("velocity")?);
-    let dynamics = joint.child(joint.node, "dynamics")?;
-    let dissipation = |key| {
-        let value = dynamics.map_or(Ok(None), |node| joint.number_if_any(node, key))?;
-        let value = value.unwrap_or(0.0);
-        if value < 0.0 {
-            return Err(joint.error(format!("<dynamics {key}=\"{value}\"> must not be negative")));
-        }
-        Ok(value)
-    };
-    let (viscous, coulomb) = (dissipation("damping")?, dissipation("friction")?);
-    Ok(Joint {
-        name: joint.name.to_owned(),
-        kind,
-        position,
-        velocity_max,
-        torque_max,
-        torque_rate_max: None,
-        armature: 0.0,
-        friction: Friction { viscous, coulomb, sigmoid: None },
-        drive_bandwidth_hz: None,
-        encoder_bits: None,
-    })
 }
 
 fn at_most(origin: &str, what: &'static str, found: usize, limit: usize) -> Result<()> {

@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 
 use super::Result;
 use super::element::Element;
+use super::travel::Moves;
 use crate::body::Lumped;
 use crate::description::{Description, JointOf, Link};
 use crate::error::RobotError;
-use crate::joint::Joint;
 
 pub(super) struct LinkElement<'a, 'x> {
     pub(super) element: Element<'a, 'x>,
-    pub(super) matter: Lumped,
+    /// With what is odd about it. What it says of its mass may be wrong, which counts where a joint moves it.
+    pub(super) matter: Result<(Lumped, Vec<String>)>,
 }
 
 pub(super) struct JointElement<'a, 'x> {
@@ -19,65 +20,95 @@ pub(super) struct JointElement<'a, 'x> {
     pub(super) parent: &'a str,
     pub(super) child: &'a str,
     pub(super) joint: JointOf,
-    /// `None` for a fixed joint.
-    pub(super) moving: Option<Joint>,
+    pub(super) moves: Moves<'a>,
 }
 
-/// Orders links and joints depth first, children as the file lists their joints. Gives the tree,
-/// and the indices of the joints in its order.
-pub(super) fn grow(
-    links: &[LinkElement<'_, '_>],
-    joints: &[JointElement<'_, '_>],
-    origin: &str,
-) -> Result<(Description, Vec<usize>)> {
-    let index: BTreeMap<&str, usize> =
-        links.iter().enumerate().map(|(at, link)| (link.element.name, at)).collect();
-    let find = |joint: &JointElement<'_, '_>, which, name: &str| {
-        let unknown = || joint.element.error(format!("its {which} link \"{name}\" does not exist"));
-        index.get(name).copied().ok_or_else(unknown)
-    };
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
-    let mut hangs: Vec<Option<usize>> = vec![None; links.len()];
-    let mut child_of_joint = Vec::new();
-    for (at, joint) in joints.iter().enumerate() {
-        let (parent, child) =
-            (find(joint, "parent", joint.parent)?, find(joint, "child", joint.child)?);
-        if let Some(other) = hangs[child] {
-            let (link, other) = (joint.child, joints[other].element.name);
-            let why = format!("its child link \"{link}\" is already the child of \"{other}\"");
-            return Err(joint.element.error(why));
+/// Who hangs on whom, by index into the lists of links and joints.
+pub(super) struct Tree {
+    /// Joint that each link hangs on; `None`: the root.
+    pub(super) hangs: Vec<Option<usize>>,
+    /// Joints at each link, as the file lists them.
+    pub(super) children: Vec<Vec<usize>>,
+    pub(super) parent_of_joint: Vec<usize>,
+    pub(super) child_of_joint: Vec<usize>,
+    pub(super) root: usize,
+    /// Links, depth first.
+    pub(super) order: Vec<usize>,
+}
+
+impl Tree {
+    /// Checks that links and joints make one tree.
+    pub(super) fn of(
+        links: &[LinkElement<'_, '_>],
+        joints: &[JointElement<'_, '_>],
+        origin: &str,
+    ) -> Result<Self> {
+        let index: BTreeMap<&str, usize> =
+            links.iter().enumerate().map(|(at, link)| (link.element.name, at)).collect();
+        let find = |joint: &JointElement<'_, '_>, which, name: &str| {
+            let unknown =
+                || joint.element.error(format!("its {which} link \"{name}\" does not exist"));
+            index.get(name).copied().ok_or_else(unknown)
+        };
+        let mut children: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
+        let mut hangs: Vec<Option<usize>> = vec![None; links.len()];
+        let (mut parent_of_joint, mut child_of_joint) = (Vec::new(), Vec::new());
+        for (at, joint) in joints.iter().enumerate() {
+            let (parent, child) =
+                (find(joint, "parent", joint.parent)?, find(joint, "child", joint.child)?);
+            if let Some(other) = hangs[child] {
+                let (link, other) = (joint.child, joints[other].element.name);
+                let why = format!("its child link \"{link}\" is already the child of \"{other}\"");
+                return Err(joint.element.error(why));
+            }
+            hangs[child] = Some(at);
+            children[parent].push(at);
+            parent_of_joint.push(parent);
+            child_of_joint.push(child);
         }
-        hangs[child] = Some(at);
-        children[parent].push(at);
-        child_of_joint.push(child);
+        let root = only_root(links, &hangs, origin)?;
+        let mut order = Vec::with_capacity(links.len());
+        let mut next = vec![root];
+        while let Some(at) = next.pop() {
+            order.push(at);
+            next.extend(children[at].iter().rev().map(|joint| child_of_joint[*joint]));
+        }
+        if order.len() < links.len() {
+            let lost = (0..links.len()).find(|at| !order.contains(at)).unwrap_or(root);
+            let why = "it is part of a loop; links and joints must form a tree".to_owned();
+            return Err(links[lost].element.error(why));
+        }
+        Ok(Self { hangs, children, parent_of_joint, child_of_joint, root, order })
     }
-    let root = only_root(links, &hangs, origin)?;
-    let mut tree = Description { links: Vec::new() };
-    let (mut order, mut places) = (Vec::new(), vec![None; links.len()]);
-    let mut next = vec![root];
-    while let Some(at) = next.pop() {
-        let joint = hangs[at].map(|j| {
-            order.push(j);
-            let parent = index.get(joints[j].parent).and_then(|p| places[*p]).unwrap_or(0);
-            JointOf { parent, ..joints[j].joint.clone() }
-        });
-        places[at] = Some(tree.links.len());
-        tree.links.push(Link {
-            name: links[at].element.name.to_owned(),
-            matter: links[at].matter,
-            joint,
-        });
-        next.extend(children[at].iter().rev().map(|joint| child_of_joint[*joint]));
+
+    /// Joints from the root to a link, the first one first.
+    pub(super) fn to_link(&self, link: usize) -> Vec<usize> {
+        let above = |at: &usize| self.hangs[self.parent_of_joint[*at]];
+        let mut path: Vec<usize> = std::iter::successors(self.hangs[link], above).collect();
+        path.reverse();
+        path
     }
-    if let Some(at) = places.iter().position(Option::is_none) {
-        let why = "it is part of a loop; links and joints must form a tree".to_owned();
-        return Err(links[at].element.error(why));
+
+    /// The description, and the joints in its order, where each link's matter is at hand.
+    pub(super) fn describe(
+        &self,
+        links: &[LinkElement<'_, '_>],
+        joints: &[JointElement<'_, '_>],
+        matter: &[Lumped],
+    ) -> (Description, Vec<usize>) {
+        let mut description = Description { links: Vec::new() };
+        let (mut order, mut places) = (Vec::new(), vec![0; links.len()]);
+        for (place, at) in self.order.iter().enumerate() {
+            places[*at] = place;
+            let joint = self.hangs[*at].map(|j| {
+                order.push(j);
+                JointOf { parent: places[self.parent_of_joint[j]], ..joints[j].joint.clone() }
+            });
+            let name = links[*at].element.name.to_owned();
+            description.links.push(Link { name, matter: matter[*at], joint });
+        }
+        (description, order)
     }
-    if order.iter().all(|joint| joints[*joint].moving.is_none()) {
-        let why = "no joint moves; at least one must".to_owned();
-        return Err(RobotError::Tree { origin: origin.to_owned(), why });
-    }
-    Ok((tree, order))
 }
 
 fn only_root(

@@ -1,0 +1,233 @@
+//! Cuts the arm out of a tree: which joints are driven, and where the others stand.
+
+use std::collections::BTreeMap;
+
+use super::Result;
+use super::travel::{Moves, nearest};
+use super::tree::{JointElement, LinkElement, Tree};
+use crate::error::RobotError;
+use crate::part::Part;
+
+/// So many names are shown of a longer list.
+const SHOWN: usize = 4;
+
+/// What each joint of a tree does.
+pub(super) struct Cut {
+    /// Whether the joint is one of the arm's.
+    pub(super) driven: Vec<bool>,
+    /// Where a joint stands that moves but is none of the arm's \[rad, m\].
+    pub(super) at: Vec<f64>,
+}
+
+/// What a part is cut out of.
+pub(super) struct Whole<'e, 'a, 'x> {
+    pub(super) links: &'e [LinkElement<'a, 'x>],
+    pub(super) joints: &'e [JointElement<'a, 'x>],
+    pub(super) tree: &'e Tree,
+    pub(super) origin: &'a str,
+}
+
+impl Whole<'_, '_, '_> {
+    /// Cuts a part; what is locked or held without having been asked for is warned about.
+    pub(super) fn cut(&self, part: &Part, warnings: &mut Vec<String>) -> Result<Cut> {
+        let mut driven = self.asked(part)?;
+        for (at, joint) in self.joints.iter().enumerate() {
+            driven[at] &= matches!(joint.moves, Moves::Driven(_));
+        }
+        for (name, position) in &part.locked {
+            let at = self.joint(name)?;
+            let element = &self.joints[at].element;
+            let (Moves::Driven(kind) | Moves::Follows { kind, .. }) = self.joints[at].moves else {
+                return Err(
+                    element.error("it is locked, but no position of it could be".to_owned())
+                );
+            };
+            if (nearest(element, kind, *position) - position).abs() > 0.0 {
+                return Err(element.error(format!("locked at {position}, outside its limits")));
+            }
+            driven[at] = false;
+        }
+        if !driven.contains(&true) {
+            return Err(self.nothing_moves());
+        }
+        self.nothing_floats(&driven)?;
+        let at = self.stand(part);
+        self.tell((&driven, &at), part, warnings);
+        Ok(Cut { driven, at })
+    }
+
+    /// Joints that are asked for, whatever they are.
+    fn asked(&self, part: &Part) -> Result<Vec<bool>> {
+        if let Some(names) = &part.joints {
+            let mut driven = vec![false; self.joints.len()];
+            for name in names {
+                let at = self.joint(name)?;
+                self.drives(at)?;
+                driven[at] = true;
+            }
+            return Ok(driven);
+        }
+        let base = part.base.as_ref().map_or(Ok(self.tree.root), |name| self.link(name))?;
+        let Some(tip) = &part.tip else {
+            let below = self.below(base);
+            return Ok(self.tree.child_of_joint.iter().map(|child| below[*child]).collect());
+        };
+        let path = self.tree.to_link(self.link(tip)?);
+        let start = path.iter().position(|at| self.tree.parent_of_joint[*at] == base);
+        let Some(start) = start else {
+            let base = self.links[base].element.name;
+            return Err(self.error(format!("link \"{tip}\" is not carried by link \"{base}\"")));
+        };
+        let mut driven = vec![false; self.joints.len()];
+        path[start..].iter().for_each(|at| driven[*at] = true);
+        let moves = |at: &usize| matches!(self.joints[*at].moves, Moves::Driven(_));
+        if !path[start..].iter().any(moves) {
+            let base = self.links[base].element.name;
+            let why = format!("no joint moves between link \"{base}\" and link \"{tip}\"");
+            return Err(self.error(why));
+        }
+        Ok(driven)
+    }
+
+    /// Links that a link carries.
+    fn below(&self, link: usize) -> Vec<bool> {
+        let mut below = vec![false; self.links.len()];
+        for at in &self.tree.order {
+            let parent = self.tree.hangs[*at].map(|joint| self.tree.parent_of_joint[joint]);
+            below[*at] = parent.is_some_and(|parent| parent == link || below[parent]);
+        }
+        below
+    }
+
+    /// A joint that was named must be one that a drive moves.
+    fn drives(&self, at: usize) -> Result<()> {
+        let joint = &self.joints[at];
+        let why = match joint.moves {
+            Moves::Driven(_) => return Ok(()),
+            Moves::Not => "it is fixed, so it is no joint of an arm".to_owned(),
+            Moves::Free(kind) => format!("it is {kind}, so it is no joint of an arm"),
+            Moves::Follows { leader, .. } => {
+                format!("it follows joint \"{leader}\" (<mimic>), so it is no joint of its own")
+            }
+        };
+        Err(joint.element.error(why))
+    }
+
+    /// A base that floats can be fixed, but not what an arm carries.
+    fn nothing_floats(&self, driven: &[bool]) -> Result<()> {
+        let mut carried = vec![false; self.links.len()];
+        for at in &self.tree.order {
+            let Some(joint) = self.tree.hangs[*at] else { continue };
+            carried[*at] = driven[joint] || carried[self.tree.parent_of_joint[joint]];
+            if let (Moves::Free(kind), true) = (self.joints[joint].moves, carried[*at]) {
+                let why = format!(
+                    "it is {kind}, on an arm: revolute, continuous, prismatic and fixed joints make one"
+                );
+                return Err(self.joints[joint].element.error(why));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where every joint that moves stands when it is not driven: as asked for, else as near to 0 as it comes; a joint that
+    /// follows another, where that one puts it.
+    fn stand(&self, part: &Part) -> Vec<f64> {
+        let places: BTreeMap<&str, usize> =
+            self.joints.iter().enumerate().map(|(at, j)| (j.element.name, at)).collect();
+        let own = |at: usize| {
+            let joint = &self.joints[at];
+            let asked = part.locked.get(joint.element.name).copied();
+            match joint.moves {
+                Moves::Not | Moves::Free(_) => 0.0,
+                Moves::Driven(kind) | Moves::Follows { kind, .. } => {
+                    asked.unwrap_or_else(|| nearest(&joint.element, kind, 0.0))
+                }
+            }
+        };
+        let stand = |(at, joint): (usize, &JointElement<'_, '_>)| match joint.moves {
+            Moves::Follows { leader, factor, offset, .. }
+                if !part.locked.contains_key(joint.element.name) =>
+            {
+                places.get(leader).map_or(0.0, |leader| factor * own(*leader) + offset)
+            }
+            _ => own(at),
+        };
+        self.joints.iter().enumerate().map(stand).collect()
+    }
+
+    fn tell(&self, (driven, at): (&[bool], &[f64]), part: &Part, warnings: &mut Vec<String>) {
+        let list = |wanted: &dyn Fn(usize, &JointElement<'_, '_>) -> bool| -> Vec<String> {
+            let own = self.joints.iter().enumerate().filter(|(i, joint)| wanted(*i, joint));
+            own.map(|(i, joint)| format!("\"{}\" at {}", joint.element.name, at[i])).collect()
+        };
+        let locked = |joint: &JointElement<'_, '_>| part.locked.contains_key(joint.element.name);
+        let outside = list(&|i, joint| {
+            matches!(joint.moves, Moves::Driven(_)) && !driven[i] && !locked(joint)
+        });
+        let following =
+            list(&|_, joint| matches!(joint.moves, Moves::Follows { .. }) && !locked(joint));
+        for (names, what) in [
+            (outside, "outside of the arm, held where they stand"),
+            (following, "following others (<mimic>), held where they stand"),
+        ] {
+            if !names.is_empty() {
+                warnings.push(format!("{} joint(s) {what}: {}", names.len(), shown(&names)));
+            }
+        }
+        let free = self.joints.iter().filter_map(|joint| match joint.moves {
+            Moves::Free(kind) => {
+                Some(format!("joint \"{}\": {kind}, held fixed", joint.element.name))
+            }
+            _ => None,
+        });
+        warnings.extend(free);
+    }
+
+    /// Nothing is left to be driven; what might have been.
+    fn nothing_moves(&self) -> RobotError {
+        let held = self.joints.iter().filter_map(|joint| match joint.moves {
+            Moves::Free(kind) => Some(format!("\"{}\" is {kind}", joint.element.name)),
+            Moves::Follows { leader, .. } => {
+                Some(format!("\"{}\" follows \"{leader}\" (<mimic>)", joint.element.name))
+            }
+            Moves::Not | Moves::Driven(_) => None,
+        });
+        let held: Vec<String> = held.collect();
+        let held = if held.is_empty() { String::new() } else { format!(": {}", shown(&held)) };
+        self.error(format!("no joint moves; at least one must{held}"))
+    }
+
+    fn error(&self, why: String) -> RobotError {
+        RobotError::Tree { origin: self.origin.to_owned(), why }
+    }
+
+    fn link(&self, name: &str) -> Result<usize> {
+        let at = self.links.iter().position(|link| link.element.name == name);
+        at.ok_or_else(|| {
+            let names = self.links.iter().map(|link| link.element.name);
+            self.error(format!("there is no link \"{name}\"{}", close(name, names)))
+        })
+    }
+
+    fn joint(&self, name: &str) -> Result<usize> {
+        let at = self.joints.iter().position(|joint| joint.element.name == name);
+        at.ok_or_else(|| {
+            let names = self.joints.iter().map(|joint| joint.element.name);
+            self.error(format!("there is no joint \"{name}\"{}", close(name, names)))
+        })
+    }
+}
+
+/// The first few of a list.
+fn shown(names: &[String]) -> String {
+    let first = names[..names.len().min(SHOWN)].join(", ");
+    if names.len() > SHOWN { format!("{first}, …") } else { first }
+}
+
+/// The known name closest to what somebody wrote, as a question.
+fn close<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> String {
+    let score = |known: &&str| strsim::jaro_winkler(name, known);
+    let best = known.max_by(|a, b| score(a).total_cmp(&score(b)));
+    best.filter(|best| score(best) > 0.6)
+        .map_or_else(String::new, |best| format!(", did you mean \"{best}\"?"))
+}
