@@ -16,6 +16,9 @@ use crate::check::plausible;
 use crate::extremes::{Extremes as _, hull};
 use crate::{PayloadSet, Tube, TubeJoint};
 
+/// Most joints of an arm whose tube is derived.
+const JOINTS_MAX: usize = 32;
+
 /// What covers rounding: the relative width that is added to every bound.
 const ROUNDING: f64 = 1e-8;
 
@@ -116,8 +119,8 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
     if inputs.joints.len() != n || !inputs.joints.iter().all(sound) || n == 0 {
         return mismatch("one law per joint");
     }
-    if n > 16 {
-        return mismatch("an arm of more than 16 joints");
+    if n > JOINTS_MAX {
+        return mismatch("an arm of more than 32 joints");
     }
     if !(long && wide) {
         return mismatch("the reference");

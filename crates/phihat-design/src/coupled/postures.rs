@@ -94,9 +94,11 @@ impl<'a> Postures<'a> {
 
     /// The additive recurrence on square roots of primes.
     fn spread_at(&self, k: u32) -> Vec<f64> {
-        const PRIMES: [f64; 16] = [
+        // As many as an arm has joints.
+        const PRIMES: [f64; 32] = [
             2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0,
-            53.0,
+            53.0, 59.0, 61.0, 67.0, 71.0, 73.0, 79.0, 83.0, 89.0, 97.0, 101.0, 103.0, 107.0, 109.0,
+            113.0, 127.0, 131.0,
         ];
         let joint = |(i, joint): (usize, &phihat_model::Joint)| {
             let (low, high) = joint.position.unwrap_or((-PI, PI));
