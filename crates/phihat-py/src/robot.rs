@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use numpy::PyArrayDyn;
-use phihat_model::{Body, FrameId, Model, Workspace};
+use phihat_model::{Body, FrameId, Model, Part, Workspace};
 use phihat_sim::Friction;
 use pyo3::prelude::*;
 
@@ -101,9 +101,18 @@ impl Robot {
 #[pymethods]
 impl Robot {
     #[staticmethod]
-    #[pyo3(signature = (path, gravity = (0.0, 0.0, -9.81)))]
-    fn from_urdf(py: Python<'_>, path: PathBuf, gravity: (f64, f64, f64)) -> PyResult<Self> {
-        let robot = phihat_model::Robot::read(&path).map_err(|e| failure::robot(py, &e))?;
+    #[pyo3(signature = (path, gravity = (0.0, 0.0, -9.81), *, base = None, tip = None, locked = None))]
+    fn from_urdf(
+        py: Python<'_>,
+        path: PathBuf,
+        gravity: (f64, f64, f64),
+        base: Option<String>,
+        tip: Option<String>,
+        locked: Option<BTreeMap<String, f64>>,
+    ) -> PyResult<Self> {
+        let part = Part { base, tip, joints: None, locked: locked.unwrap_or_default() };
+        let robot = phihat_model::Robot::read_part(&path, &part);
+        let robot = robot.map_err(|e| failure::robot(py, &e))?;
         Ok(Self::new(robot, checked_gravity(py, gravity)?))
     }
 

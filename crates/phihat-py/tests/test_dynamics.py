@@ -176,3 +176,21 @@ def test_strange_joints(tmp_path: Path) -> None:
 def test_middle_is_inside() -> None:
     model = load("panda")
     assert ((middle(model) > model.jnt_range[:, 0]) & (middle(model) < model.jnt_range[:, 1])).all()
+
+
+def test_a_part_of_a_robot_is_the_reduced_model(tmp_path: Path) -> None:
+    urdf = tmp_path / "alone.urdf"
+    urdf.write_text((ROBOTS / "panda.urdf").read_text())
+    locked = {"panda_joint1": 0.4, "panda_joint2": -0.3, "panda_joint7": 0.9}
+    robot = phihat.Robot.from_urdf(urdf, base="panda_link2", tip="panda_link6", locked=locked)
+    whole = pinocchio.buildModelFromUrdf(str(urdf))
+    posture = np.array([locked.get(name, 0.0) for name in list(whole.names)[1:]])
+    theirs = pinocchio.buildReducedModel(whole, [whole.getJointId(name) for name in locked], posture)
+    assert list(theirs.names)[1:] == robot.joint_names == [f"panda_joint{i}" for i in range(3, 7)]
+    data = theirs.createData()
+    theirs.damping = np.zeros(theirs.nv)
+    q, dq, ddq = states(robot)
+    expected = np.array([pinocchio.rnea(theirs, data, *state) for state in zip(q, dq, ddq)])
+    assert relative(robot.inverse_dynamics(q, dq, ddq), expected) < 1e-13
+    with pytest.raises(phihat.RobotError, match="did you mean"):
+        phihat.Robot.from_urdf(urdf, tip="panda_lnk6")

@@ -69,11 +69,21 @@ class Robot:
     """
 
     @staticmethod
-    def from_urdf(path: _Path, gravity: tuple[float, float, float] = ...) -> Robot:
+    def from_urdf(
+        path: _Path,
+        gravity: tuple[float, float, float] = ...,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        locked: dict[str, float] | None = None,
+    ) -> Robot:
         """Read a URDF, or the TOML file beside one that adds rotors, friction and limits.
 
         Args:
             gravity: in the axes of the robot's base [m/s^2].
+            base: link that the arm stands on, in a file of a larger robot: joints from it to ``tip`` are the arm's.
+            tip: link that the arm ends in.
+            locked: where joints stand that are none of the arm's [rad, m]; those not named, as near to 0 as they come.
 
         Raises:
             RobotError: with file and line, link or joint, and what would be valid.
