@@ -98,7 +98,8 @@ impl Reproduce {
             .map(|s| {
                 json!({
                     "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
-                    "verdict": s.verdict, "why": s.why, "numbers": s.numbers,
+                    "verdict": s.verdict, "reading": s.reading, "varied": s.varied, "turns": s.turns, "covers": s.covers,
+                    "why": s.why, "numbers": s.numbers,
                 })
             })
             .collect();
@@ -108,9 +109,10 @@ impl Reproduce {
             "report": self.out.join("report.html"),
             "quick": reproduction.quick,
             "counts": {
-                "reproduced": count(Verdict::Reproduced),
+                "as_printed": count(Verdict::AsPrinted),
                 "with_correction": count(Verdict::WithCorrection),
-                "not_reproducible": count(Verdict::NotReproducible),
+                "refuted": count(Verdict::Refuted),
+                "open": count(Verdict::Open),
             },
             "not_counted": {
                 "again": reproduction.count(Origin::Again),

@@ -39,7 +39,7 @@ fn it_leaves_data_page_figures_and_studies_and_agrees_with_itself() {
     assert_eq!(told, in_sections("statements"));
     let paper = || statements.iter().filter(|s| s["origin"] == "paper");
     let count = |verdict: &str| paper().filter(|s| s["verdict"] == verdict).count();
-    for verdict in ["reproduced", "with_correction", "not_reproducible"] {
+    for verdict in ["as_printed", "with_correction", "refuted", "open"] {
         assert_eq!(document["counts"][verdict], count(verdict), "{verdict}");
     }
     let page = fs::read_to_string(out.join("report.html")).unwrap();

@@ -21,7 +21,7 @@ fn table_3_on_two_arms() {
     // The lowest ratio of the page is the one that its verdict rests on.
     let pd = statement("table3-pd");
     let least = pd.numbers.iter().filter_map(|n| n.value).fold(f64::INFINITY, f64::min);
-    assert_eq!(pd.verdict == Verdict::Reproduced, least > 1.0);
+    assert_eq!(pd.verdict == Verdict::AsPrinted, least > 1.0);
     for arm in ["panda", "iiwa14"] {
         let table = section.tables.iter().find(|t| t.id == format!("table-3-{arm}")).unwrap();
         assert_eq!(table.rows.len(), 7);

@@ -152,11 +152,8 @@ impl Claim {
     }
 }
 
-/// The verdict on something that holds as printed, or with the observer form only, or not at all.
+/// The verdict on something that holds as printed, or with the observer form only; where neither, on an arm that is assumed,
+/// it is open.
 pub(crate) fn verdict(as_printed: bool, corrected: bool) -> Verdict {
-    match (as_printed, corrected) {
-        (true, _) => Verdict::Reproduced,
-        (false, true) => Verdict::WithCorrection,
-        (false, false) => Verdict::NotReproducible,
-    }
+    Verdict::assumed(as_printed, corrected)
 }

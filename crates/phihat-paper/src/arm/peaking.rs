@@ -107,7 +107,7 @@ impl Peaking {
                 "Peaking limits the order of the approximation.",
                 "in words",
             ],
-            if gone { Verdict::WithCorrection } else { Verdict::Reproduced },
+            if gone { Verdict::WithCorrection } else { Verdict::AsPrinted },
             (
                 format!(
                     "overshoot of the worst joint after the start, m = 1 … 4: printed form {} %; observer form {:.2} % at most",

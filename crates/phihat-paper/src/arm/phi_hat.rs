@@ -1,12 +1,11 @@
 //! "As long as φ is bounded, φ̂ will approach zero": what φ̂ and φ̂ − φ do in the experiments.
 
-use super::claims::verdict;
 use super::run::Run;
 use super::runs::Runs;
 use super::studies::Setting;
 use crate::compose::{number, statement, three};
 use crate::part::PartError;
-use crate::record::Statement;
+use crate::record::{Statement, Verdict};
 use phihat::Form;
 
 /// Tolerance of our own figures on another machine.
@@ -75,7 +74,7 @@ pub(crate) fn to_zero(limited: &Runs, free: &Runs) -> Result<Statement, PartErro
             "As long as φ is bounded, φ̂ approaches zero, in experiments too.",
             "in words",
         ],
-        verdict(as_printed, corrected),
+        Verdict::of(as_printed, corrected),
         (
             format!(
                 "m = 1, printed form without a limit, rms of the steady part: φ {}, φ̂ {}, φ̂ − φ {} N·m; observer \

@@ -71,11 +71,7 @@ pub(crate) fn long_transient(
     }
     let here = printed.0.is_some_and(|with| is_long(with, printed.1));
     let everywhere = elsewhere.iter().all(|(_, late)| !late.is_empty());
-    let verdict = match (here, everywhere) {
-        (true, _) => Verdict::Reproduced,
-        (false, true) => Verdict::WithCorrection,
-        (false, false) => Verdict::NotReproducible,
-    };
+    let verdict = Verdict::assumed(here, everywhere);
     let counts = elsewhere.iter().map(|(setting, late)| {
         let name = format!("limits tried that make a long transient, {}", setting.label());
         number(&name, "", late.len() as f64, 0.0)

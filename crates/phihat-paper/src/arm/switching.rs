@@ -137,9 +137,9 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
     });
     let jump = pairs.iter().map(|pair| pair.naive_jump).fold(0.0, f64::max);
     let verdict = match (helps, jump < NO_JUMP_NM) {
-        (true, true) => Verdict::Reproduced,
+        (true, true) => Verdict::AsPrinted,
         (true, false) => Verdict::WithCorrection,
-        (false, _) => Verdict::NotReproducible,
+        (false, _) => Verdict::Open,
     };
     let percent = |run: &Run| format!("{:.0} %", run.overshoot(1) * 1e2);
     let direct: Vec<String> = pairs.iter().map(|pair| percent(&pair.direct)).collect();

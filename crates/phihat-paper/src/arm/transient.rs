@@ -78,13 +78,7 @@ impl Transients {
                 "The tip overshoots more with m = 2 than with m = 1.",
                 "a drawing",
             ],
-            if all {
-                Verdict::Reproduced
-            } else if some {
-                Verdict::WithCorrection
-            } else {
-                Verdict::NotReproducible
-            },
+            Verdict::assumed(all, some),
             (
                 format!(
                     "m = 1: {} mm; m = 2: {} mm (H1, H2, H3)",

@@ -18,7 +18,7 @@ pub(super) fn beats_pd(arms: &[ArmScores]) -> Statement {
     }
     .found(
         format!("PD : proposed = {ours}"),
-        Verdict::of(least > 1.0, false),
+        Verdict::assumed(least > 1.0, false),
         "PD has no integral action: gravity and friction leave e ≈ φ/(M̄K_p). How much larger that is depends on the arm's load, \
          not on the law.",
         arms.iter().flat_map(|arm| ends(arm, "PD : proposed", &ratios(&arm.stated, 0, 2), 0.05)).collect(),
@@ -48,7 +48,7 @@ pub(super) fn beats_comparator(arms: &[ArmScores]) -> Statement {
     }
     .found(
         format!("comparator at its default gains: {ours}; at a quarter of its gain: {weak}"),
-        Verdict::of(least > 1.0, false),
+        Verdict::assumed(least > 1.0, false),
         format!(
             "The comparator's gains are not printed, and they decide: the proposed law is better on {at_defaults} of {total} joints with \
              the comparator at our defaults, on {at_weak} with it at a quarter of that gain. So it is open. It says what two sets of gains do, not what the laws can: at m = 1 they are one \

@@ -38,7 +38,7 @@ pub(super) fn size(arms: &[ArmScores]) -> Statement {
     }
     .found(
         format!("{} times, (51)", written(ours)),
-        Verdict::of(ours[0] <= printed[1] && printed[0] <= ours[1], false),
+        Verdict::assumed(ours[0] <= printed[1] && printed[0] <= ours[1], false),
         format!(
             "Read as rad², the paper's proposed law leaves so many times the rms that it leaves here, joint by joint: {proposed}. Its \
              PD leaves so many times the (51) of ours: {pd}, now more, now less, as the arm's load has it. Which of what is not \

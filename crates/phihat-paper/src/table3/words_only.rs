@@ -43,7 +43,7 @@ pub(super) fn radius(arms: &[ArmScores]) -> Result<Statement, PartError> {
     }
     .found(
         format!("m = 1, all joints together: {}", listed.join("; ")),
-        Verdict::of(slack >= 1.0, false),
+        Verdict::assumed(slack >= 1.0, false),
         format!(
             "For φ_max the largest |φ/M̄| of the run, and K̃ = {K_TILDE}. (40) is at least {} times what is met: a criterion as loose as \
              that says next to nothing of the errors, and it is not a bound (Theorem 5). The limits that the paper set for its \
@@ -99,7 +99,7 @@ pub(super) fn higher_order(arms: &[ArmScores]) -> Statement {
     }
     .found(
         format!("m = 1 and 2: {}", listed.join("; ")),
-        Verdict::of(all && worse, all || worse),
+        Verdict::assumed(all && worse, all || worse),
         format!(
             "{} {transient} Observer form, started on the reference with φ̂ = 0 under gravity; both orders with every estimator pole \
              at 69.6 rad/s.",
