@@ -35,24 +35,24 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
         Ok::<_, PartError>(estimates_better(runs.get(setting, Form::Literal)?, first))
     };
     let same_rate = better(Setting::H2)? && better(Setting::H3)?;
-    let half_rate = better(Setting::H1)?;
-    let values = [rms(Setting::First)?, rms(Setting::H1)?, rms(Setting::H2)?, rms(Setting::H3)?];
+    let half_rate = better(Setting::H1)? && better(Setting::H4)?;
+    let values = Setting::ALL.into_iter().map(rms).collect::<Result<Vec<_>, PartError>>()?;
     let why = match (same_rate, half_rate) {
         (true, true) => {
-            "H2 and H3 converge at the rate of m = 1, H1 at half of it: the order helps in all three. A \
+            "H2 and H3 converge at the rate of m = 1, H1 and H4 at half of it: the order helps in all four. A \
              slow φ is close to a ramp over the estimator's memory."
         }
         (true, false) => {
-            "At the same rate (H2, H3) the order helps; at half of it (H1) the lower rate costs more than \
+            "At the same rate (H2, H3) the order helps; at half of it (H1, H4) the lower rate costs more than \
              the order gains."
         }
         (false, _) => {
             "At the same rate of convergence the order does not help for every hypothesis."
         }
     };
-    let names = ["m = 1", "m = 2, H1", "m = 2, H2", "m = 2, H3"];
-    let name =
-        |(name, value): (&str, f64)| number(&format!("mismatch, rms, {name}"), "N·m", value, AGAIN);
+    let name = |(setting, value): (Setting, &f64)| {
+        number(&format!("mismatch, rms, {}", setting.label()), "N·m", *value, AGAIN)
+    };
     Ok(statement(
         [
             "fig8-order",
@@ -63,13 +63,13 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
         verdict(same_rate, false),
         (
             format!(
-                "m = 1: {} N·m rms; H1, H2, H3: {}",
+                "m = 1: {} N·m rms; H1, H2, H3, H4: {}",
                 three(Some(values[0])),
                 values[1..].iter().map(|v| three(Some(*v))).collect::<Vec<_>>().join(", ")
             ),
             why.to_owned(),
         ),
-        names.into_iter().zip(values).map(name).collect(),
+        Setting::ALL.into_iter().zip(&values).map(name).collect(),
     ))
 }
 

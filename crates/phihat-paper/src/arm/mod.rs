@@ -7,6 +7,7 @@ mod assumptions;
 mod claims;
 mod errors;
 mod experiment;
+mod fourth;
 mod mismatch;
 mod order_switch;
 mod path;

@@ -3,12 +3,12 @@
 use super::assumptions;
 use super::runs::Runs;
 use super::studies::{Kind, Setting, Studies, path_of};
-use super::{mismatch, path, steady, surrogates, transient};
+use super::{fourth, mismatch, path, steady, surrogates, transient};
 use crate::compose::rests_on;
 use crate::part::{Extent, Part, PartError};
 
 /// Runs of one kind.
-const RUNS: f64 = 8.0;
+const RUNS: f64 = 10.0;
 
 /// Figs. 4 to 8 and (50), on the surrogate arm and on others.
 ///
@@ -36,6 +36,9 @@ pub fn simulation(
         steady::simulated(&runs)?,
         mismatch::mismatch(&runs)?,
     ];
+    if let Some(last) = sections.last_mut() {
+        last.statements.push(fourth::hypothesis(&runs, studies)?);
+    }
     let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Simulation, *s)).collect();
     for section in &mut sections {
         rests_on(section, assumptions::SIMULATION, &paths);

@@ -44,7 +44,7 @@ pub fn order_switching(
     let mut pairs = Vec::new();
     for setting in Setting::SECOND {
         pairs.push(Pair::of(setting, &first, printed(studies, setting)?)?);
-        progress(pairs.len() as f64 / 5.0);
+        progress(pairs.len() as f64 / 6.0);
     }
     let (with, without) = (supervised(studies, true)?, supervised(studies, false)?);
     let text = "The paper's remedy against peaking: begin with m = 1, and change to m = 2 when the \
@@ -167,7 +167,7 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
         verdict,
         (
             format!(
-                "overshoot of joint 2 (H1, H2, H3): m = 2 from the start {}; after m = 1 {}",
+                "overshoot of joint 2 (H1, H2, H3, H4): m = 2 from the start {}; after m = 1 {}",
                 direct.join(", "),
                 switched.join(", ")
             ),

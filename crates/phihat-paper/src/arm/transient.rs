@@ -62,7 +62,7 @@ impl Transients {
         let millimetres: Vec<String> =
             self.tip.iter().map(|tip| format!("{:.0}", tip[0] * 1e3)).collect();
         let why = match (all, some) {
-            (true, _) => "So it is for all three hypotheses on the gains, in the printed form.",
+            (true, _) => "So it is for all four hypotheses on the gains, in the printed form.",
             (false, true) => {
                 "So it is for some of the hypotheses on the gains, and not for all: the order does not decide it."
             }
@@ -81,7 +81,7 @@ impl Transients {
             Verdict::assumed(all, some),
             (
                 format!(
-                    "m = 1: {} mm; m = 2: {} mm (H1, H2, H3)",
+                    "m = 1: {} mm; m = 2: {} mm (H1, H2, H3, H4)",
                     millimetres[0],
                     millimetres[1..].join(", ")
                 ),
@@ -128,7 +128,7 @@ impl Transients {
             verdict(all, more.contains(&true)),
             (
                 format!(
-                    "m = 1: {} %; m = 2: {} % (H1, H2, H3)",
+                    "m = 1: {} %; m = 2: {} % (H1, H2, H3, H4)",
                     percent[0],
                     percent[1..].join(", ")
                 ),
