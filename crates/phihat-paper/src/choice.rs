@@ -48,15 +48,13 @@ const BEGINNINGS: &[(&str, &[&str])] = &[
             "zero start",
             "eq 50 torque",
             "surrogates simulation",
+            "gains h",
         ],
     ),
-    (
-        "arm in experiment",
-        &["fig 9", "fig 10", "fig 11", "saturation in phi", "surrogates experiment"],
-    ),
+    ("arm in experiment", &["fig 9", "fig 10", "fig 11", "saturation", "surrogates experiment"]),
     ("table 2", &["table 2", "erratum kd", "erratum table number"]),
     ("figures 12 and 13", &["fig 12", "fig 13", "eq 50 joint", "erratum hyperbolic"]),
-    ("table 3", &["table 3", "fig 14", "erratum table 3"]),
+    ("table 3", &["table 3", "fig 14", "erratum table 3", "order seven"]),
     ("order switching", &["order switch"]),
     ("how far does it hold", &["how far"]),
 ];

@@ -131,8 +131,6 @@ pub(crate) const EXPERIMENTED: &[Claim] = &[
     },
 ];
 
-/// Places in [`EXPERIMENTED`]: the arm settles, by order.
-pub(crate) const SETTLES: [usize; 2] = [0, 1];
 /// Places in [`EXPERIMENTED`]: (48), (49).
 pub(crate) const KEEPS: [usize; 2] = [2, 3];
 

@@ -18,6 +18,7 @@ mod runs;
 mod saturation;
 mod simulation;
 mod softer;
+mod start_map;
 mod steady;
 mod studies;
 mod surrogates;
