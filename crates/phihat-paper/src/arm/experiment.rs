@@ -1,12 +1,12 @@
 //! The part that experiments: Figs. 9 to 11.
 
 use phihat::Form;
-use phihat_study::Study;
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::{Kind, Setting, Studies, path_of};
 use super::transient::SHOWN_S;
+use super::variations::unlimited;
 use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::compose::{axis, curve, figure, lines, rests_on, section};
 use crate::part::{Extent, Part, PartError};
@@ -28,6 +28,7 @@ pub fn experiment(
     let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
     progress(0.03);
     let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
+    let left = phi_hat::Left::of(studies)?;
     progress(0.06);
     let swept = saturation::sweep(studies, extent, &|share| progress(0.06 + 0.24 * share))?;
     let varied = surrogates::experimented(studies, extent, &|share| progress(0.3 + 0.7 * share))?;
@@ -46,9 +47,10 @@ pub fn experiment(
         saturation::in_phi(&limited_runs, &free, &swept, &varied)?,
         steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First], Some(&varied))?,
         steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND, Some(&varied))?,
-        phi_hat::to_zero(&limited_runs, &free)?,
+        phi_hat::to_zero(&limited_runs, &left)?,
     ]);
     section.tables.push(steady::steady_table(&limited_runs, steady::EXPERIMENTED));
+    section.tables.push(left.table());
     section.figures.extend([
         transient::joint_figure(
             "fig-09",
@@ -66,11 +68,6 @@ pub fn experiment(
     part.sections.push(varied.section(Kind::Experiment, &paths));
     varied.tell(&mut part.assumptions);
     Ok(part)
-}
-
-fn unlimited(mut study: Study) -> Study {
-    study.control.torque_max = None;
-    study
 }
 
 fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {
