@@ -10,9 +10,6 @@ use crate::record::{Number, Statement, Table, Verdict};
 use phihat::{Form, VelocitySource};
 use phihat_study::Study;
 
-/// Tolerance of our own figures on another machine.
-const AGAIN: f64 = 1e-2;
-
 /// What counts as none, as a share of φ, root mean square.
 const NONE: f64 = 1e-2;
 
