@@ -53,7 +53,7 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, PartError>;
 /// take the next one as they become free.
 const PARTS: &[(&str, Work)] = &[
     ("theory", theory::theory),
-    ("table 1", |_, _| table1::table1()),
+    ("table 1", |_, progress| table1::table1(progress)),
     ("arm in simulation", |extent, progress| {
         arm::simulation(&arm::Studies::shipped(), extent, progress)
     }),

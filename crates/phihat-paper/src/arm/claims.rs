@@ -131,6 +131,15 @@ pub(crate) const EXPERIMENTED: &[Claim] = &[
     },
 ];
 
+/// Statements by id, and the place in [`SIMULATED`] of the claim that each is about.
+pub(crate) const SIMULATED_AS: [(&str, usize); 6] = [
+    ("fig5-overshoot", 0),
+    ("fig6-overshoot", 0),
+    ("fig7-m1", 1),
+    ("fig7-m2", 1),
+    ("fig8-order", 2),
+    ("eq50-torque", 3),
+];
 /// Places in [`EXPERIMENTED`]: (48), (49).
 pub(crate) const KEEPS: [usize; 2] = [2, 3];
 

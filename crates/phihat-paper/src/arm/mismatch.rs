@@ -7,6 +7,7 @@ use super::studies::Setting;
 use crate::compose::{
     axis_over, curve, figure, lines, log_axis, number, section, statement, table, three,
 };
+use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Section, Statement, Table, Verdict};
 use phihat::Form;
@@ -70,7 +71,9 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
             why.to_owned(),
         ),
         Setting::ALL.into_iter().zip(&values).map(name).collect(),
-    ))
+    )
+    .read_as("Printed form: root mean square of φ̂ − φ over the steady part, of the worst joint; H2 and H3, which converge at the rate of m = 1.")
+    .covering(&[Item { kind: Kind::Figure, number: 8 }]))
 }
 
 fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
@@ -99,6 +102,12 @@ fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
             number("the same, best setting", "", least, AGAIN),
         ],
     )
+    .read_as(format!(
+        "Printed form: none is less than {:.1} % of the largest φ, for every gain set.",
+        100.0 * NONE
+    ))
+    .varying("The gains: m = 1 and all hypotheses of m = 2.")
+    .turning("With a φ whose m-th derivative goes to zero (Theorem 1).")
     .again())
 }
 
@@ -143,7 +152,9 @@ fn torque(runs: &Runs) -> Result<Statement, PartError> {
             worst,
             AGAIN,
         )],
-    ))
+    )
+    .read_as("Printed form: one curve is a difference below 1 % of the largest torque of the steady part.")
+    .covering(&[Item { kind: Kind::Equation, number: 50 }]))
 }
 
 fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {

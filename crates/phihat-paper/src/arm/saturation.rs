@@ -1,9 +1,11 @@
 //! What a torque limit does to the transient, and how near the path the arm must start for it to do no harm.
 
+use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::start_map::{CLASSES, Cell, LONG, Mapped, NEAREST_M, Outcome, StartMap};
-use super::studies::Setting;
-use crate::compose::{figure, log_axis, number, statement, three};
+use super::start_map::{CLASSES, Cell, LONG, Mapped, NEAREST_M, Outcome, StartMap, nearer};
+use super::studies::{Setting, Studies};
+use super::transient::SHOWN_S;
+use crate::compose::{axis, axis_over, curve, figure, lines, log_axis, number, statement, three};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Content, Figure, Number, Panel, Statement, Verdict};
@@ -75,6 +77,27 @@ fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
     });
     // The nearest start at which it shows.
     late.reduce(|first, _| first)
+}
+
+/// Joint 2 of m = 1 as printed, from the nearest start at which the limit makes the transient long; none where there is none.
+pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Figure>, PartError> {
+    let Some((distance, ..)) = longest(map, Setting::First) else { return Ok(None) };
+    let [with, without] = nearer(studies, distance)?;
+    let error = |label: &str, run: &Run| {
+        let points = run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, *e]);
+        curve(label, points.take_while(|[t, _]| *t <= SHOWN_S))
+    };
+    let series = vec![error("with the limit", &with), error("without", &without)];
+    let axes = (axis_over("t [s]", 0.0, SHOWN_S), axis("e of joint 2 [rad]"));
+    let panel = lines("m = 1, printed form", axes, series, Vec::new());
+    let caption = format!(
+        "The printed form from {} m beside the path in place of {} m, as far as nothing else is changed: it saturates, takes longer, and follows, as \
+         the paper's Fig. 9.",
+        three(Some(distance)),
+        three(Some(map.assumed.1))
+    );
+    let title = "Fig. 9 from a nearer start";
+    Ok(Some(figure("fig-09-near", title, &caption, vec![panel])))
 }
 
 /// "The long transient is because of the torque saturation".

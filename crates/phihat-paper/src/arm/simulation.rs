@@ -1,6 +1,7 @@
 //! The part that simulates: Figs. 4 to 8 and (50).
 
 use super::assumptions;
+use super::claims::SIMULATED_AS;
 use super::runs::Runs;
 use super::studies::{Kind, Setting, Studies, path_of};
 use super::{fourth, mismatch, path, steady, surrogates, transient};
@@ -44,6 +45,11 @@ pub fn simulation(
         rests_on(section, assumptions::SIMULATION, &paths);
     }
     let varied = surrogates::simulated(studies, extent, &|share| progress(0.1 + 0.9 * share))?;
+    for statement in sections.iter_mut().flat_map(|section| &mut section.statements) {
+        if let Some((_, claim)) = SIMULATED_AS.iter().find(|(id, _)| *id == statement.id) {
+            *statement = varied.around(statement.clone(), *claim);
+        }
+    }
     let mut part = Part { assumptions: assumptions::all(), sections };
     part.sections.push(varied.section(Kind::Simulation, &paths));
     varied.tell(&mut part.assumptions);

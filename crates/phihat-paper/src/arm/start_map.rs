@@ -6,7 +6,7 @@ use phihat_study::{Curve, Reference, Study};
 use super::claims::keeps_bounds;
 use super::run::Run;
 use super::studies::{Kind, Setting, Studies};
-use super::variations::limited;
+use super::variations::{limited, unlimited};
 use crate::part::{Extent, PartError};
 
 /// Start distances that are tried beside that of the studies \[m\].
@@ -65,7 +65,7 @@ pub(crate) struct Mapped {
     pub(crate) setting: Setting,
     pub(crate) form: Form,
     pub(crate) rows: Vec<Row>,
-    /// The farthest start from which it settles and keeps its bounds under the limit of the studies \[m\].
+    /// The farthest start from which the printed form settles and keeps its bounds under the limit of the studies \[m\].
     pub(crate) edge: Option<f64>,
 }
 
@@ -98,10 +98,14 @@ impl StartMap {
         for (form, (distances, limits)) in [(Form::Literal, all), (Form::Observer, few)] {
             for setting in Setting::ALL {
                 let study = studies.study(Kind::Experiment, setting, form)?;
+                let own_start = (far > NEAREST_M).then_some(&far);
                 let near = |distance: f64| moved(study.clone(), [start, begin], distance);
                 let at = |distance: &f64| row(&near(*distance), setting, *distance, &limits);
-                let rows = distances.iter().chain([&far]).map(at).collect::<Result<_, _>>()?;
-                let edge = edge(&near, setting, assumed)?;
+                let rows = distances.iter().chain(own_start).map(at).collect::<Result<_, _>>()?;
+                let edge = match form {
+                    Form::Literal => edge(&near, setting, assumed)?,
+                    Form::Observer | Form::Positions => None,
+                };
                 maps.push(Mapped { setting, form, rows, edge });
                 progress(maps.len() as f64 / (2.0 * Setting::ALL.len() as f64));
             }
@@ -153,11 +157,13 @@ fn ends(study: &Study) -> Result<[[f64; 2]; 2], PartError> {
 /// The study with its path moved as a whole, so that it begins so far from where the tip starts, on the same side.
 fn moved(mut study: Study, [start, begin]: [[f64; 2]; 2], distance: f64) -> Study {
     let away = [begin[0] - start[0], begin[1] - start[1]];
-    let times = distance / away[0].hypot(away[1]) - 1.0;
+    let length = away[0].hypot(away[1]);
+    // Studies that start on their path are moved towards the base.
+    let towards = if length > 1e-9 { away.map(|part| part / length) } else { [-1.0, 0.0] };
     if let Reference::Cartesian { curve: Curve::Spline { points }, .. } = &mut study.reference {
         for point in points {
-            point[0] += times * away[0];
-            point[2] += times * away[1];
+            point[0] += distance * towards[0] - away[0];
+            point[2] += distance * towards[1] - away[1];
         }
     }
     study
@@ -175,7 +181,7 @@ fn outcome(run: &Run, free: &Run, setting: Setting) -> Outcome {
 }
 
 fn row(study: &Study, setting: Setting, distance: f64, limits: &[f64]) -> Result<Row, PartError> {
-    let free = free(study)?;
+    let free = Run::of(unlimited(study.clone()))?;
     let cell = |limit: &f64| {
         let run = Run::of(limited(study.clone(), *limit))?;
         let outcome = outcome(&run, &free, setting);
@@ -185,10 +191,12 @@ fn row(study: &Study, setting: Setting, distance: f64, limits: &[f64]) -> Result
     Ok(Row { distance, free: free.settled_at(), cells })
 }
 
-fn free(study: &Study) -> Result<Run, PartError> {
-    let mut study = study.clone();
-    study.control.torque_max = None;
-    Run::of(study)
+/// m = 1 as printed on the study of the experiments, started so far from the path: with the limit and without.
+pub(crate) fn nearer(studies: &Studies, distance: f64) -> Result<[Run; 2], PartError> {
+    let study = studies.study(Kind::Experiment, Setting::First, Form::Literal)?;
+    let ends = ends(&study)?;
+    let study = moved(study, ends, distance);
+    Ok([Run::of(study.clone())?, Run::of(unlimited(study))?])
 }
 
 /// The farthest start, by bisection, from which the arm settles and keeps its bounds under a limit; `None`: from none.

@@ -117,7 +117,11 @@ pub(crate) fn kept(
         Item { kind: Kind::Equation, number: if order == 1 { 48 } else { 49 } },
         Item { kind: Kind::Figure, number: if open.is_some() { 11 } else { 7 } },
     ]);
-    let Some((_, map)) = open else { return Ok(whole) };
+    let Some((_, map)) = open else {
+        return Ok(whole.read_as(
+            "Printed form, all gain sets of the order: largest errors after 1.5 s, integrals counted from there on.",
+        ));
+    };
     Ok(whole
         .read_as(
             "Largest errors of the second turn, integrals counted from its beginning. It counts as printed where every gain set keeps the bounds in \
@@ -237,7 +241,14 @@ fn margin(runs: &Runs) -> Result<Statement, PartError> {
             number("largest |φ| of the steady part, m = 1", "N·m", run.phi_max(), AGAIN),
             number("bound on |e| from |φ|, m = 1", "rad", promised, AGAIN),
         ],
+    )
+    .read_as(format!("Printed form, all gain sets: much smaller is {MUCH} times or more."))
+    .varying("The gains: m = 1 and all hypotheses of m = 2.")
+    .turning(format!(
+        "At errors {} times as large.",
+        three(share.map(|share| share / MUCH))
     ))
+    .covering(&[Item { kind: Kind::Figure, number: 7 }]))
 }
 
 /// What a run's largest φ can do to `e` \[rad\], by the peak-to-peak gain of its sampled loop.

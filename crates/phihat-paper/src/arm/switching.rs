@@ -10,6 +10,7 @@ use super::{assumptions, softer, transient};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, rests_on, section, statement, table, three,
 };
+use crate::item::{self, Item};
 use crate::part::{Extent, Part, PartError};
 use crate::record::{Figure, Statement, Verdict};
 
@@ -175,6 +176,10 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
         ),
         remedy_numbers(pairs, jump),
     )
+    .read_as("Printed form: less overshoot of joint 2 than m = 2 from the start and a steady error no more than 1.2 times its, for every hypothesis.")
+    .varying("The gains of m = 2: H1 to H4; the observer form with the supervisor's own switching.")
+    .turning(format!("As printed, without handing φ̂ over, below a jump of {NO_JUMP_NM} N·m; it is {jump:.0}."))
+    .covering(&[Item { kind: item::Kind::Remark, number: 4 }])
 }
 
 fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::record::Number> {

@@ -11,6 +11,7 @@ use super::studies::{Setting, Studies};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, section, statement, table, three,
 };
+use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Section, Statement, Table, Verdict};
 
@@ -98,6 +99,8 @@ impl Transients {
                 })
                 .collect(),
         )
+        .read_as("Printed form, all hypotheses on the gains: how far the tip goes beyond its place, along the line of its first error.")
+        .covering(&[Item { kind: Kind::Figure, number: 5 }])
     }
 
     fn joint(&self, runs: &Runs) -> Result<Statement, PartError> {
@@ -135,7 +138,9 @@ impl Transients {
                 why.to_owned(),
             ),
             numbers.map(named).collect(),
-        ))
+        )
+        .read_as("Printed form, all hypotheses on the gains: how far the error goes beyond zero, over its initial value.")
+        .covering(&[Item { kind: Kind::Figure, number: 6 }]))
     }
 }
 
@@ -173,6 +178,9 @@ fn zero_start(runs: &Runs) -> Result<Statement, PartError> {
             number("largest |φ̂(0)|, observer form", "N·m", observer, AGAIN),
         ],
     )
+    .read_as("φ̂ at the first sample, with integrals of zero.")
+    .varying("Start: of the studies, and at rest on the path; both forms.")
+    .turning("Only with e(0) = 0 and ė(0) = 0 the printed form starts from zero.")
     .again())
 }
 

@@ -59,6 +59,12 @@ fn prompt(mut study: Study) -> Study {
     study
 }
 
+/// The study without a torque limit.
+pub(crate) fn unlimited(mut study: Study) -> Study {
+    study.control.torque_max = None;
+    study
+}
+
 /// The study with a torque limit on every joint \[N·m\].
 pub(crate) fn limited(mut study: Study, limit: f64) -> Study {
     study.control.torque_max = Some(vec![limit; study.robot.joints.len()]);
