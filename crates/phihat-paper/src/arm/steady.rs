@@ -113,25 +113,31 @@ pub(crate) fn kept(
         ),
         numbers,
     );
-    let whole = whole.covering(&[
+    Ok(read(whole, (order, settings), open.map(|(_, map)| (map, depends.unwrap_or_default()))))
+}
+
+/// How it was read, what was varied and where it turns; of an experiment with the map, and what the other assumptions do.
+fn read(
+    statement: Statement,
+    (order, settings): (usize, &[Setting]),
+    experiment: Option<(&StartMap, String)>,
+) -> Statement {
+    let statement = statement.covering(&[
         Item { kind: Kind::Equation, number: if order == 1 { 48 } else { 49 } },
-        Item { kind: Kind::Figure, number: if open.is_some() { 11 } else { 7 } },
+        Item { kind: Kind::Figure, number: if experiment.is_some() { 11 } else { 7 } },
     ]);
-    let Some((_, map)) = open else {
-        return Ok(whole.read_as(
+    let Some((map, depends)) = experiment else {
+        return statement.read_as(
             "Printed form, all gain sets of the order: largest errors after 1.5 s, integrals counted from there on.",
-        ));
+        );
     };
-    Ok(whole
+    statement
         .read_as(
             "Largest errors of the second turn, integrals counted from its beginning. It counts as printed where every gain set keeps the bounds in \
              the printed form with the assumed limit from one of the starts of the map.",
         )
-        .varying(format!(
-            "Start and limit together (the map). {}",
-            depends.unwrap_or_default()
-        ))
-        .turning(turning(map, settings)))
+        .varying(format!("Start and limit together (the map). {depends}"))
+        .turning(turning(map, settings))
 }
 
 /// The quantities that (48) or (49) bounds.

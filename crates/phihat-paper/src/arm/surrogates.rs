@@ -118,19 +118,18 @@ impl Varied {
         let (held, all) = (self.share(claim, 0), self.arms.len());
         let ends =
             |all: &[f64]| [all.first(), all.last()].map(|end| three(end.copied())).join(" to ");
-        let rotors = self.armatures.len();
-        let every_weight = |k: usize| {
-            self.arms.chunks(rotors).all(|row| row[k..].iter().all(|answers| answers[claim][0]))
+        let fails = |(k, answers): (usize, &Answers)| {
+            let (row, column) = (k / self.armatures.len(), k % self.armatures.len());
+            (!answers[claim][0]).then(|| {
+                let place = [self.links.get(row), self.armatures.get(column)];
+                place.map(|value| three(value.copied())).join(" and ")
+            })
         };
-        let turns = match (0..rotors).find(|k| every_weight(*k)) {
-            _ if held == all => "On none of the arms tried.".to_owned(),
-            Some(k) => format!(
-                "Below rotors of {} kg·m²: from there on it holds with links of every weight tried.",
-                three(self.armatures.get(k).copied())
-            ),
-            None => {
-                "With links of some weight at every rotor inertia: see the map of arms.".to_owned()
-            }
+        let failing: Vec<String> = self.arms.iter().enumerate().filter_map(fails).collect();
+        let turns = if failing.is_empty() {
+            "On none of the arms tried.".to_owned()
+        } else {
+            format!("Arms on which it does not hold, by links and rotors: {}.", failing.join("; "))
         };
         statement
             .varying(format!(

@@ -48,7 +48,7 @@ impl Sized<'_> {
     fn alike(&self, arms: &[ArmScores], heading: bool) -> Vec<usize> {
         let apart = self.apart(arms, heading);
         let robots = apart.first().map_or(0, Vec::len);
-        let near = |apart: f64| apart <= SAME_SIZE && apart >= 1.0 / SAME_SIZE;
+        let near = |apart: f64| (1.0 / SAME_SIZE..=SAME_SIZE).contains(&apart);
         (0..robots).filter(|k| apart.iter().all(|arm| near(arm[*k]))).collect()
     }
 
