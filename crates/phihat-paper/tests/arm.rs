@@ -125,7 +125,9 @@ fn the_start_decides(part: &Part) {
         else {
             panic!("no curve")
         };
-        points.iter_mut().for_each(|point| point[0] += 0.183 - distance);
+        for point in points {
+            point[0] += 0.183 - distance;
+        }
         study.control.torque_max = limit.map(|limit| vec![limit; 3]);
         settled(&run(&study))
     };
