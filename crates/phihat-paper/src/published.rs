@@ -1,6 +1,5 @@
 //! A statement of the paper, and what was found.
 
-use super::item::Item;
 use super::record::{Number, Origin, Statement, Verdict};
 
 /// What the paper says, before it is looked at.
@@ -64,13 +63,6 @@ impl Statement {
     #[must_use]
     pub(crate) fn turning(mut self, at: impl Into<String>) -> Self {
         self.turns = at.into();
-        self
-    }
-
-    /// Which numbered items of the paper it covers.
-    #[must_use]
-    pub(crate) fn covering(mut self, items: &[Item]) -> Self {
-        self.covers = items.to_vec();
         self
     }
 
