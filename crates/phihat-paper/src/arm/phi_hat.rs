@@ -148,7 +148,7 @@ pub(crate) fn to_zero(limited: &Runs, left: &Left) -> Result<Statement, PartErro
     let each = || first.iter().zip(&second);
     let as_printed = each().all(|(a, b)| *a < NONE && *b < NONE);
     // With fewer faults there is less, and with exact sensors it is found.
-    let corrected = each().last().is_some_and(|(a, b)| *a < FOUND && *b < FOUND);
+    let corrected = each().next_back().is_some_and(|(a, b)| *a < FOUND && *b < FOUND);
     let percent = |share: &f64| format!("{} %", three(Some(100.0 * share)));
     let listed = WORLDS
         .iter()

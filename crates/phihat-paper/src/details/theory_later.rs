@@ -82,6 +82,7 @@ pub(super) const DETAILS: &[Detail] = &[
         "a ratio outside 3 to 5",
     ],
     ["orders-suffice", "R4", "", "", ""],
+    ["only-state", "(6) (9) (10)", "", "", ""],
     [
         "eq4-identity",
         "(2)-(4)",

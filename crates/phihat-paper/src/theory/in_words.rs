@@ -26,6 +26,7 @@ pub(super) fn in_words() -> Result<Section, PartError> {
     section.statements = vec![
         computed_torque(),
         drives(),
+        super::only_state::only_state()?,
         super::step_one::step_one()?,
         step_two(),
         proves_theorem_1()?,

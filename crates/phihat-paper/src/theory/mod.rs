@@ -11,6 +11,7 @@ mod game;
 mod in_words;
 mod iss;
 mod limits;
+mod only_state;
 mod optimal;
 mod printed;
 mod recipe;

@@ -76,8 +76,8 @@ pub(super) fn step_one() -> Result<Statement, PartError> {
             100.0 * worst
         ),
         Verdict::of(worst <= 1.0, false),
-        "There are such gains, and they keep the limits. They are no minimum that could be used: at 1 kHz an a_0 above 2000 1/s cannot be sampled. (44), \
-         which is what Table 2 (A) was found by, asks for far less.",
+        "There are such gains, and they keep the limits. The least a_0 is hundreds of times what was used, far above the sample rate of 1 kHz. (44), from which Table 2 (A) \
+         comes, asks for far less.",
         vec![
             number("least K̃ by (40)", "1/s", k_tilde, 1e-3),
             number("worst error as a share of its limit", "", worst, 1e-3),
