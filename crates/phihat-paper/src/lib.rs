@@ -9,6 +9,8 @@ mod agreement;
 pub mod arm;
 mod choice;
 mod compose;
+mod coverage;
+mod details;
 mod draw;
 mod figure;
 mod gains;
@@ -29,6 +31,7 @@ mod theory;
 
 pub use agreement::{Kept, KeptError};
 pub use choice::{only_help, part};
+pub use coverage::{Coverage, NotCovered, coverage};
 pub use figure::reproduction_figures;
 pub use item::{Item, Kind};
 pub use options::{Paint, PaintError, ReproduceAnswer, ReproduceOptions};

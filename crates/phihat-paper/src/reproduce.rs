@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::part::{Extent, Part, PartError};
 use crate::record::{Assumption, FORMAT, Reproduction};
-use crate::{arm, orders, reach, table1, table2, table3, theory};
+use crate::{arm, details, orders, reach, table1, table2, table3, theory};
 
 /// Why the paper could not be reproduced.
 #[derive(Debug, Error)]
@@ -150,6 +150,7 @@ pub fn reproduce_only(
         }
         whole.sections.extend(result.sections);
     }
+    details::add(&mut whole.sections);
     whole.round();
     Ok(whole)
 }

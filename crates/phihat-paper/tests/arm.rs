@@ -87,7 +87,7 @@ fn without_a_torque_limit_the_printed_form_does_what_fig_11_says() {
         assert_eq!(statement(&limited, id).verdict, verdict, "{id}");
     }
     the_start_decides(&limited);
-    // Neither φ̂ nor φ̂ − φ goes to zero, with a limit or without.
+    // φ̂ is found where sensors are exact; to zero nothing goes, with a limit or without.
     for part in [&limited, &free] {
         assert_eq!(statement(part, "phi-hat-to-zero").verdict, Verdict::WithCorrection);
     }

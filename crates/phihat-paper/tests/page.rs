@@ -102,6 +102,22 @@ fn findings_of_ours_are_not_counted_among_the_papers() {
     assert_eq!(all(&document, ".group.holds li").len(), 0);
 }
 
+/// The first lines come from the counts, and every verdict that is not of the paper's statements stays out of them.
+#[test]
+fn the_summary_is_made_from_the_counts() {
+    let mut whole = reproduction();
+    let summary = |whole: &Reproduction| text(&all(&page(whole), "#summary")[0]);
+    let found = summary(&whole);
+    assert!(found.starts_with(
+        "Of 4 statements of the paper that were tested, 2 hold: 1 as printed, 1 with a"
+    ));
+    assert!(found.contains("1 is refuted as worded. 1 cannot be told"), "{found}");
+    assert!(found.contains("1 of 51 equations, 1 of 14 figures, 0 of 3 tables"), "{found}");
+    whole.sections[1].statements[0].origin = Origin::Ours;
+    assert!(summary(&whole).contains("0 are refuted as worded."));
+    assert_eq!(all(&page(&whole), "#coverage + p + div tbody tr").len(), 6);
+}
+
 #[test]
 fn every_link_has_its_target_and_every_id_is_one_of_its_kind() {
     let document = page(&reproduction());

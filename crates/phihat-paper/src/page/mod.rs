@@ -7,8 +7,10 @@ use crate::figure::draw as reproduction_figure;
 use phihat_report::kit::text::{line, prose};
 use phihat_report::kit::{Page, anchor};
 
+mod coverage;
 mod overview;
 mod statement;
+mod summary;
 mod words;
 
 /// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
@@ -16,8 +18,10 @@ mod words;
 pub fn reproduction_page(reproduction: &Reproduction) -> String {
     let main = html! {
         (overview::header(reproduction))
+        (summary::summary(reproduction))
         (overview::choice())
         (overview::overview(reproduction))
+        (coverage::table(reproduction))
         (overview::assumptions(reproduction))
         @for section in &reproduction.sections { (part(section)) }
         (again(reproduction))

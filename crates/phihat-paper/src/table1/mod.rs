@@ -3,6 +3,7 @@
 use phihat_rivals::{Entry, RIVALS, Tick, Ticks};
 
 mod columns;
+mod cost;
 mod described;
 mod rated;
 
@@ -112,6 +113,7 @@ pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<Part, PartError> {
             columns::easy(&beside),
             columns::optimal(&beside),
             model_free(&rows),
+            cost::low(&beside),
             described::pid_model_free(&rows),
         ],
         tables: vec![table],

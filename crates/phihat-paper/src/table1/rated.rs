@@ -17,6 +17,8 @@ const STUDY: (&str, &str) =
 pub(super) struct Rated {
     pub(super) entry: &'static Entry,
     pub(super) columns: Option<Columns>,
+    /// Instructions per update, counted on this arm.
+    pub(super) instructions: Option<u64>,
 }
 
 /// Every law of every row, in their order.
@@ -30,7 +32,8 @@ pub(super) fn rate(rows: &[Row], progress: &dyn Fn(f64)) -> Result<Vec<Vec<Rated
     let found = plan.run_in_memory(progress).rows;
     let of = |entry: &'static Entry| {
         let row = found.iter().find(|row| row.rival == entry.card.id);
-        Rated { entry, columns: row.and_then(|row| row.columns.clone()) }
+        let instructions = row.and_then(|row| row.cost.as_ref()?.instructions);
+        Rated { entry, columns: row.and_then(|row| row.columns.clone()), instructions }
     };
     Ok(rows.iter().map(|row| row.laws.iter().map(|entry| of(entry)).collect()).collect())
 }
