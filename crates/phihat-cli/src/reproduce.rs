@@ -7,7 +7,8 @@ use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
 use phihat_paper::{
-    Kept, Origin, Paint, ReproduceOptions, Reproduction, Statement, Verdict, only_help,
+    Coverage, Kept, Origin, Paint, ReproduceOptions, Reproduction, Statement, Verdict, coverage,
+    only_help,
 };
 use phihat_session::files;
 use serde_json::json;
@@ -98,7 +99,8 @@ impl Reproduce {
             .map(|s| {
                 json!({
                     "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
-                    "verdict": s.verdict, "why": s.why, "numbers": s.numbers,
+                    "verdict": s.verdict, "reading": s.reading, "varied": s.varied, "turns": s.turns, "covers": s.covers,
+                    "why": s.why, "numbers": s.numbers,
                 })
             })
             .collect();
@@ -108,14 +110,16 @@ impl Reproduce {
             "report": self.out.join("report.html"),
             "quick": reproduction.quick,
             "counts": {
-                "reproduced": count(Verdict::Reproduced),
+                "as_printed": count(Verdict::AsPrinted),
                 "with_correction": count(Verdict::WithCorrection),
-                "not_reproducible": count(Verdict::NotReproducible),
+                "refuted": count(Verdict::Refuted),
+                "open": count(Verdict::Open),
             },
             "not_counted": {
                 "again": reproduction.count(Origin::Again),
                 "ours": reproduction.count(Origin::Ours),
             },
+            "coverage": coverage(reproduction),
             "statements": statements,
             "differs": differs,
         })
@@ -150,6 +154,7 @@ fn overview(reproduction: &Reproduction) -> String {
         let count = reproduction.of(Origin::Paper, verdict).count();
         format!("{} {count} {}", verdict.sign(), verdict.words())
     });
+    text.push(covered(reproduction));
     text.push(format!(
         "of the paper: {}; not counted: {} looked at once more, {} findings of this project",
         counts.join(" · "),
@@ -157,6 +162,29 @@ fn overview(reproduction: &Reproduction) -> String {
         reproduction.count(Origin::Ours)
     ));
     text.join("\n")
+}
+
+/// "n of N" per kind of numbered item, and what is left out.
+fn covered(reproduction: &Reproduction) -> String {
+    let line = |part: &Coverage| {
+        let counts = format!("{} of {} {}", part.covered, part.all, part.kind.words());
+        if part.left_out.is_empty() {
+            return counts;
+        }
+        // One entry for those of the same reason.
+        let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+        for left in &part.left_out {
+            match reasons.iter_mut().find(|(why, _)| *why == left.why) {
+                Some((_, items)) => items.push(left.item.to_string()),
+                None => reasons.push((&left.why, vec![left.item.to_string()])),
+            }
+        }
+        let reasons: Vec<_> =
+            reasons.iter().map(|(why, items)| format!("{} ({why})", items.join(", "))).collect();
+        format!("{counts}; not: {}", reasons.join("; "))
+    };
+    let lines: Vec<_> = coverage(reproduction).iter().map(line).collect();
+    format!("covered:\n  {}", lines.join("\n  "))
 }
 
 /// A reproduction keeps nothing on its way.

@@ -49,7 +49,19 @@ impl ArmCase {
     ///
     /// [`CompareError`]: it cannot be read, or lacks what a comparison needs.
     pub(crate) fn read(path: &Path) -> Result<Self, CompareError> {
-        let study = Study::read(path)?;
+        Self::of(Study::read(path)?, path)
+    }
+
+    /// Takes a study from its text; `path` names it, and paths in it hold from the current folder.
+    ///
+    /// # Errors
+    ///
+    /// [`CompareError`]: it cannot be read, or lacks what a comparison needs.
+    pub fn from_text(text: &str, path: &str) -> Result<Self, CompareError> {
+        Self::of(Study::from_text(text, path, Path::new(""))?, Path::new(path))
+    }
+
+    fn of(study: Study, path: &Path) -> Result<Self, CompareError> {
         let unfit =
             |why: Box<dyn Error + Send + Sync>| CompareError::Unfit { path: path.to_owned(), why };
         let lacks =

@@ -91,7 +91,11 @@ struct Found {
 fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<String>) {
     let id = &old.id;
     if old.verdict != new.verdict {
-        lines.push(format!("{id}: was {}, is {}", old.verdict.words(), new.verdict.words()));
+        lines.push(format!(
+            "{id}: was \"{}\", is \"{}\"",
+            old.verdict.words(),
+            new.verdict.words()
+        ));
     }
     for number in &old.numbers {
         match new.numbers.iter().find(|other| other.name == number.name) {

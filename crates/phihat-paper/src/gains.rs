@@ -33,6 +33,11 @@ pub(crate) fn second_h3() -> UnitLaw {
     law(&[69.6 * 69.6, 2.0 * 69.6])
 }
 
+/// m = 2, hypothesis H4: the printed 69.6 is no `b_0` but `a_1 = K̃ + 1/γ²`, with both poles at half of it.
+pub(crate) fn second_h4() -> UnitLaw {
+    law(&[34.8 * 34.8, 69.6])
+}
+
 /// m = 1 and the three hypotheses of m = 2, with their names.
 pub(crate) fn all() -> [(&'static str, UnitLaw); 4] {
     [("m = 1", first()), ("H1", second_h1()), ("H2", second_h2()), ("H3", second_h3())]

@@ -1,6 +1,7 @@
 //! A part of the reproduction: how much of it is done, what it gives, and why it could not be done.
 
 use phihat::GainError;
+use phihat_compare::CompareError;
 use phihat_design::claims::{PaperError, Refutation};
 use phihat_design::{ArmError, GainsError};
 use phihat_model::ModelError;
@@ -88,6 +89,9 @@ pub enum PartError {
     /// A set of gains was not run.
     #[error("{0} did not run")]
     NotRun(&'static str),
+    /// The laws of Table 1 cannot be compared.
+    #[error(transparent)]
+    Comparison(Box<CompareError>),
     /// No law stands for a row of Table 1.
     #[error("Table 1: no law stands for {0}")]
     EmptyRow(String),

@@ -1,5 +1,6 @@
 //! A statement of the paper, and what was found.
 
+use super::item::Item;
 use super::record::{Number, Origin, Statement, Verdict};
 
 /// What the paper says, before it is looked at.
@@ -32,6 +33,10 @@ impl Published<'_> {
             paper: self.paper.to_owned(),
             ours: ours.into(),
             verdict,
+            reading: String::new(),
+            varied: String::new(),
+            turns: String::new(),
+            covers: Vec::new(),
             why: why.into(),
             numbers,
             assumptions: Vec::new(),
@@ -41,6 +46,34 @@ impl Published<'_> {
 }
 
 impl Statement {
+    /// How it was read.
+    #[must_use]
+    pub(crate) fn read_as(mut self, reading: impl Into<String>) -> Self {
+        self.reading = reading.into();
+        self
+    }
+
+    /// Which assumptions were varied, and how far.
+    #[must_use]
+    pub(crate) fn varying(mut self, varied: impl Into<String>) -> Self {
+        self.varied = varied.into();
+        self
+    }
+
+    /// The threshold at which its verdict would be another one.
+    #[must_use]
+    pub(crate) fn turning(mut self, at: impl Into<String>) -> Self {
+        self.turns = at.into();
+        self
+    }
+
+    /// Which numbered items of the paper it covers.
+    #[must_use]
+    pub(crate) fn covering(mut self, items: &[Item]) -> Self {
+        self.covers = items.to_vec();
+        self
+    }
+
     /// The assumptions that it rests on.
     #[must_use]
     pub(crate) fn assuming(mut self, ids: &[&str]) -> Self {
@@ -69,12 +102,22 @@ impl Statement {
 }
 
 impl Verdict {
-    /// As printed; if not, with the correction; if not, not.
+    /// Of a statement that what is printed decides: as printed; if not, with the correction; if not, refuted.
     pub(crate) fn of(as_printed: bool, corrected: bool) -> Self {
         match (as_printed, corrected) {
-            (true, _) => Self::Reproduced,
+            (true, _) => Self::AsPrinted,
             (false, true) => Self::WithCorrection,
-            (false, false) => Self::NotReproducible,
+            (false, false) => Self::Refuted,
+        }
+    }
+
+    /// Of a statement about something that the paper does not print (its arm, its reference, its settings): where it
+    /// does not hold with what was assumed it may have held with what was used, so that it is open.
+    pub(crate) fn assumed(as_printed: bool, corrected: bool) -> Self {
+        match (as_printed, corrected) {
+            (true, _) => Self::AsPrinted,
+            (false, true) => Self::WithCorrection,
+            (false, false) => Self::Open,
         }
     }
 }

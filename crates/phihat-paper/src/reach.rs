@@ -223,11 +223,7 @@ fn model_free(maps: &[Mapped], extent: Extent) -> Statement {
             )
         })
         .collect();
-    let verdict = match (everywhere, ours > printed) {
-        (true, _) => Verdict::Reproduced,
-        (false, true) => Verdict::WithCorrection,
-        (false, false) => Verdict::NotReproducible,
-    };
+    let verdict = Verdict::of(everywhere, ours > printed);
     statement(
         [
             "how-far-model-free",

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::item::Item;
+
 /// Version of the layout of [`Reproduction`].
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// Every statement of the paper that was looked at, and whether it holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,6 +90,18 @@ pub struct Statement {
     pub ours: String,
     /// Whether it holds.
     pub verdict: Verdict,
+    /// How the statement was read: what exactly was held against what.
+    #[serde(default)]
+    pub reading: String,
+    /// Which assumptions were varied and how far; empty: none.
+    #[serde(default)]
+    pub varied: String,
+    /// The threshold at which the verdict would be another one.
+    #[serde(default)]
+    pub turns: String,
+    /// Which numbered items of the paper it covers.
+    #[serde(default)]
+    pub covers: Vec<Item>,
     /// Why, and what would be right.
     pub why: String,
     /// The figures behind `ours`, which a check can compare.
@@ -116,11 +130,13 @@ pub enum Origin {
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It holds as printed.
-    Reproduced,
+    AsPrinted,
     /// It holds after a correction, which `why` names.
     WithCorrection,
-    /// It does not hold, or the paper does not print what it would take.
-    NotReproducible,
+    /// It does not hold: what is printed is enough to show that.
+    Refuted,
+    /// It cannot be told: the paper does not print what it would take.
+    Open,
 }
 
 impl Reproduction {
@@ -138,23 +154,25 @@ impl Reproduction {
 
 impl Verdict {
     /// Every verdict, best first.
-    pub const ALL: [Self; 3] = [Self::Reproduced, Self::WithCorrection, Self::NotReproducible];
+    pub const ALL: [Self; 4] = [Self::AsPrinted, Self::WithCorrection, Self::Refuted, Self::Open];
 
-    /// For people: `with correction`.
+    /// For people: `holds with a correction`.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Reproduced => "reproduced",
-            Self::WithCorrection => "with correction",
-            Self::NotReproducible => "not reproducible",
+            Self::AsPrinted => "holds as printed",
+            Self::WithCorrection => "holds with a correction",
+            Self::Refuted => "refuted",
+            Self::Open => "open",
         }
     }
 
     /// One character that tells it without colour.
     pub fn sign(self) -> char {
         match self {
-            Self::Reproduced => '✓',
+            Self::AsPrinted => '✓',
             Self::WithCorrection => '◐',
-            Self::NotReproducible => '✗',
+            Self::Refuted => '✗',
+            Self::Open => '?',
         }
     }
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::part::{Extent, Part, PartError};
 use crate::record::{Assumption, FORMAT, Reproduction};
-use crate::{arm, orders, reach, table1, table2, table3, theory};
+use crate::{arm, details, orders, reach, table1, table2, table3, theory};
 
 /// Why the paper could not be reproduced.
 #[derive(Debug, Error)]
@@ -53,7 +53,7 @@ type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, PartError>;
 /// take the next one as they become free.
 const PARTS: &[(&str, Work)] = &[
     ("theory", theory::theory),
-    ("table 1", |_, _| table1::table1()),
+    ("table 1", |_, progress| table1::table1(progress)),
     ("arm in simulation", |extent, progress| {
         arm::simulation(&arm::Studies::shipped(), extent, progress)
     }),
@@ -150,6 +150,7 @@ pub fn reproduce_only(
         }
         whole.sections.extend(result.sections);
     }
+    details::add(&mut whole.sections);
     whole.round();
     Ok(whole)
 }

@@ -16,6 +16,10 @@ fn statement(id: &str) -> Statement {
         paper: "2 mrad".into(),
         ours: "3 mrad".into(),
         verdict: Verdict::WithCorrection,
+        reading: String::new(),
+        varied: String::new(),
+        turns: String::new(),
+        covers: vec![],
         why: String::new(),
         numbers: vec![number("bound", Some(2.0), 0.01), number("literal", None, 0.01)],
         assumptions: vec![],
@@ -69,8 +73,8 @@ fn another_number_or_verdict_is_told() {
         assert!(lines.len() == 1 && lines[0].contains(words), "{lines:?}");
     }
     assert_eq!(against(|r| first(r).numbers[1].value = Some(1.0)).len(), 1);
-    let lines = against(|r| first(r).verdict = Verdict::Reproduced);
-    assert_eq!(lines, ["a-1: was with correction, is reproduced"]);
+    let lines = against(|r| first(r).verdict = Verdict::AsPrinted);
+    assert_eq!(lines, ["a-1: was \"holds with a correction\", is \"holds as printed\""]);
 }
 
 #[test]

@@ -35,7 +35,8 @@ fn page(reproduction: &Reproduction) -> Html {
 fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
     let whole = reproduction();
     let document = page(&whole);
-    let words = ["✓ reproduced", "◐ with correction", "✗ not reproducible"];
+    let words = ["✓ holds as printed", "◐ holds with a correction", "✗ refuted", "? open"];
+    assert_eq!(words.len(), whole.sections.iter().map(|s| s.statements.len()).sum::<usize>());
     for (statement, word) in whole.sections.iter().flat_map(|s| &s.statements).zip(words) {
         let row = &all(&document, &format!("#claim-{}", statement.id))[0];
         let cells: Vec<_> =
@@ -49,6 +50,10 @@ fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
             "largest |e|: 1.93 mrad (agrees within 2.0 %)",
             "of the printed form: none",
             "phihat run studies/paper/m1.toml",
+            "Read as the largest error after 1.5 s.",
+            "Varied: the start, 0.05 to 0.18 m.",
+            "Another verdict at 2 mrad.",
+            "Covers (48), Fig. 7.",
             "Rests on rotor-inertia",
             &statement.id,
         ] {
@@ -57,7 +62,7 @@ fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
     }
     let assumption = text(&all(&document, "#assumption-rotor-inertia")[0]);
     let it = &whole.assumptions[0];
-    for part in [&it.missing, &it.assumed, &it.influence, "3 statements"] {
+    for part in [&it.missing, &it.assumed, &it.influence, "4 statements"] {
         assert!(assumption.contains(part), "{assumption}");
     }
 }
@@ -65,16 +70,19 @@ fn every_statement_is_there_with_both_values_and_its_verdict_in_words() {
 #[test]
 fn counts_are_those_of_the_verdicts() {
     let mut whole = reproduction();
-    whole.sections[0].statements[1].verdict = Verdict::Reproduced;
+    whole.sections[0].statements[1].verdict = Verdict::AsPrinted;
     let document = page(&whole);
     let counts: Vec<_> = all(&document, ".counts li").iter().map(text).collect();
-    assert_eq!(counts, ["✓ 2 reproduced", "◐ 0 with correction", "✗ 1 not reproducible"]);
+    assert_eq!(
+        counts,
+        ["✓ 2 holds as printed", "◐ 0 holds with a correction", "✗ 1 refuted", "? 1 open"]
+    );
     assert!(
         text(&all(&document, ".verdict")[0])
-            .starts_with("2 of 3 statements of the paper hold as printed.")
+            .starts_with("2 of 4 statements of the paper hold as printed.")
     );
     let listed = |class: &str| all(&document, &format!(".group.{class} li")).len();
-    assert_eq!([listed("reproduced"), listed("corrected"), listed("not")], [2, 0, 1]);
+    assert_eq!(["holds", "corrected", "refuted", "open"].map(listed), [2, 0, 1, 1]);
 }
 
 /// What the paper does not state, or states twice, is on the page and in no count.
@@ -85,13 +93,29 @@ fn findings_of_ours_are_not_counted_among_the_papers() {
     let (ours, id) = (&whole.sections[0].statements[0], whole.sections[0].statements[0].id.clone());
     let document = page(&whole);
     let verdict = text(&all(&document, ".verdict")[0]);
-    assert!(verdict.starts_with("0 of 2 statements of the paper hold as printed."), "{verdict}");
+    assert!(verdict.starts_with("0 of 3 statements of the paper hold as printed."), "{verdict}");
     assert!(verdict.ends_with("0 statements looked at once more, and 1 findings of this project."));
     let beside = all(&document, ".beside li");
     assert!(beside.len() == 1 && text(&beside[0]).contains(&ours.claim));
     let row = text(&all(&document, &format!("#claim-{id} th"))[0]);
     assert!(row.contains("a finding of this project"), "{row}");
-    assert_eq!(all(&document, ".group.reproduced li").len(), 0);
+    assert_eq!(all(&document, ".group.holds li").len(), 0);
+}
+
+/// The first lines come from the counts, and every verdict that is not of the paper's statements stays out of them.
+#[test]
+fn the_summary_is_made_from_the_counts() {
+    let mut whole = reproduction();
+    let summary = |whole: &Reproduction| text(&all(&page(whole), "#summary")[0]);
+    let found = summary(&whole);
+    assert!(found.starts_with(
+        "Of 4 statements of the paper that were tested, 2 hold: 1 as printed, 1 with a"
+    ));
+    assert!(found.contains("1 is refuted as worded. 1 cannot be told"), "{found}");
+    assert!(found.contains("1 of 51 equations, 1 of 14 figures, 0 of 3 tables"), "{found}");
+    whole.sections[1].statements[0].origin = Origin::Ours;
+    assert!(summary(&whole).contains("0 are refuted as worded."));
+    assert_eq!(all(&page(&whole), "#coverage + p + div tbody tr").len(), 6);
 }
 
 #[test]

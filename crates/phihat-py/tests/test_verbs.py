@@ -91,7 +91,7 @@ def test_the_paper_is_reproduced_part_by_part(tmp_path: Path) -> None:
     answer = phihat.reproduce(only="theorem 2", quick=True, out=tmp_path)
     assert answer == json.loads((tmp_path / "reproduction.json").read_text())
     statements = {s["id"]: s for section in answer["sections"] for s in section["statements"]}
-    assert statements["theorem2-first-order"]["verdict"] == "reproduced"
+    assert statements["theorem2-first-order"]["verdict"] == "as_printed"
     assert statements["erratum-q33"]["verdict"] == "with_correction"
     with pytest.raises(phihat.Error, match="no such place"):
         phihat.reproduce(only="no such place", out=tmp_path)

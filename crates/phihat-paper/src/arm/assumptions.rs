@@ -29,11 +29,12 @@ pub(crate) fn all() -> Vec<Assumption> {
             "gains",
             "The estimator's coefficients a_i, and γ. Printed are K_p = 400, K_d = 40, K̃ = 68.9 and, for \
              m = 2, b_0 = 69.6.",
-            "m = 1: a_0 = 69.6. m = 2, three hypotheses (a_0, a_1): H1 = (4844, 69.6), H2 = (9688, 139.2), \
-             H3 = (4844, 139.2). H1 takes K̃ + 1/γ² = 69.6 for both orders; H2 sits on the edge of \
+            "m = 1: a_0 = 69.6. m = 2, four hypotheses (a_0, a_1): H1 = (4844, 69.6), H2 = (9688, 139.2), \
+             H3 = (4844, 139.2), H4 = (1211, 69.6). H1 takes K̃ + 1/γ² = 69.6 for both orders; H2 sits on the edge of \
              condition A3 at the printed b_0; H3 is the certified one, with \
-             K̃ = 100: its b_0 is 34.8, not the printed 69.6. H2 and H3 converge at the rate of m \
-             = 1, H1 at half of it.",
+             K̃ = 100: its b_0 is 34.8, not the printed 69.6; H4 takes the printed 69.6 for a misprinted \
+             a_1 = K̃ + 1/γ², so that the printed K̃ = 68.9 has its certificate. H2 and H3 converge at the rate of m \
+             = 1, H1 and H4 at half of it.",
         ),
         assumption(
             "path",
@@ -51,9 +52,9 @@ pub(crate) fn all() -> Vec<Assumption> {
         ),
     ];
     for gains in all.iter_mut().filter(|assumption| assumption.id == "gains") {
-        "What is simulated at m = 2 is decided for the three hypotheses side by side, and counts as reproduced \
-         only where it holds for all of them. What needs a certificate (Q, S and γ of Theorems 2 to 4) is computed at H3 \
-         alone: with the printed b_0, H1 and H2 have none at any K̃, and the theorems state nothing about them."
+        "What is simulated at m = 2 is decided for the four hypotheses side by side, and counts as reproduced \
+         only where it holds for all of them. What needs a certificate (Q, S and γ of Theorems 2 to 4) is computed at H3, \
+         and at H4 where it is named: with the printed b_0, H1 and H2 have none at any K̃, and the theorems state nothing about them."
             .clone_into(&mut gains.influence);
     }
     all

@@ -131,8 +131,15 @@ pub(crate) const EXPERIMENTED: &[Claim] = &[
     },
 ];
 
-/// Places in [`EXPERIMENTED`]: the arm settles, by order.
-pub(crate) const SETTLES: [usize; 2] = [0, 1];
+/// Statements by id, and the place in [`SIMULATED`] of the claim that each is about.
+pub(crate) const SIMULATED_AS: [(&str, usize); 6] = [
+    ("fig5-overshoot", 0),
+    ("fig6-overshoot", 0),
+    ("fig7-m1", 1),
+    ("fig7-m2", 1),
+    ("fig8-order", 2),
+    ("eq50-torque", 3),
+];
 /// Places in [`EXPERIMENTED`]: (48), (49).
 pub(crate) const KEEPS: [usize; 2] = [2, 3];
 
@@ -152,11 +159,8 @@ impl Claim {
     }
 }
 
-/// The verdict on something that holds as printed, or with the observer form only, or not at all.
+/// The verdict on something that holds as printed, or with the observer form only; where neither, on an arm that is assumed,
+/// it is open.
 pub(crate) fn verdict(as_printed: bool, corrected: bool) -> Verdict {
-    match (as_printed, corrected) {
-        (true, _) => Verdict::Reproduced,
-        (false, true) => Verdict::WithCorrection,
-        (false, false) => Verdict::NotReproducible,
-    }
+    Verdict::assumed(as_printed, corrected)
 }

@@ -1,12 +1,13 @@
 //! The part that experiments: Figs. 9 to 11.
 
 use phihat::Form;
-use phihat_study::Study;
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
+use super::start_map::StartMap;
 use super::studies::{Kind, Setting, Studies, path_of};
 use super::transient::SHOWN_S;
+use super::variations::unlimited;
 use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::compose::{axis, curve, figure, lines, rests_on, section};
 use crate::part::{Extent, Part, PartError};
@@ -28,27 +29,31 @@ pub fn experiment(
     let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
     progress(0.03);
     let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
+    let left = phi_hat::Left::of(studies)?;
     progress(0.06);
-    let swept = saturation::sweep(studies, extent, &|share| progress(0.06 + 0.24 * share))?;
-    let varied = surrogates::experimented(studies, extent, &|share| progress(0.3 + 0.7 * share))?;
+    let map = StartMap::of(studies, extent, &|share| progress(0.06 + 0.54 * share))?;
+    let varied = surrogates::experimented(studies, extent, &|share| progress(0.6 + 0.4 * share))?;
     let text = "The paper names torque saturation as the difference to its simulations and prints no \
                 limit. Ours is 50 N·m on every joint, with friction, encoders, drives and a delay; the \
-                second turn counts as the steady part. Whether the printed form gets there hangs on what is not \
-                printed: a statement that fails here is left open, not refuted, and says under which other \
-                assumption it holds.";
+                second turn counts as the steady part. How far from its path the arm starts is not printed either, and the two together \
+                decide whether the printed form gets there: the map varies them together. What fails here is left open, not \
+                refuted, where another start or limit makes it hold.";
     let mut section = section(
         "figures-9-to-11",
         "Figs. 9 to 11: the experiments on the three-joint arm",
         &[text],
     );
+    let open = Some((&varied, &map));
     section.statements.extend([
-        saturation::long_transient(&limited_runs, &free, &swept)?,
-        saturation::in_phi(&limited_runs, &free, &swept, &varied)?,
-        steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First], Some(&varied))?,
-        steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND, Some(&varied))?,
-        phi_hat::to_zero(&limited_runs, &free)?,
+        saturation::long_transient(&map, &[Setting::First]),
+        saturation::long_transient(&map, &Setting::SECOND),
+        saturation::in_phi(&free, &map)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First], open)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND, open)?,
+        phi_hat::to_zero(&limited_runs, &left)?,
     ]);
     section.tables.push(steady::steady_table(&limited_runs, steady::EXPERIMENTED));
+    section.tables.push(left.table());
     section.figures.extend([
         transient::joint_figure(
             "fig-09",
@@ -58,19 +63,19 @@ pub fn experiment(
         )?,
         tip_figure(&limited_runs)?,
         errors::errors_figure("fig-11", "Fig. 11: errors under a torque limit", &limited_runs)?,
-        saturation::limit_figure(&swept),
+        saturation::map_figure(&map),
     ]);
+    section.figures.extend(saturation::near_figure(studies, &map)?);
     let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Experiment, *s)).collect();
     rests_on(&mut section, assumptions::EXPERIMENT, &paths);
     let mut part = Part { assumptions: assumptions::all(), sections: vec![section] };
     part.sections.push(varied.section(Kind::Experiment, &paths));
     varied.tell(&mut part.assumptions);
+    for assumption in part.assumptions.iter_mut().filter(|a| ["path", "world"].contains(&&*a.id)) {
+        let start = saturation::turning(&map, &Setting::ALL);
+        assumption.influence = format!("{} {start}", assumption.influence);
+    }
     Ok(part)
-}
-
-fn unlimited(mut study: Study) -> Study {
-    study.control.torque_max = None;
-    study
 }
 
 fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {

@@ -8,6 +8,7 @@ use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::Setting;
 use crate::compose::{axis, curve, figure, lines, marks, number, section, statement};
+use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Panel, Section, Verdict};
 
@@ -44,7 +45,10 @@ pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
             number("start x", "m", start[0], AGAIN),
             number("largest ∂x/∂q at the start", "m/rad", along, 1.0),
         ],
-    ));
+    )
+    .read_as("The stretched arm of the printed link lengths, to 5 mm.")
+    .turning("None: it follows from the printed lengths.")
+    .covering(&[Item { kind: Kind::Figure, number: 4 }]));
     section.statements.push(statement(
         [
             "fig4-path",
@@ -52,7 +56,7 @@ pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
             "The desired path, chosen by hand, lies inside the workspace and is closed after one rotation.",
             "a drawing; 6.17 s",
         ],
-        Verdict::NotReproducible,
+        Verdict::Open,
         (
             format!("{reach:.2} m from the base at most, closed after 6.17 s to {:.1} mm", closes * 1e3),
             "The path is drawn, and no point of it printed. Ours is another one; nothing below compares a \
@@ -60,7 +64,11 @@ pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
                 .to_owned(),
         ),
         vec![number("initial distance", "m", apart, AGAIN), number("farthest point", "m", reach, AGAIN)],
-    ));
+    )
+    .read_as("The drawing gives no coordinates that could be held against the workspace.")
+    .varying("The path: 1.2 times as large, and begun at other distances from the start (Figs. 9 to 11).")
+    .turning("With the path's points printed it could be told.")
+    .covering(&[Item { kind: Kind::Figure, number: 4 }]));
     section.figures.push(path_figure(runs)?);
     Ok(section)
 }

@@ -8,6 +8,7 @@ use super::run::Run;
 use super::runs::{FORMS, form_name};
 use super::studies::{Kind, Setting, Studies};
 use crate::compose::{number, statement, table, three};
+use crate::item::{self, Item};
 use crate::part::PartError;
 use crate::record::{Statement, Table, Verdict};
 
@@ -107,7 +108,7 @@ impl Peaking {
                 "Peaking limits the order of the approximation.",
                 "in words",
             ],
-            if gone { Verdict::WithCorrection } else { Verdict::Reproduced },
+            if gone { Verdict::WithCorrection } else { Verdict::AsPrinted },
             (
                 format!(
                     "overshoot of the worst joint after the start, m = 1 … 4: printed form {} %; observer form {:.2} % at most",
@@ -118,6 +119,14 @@ impl Peaking {
             ),
             self.numbers(ours),
         )
+        .read_as("Printed form: the overshoot after a start off the path; as a limit of the order, and not of the start, it would be there in observer form as well.")
+        .varying("Orders 1 to 4, both forms, flat and upright under gravity; a push on the path.")
+        .turning(format!(
+            "Where the observer form overshoots by a tenth of what the printed form does: {:.2} % against {:.2} %.",
+            ours * 1e2,
+            GONE * printed * 1e2
+        ))
+        .covering(&[Item { kind: item::Kind::Remark, number: 4 }])
     }
 
     fn numbers(&self, ours: f64) -> Vec<crate::record::Number> {

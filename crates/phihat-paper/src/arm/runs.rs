@@ -25,7 +25,7 @@ pub(crate) fn form_name(form: Form) -> &'static str {
 }
 
 impl Runs {
-    /// Runs all eight, each study changed by `change` before; `done` is told after each.
+    /// Runs all ten, each study changed by `change` before; `done` is told after each.
     pub(crate) fn of(
         studies: &Studies,
         kind: Kind,

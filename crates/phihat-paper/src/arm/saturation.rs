@@ -1,213 +1,193 @@
-//! What a torque limit does to the transient, and how much torque the transient needs.
+//! What a torque limit does to the transient, and how near the path the arm must start for it to do no harm.
 
-use super::claims::{SETTLES, verdict};
-use super::runs::{FORMS, Runs, form_name};
-use super::studies::{Kind, Setting, Studies};
-use super::surrogates::Varied;
-use super::variations::limited;
-use crate::compose::{axis, curve, figure, lines, log_axis, number, statement, three};
-use crate::part::{Extent, PartError};
-use crate::record::{Figure, Statement, Verdict};
+use super::run::Run;
+use super::runs::{Runs, form_name};
+use super::start_map::{CLASSES, Cell, LONG, Mapped, NEAREST_M, Outcome, StartMap, nearer};
+use super::studies::{Setting, Studies};
+use super::transient::SHOWN_S;
+use crate::compose::{axis, axis_over, curve, figure, lines, log_axis, number, statement, three};
+use crate::item::{Item, Kind};
+use crate::part::PartError;
+use crate::record::{Content, Figure, Number, Panel, Statement, Verdict};
 use phihat::Form;
 
-/// Torque limits that are tried \[N·m\].
-const LIMITS: &[f64] =
-    &[20.0, 35.0, 50.0, 75.0, 100.0, 150.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0];
+/// Runs that settled and kept their bounds.
+const GOOD: [Outcome; 2] = [Outcome::Soon, Outcome::Late];
 
-/// A transient this many times as long as without the limit is a long one.
-const LONG: f64 = 1.5;
-
-/// When each setting settles, per form and limit \[s\].
-pub(crate) type Settling = Vec<(Setting, Form, Vec<(f64, Option<f64>)>)>;
-
-/// Every setting in both forms at every limit.
-pub(crate) fn sweep(
-    studies: &Studies,
-    extent: Extent,
-    progress: &dyn Fn(f64),
-) -> Result<Settling, PartError> {
-    let every = if extent.quick { 4 } else { 1 };
-    let limits: Vec<f64> = LIMITS.iter().copied().step_by(every).collect();
-    let mut settling: Settling = Setting::ALL
-        .iter()
-        .flat_map(|setting| FORMS.map(|form| (*setting, form, Vec::new())))
-        .collect();
-    for (k, limit) in limits.iter().enumerate() {
-        let runs = Runs::of(studies, Kind::Experiment, |study| limited(study, *limit), || ())?;
-        for (setting, form, times) in &mut settling {
-            times.push((*limit, runs.get(*setting, *form)?.settled_at()));
-        }
-        progress((k + 1) as f64 / limits.len() as f64);
-    }
-    Ok(settling)
-}
-
-/// Longest time to settle over the settings \[s\]; `None` where one does not.
-fn slowest(runs: &Runs, form: Form) -> Result<Option<f64>, PartError> {
-    let at = |setting: &Setting| Ok(runs.get(*setting, form)?.settled_at());
-    let all: Vec<Option<f64>> = Setting::ALL.iter().map(at).collect::<Result<_, PartError>>()?;
-    let all: Option<Vec<f64>> = all.into_iter().collect();
-    Ok(all.map(|all| all.into_iter().fold(0.0, f64::max)))
-}
-
-/// "The long transient is because of the torque saturation".
-pub(crate) fn long_transient(
-    runs: &Runs,
-    free: &Runs,
-    swept: &Settling,
-) -> Result<Statement, PartError> {
-    let times =
-        |form: Form| -> Result<_, PartError> { Ok((slowest(runs, form)?, slowest(free, form)?)) };
-    let (printed, observer) = (times(Form::Literal)?, times(Form::Observer)?);
-    let is_long = |with: f64, without: Option<f64>| without.is_some_and(|at| with >= LONG * at);
-    // At which of the limits tried the printed form settles, and late.
-    let mut elsewhere = Vec::new();
-    for setting in Setting::ALL {
-        let without = free.get(setting, Form::Literal)?.settled_at();
-        let times = settling_of(swept, setting, Form::Literal).iter();
-        let late = times.filter(|(_, at)| at.is_some_and(|at| is_long(at, without)));
-        let late: Vec<String> = late.map(|(limit, _)| three(Some(*limit))).collect();
-        elsewhere.push((setting, late));
-    }
-    let here = printed.0.is_some_and(|with| is_long(with, printed.1));
-    let everywhere = elsewhere.iter().all(|(_, late)| !late.is_empty());
-    let verdict = match (here, everywhere) {
-        (true, _) => Verdict::Reproduced,
-        (false, true) => Verdict::WithCorrection,
-        (false, false) => Verdict::NotReproducible,
+/// What the start and the limit were varied over, in words.
+fn varied(map: &StartMap) -> String {
+    let rows = map.maps.first().map_or(&[][..], |map| &map.rows);
+    let cells = rows.first().map_or(&[][..], |row| &row.cells);
+    let listed = |all: &mut dyn Iterator<Item = f64>| -> String {
+        all.map(|value| three(Some(value))).collect::<Vec<_>>().join(", ")
     };
-    let counts = elsewhere.iter().map(|(setting, late)| {
-        let name = format!("limits tried that make a long transient, {}", setting.label());
-        number(&name, "", late.len() as f64, 0.0)
-    });
-    let counts: Vec<_> = if whole(swept) { counts.collect() } else { Vec::new() };
-    let say = |(with, without): (Option<f64>, Option<f64>)| {
-        let at = |time: Option<f64>| {
-            time.map_or("never".to_owned(), |t| format!("{} s", three(Some(t))))
-        };
-        format!("{} (without a limit: {})", at(with), at(without))
-    };
-    let name = |form: &str, limit: &str| format!("slowest gains settle at, {form}, {limit}");
-    let mut numbers = vec![
-        number(&name("printed form", "limit"), "s", printed.0, 1e-2),
-        number(&name("printed form", "no limit"), "s", printed.1, 1e-2),
-        number(&name("observer form", "limit"), "s", observer.0, 1e-2),
-        number(&name("observer form", "no limit"), "s", observer.1, 1e-2),
-    ];
-    numbers.extend(counts);
-    Ok(statement(
-        [
-            "fig9-10-transient",
-            "Figs. 9, 10, Sec. VII-B",
-            "Torque saturation makes the transient long; then the arm follows.",
-            "drawings",
-        ],
-        verdict,
-        (
-            format!(
-                "slowest gains, |e| < 0.01 rad for good from: printed form {}; observer form {}",
-                say(printed),
-                say(observer)
-            ),
-            why_long(printed.0, observer.0, &elsewhere),
-        ),
-        numbers,
-    ))
-}
-
-fn why_long(
-    printed: Option<f64>,
-    observer: Option<f64>,
-    elsewhere: &[(Setting, Vec<String>)],
-) -> String {
-    let here = match (printed, observer) {
-        (None, Some(_)) => {
-            "The printed form does not settle: its integrals go on while the torque is at its limit, and \
-             wind up until the arm spins. The observer form, fed with the torque that acted, settles."
-        }
-        (None, None) => "Neither form settles under this limit.",
-        (Some(_), _) => "The printed form settles under this limit.",
-    };
-    let late = elsewhere.iter().map(|(setting, late)| {
-        let limits = if late.is_empty() { "none".to_owned() } else { late.join(", ") + " N·m" };
-        format!("{}: {limits}", setting.label())
-    });
-    let late: Vec<String> = late.collect();
     format!(
-        "{here} Limits tried at which the printed form settles, and takes {LONG} times as long as without \
-         one: {}. Above them saturation hardly shows, below them there is no return. The limit of the \
-         experiments is not printed.",
-        late.join("; ")
+        "Start {} m from the path and limits of {} N·m, each with each (the map); the path is moved as a whole, the start stays as printed.",
+        listed(&mut rows.iter().map(|row| row.distance)),
+        listed(&mut cells.iter().map(|cell| cell.limit))
     )
 }
 
-/// Whether every limit was tried: a quick sweep leaves some out, and its counts are others.
-fn whole(swept: &Settling) -> bool {
-    swept.iter().all(|(.., times)| times.len() == LIMITS.len())
+/// From how far the printed form still settles under the limit of the studies, and which limit it needs from where they start.
+pub(crate) fn turning(map: &StartMap, settings: &[Setting]) -> String {
+    let (limit, far) = map.assumed;
+    let of = |map: &Mapped| {
+        let edge = map.edge.map_or_else(
+            || format!("from no start, down to {NEAREST_M} m"),
+            |edge| format!("from starts up to {} m", three(Some(edge))),
+        );
+        let enough = map
+            .enough(far)
+            .map_or("no limit tried".to_owned(), |limit| format!("{} N·m", three(Some(limit))));
+        format!("{}: {edge}, or from {enough} on", map.setting.label())
+    };
+    let each: Vec<String> =
+        settings.iter().filter_map(|setting| map.printed(*setting)).map(of).collect();
+    format!(
+        "The printed form settles and keeps its bounds with {} N·m, or from {} m: {}.",
+        three(Some(limit)),
+        three(Some(far)),
+        each.join("; ")
+    )
 }
 
-/// When a setting settles, by limit.
-fn settling_of(swept: &Settling, setting: Setting, form: Form) -> &[(f64, Option<f64>)] {
-    let of = swept.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
-    of.map_or(&[], |(.., times)| times)
+/// The thresholds of [`turning`] as numbers.
+pub(crate) fn thresholds(map: &StartMap, settings: &[Setting]) -> Vec<Number> {
+    let (limit, far) = map.assumed;
+    let of = |of: &Mapped| {
+        let label = of.setting.label();
+        let edge = format!("farthest start under {} N·m, {label}", three(Some(limit)));
+        let enough = format!("least limit from {} m, {label}", three(Some(far)));
+        let enough = number(&enough, "N·m", of.enough(far), 0.0);
+        [Some(number(&edge, "m", of.edge, 0.1)), map.whole.then_some(enough)]
+    };
+    let maps = settings.iter().filter_map(|setting| map.printed(*setting));
+    maps.flat_map(of).flatten().collect()
+}
+
+/// The longest transient of a setting that is long because of the limit of the studies: where it starts, when it has settled,
+/// and when without the limit.
+fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
+    let late = map.printed(setting)?.rows.iter().filter_map(|row| {
+        let at_limit = |cell: &&Cell| {
+            cell.limit.total_cmp(&map.assumed.0).is_eq() && cell.outcome == Outcome::Late
+        };
+        let cell = row.cells.iter().find(at_limit)?;
+        Some((row.distance, cell.at?, row.free?))
+    });
+    // The nearest start at which it shows.
+    late.reduce(|first, _| first)
+}
+
+/// Joint 2 of m = 1 as printed, from the nearest start at which the limit makes the transient long; none where there is none.
+pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Figure>, PartError> {
+    let Some((distance, ..)) = longest(map, Setting::First) else { return Ok(None) };
+    let [with, without] = nearer(studies, distance)?;
+    let error = |label: &str, run: &Run| {
+        let points = run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, *e]);
+        curve(label, points.take_while(|[t, _]| *t <= SHOWN_S))
+    };
+    let series = vec![error("with the limit", &with), error("without", &without)];
+    let axes = (axis_over("t [s]", 0.0, SHOWN_S), axis("e of joint 2 [rad]"));
+    let panel = lines("m = 1, printed form", axes, series, Vec::new());
+    let caption = format!(
+        "The printed form from {} m beside the path in place of {} m, as far as nothing else is changed: it saturates, takes longer, and follows, as \
+         the paper's Fig. 9.",
+        three(Some(distance)),
+        three(Some(map.assumed.1))
+    );
+    let title = "Fig. 9 from a nearer start";
+    Ok(Some(figure("fig-09-near", title, &caption, vec![panel])))
+}
+
+/// "The long transient is because of the torque saturation".
+pub(crate) fn long_transient(map: &StartMap, settings: &[Setting]) -> Statement {
+    let order = if settings == [Setting::First] { 1 } else { 2 };
+    let limit = three(Some(map.assumed.0));
+    let each = settings.iter().map(|setting| {
+        let label = setting.label();
+        match longest(map, *setting) {
+            Some((distance, at, free)) => {
+                let times = [distance, at, free].map(|value| three(Some(value)));
+                format!(
+                    "{label}: from {} m settled after {} s, {} s without the limit",
+                    times[0], times[1], times[2]
+                )
+            }
+            None => format!("{label}: from none of the starts"),
+        }
+    });
+    let each: Vec<String> = each.collect();
+    let holds = map.somewhere(settings, &[Outcome::Late]);
+    let mut numbers = Vec::new();
+    for setting in settings {
+        let found = longest(map, *setting);
+        let name = |what: &str| format!("{what}, {}", setting.label());
+        // A quick map has fewer starts, and another nearest one.
+        if map.whole {
+            numbers.push(number(&name("start"), "m", found.map(|found| found.0), 1e-2));
+            numbers.push(number(&name("settled"), "s", found.map(|found| found.1), 2e-2));
+            numbers.push(number(
+                &name("the same without the limit"),
+                "s",
+                found.map(|found| found.2),
+                2e-2,
+            ));
+        }
+    }
+    let why = if holds {
+        "Whether it is so hangs on how far from the path the arm starts: nearer, the limit hardly shows; farther, the printed \
+         form's integrals wind up and there is no return. Neither distance nor limit is printed, and between the two lies what the paper reports."
+    } else {
+        "Under this limit the printed form either winds up or hardly notices, but for larger limits or nearer starts (the map): with what is not \
+         printed it may have been as the paper reports."
+    };
+    statement(
+        [
+            &format!("fig9-10-long-m{order}"),
+            "Figs. 9, 10, Sec. VII-B",
+            &format!("With m = {order} torque saturation makes the transient long; then the arm follows and keeps its bounds."),
+            "drawings",
+        ],
+        Verdict::assumed(holds, false),
+        (format!("{limit} N·m: {}", each.join("; ")), why.to_owned()),
+        numbers,
+    )
+    .read_as(format!(
+        "Long: {LONG} times as long as without the limit, or longer, and ({}) kept on the second turn. It counts as printed where every gain set \
+         does so in the printed form with the assumed limit from one of the starts.",
+        47 + order
+    ))
+    .varying(varied(map))
+    .turning(turning(map, settings))
+    .covering(&[Item { kind: Kind::Figure, number: 9 }, Item { kind: Kind::Figure, number: 10 }])
 }
 
 /// "Saturation can be considered as part of φ".
-///
-/// Where the printed form does not get to the steady part it is open: the paper reports that it did.
-pub(crate) fn in_phi(
-    runs: &Runs,
-    free: &Runs,
-    swept: &Settling,
-    varied: &Varied,
-) -> Result<Statement, PartError> {
-    let (printed, observer) = (slowest(runs, Form::Literal)?, slowest(runs, Form::Observer)?);
-    let least = |setting: Setting, form: Form| {
-        let times = settling_of(swept, setting, form);
-        // The smallest limit from which on it settles at every limit tried.
-        let last_failure = times.iter().rposition(|(_, at)| at.is_none());
-        times.get(last_failure.map_or(0, |k| k + 1)).map(|(limit, _)| *limit)
-    };
-    let mut numbers = Vec::new();
-    let mut listed = Vec::new();
-    for setting in Setting::ALL {
-        let limit = least(setting, Form::Literal);
-        let named = number(
-            &format!("least limit from which on it settles, {}, printed form", setting.label()),
-            "N·m",
-            limit,
+pub(crate) fn in_phi(free: &Runs, map: &StartMap) -> Result<Statement, PartError> {
+    let (printed, cells) = map.count(Form::Literal, &GOOD);
+    let (observer, few) = map.count(Form::Observer, &GOOD);
+    let (asked, ours) = (runs_torque(free, Form::Literal)?, runs_torque(free, Form::Observer)?);
+    let mut numbers = vec![
+        number("largest torque without a limit, printed form", "N·m", asked, 1e-2),
+        number("largest torque without a limit, observer form", "N·m", ours, 1e-2),
+    ];
+    if map.whole {
+        numbers.push(number(
+            "places of the map at which the printed form is not spoiled",
+            "",
+            printed as f64,
             0.0,
-        );
-        numbers.extend(whole(swept).then_some(named));
-        listed.push(format!("{}: {} N·m", setting.label(), three(limit)));
+        ));
+        numbers.push(number("places that were tried", "", cells as f64, 0.0));
     }
-    let asked = runs_torque(free, Form::Literal)?;
-    numbers.push(number("largest torque without a limit, printed form", "N·m", asked, 1e-2));
     numbers.push(number(
-        "largest torque without a limit, observer form",
-        "N·m",
-        runs_torque(free, Form::Observer)?,
-        1e-2,
+        "places at which the observer form is not spoiled",
+        "",
+        observer as f64,
+        0.0,
     ));
-    for (claim, order) in SETTLES.into_iter().zip(1..) {
-        numbers.extend(varied.counts(claim, &format!("m = {order} settles")));
-    }
-    let why = if printed.is_none() {
-        let observer = if observer.is_some() { "settles" } else { "does not settle either" };
-        format!(
-            "Under the assumed limit clipping keeps the printed form from acting: no estimate can make up for \
-             torque that is not there, and (9), (10) do not know that it is not there; it asks for \
-             {asked:.0} N·m in this start. So it is open whether it was so in the paper's experiments, which \
-             report success. m = 1: {} m = 2: {} Fed with the torque that acted, τ_applied − M̄q̈, the \
-             observer form {observer}.",
-            varied.depends(SETTLES[0]),
-            varied.depends(SETTLES[1])
-        )
-    } else {
-        format!(
-            "Under this limit the printed form recovers by itself; it asks for {asked:.0} N·m in this start."
-        )
-    };
+    numbers.extend(thresholds(map, &Setting::ALL));
     Ok(statement(
         [
             "saturation-in-phi",
@@ -215,10 +195,22 @@ pub(crate) fn in_phi(
             "Saturation does not spoil the steady part: it counts as part of φ, which the controller estimates.",
             "in words",
         ],
-        verdict(printed.is_some(), false),
-        (format!("the printed form settles from this limit on: {}", listed.join("; ")), why),
+        Verdict::of(printed == cells, observer == few),
+        (
+            format!("steady part as without the limit: printed form at {printed} of {cells} places of the map, observer form at {observer} of {few}"),
+            format!(
+                "Torque that is not there cannot be made up for, and (9), (10) do not know that it is not there: they go on summing the error, and ask \
+                 for up to {asked:.0} N·m in the start of the studies. Fed with the torque that acted, τ_applied − M̄q̈, the estimator takes the limit for a part \
+                 of φ, as the paper says. The printed form does where the arm starts near enough, which its experiments may have done."
+            ),
+        ),
         numbers,
-    ))
+    )
+    .read_as(
+        "As a general statement, over all starts and limits tried: the arm settles, and keeps those bounds of (48), (49) that it keeps without a limit.",
+    )
+    .varying(format!("{} Observer form: at a few of them.", varied(map)))
+    .turning(turning(map, &Setting::ALL)))
 }
 
 fn runs_torque(runs: &Runs, form: Form) -> Result<f64, PartError> {
@@ -227,25 +219,39 @@ fn runs_torque(runs: &Runs, form: Form) -> Result<f64, PartError> {
     Ok(all.into_iter().fold(0.0, f64::max))
 }
 
-pub(crate) fn limit_figure(swept: &Settling) -> Figure {
-    let panel = |form: Form| {
-        let of = swept.iter().filter(|(_, other, _)| *other == form);
-        let series = of.map(|(setting, _, times)| {
-            curve(setting.label(), times.iter().filter_map(|(limit, at)| at.map(|at| [*limit, at])))
+/// The map of every setting in the printed form.
+pub(crate) fn map_figure(map: &StartMap) -> Figure {
+    let panel = |map: &Mapped| {
+        let cells = map.rows.iter().map(|row| {
+            let class = |cell: &Cell| match cell.outcome {
+                Outcome::Lost => 0,
+                Outcome::Spoiled => 1,
+                Outcome::Soon => 2,
+                Outcome::Late => 3,
+            };
+            row.cells.iter().map(class).collect()
         });
-        let title = format!("{} form", form_name(form));
-        lines(
-            &title,
-            (log_axis("torque limit [N·m]"), axis("|e| < 0.01 rad from [s]")),
-            series.collect(),
-            Vec::new(),
-        )
+        let first = map.rows.first().map_or(&[][..], |row| &row.cells);
+        Panel {
+            title: format!("{}, {} form", map.setting.label(), form_name(map.form)),
+            x: log_axis("torque limit [N·m]"),
+            y: log_axis("start, from the path [m]"),
+            equal: false,
+            content: Content::Map {
+                x: first.iter().map(|cell| cell.limit).collect(),
+                y: map.rows.iter().map(|row| row.distance).collect(),
+                cells: cells.collect(),
+                classes: CLASSES.map(str::to_owned).into(),
+            },
+        }
     };
-    let caption = "When the arm has settled, by torque limit; no point where it does not settle in two turns.";
+    let caption = "What the paper reports lies between a limit that does not show and one from which the printed form does not return. The studies of \
+                   Figs. 9 to 11 lie in the top row.";
+    let printed = map.maps.iter().filter(|map| map.form == Form::Literal);
     figure(
-        "fig-torque-limit",
-        "How much torque the transient needs",
+        "fig-saturation-map",
+        "Start distance and torque limit together",
         caption,
-        FORMS.map(panel).into(),
+        printed.map(panel).collect(),
     )
 }

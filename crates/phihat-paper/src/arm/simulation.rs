@@ -1,14 +1,15 @@
 //! The part that simulates: Figs. 4 to 8 and (50).
 
 use super::assumptions;
+use super::claims::SIMULATED_AS;
 use super::runs::Runs;
 use super::studies::{Kind, Setting, Studies, path_of};
-use super::{mismatch, path, steady, surrogates, transient};
+use super::{fourth, mismatch, path, steady, surrogates, transient};
 use crate::compose::rests_on;
 use crate::part::{Extent, Part, PartError};
 
 /// Runs of one kind.
-const RUNS: f64 = 8.0;
+const RUNS: f64 = 10.0;
 
 /// Figs. 4 to 8 and (50), on the surrogate arm and on others.
 ///
@@ -36,11 +37,19 @@ pub fn simulation(
         steady::simulated(&runs)?,
         mismatch::mismatch(&runs)?,
     ];
+    if let Some(last) = sections.last_mut() {
+        last.statements.push(fourth::hypothesis(&runs, studies)?);
+    }
     let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Simulation, *s)).collect();
     for section in &mut sections {
         rests_on(section, assumptions::SIMULATION, &paths);
     }
     let varied = surrogates::simulated(studies, extent, &|share| progress(0.1 + 0.9 * share))?;
+    for statement in sections.iter_mut().flat_map(|section| &mut section.statements) {
+        if let Some((_, claim)) = SIMULATED_AS.iter().find(|(id, _)| *id == statement.id) {
+            *statement = varied.around(statement.clone(), *claim);
+        }
+    }
     let mut part = Part { assumptions: assumptions::all(), sections };
     part.sections.push(varied.section(Kind::Simulation, &paths));
     varied.tell(&mut part.assumptions);

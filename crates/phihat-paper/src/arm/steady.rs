@@ -9,9 +9,12 @@ use super::claims::{BOUNDS, KEEPS, keeps_bounds, verdict};
 use super::errors::errors_figure;
 use super::run::Run;
 use super::runs::{Runs, form_name};
+use super::saturation::{thresholds, turning};
+use super::start_map::{Outcome, StartMap};
 use super::studies::Setting;
 use super::surrogates::Varied;
 use crate::compose::{number, section, statement, table, three};
+use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Number, Section, Statement, Table};
 
@@ -55,12 +58,12 @@ const LADDER: [(&str, &str); 4] = [("∬e", "rad·s²"), ("∫e", "rad·s"), ("e
 
 /// Whether the bounds of some settings are kept, by either form, integrals counted alike.
 ///
-/// What fails in an experiment is open, whatever the observer form does: `varied` tells on what it hangs.
+/// What fails in an experiment from every start is open, whatever the observer form does.
 pub(crate) fn kept(
     runs: &Runs,
     shown: Shown,
     settings: &[Setting],
-    varied: Option<&Varied>,
+    open: Option<(&Varied, &StartMap)>,
 ) -> Result<Statement, PartError> {
     let order = if settings == [Setting::First] { 1 } else { 2 };
     let all = |form: Form| -> Result<bool, PartError> {
@@ -80,12 +83,15 @@ pub(crate) fn kept(
     let own = worst(Form::Literal, Run::since_start)?;
     let claim = KEEPS[order - 1];
     let mut numbers = ladder_numbers(order, both, own);
-    let open = varied.map(|varied| {
+    let settled = [Outcome::Soon, Outcome::Late];
+    let elsewhere = open.is_some_and(|(_, map)| map.somewhere(settings, &settled));
+    let verdict = verdict(printed || elsewhere, observer && open.is_none());
+    let depends = open.map(|(varied, map)| {
         numbers.extend(varied.counts(claim, "it holds"));
+        numbers.extend(thresholds(map, settings));
         varied.depends(claim)
     });
-    let verdict = verdict(printed, observer && varied.is_none());
-    Ok(statement(
+    let whole = statement(
         [
             &format!("{}-m{order}", shown.id),
             shown.figure,
@@ -103,10 +109,35 @@ pub(crate) fn kept(
                 as_words(order, both[0]),
                 as_words(order, both[1])
             ),
-            why([printed, observer], order, own, open),
+            why([printed, observer], order, own, elsewhere),
         ),
         numbers,
-    ))
+    );
+    Ok(read(whole, (order, settings), open.map(|(_, map)| (map, depends.unwrap_or_default()))))
+}
+
+/// How it was read, what was varied and where it turns; of an experiment with the map, and what the other assumptions do.
+fn read(
+    statement: Statement,
+    (order, settings): (usize, &[Setting]),
+    experiment: Option<(&StartMap, String)>,
+) -> Statement {
+    let statement = statement.covering(&[
+        Item { kind: Kind::Equation, number: if order == 1 { 48 } else { 49 } },
+        Item { kind: Kind::Figure, number: if experiment.is_some() { 11 } else { 7 } },
+    ]);
+    let Some((map, depends)) = experiment else {
+        return statement.read_as(
+            "Printed form, all gain sets of the order: largest errors after 1.5 s, integrals counted from there on.",
+        );
+    };
+    statement
+        .read_as(
+            "Largest errors of the second turn, integrals counted from its beginning. It counts as printed where every gain set keeps the bounds in \
+             the printed form with the assumed limit from one of the starts of the map.",
+        )
+        .varying(format!("Start and limit together (the map). {depends}"))
+        .turning(turning(map, settings))
 }
 
 /// The quantities that (48) or (49) bounds.
@@ -135,7 +166,7 @@ fn why(
     [printed, observer]: [bool; 2],
     order: usize,
     own: Option<[f64; 4]>,
-    open: Option<String>,
+    elsewhere: bool,
 ) -> String {
     let verdict = match (printed, observer) {
         (true, true) => "Both forms keep them.",
@@ -162,15 +193,13 @@ fn why(
             states.join(", ")
         )
     });
-    let open = open.map_or(String::new(), |open| {
-        let left = if printed {
-            "It holds under the assumed limit, start, path and friction."
-        } else {
-            "So it is open, not refuted: the paper reports it measured, and prints neither torque limit, path, start nor friction."
-        };
-        format!(" {left} {open}")
-    });
-    format!("{verdict} {counted}{own}.{}", open.trim_end().to_owned())
+    let open = if printed || !elsewhere {
+        ""
+    } else {
+        " That is from the start of the studies: from nearer ones, which the paper does not exclude, the printed form keeps them under the same \
+         limit."
+    };
+    format!("{verdict} {counted}{own}.{open}")
 }
 
 fn as_words(order: usize, worst: Option<[f64; 4]>) -> String {
@@ -218,7 +247,14 @@ fn margin(runs: &Runs) -> Result<Statement, PartError> {
             number("largest |φ| of the steady part, m = 1", "N·m", run.phi_max(), AGAIN),
             number("bound on |e| from |φ|, m = 1", "rad", promised, AGAIN),
         ],
+    )
+    .read_as(format!("Printed form, all gain sets: much smaller is {MUCH} times or more."))
+    .varying("The gains: m = 1 and all hypotheses of m = 2.")
+    .turning(format!(
+        "At errors {} times as large.",
+        three(share.map(|share| share / MUCH))
     ))
+    .covering(&[Item { kind: Kind::Figure, number: 7 }]))
 }
 
 /// What a run's largest φ can do to `e` \[rad\], by the peak-to-peak gain of its sampled loop.

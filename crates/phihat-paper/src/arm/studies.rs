@@ -23,10 +23,12 @@ pub(crate) const SHIPPED: &[(&str, &str)] = shipped![
     "simulation_m2_h1",
     "simulation_m2_h2",
     "simulation_m2_h3",
+    "simulation_m2_h4",
     "experiment_m1",
     "experiment_m2_h1",
     "experiment_m2_h2",
     "experiment_m2_h3",
+    "experiment_m2_h4",
     "order_switch",
 ];
 
@@ -43,13 +45,15 @@ pub enum Setting {
     H2,
     /// m = 2, `a = (4844, 139.2)`.
     H3,
+    /// m = 2, `a = (1211, 69.6)`.
+    H4,
 }
 
 impl Setting {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::First, Self::H1, Self::H2, Self::H3];
+    pub const ALL: [Self; 5] = [Self::First, Self::H1, Self::H2, Self::H3, Self::H4];
     /// Those of second order.
-    pub const SECOND: [Self; 3] = [Self::H1, Self::H2, Self::H3];
+    pub const SECOND: [Self; 4] = [Self::H1, Self::H2, Self::H3, Self::H4];
 
     /// `m = 2, H1`.
     pub fn label(self) -> &'static str {
@@ -58,6 +62,7 @@ impl Setting {
             Self::H1 => "m = 2, H1",
             Self::H2 => "m = 2, H2",
             Self::H3 => "m = 2, H3",
+            Self::H4 => "m = 2, H4",
         }
     }
 
@@ -67,6 +72,7 @@ impl Setting {
             Self::H1 => "m2_h1",
             Self::H2 => "m2_h2",
             Self::H3 => "m2_h3",
+            Self::H4 => "m2_h4",
         }
     }
 }

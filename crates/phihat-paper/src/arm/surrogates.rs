@@ -10,7 +10,7 @@ use super::studies::{Kind, Studies};
 use super::variations::{Other, PATHS, WORLDS};
 use crate::compose::{figure, log_axis, number, rests_on, section, table, three};
 use crate::part::{Extent, PartError};
-use crate::record::{Assumption, Content, Number, Panel, Section};
+use crate::record::{Assumption, Content, Number, Panel, Section, Statement};
 
 /// How many times as heavy the links are.
 const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
@@ -108,6 +108,36 @@ impl Varied {
             listed(true),
             listed(false)
         )
+    }
+
+    /// What a statement was varied over, and at which arms it turns: of the printed form.
+    pub(crate) fn around(&self, statement: Statement, claim: usize) -> Statement {
+        let lost = self.others.iter().filter(|(.., answers)| !answers[claim][0]);
+        let lost: Vec<&str> = lost.map(|(_, says, _)| *says).collect();
+        let lost = if lost.is_empty() { "none".to_owned() } else { lost.join("; ") };
+        let (held, all) = (self.share(claim, 0), self.arms.len());
+        let ends =
+            |all: &[f64]| [all.first(), all.last()].map(|end| three(end.copied())).join(" to ");
+        let fails = |(k, answers): (usize, &Answers)| {
+            let (row, column) = (k / self.armatures.len(), k % self.armatures.len());
+            (!answers[claim][0]).then(|| {
+                let place = [self.links.get(row), self.armatures.get(column)];
+                place.map(|value| three(value.copied())).join(" and ")
+            })
+        };
+        let failing: Vec<String> = self.arms.iter().enumerate().filter_map(fails).collect();
+        let turns = if failing.is_empty() {
+            "On none of the arms tried.".to_owned()
+        } else {
+            format!("Arms on which it does not hold, by links and rotors: {}.", failing.join("; "))
+        };
+        statement
+            .varying(format!(
+                "Links {} times as heavy, rotors of {} kg·m²: holds on {held} of {all} arms. One change at a time, it does not hold where: {lost}.",
+                ends(&self.links),
+                ends(&self.armatures)
+            ))
+            .turning(turns)
     }
 
     /// Under how many single changes a claim holds, by form; nothing of a quick run, which tries fewer.

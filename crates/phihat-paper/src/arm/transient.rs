@@ -11,6 +11,7 @@ use super::studies::{Setting, Studies};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, section, statement, table, three,
 };
+use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Section, Statement, Table, Verdict};
 
@@ -62,7 +63,7 @@ impl Transients {
         let millimetres: Vec<String> =
             self.tip.iter().map(|tip| format!("{:.0}", tip[0] * 1e3)).collect();
         let why = match (all, some) {
-            (true, _) => "So it is for all three hypotheses on the gains, in the printed form.",
+            (true, _) => "So it is for all four hypotheses on the gains, in the printed form.",
             (false, true) => {
                 "So it is for some of the hypotheses on the gains, and not for all: the order does not decide it."
             }
@@ -78,16 +79,10 @@ impl Transients {
                 "The tip overshoots more with m = 2 than with m = 1.",
                 "a drawing",
             ],
-            if all {
-                Verdict::Reproduced
-            } else if some {
-                Verdict::WithCorrection
-            } else {
-                Verdict::NotReproducible
-            },
+            Verdict::assumed(all, some),
             (
                 format!(
-                    "m = 1: {} mm; m = 2: {} mm (H1, H2, H3)",
+                    "m = 1: {} mm; m = 2: {} mm (H1, H2, H3, H4)",
                     millimetres[0],
                     millimetres[1..].join(", ")
                 ),
@@ -104,6 +99,8 @@ impl Transients {
                 })
                 .collect(),
         )
+        .read_as("Printed form, all hypotheses on the gains: how far the tip goes beyond its place, along the line of its first error.")
+        .covering(&[Item { kind: Kind::Figure, number: 5 }])
     }
 
     fn joint(&self, runs: &Runs) -> Result<Statement, PartError> {
@@ -134,14 +131,16 @@ impl Transients {
             verdict(all, more.contains(&true)),
             (
                 format!(
-                    "m = 1: {} %; m = 2: {} % (H1, H2, H3)",
+                    "m = 1: {} %; m = 2: {} % (H1, H2, H3, H4)",
                     percent[0],
                     percent[1..].join(", ")
                 ),
                 why.to_owned(),
             ),
             numbers.map(named).collect(),
-        ))
+        )
+        .read_as("Printed form, all hypotheses on the gains: how far the error goes beyond zero, over its initial value.")
+        .covering(&[Item { kind: Kind::Figure, number: 6 }]))
     }
 }
 
@@ -179,6 +178,9 @@ fn zero_start(runs: &Runs) -> Result<Statement, PartError> {
             number("largest |φ̂(0)|, observer form", "N·m", observer, AGAIN),
         ],
     )
+    .read_as("φ̂ at the first sample, with integrals of zero.")
+    .varying("Start: of the studies, and at rest on the path; both forms.")
+    .turning("Only with e(0) = 0 and ė(0) = 0 the printed form starts from zero.")
     .again())
 }
 

@@ -15,16 +15,13 @@ pub(crate) const PATHS: &[Other] = &[
     ("path", "the path is 1.2 times as large", enlarged),
 ];
 
-/// For the experiments.
+/// For the experiments; how far the arm starts from the path, and the torque limit, are varied together elsewhere.
 pub(crate) const WORLDS: &[Other] = &[
-    ("path", "the arm starts on the path", on_path),
     ("path", "the speed fades in over 1 s", faded),
     ("path", "the path is 1.2 times as large", enlarged),
     ("world", "no friction", frictionless),
     ("world", "dry friction of 0.6 N·m", stickier),
     ("world", "no computing delay", prompt),
-    ("world", "torque limits of 20 N·m", weak),
-    ("world", "torque limits of 200 N·m", strong),
 ];
 
 fn on_path(mut study: Study) -> Study {
@@ -62,12 +59,10 @@ fn prompt(mut study: Study) -> Study {
     study
 }
 
-fn weak(study: Study) -> Study {
-    limited(study, 20.0)
-}
-
-fn strong(study: Study) -> Study {
-    limited(study, 200.0)
+/// The study without a torque limit.
+pub(crate) fn unlimited(mut study: Study) -> Study {
+    study.control.torque_max = None;
+    study
 }
 
 /// The study with a torque limit on every joint \[N·m\].

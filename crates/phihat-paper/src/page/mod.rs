@@ -7,8 +7,10 @@ use crate::figure::draw as reproduction_figure;
 use phihat_report::kit::text::{line, prose};
 use phihat_report::kit::{Page, anchor};
 
+mod coverage;
 mod overview;
 mod statement;
+mod summary;
 mod words;
 
 /// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
@@ -16,8 +18,10 @@ mod words;
 pub fn reproduction_page(reproduction: &Reproduction) -> String {
     let main = html! {
         (overview::header(reproduction))
+        (summary::summary(reproduction))
         (overview::choice())
         (overview::overview(reproduction))
+        (coverage::table(reproduction))
         (overview::assumptions(reproduction))
         @for section in &reproduction.sections { (part(section)) }
         (again(reproduction))
@@ -103,8 +107,9 @@ fn not_claimed() -> Markup {
         p {
             "Everything here is computed or simulated; no arm was moved, and “experiment” means a simulation with the "
             "faults of a real arm. The paper does not publish its arm, its reference and some of its settings: what stands in "
-            "their place is listed above as an assumption. “Not reproducible” says that a statement does not follow from what is "
-            "printed, or that too little is printed to decide; it does not say that the authors did not measure it."
+            "their place is listed above as an assumption. “Refuted” says that what is printed is enough to show that a statement "
+            "does not hold as it is worded; “open”, that too little is printed to tell. Neither says that the authors did not "
+            "measure what they report."
         }
     }
 }

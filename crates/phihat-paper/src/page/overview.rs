@@ -19,7 +19,7 @@ fn of(reproduction: &Reproduction, verdict: Verdict) -> impl Iterator<Item = &St
 pub(super) fn header(reproduction: &Reproduction) -> Markup {
     let count = reproduction.count(Origin::Paper);
     let (again, ours) = (reproduction.count(Origin::Again), reproduction.count(Origin::Ours));
-    let correct = of(reproduction, Verdict::Reproduced).count();
+    let correct = of(reproduction, Verdict::AsPrinted).count();
     html! {
         header {
             h1 { "The paper, reproduced" }

@@ -76,8 +76,21 @@ fn evidence(statement: &Statement) -> Markup {
                 "."
             }
         }
+        (scope(statement))
         p.id { "In reproduction.json: " code { (line(&statement.id)) } }
     } }
+}
+
+/// How it was read, what was varied, where the verdict turns, what it covers.
+fn scope(statement: &Statement) -> Markup {
+    let Statement { reading, varied, turns, covers, .. } = statement;
+    let covers: Vec<String> = covers.iter().map(ToString::to_string).collect();
+    html! {
+        @if !reading.is_empty() { p.scope { "Read as " (prose(reading)) "." } }
+        @if !varied.is_empty() { p.scope { "Varied: " (prose(varied)) "." } }
+        @if !turns.is_empty() { p.scope { "Another verdict at " (prose(turns)) "." } }
+        @if !covers.is_empty() { p.scope { "Covers " (line(&covers.join(", "))) "." } }
+    }
 }
 
 fn value(number: &Number) -> Markup {

@@ -10,9 +10,10 @@ pub(super) fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &S
 /// A verdict's class in the style sheet.
 pub(super) fn class(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Reproduced => "reproduced",
+        Verdict::AsPrinted => "holds",
         Verdict::WithCorrection => "corrected",
-        Verdict::NotReproducible => "not",
+        Verdict::Refuted => "refuted",
+        Verdict::Open => "open",
     }
 }
 

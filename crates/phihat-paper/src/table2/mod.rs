@@ -5,7 +5,7 @@ mod first;
 mod second;
 
 use phihat_design::claims::paper::Feedback;
-use phihat_design::claims::{ErrorLimits, MinimalGains};
+use phihat_design::claims::{ErrorLimits, MinimalGains, polynomial};
 
 use super::compose::{number, three, words};
 use super::gains::PHI_MAX;
@@ -22,7 +22,7 @@ pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartErro
     progress(0.2);
     statements.extend([b1()?, equal_rows()?, a2()?, b2()?]);
     progress(0.7);
-    statements.extend([c1()?, c2()?, higher(), number_of_table()]);
+    statements.extend([c1()?, c2()?, higher(), results_show(), number_of_table()]);
     let tables = vec![rows_table(), newton_table()?];
     progress(1.0);
     let section = Section {
@@ -67,6 +67,38 @@ fn higher() -> Statement {
             number("gains below column (B)", "", of_b as f64, 0.0),
             number("K̃ of (A) over that of (C), m = 1", "", factors[0], 1e-9),
             number("K̃ of (A) over that of (C), m = 2", "", factors[1], 1e-9),
+        ],
+    )
+}
+
+/// "In the results section, it will be shown that A2 is … not necessary."
+fn results_show() -> Statement {
+    let without = || COLUMNS.iter().filter(|c| c.kd * c.kd <= 2.0 * c.kp);
+    let stable = without().filter(|c| polynomial::is_hurwitz(&c.law().denominator(1.0))).count();
+    let listed: Vec<_> = without()
+        .map(|c| {
+            format!(
+                "{}: K_d² = {}, 2K_p = {}",
+                c.name,
+                three(Some(c.kd * c.kd)),
+                three(Some(2.0 * c.kp))
+            )
+        })
+        .collect();
+    let pole = without().map(|c| (c.kp - c.kd * c.kd / 4.0).sqrt()).next();
+    Published {
+        id: "results-show-a2",
+        place: "After Theorem 2; Table 2",
+        claim: "The results show that A2 is not necessary for stability",
+        paper: "in the results section it will be shown",
+    }
+    .found(
+        format!("columns without A2: {}; of these stable: {stable}; poles of (4) at ±{}j", listed.join("; "), three(pole)),
+        Verdict::of(stable > 0, false),
+        "That A2 is not necessary is true (theorem2-a2). The results do not show it: the only gains that violate it leave (4) undamped.",
+        vec![
+            number("columns without A2", "", without().count() as f64, 0.0),
+            number("of these stable", "", stable as f64, 0.0),
         ],
     )
 }

@@ -1,6 +1,7 @@
 //! Every run of Table 3 on one arm.
 
 use super::bench::{Bench, LAWS, Score};
+use super::robots::{Robot, as_good};
 use crate::part::PartError;
 
 /// Runs of the optimiser per law and arm.
@@ -8,6 +9,10 @@ pub(super) const RUNS: usize = 40;
 
 /// What a comparator of a weaker hand is given, over its default gains.
 const WEAK: f64 = 0.25;
+
+/// How weak a comparator is tried, and steps of the bisection from there to its defaults.
+const LEAST: f64 = 64.0;
+const STEPS: u32 = 8;
 
 /// Every run on one arm.
 pub(super) struct ArmScores {
@@ -18,6 +23,12 @@ pub(super) struct ArmScores {
     pub(super) weak: Score,
     /// The proposed law of second order, estimator poles as for the first.
     pub(super) second: Score,
+    /// The same gains on robots that compensate by themselves.
+    pub(super) robots: Vec<Robot>,
+    /// Where PD as (3) is as good on some joint: the share of friction left, and the joint.
+    pub(super) as_good: Option<(f64, usize)>,
+    /// The largest share of its default gain at which the comparator is worse on every joint.
+    pub(super) weak_enough: Option<f64>,
     /// All tuned alike.
     pub(super) fair: Vec<Score>,
     /// What the optimiser found.
@@ -35,10 +46,37 @@ impl ArmScores {
             done();
         }
         let (weak, second) = (bench.comparator_at(WEAK)?, bench.at_stated("proposed-2")?);
-        Ok(Self { bench, stated, weak, second, fair, values })
+        let (robots, as_good) = (Robot::all(&bench)?, as_good(&bench)?);
+        let weak_enough = weak_enough(&bench, &stated[2])?;
+        Ok(Self { bench, stated, weak, second, robots, as_good, weak_enough, fair, values })
     }
 
     pub(super) fn name(&self) -> &'static str {
         self.bench.arm
     }
+}
+
+/// The largest share of its default gain, down to a [`LEAST`]th, at which the comparator is worse than `proposed` on every
+/// joint; `None`: at none.
+fn weak_enough(bench: &Bench, proposed: &Score) -> Result<Option<f64>, PartError> {
+    let worse = |share: f64| -> Result<bool, PartError> {
+        let comparator = bench.comparator_at(share)?;
+        Ok(comparator.square.iter().zip(&proposed.square).all(|(theirs, ours)| theirs > ours))
+    };
+    let (mut low, mut high) = (1.0 / LEAST, 1.0);
+    if worse(high)? {
+        return Ok(Some(high));
+    }
+    if !worse(low)? {
+        return Ok(None);
+    }
+    for _ in 0..STEPS {
+        let middle = (low * high).sqrt();
+        if worse(middle)? {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(Some(low))
 }

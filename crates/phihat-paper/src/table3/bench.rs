@@ -4,6 +4,9 @@ use phihat_rivals::{Entry, Tuning, rival};
 use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::{Reference, Study};
 
+use super::left::Left;
+use super::outer_loop::OuterLoop;
+use crate::gains::OUTER;
 use crate::part::PartError;
 use phihat_compare::{Adapter, NOISE_CAP, supply, tune};
 
@@ -38,8 +41,6 @@ pub(super) struct Score {
     pub(super) state: f64,
     /// Largest |φ/M̄| of all joints together \[rad/s²\].
     pub(super) phi: f64,
-    /// Largest |e| of any joint before the steady part \[rad\].
-    pub(super) transient: f64,
     /// Share of the run that was reached.
     done: f64,
 }
@@ -119,6 +120,25 @@ impl Bench {
         study
     }
 
+    /// A law at its [`Bench::stated`] values on a robot that compensates by itself what it does not leave.
+    pub(super) fn on(&self, left: Left, id: &str) -> Result<Score, PartError> {
+        let entry = entry(id)?;
+        self.run(entry, &Self::stated(entry), &left.of(&self.study))
+    }
+
+    /// PD as the outer loop (3) on such a robot.
+    pub(super) fn outer_on(&self, left: Left) -> Result<Score, PartError> {
+        let study = left.of(&self.study);
+        let driver = OuterLoop { units: self.units.clone(), gains: OUTER.into() };
+        let simulation = Simulation::driven(&study, Box::new(driver), &self.units);
+        Ok(Score::of(&simulation?.run(|_| ()), &study, &self.units))
+    }
+
+    /// What is run.
+    pub(super) fn study(&self) -> &Study {
+        &self.study
+    }
+
     fn run(&self, entry: &Entry, values: &[f64], study: &Study) -> Result<Score, PartError> {
         let period = study.control.period_ns as f64 * 1e-9;
         let tuning = Tuning::new(values, &self.units, period)?;
@@ -158,13 +178,13 @@ impl Score {
             period,
             state: state(&trace.joints, from, period),
             phi: phi(&trace.joints, units),
-            transient: trace
-                .joints
-                .iter()
-                .flat_map(|joint| joint.e.iter().take(from))
-                .fold(0.0, |most: f64, e| most.max(e.abs())),
             done: trace.len() as f64 * period / study.duration,
         }
+    }
+
+    /// Root of (51) per joint \[rad\].
+    pub(super) fn rms(&self) -> Vec<f64> {
+        self.square.iter().map(|square| square.sqrt()).collect()
     }
 
     /// Root of the mean of (51) over the joints \[rad\]; beyond the cap on noise, and where the run did not end,

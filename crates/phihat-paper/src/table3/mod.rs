@@ -3,9 +3,13 @@
 mod against;
 mod arm;
 mod bench;
+mod left;
+mod order;
+mod outer_loop;
 mod page;
 mod printed;
 mod ratios;
+mod robots;
 mod size;
 mod words_only;
 
@@ -16,8 +20,9 @@ use crate::record::Assumption;
 use against::{beats_comparator, beats_pd, fair};
 use arm::{ArmScores, RUNS};
 use bench::Bench;
-use page::{errors_table, fig_14, gains_table};
-use size::{size, unit};
+use order::Started;
+use page::{errors_table, fig_14, gains_table, robots_table};
+use size::{SAME_SIZE, size_of_pd, size_of_proposed, times_better, unit};
 
 /// The studies, as shipped.
 pub(super) const SHIPPED: [(&str, &str); 2] = [
@@ -50,6 +55,16 @@ fn assumptions() -> Vec<Assumption> {
         influence: "Two arms; gains as stated, a weaker comparator, and all laws tuned alike: each statement tells where the \
                     answer differs."
             .to_owned(),
+    },
+    Assumption {
+        id: "what-pd-is".to_owned(),
+        missing: "What “simple PD” is, what the robot compensates by itself, and whether Table 3 lists (51) or its root.".to_owned(),
+        assumed: "PD as −K_p e − K_d ė and as the outer loop (3) with q̈_d; a robot that leaves all of its gravity and friction to the \
+                  law, or no gravity and 100, 20, 5 or 0 % of its friction; the table as (51) and as its root."
+            .to_owned(),
+        influence: "It decides the size: read as (51) no robot tried has errors of the printed size, read as roots the robots that \
+                    compensate do."
+            .to_owned(),
     }]
 }
 
@@ -61,22 +76,35 @@ fn page(arms: &[ArmScores]) -> Result<Section, PartError> {
          alike, and scored on the motion of the study. Absolute numbers depend on an arm that is not published; ratios between \
          the laws are compared."
     );
-    let mut section = section("table-3", "Table 3 and Fig. 14: seven joints", &[&text]);
+    let robots = format!(
+        "“Simple PD” and the unit are read in two ways. PD: −K_p e − K_d ė, or the outer loop (3), with q̈_d. Unit: (51) is a mean \
+         square, in rad²; the heading “rad” fits its root. And a lightweight arm, as in the paper's experiments, compensates its gravity and most of its \
+         friction by itself, so that a law is left a share of them. Two sizes are called alike where their geometric means \
+         over the joints are within {SAME_SIZE} times each other: joint by joint two different arms cannot be compared."
+    );
+    let mut section = section("table-3", "Table 3 and Fig. 14: seven joints", &[&text, &robots]);
+    let started = arms.iter().map(|arm| Started::of(&arm.bench)).collect::<Result<Vec<_>, _>>()?;
     let mut statements = vec![
         beats_pd(arms),
         beats_comparator(arms),
         fair(arms),
-        size(arms),
+        size_of_proposed(arms),
+        size_of_pd(arms),
+        times_better(arms),
         unit(arms),
         words_only::radius(arms)?,
         words_only::higher_order(arms),
+        order::transient(&started),
     ];
     for statement in &mut statements {
         statement.assumptions = words(&["seven-joints"]);
         statement.studies = arms.iter().map(|arm| arm.bench.path.to_owned()).collect();
     }
     section.statements = statements;
-    section.tables = arms.iter().flat_map(|arm| [errors_table(arm), gains_table(arm)]).collect();
+    section.tables = arms
+        .iter()
+        .flat_map(|arm| [errors_table(arm), robots_table(arm), gains_table(arm)])
+        .collect();
     section.figures = arms.iter().flat_map(fig_14).collect();
     Ok(section)
 }

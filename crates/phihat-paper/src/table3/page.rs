@@ -32,6 +32,33 @@ pub(super) fn errors_table(arm: &ArmScores) -> Table {
     table(&format!("table-3-{}", arm.bench.arm), &title, &columns, rows.collect())
 }
 
+/// Root mean squares on every robot, beside the paper's figures as they are printed.
+pub(super) fn robots_table(arm: &ArmScores) -> Table {
+    let cells = |values: Vec<f64>| values.into_iter().map(|v| three(Some(v * 1e3)));
+    let row = |robot: &str, law: &str, values: Vec<f64>| -> Vec<String> {
+        [robot.to_owned(), law.to_owned()].into_iter().chain(cells(values)).collect()
+    };
+    let printed = |law: usize| PRINTED.iter().map(|row| row[law] * 1e-4).collect();
+    let mut rows =
+        vec![row("the paper's", "PD", printed(0)), row("the paper's", "proposed", printed(2))];
+    for robot in &arm.robots {
+        let left = robot.left.words();
+        rows.push(row(&left, "−K_p e − K_d ė", robot.plain.rms()));
+        rows.push(row(&left, "(3), with q̈_d", robot.outer.rms()));
+        rows.push(row(&left, "proposed, m = 1", robot.proposed[0].rms()));
+        rows.push(row(&left, "proposed, m = 2", robot.proposed[1].rms()));
+        rows.push(row(&left, "H∞ PID, default gains", robot.comparator.rms()));
+    }
+    let joints: Vec<String> = (1..=7).map(|joint| format!("joint {joint} [mrad]")).collect();
+    let columns: Vec<&str> =
+        ["left to the law", "law"].into_iter().chain(joints.iter().map(String::as_str)).collect();
+    let title = format!(
+        "Errors of Table 3 read as root mean squares, and those on {} as it compensates more of itself",
+        arm.bench.arm
+    );
+    table(&format!("table-3-robots-{}", arm.bench.arm), &title, &columns, rows)
+}
+
 pub(super) fn gains_table(arm: &ArmScores) -> Table {
     let rows = LAWS.iter().zip(&arm.values).enumerate().map(|(law, ((id, name), values))| {
         let scalars = phihat_rivals::rival(id).map_or(&[][..], |entry| entry.scalars);

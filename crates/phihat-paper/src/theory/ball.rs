@@ -55,8 +55,9 @@ pub(super) fn vacuous(b: &Bounds, paper: &Paper) -> Result<Statement, PartError>
         format!(
             "V̇ < 0 outside the ball of (40); what is then kept is the smallest level set of V around it, √cond(S) = {} \
              times as large. At these gains (40) is true all the same, by the L1 gains and not by its proof: it is {} times what \
-             the worst φ can do. As a performance criterion both are vacuous here. Whether (40) can be false at other gains \
-             is open: no entry of x goes beyond it at the worst φ of the random laws.",
+             the worst φ can do. As a performance criterion both are vacuous here. Whether this \
+             can be false at other gains is open: no entry of x goes beyond it at the worst φ of the random laws. Read per entry it is \
+             false: theorem5-entrywise.",
             three(paper.iss.overshoot.into()),
             three((printed / met).into())
         ),

@@ -5,14 +5,20 @@ mod background;
 mod ball;
 mod bounds;
 mod convergence;
+mod entrywise;
 mod gain;
 mod game;
+mod in_words;
 mod iss;
+mod limits;
+mod only_state;
 mod optimal;
 mod printed;
 mod recipe;
 mod remark_9;
 mod rows;
+mod step_one;
+mod stray;
 mod table;
 mod theorem_5;
 mod unmeasured;
@@ -38,8 +44,9 @@ pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Par
     sections.push(theorem_5::theorem_5()?);
     progress(0.95);
     sections.push(recipe::recipe()?);
+    sections.push(in_words::in_words()?);
     sections.push(unmeasured::unmeasured());
-    sections.push(table::errata());
+    sections.push(table::errata(stray::stray()?));
     progress(1.0);
     Ok(Part { assumptions: assumptions(), sections })
 }

@@ -3,8 +3,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use phihat_paper::{
-    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Origin, Panel, Reproduction, Section,
-    Series, Statement, Table, Verdict,
+    Assumption, Axis, Bound, Content, FORMAT, Figure, Item, Kind, Number, Origin, Panel,
+    Reproduction, Section, Series, Statement, Table, Verdict,
 };
 
 /// Two sections, a statement of every verdict, a table, and every kind of figure.
@@ -26,7 +26,7 @@ pub(crate) fn reproduction() -> Reproduction {
                 title: "Figures 5 to 7: tracking".into(),
                 text: vec!["Made up: a decaying oscillation for each order.".into()],
                 statements: vec![
-                    statement("fig7-error", Verdict::Reproduced),
+                    statement("fig7-error", Verdict::AsPrinted),
                     statement("eq40-ball", Verdict::WithCorrection),
                 ],
                 tables: vec![],
@@ -36,7 +36,10 @@ pub(crate) fn reproduction() -> Reproduction {
                 id: "table-2".into(),
                 title: "Table 2: gains of the recipe".into(),
                 text: vec![],
-                statements: vec![statement("table2-b", Verdict::NotReproducible)],
+                statements: vec![
+                    statement("table2-b", Verdict::Refuted),
+                    statement("table2-c", Verdict::Open),
+                ],
                 tables: vec![Table {
                     id: "table-2-values".into(),
                     title: "Values as printed and as computed".into(),
@@ -67,6 +70,13 @@ fn statement(id: &str, verdict: Verdict) -> Statement {
         paper: "|e| ≤ 2 mrad".into(),
         ours: "|e| ≤ 1.93 mrad".into(),
         verdict,
+        reading: "the largest error after 1.5 s".into(),
+        varied: "the start, 0.05 to 0.18 m".into(),
+        turns: "2 mrad".into(),
+        covers: vec![
+            Item { kind: Kind::Equation, number: 48 },
+            Item { kind: Kind::Figure, number: 7 },
+        ],
         why: "Measured after 1.5 s at 1 kHz.".into(),
         numbers: vec![number("largest |e|", Some(1.93)), number("of the printed form", None)],
         assumptions: vec!["rotor-inertia".into()],
