@@ -99,7 +99,7 @@ fn what_is_missing_or_new_is_told_unless_less_was_asked_for() {
 
 #[test]
 fn what_is_no_reproduction_is_refused() {
-    for text in ["", "[]", "{}", "{\"format\": 1}"] {
+    for text in ["", "[]", "{}", "{\"format\": 2}"] {
         assert!(
             Kept::from_json(text).unwrap_err().to_string().contains("no reproduction"),
             "{text}"

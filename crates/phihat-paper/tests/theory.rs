@@ -225,7 +225,8 @@ fn errata_come_out_as_corrections() {
     let rows = &errata.tables[0].rows;
     assert!(rows.len() >= 19);
     for row in rows {
-        for id in row[3].split(", ").filter(|id| *id != "erratum-table3-unit") {
+        let elsewhere = ["erratum-table3-unit", "phi-hat-to-zero"];
+        for id in row[3].split(", ").filter(|id| !elsewhere.contains(id)) {
             assert_ne!(statement(id).verdict, Verdict::AsPrinted, "{id}");
         }
     }
