@@ -15,6 +15,7 @@ mod gains;
 mod joint;
 mod options;
 mod orders;
+mod own;
 mod page;
 mod part;
 mod published;
@@ -30,6 +31,9 @@ pub use agreement::{Kept, KeptError};
 pub use choice::{only_help, part};
 pub use figure::reproduction_figures;
 pub use options::{Paint, PaintError, ReproduceAnswer, ReproduceOptions};
+pub use own::{
+    LeftOutOfPaper, OWN_FORMAT, OwnAnswer, OwnError, OwnOptions, OwnReproduction, own, own_page,
+};
 pub use page::reproduction_page;
 pub use part::{Extent, Part, PartError};
 pub use record::{
