@@ -29,7 +29,7 @@ const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
     phihat reproduce\n  \
     phihat reproduce --only \"fig. 9\"\n  \
     phihat reproduce --against docs/reproduction/reproduction.json\n  \
-    phihat reproduce --study studies/table1.toml"
+    phihat reproduce --study studies/first.toml"
 )]
 pub(crate) struct Reproduce {
     /// Coarser maps and sweeps.

@@ -82,7 +82,11 @@ fn areas(kp: f64, kd: f64, a0: f64) -> [f64; 3] {
     let along = |x: [f64; 3], k: [f64; 3], h: f64| core::array::from_fn(|i| x[i] + h * k[i]);
     let h = 0.1 / a0.max(kd);
     let (mut x, mut sums, mut t) = ([0.0, 0.0, -1.0], [0.0; 3], 0.0);
-    while t < 40.0 / kp.sqrt().min(kp / kd) {
+    let end = 40.0 / kp.sqrt().min(kp / kd);
+    loop {
+        if t >= end {
+            return sums;
+        }
         let k1 = rate(x);
         let k2 = rate(along(x, k1, h / 2.0));
         let k3 = rate(along(x, k2, h / 2.0));
@@ -94,7 +98,6 @@ fn areas(kp: f64, kd: f64, a0: f64) -> [f64; 3] {
         }
         (x, t) = (next, t + h);
     }
-    sums
 }
 
 /// The least eigenvalue of a symmetric 3 × 3 matrix, in closed form.

@@ -13,7 +13,7 @@ use phihat_study::Study;
 
 const STUDY: &str = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\n\
     [gains]\nkp_per_s2 = 400.0\nkd_per_s = 40.0\na = [900.0, 60.0]\ninertia_kg_m2 = [1.0, 0.5, 0.2]\n\
-    [world]\ngravity_m_s2 = [0.0, -9.81, 0.0]\nfriction = \"none\"\n[start]\nq_rad = 0.3\n\
+    [world]\ngravity_m_s2 = [0.0, 0.0, -9.81]\nfriction = \"none\"\n[start]\nq_rad = 0.3\n\
     [reference]\nkind = \"hold\"\nq_rad = 0.3\n";
 
 fn folder(name: &str) -> PathBuf {
@@ -60,6 +60,9 @@ fn a_sine_leaves_what_the_filter_leaves() {
     for factor in [0.25, 0.5, 1.0, 2.0] {
         let name = format!("Fig. 12, joint2: mismatch at m = 1, a_0 = {factor} r");
         near(value(&own, &name), 5.0 * share(factor * r));
+        // Whole periods but for a thousandth.
+        let root = value(&own, &format!("{name}, rms"));
+        assert!((root / (5.0 * share(factor * r) / 2.0_f64.sqrt()) - 1.0).abs() < 5e-3, "{root}");
     }
     for m in 1..=3 {
         let name = format!("Fig. 13, joint2: mismatch at m = {m}");
@@ -71,7 +74,7 @@ fn a_sine_leaves_what_the_filter_leaves() {
 #[test]
 fn pd_sags_by_gravity_over_its_stiffness_and_the_proposed_law_does_not() {
     let own = done(STUDY, (None, None)).unwrap();
-    let model = study(STUDY).robot.model.with_gravity([0.0, -9.81, 0.0]);
+    let model = study(STUDY).robot.model.with_gravity([0.0, 0.0, -9.81]);
     let mut workspace = Workspace::new(&model);
     let inertia = [1.0, 0.5, 0.2];
     // Where PD comes to rest: M̄ K_p e + g(q_d + e) = 0, by iteration.
@@ -106,7 +109,10 @@ fn the_printed_form_is_as_welcome() {
 fn a_careless_user_gets_one_line() {
     let folder = folder("careless");
     let refused = |text: &str, of: (Option<&Path>, Option<&str>), words: &str| {
-        let why = done(text, of).unwrap_err().to_string();
+        let why = match done(text, of) {
+            Err(why) => why.to_string(),
+            Ok(_) => panic!("not refused: {words}"),
+        };
         assert!(why.contains(words) && !why.contains('\n'), "{words}: {why}");
     };
     let gains = STUDY.find("[gains]").unwrap()..STUDY.find("[world]").unwrap();
@@ -122,6 +128,7 @@ fn a_careless_user_gets_one_line() {
     refused(&other, (None, None), "loop.form");
     refused(STUDY, (None, Some("elbow")), "joints: joint1, joint2, joint3");
     let wild = STUDY.replace("[1.0, 0.5, 0.2]", "[1000.0, 1000.0, 1000.0]");
+    let wild = wild.replace("[world]", "[loop]\ntorque_max_nm = \"none\"\n[world]");
     refused(&wild, (None, None), "no φ: the run ended after");
     let file = folder.join("phi.csv");
     let long = |from: &str| {

@@ -57,7 +57,10 @@ impl RadiusGains {
         let (mut best, mut y) = begin(m, limits);
         let mut step = STEPS.0;
         let directions = directions(y.len());
-        while step > STEPS.1 {
+        for _ in 0..100_000 {
+            if step <= STEPS.1 {
+                break;
+            }
             let trial = |direction: &Vec<f64>| -> (f64, Vec<f64>) {
                 let next: Vec<f64> = y.iter().zip(direction).map(|(y, d)| y + step * d).collect();
                 (cost(&next, limits), next)
@@ -180,7 +183,7 @@ pub fn areas(law: &UnitLaw) -> Vec<f64> {
             for (sum, (now, next)) in sums.iter_mut().zip(x.iter().zip(next.iter())) {
                 *sum += 0.5 * step * (now.abs() + next.abs());
                 // What an exponential of this size would still add over all the time so far.
-                moved |= !(next.abs() * step * PER_OCTAVE as f64 <= 1e-9 * *sum);
+                moved |= next.abs() * step * PER_OCTAVE as f64 > 1e-9 * *sum;
             }
             x = next;
         }
@@ -218,8 +221,11 @@ fn raised(gains: &MinimalGains, limits: &ErrorLimits) -> Result<MinimalGains, Pa
             return Err(PaperError::NoneBy40);
         }
     }
-    while high > low * (1.0 + 1e-4) {
+    for _ in 0..60 {
         let middle = (low * high).sqrt();
+        if high <= low * (1.0 + 1e-4) {
+            break;
+        }
         if keeps(middle) { high = middle } else { low = middle }
     }
     Ok(at(high))

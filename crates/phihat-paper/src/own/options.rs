@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use phihat_session::disk::{Lock, Whole};
 use phihat_session::{Watch, files};
 
-use super::{OwnError, OwnReproduction, own, own_page};
+use super::error::OwnError;
+use super::make::own;
+use super::page::own_page;
+use super::record::OwnReproduction;
 use crate::figure::draw;
 
 /// Options of a reproduction on an own arm.

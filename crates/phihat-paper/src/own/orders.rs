@@ -3,7 +3,7 @@
 use phihat_design::claims::UnitLaw;
 use phihat_design::claims::times::estimator_at;
 
-use super::Own;
+use super::law::Own;
 use super::phi::{OwnPhi, joined, rate};
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, section, table, three};
@@ -24,9 +24,18 @@ fn answer(own: &Own, joint: usize, a: Vec<f64>, (phi, step): (&[f64], f64)) -> V
     run(&law, PaperForm::Estimator, &[], &joined(phi), (step, steps))
 }
 
-/// Largest mismatch once the start has been forgotten: after the first third.
-fn left(rows: &[Instant]) -> f64 {
-    largest(rows.iter().skip(rows.len() / 3).map(|x| x.phi_hat - x.phi))
+/// Largest mismatch, and its root mean square, once the start has been forgotten: after the first third.
+fn left(rows: &[Instant]) -> [f64; 2] {
+    let rest = || rows.iter().skip(rows.len() / 3).map(|x| x.phi_hat - x.phi);
+    let squares: f64 = rest().map(|off| off * off).sum();
+    [largest(rest()), (squares / rest().count().max(1) as f64).sqrt()]
+}
+
+/// Both as a cell, and as numbers.
+fn told(numbers: &mut Vec<Number>, what: &str, [most, root]: [f64; 2]) -> String {
+    numbers.push(number(what, "N·m", most, 1e-2));
+    numbers.push(number(&format!("{what}, rms"), "N·m", root, 1e-2));
+    format!("{} ({})", three(Some(most)), three(Some(root)))
 }
 
 /// The section, and the figures behind its tables.
@@ -34,7 +43,8 @@ pub(super) fn orders(own: &Own, phi: &OwnPhi, run: &Run) -> (Section, Vec<Number
     let text = format!(
         "The estimator (8) alone, solved exactly, with φ as its input: {}, joined by straight lines. Fig. 12 varies a_0 at m = 1; \
          Fig. 13 varies the order, with every estimator pole at the own rate r = a_0^(1/m). Mismatch: largest |φ̂ − φ| after \
-         the first third.",
+         the first third, in brackets its root mean square. A φ that jumps, as dry friction does, leaves its jump whatever a_0 and m are; \
+         the root mean square tells how long.",
         phi.source
     );
     let mut section = section("own-figures-12-13", "Figs. 12 and 13 for this φ", &[&text]);
@@ -55,14 +65,16 @@ fn gains_table(own: &Own, phi: &OwnPhi) -> (Table, Vec<Number>) {
         for factor in FACTORS {
             let most = left(&answer(own, *joint, vec![factor * r], (values, phi.step)));
             let what = format!("Fig. 12, {name}: mismatch at m = 1, a_0 = {factor} r");
-            numbers.push(number(&what, "N·m", most, 1e-2));
-            cells.push(three(Some(most)));
+            cells.push(told(&mut numbers, &what, most));
         }
         cells.push(three(Some(rate(values, phi.step) / r)));
         rows.push(cells);
     }
     let columns = ["joint", "r [rad/s]", "a_0 = r/4", "r/2", "r", "2 r", "no more than max |φ̇|/r"];
-    (table("own-fig-12", "Fig. 12: mismatch at m = 1 [N·m]", &columns, rows), numbers)
+    (
+        table("own-fig-12", "Fig. 12: mismatch at m = 1, largest (rms) [N·m]", &columns, rows),
+        numbers,
+    )
 }
 
 fn orders_table(own: &Own, phi: &OwnPhi, run: &Run) -> (Table, Vec<Number>) {
@@ -74,18 +86,16 @@ fn orders_table(own: &Own, phi: &OwnPhi, run: &Run) -> (Table, Vec<Number>) {
         for order in ORDERS {
             let most = left(&answer(own, *joint, estimator_at(order, r), (values, phi.step)));
             let what = format!("Fig. 13, {}: mismatch at m = {order}", record.name);
-            numbers.push(number(&what, "N·m", most, 1e-2));
-            cells.push(three(Some(most)));
+            cells.push(told(&mut numbers, &what, most));
         }
         let most = left(&answer(own, *joint, record.a.clone(), (values, phi.step)));
         let what = format!("Fig. 13, {}: mismatch with the own estimator", record.name);
-        numbers.push(number(&what, "N·m", most, 1e-2));
-        cells.push(format!("{} (m = {})", three(Some(most)), record.a.len()));
+        cells.push(format!("{}, m = {}", told(&mut numbers, &what, most), record.a.len()));
         cells.push(three(as_run(run, *joint)));
         rows.push(cells);
     }
     let columns = ["joint", "m = 1", "m = 2", "m = 3", "own estimator", "φ̂ of the run"];
-    let title = "Fig. 13: mismatch at the same rate [N·m]; last, |φ̂ − φ| of the sampled law in the study's run";
+    let title = "Fig. 13: mismatch at the same rate, largest (rms) [N·m]; last, largest |φ̂ − φ| of the sampled law in the study's run";
     (table("own-fig-13", title, &columns, rows), numbers)
 }
 

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 use phihat_report::kit::text::{line, prose};
 use phihat_report::kit::{Page, anchor};
 
-use super::OwnReproduction;
+use super::record::OwnReproduction;
 use crate::figure::draw;
 use crate::record::Table;
 

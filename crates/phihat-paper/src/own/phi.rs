@@ -4,7 +4,8 @@ use std::path::Path;
 
 use phihat_session::files;
 
-use super::{Own, OwnError};
+use super::error::OwnError;
+use super::law::Own;
 use crate::arm::Run;
 use crate::joint::{Phi, largest};
 

@@ -4,7 +4,8 @@ use phihat_design::JointRecord;
 use phihat_sim::{Driver, Moment, Simulation};
 use phihat_study::Study;
 
-use super::{Own, OwnError};
+use super::error::OwnError;
+use super::law::Own;
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, table, three};
 use crate::part::PartError;
