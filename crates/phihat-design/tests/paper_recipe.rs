@@ -38,7 +38,7 @@ fn made(study: &Study) -> Gains {
     };
     match design(study, &Arm::of(study).unwrap(), &phi).unwrap() {
         Outcome::Designed(gains) => *gains,
-        other => unreachable!("{other:?}"),
+        other @ Outcome::Infeasible(_) => unreachable!("{other:?}"),
     }
 }
 

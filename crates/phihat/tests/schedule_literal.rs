@@ -92,9 +92,9 @@ fn up_and_down(start: &JointGains<f64>, first: &[f64], second: &[f64]) -> Vec<Ev
         assert!((command.tau - tau).abs() < 1e-9, "{k}: nothing is faded");
         let step = before.map_or(0.0, |before| (tau - before).abs());
         if changed {
-            at_change = f64::max(at_change, step)
+            at_change = f64::max(at_change, step);
         } else {
-            own = f64::max(own, step)
+            own = f64::max(own, step);
         }
         changed = false;
         before = Some(tau);

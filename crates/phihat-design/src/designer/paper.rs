@@ -30,12 +30,12 @@ pub(super) fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Gains, 
     let request = &study.design.paper;
     let count = study.robot.joints.len();
     let known = |joint: usize| phi(joint, request.inertia[joint]);
-    let size = |joint: usize| match &request.phi_max {
-        Some(typed) => Ok(typed[joint]),
-        None => {
-            let size = known(joint).size_nm.ok_or(DesignError::PaperSpec("design.paper.phi_max"));
-            size.map(|size| size / request.inertia[joint])
+    let size = |joint: usize| {
+        if let Some(typed) = &request.phi_max {
+            return Ok(typed[joint]);
         }
+        let size = known(joint).size_nm.ok_or(DesignError::PaperSpec("design.paper.phi_max"));
+        size.map(|size| size / request.inertia[joint])
     };
     let sizes = (0..count).map(size).collect::<Result<Vec<f64>, DesignError>>()?;
     let groups: Vec<Vec<usize>> = if request.per_joint {

@@ -34,16 +34,12 @@ impl OwnPhi {
         run: &Run,
         (file, joint): (Option<&Path>, Option<usize>),
     ) -> Result<Self, OwnError> {
-        let (joints, step, source) = match file {
-            Some(path) => {
-                let (values, step) = read(path)?;
-                let source = format!("{}", path.display());
-                (vec![(joint.unwrap_or(0), values)], step, source)
-            }
-            None => {
-                let source = "the steady part of the study's run, as its own law meets it";
-                (of_run(own, run)?, run.period(), source.to_owned())
-            }
+        let (joints, step, source) = if let Some(path) = file {
+            let (values, step) = read(path)?;
+            (vec![(joint.unwrap_or(0), values)], step, path.display().to_string())
+        } else {
+            let source = "the steady part of the study's run, as its own law meets it";
+            (of_run(own, run)?, run.period(), source.to_owned())
         };
         let spread = |values: &[f64]| {
             let ends = |f: fn(f64, f64) -> f64| values.iter().copied().reduce(f).unwrap_or(0.0);
