@@ -1,6 +1,7 @@
 //! Step 1 of the paper's recipe by (40): the least gains with which its bound on the error is kept, and whether it is one.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use phihat_certificate::extremes::Extremes as _;
 
 use crate::claims::law::UnitLaw;
 use crate::claims::paper::{ErrorLimits, MinimalGains, PaperError};
@@ -147,7 +148,10 @@ pub fn by_40(law: &UnitLaw, k_tilde: f64, phi_max: f64) -> Vec<f64> {
     let matrix = DMatrix::from_fn(sb.len(), sb.len(), |i, j| {
         pull * sb[i] * sb[j] + if i == j { q[i] } else { 0.0 }
     });
-    let least = SymmetricEigen::new(matrix).eigenvalues.min();
+    if matrix.iter().any(|entry| !entry.is_finite()) {
+        return vec![f64::INFINITY; sb.len()];
+    }
+    let least = SymmetricEigen::new(matrix).eigenvalues.iter().copied().least();
     let bound = |sb: &f64| if least > 0.0 { 2.0 * sb * phi_max / least } else { f64::INFINITY };
     sb.iter().map(bound).collect()
 }

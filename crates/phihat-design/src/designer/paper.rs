@@ -45,7 +45,7 @@ pub(super) fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Gains, 
     };
     let (mut laws, mut told) = (Vec::new(), Vec::new());
     for group in &groups {
-        let phi_max = group.iter().map(|joint| sizes[*joint]).fold(0.0, f64::max);
+        let phi_max = group.iter().map(|joint| sizes[*joint]).largest();
         let limits = ErrorLimits { phi_max, x_max: limits(study, group)? };
         let (law, text) = recipe(study, &limits)?;
         laws.extend(group.iter().map(|_| law.clone()));
