@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use phihat_campaign::faults::FaultsError;
 use phihat_compare::{CompareError, WORLDS};
 use phihat_model::input::plain;
-use phihat_paper::ReproduceError;
+use phihat_paper::{OwnError, ReproduceError};
 use phihat_rivals::RIVALS;
 use phihat_session::SessionError;
 use serde_json::json;
@@ -78,6 +78,15 @@ impl From<ReproduceError> for Failure {
     fn from(why: ReproduceError) -> Self {
         match why {
             ReproduceError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
+impl From<OwnError> for Failure {
+    fn from(why: OwnError) -> Self {
+        match why {
+            OwnError::Session(why) => why.into(),
             other => Self::plain(other),
         }
     }

@@ -1,14 +1,14 @@
 //! `phihat reproduce`: the paper's statements, computed again, each with a verdict.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
 use phihat_paper::{
-    Coverage, Kept, Origin, Paint, ReproduceOptions, Reproduction, Statement, Verdict, coverage,
-    only_help,
+    Coverage, Kept, Origin, OwnOptions, Paint, ReproduceOptions, Reproduction, Statement, Verdict,
+    coverage, only_help,
 };
 use phihat_session::files;
 use serde_json::json;
@@ -22,13 +22,15 @@ const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
 /// Reproduce the paper: every statement, figure and table, with a verdict.
 ///
 /// Writes reproduction.json, report.html, figures/ and studies/ to --out. A statement that does not hold is an
-/// answer, not a failure.
+/// answer, not a failure. With --study: what the paper does with its arm, done with yours, Figs. 12 and 13 for its φ,
+/// Table 3 and Fig. 14 with its gains; own.json, report.html and figures/.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit code 0: every part ran; 1: with --against, something differs.\n\nExamples:\n  \
     phihat reproduce\n  \
     phihat reproduce --only \"fig. 9\"\n  \
-    phihat reproduce --against docs/reproduction/reproduction.json"
+    phihat reproduce --against docs/reproduction/reproduction.json\n  \
+    phihat reproduce --study studies/first.toml"
 )]
 pub(crate) struct Reproduce {
     /// Coarser maps and sweeps.
@@ -42,9 +44,18 @@ pub(crate) struct Reproduce {
     /// Parts at a time [default: one per core].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Folder for the results.
-    #[arg(long, value_name = "FOLDER", default_value = "out/reproduction")]
-    out: PathBuf,
+    /// A study with [gains], whose arm, φ and gains take the place of the paper's.
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true, conflicts_with_all = ["quick", "only", "against", "threads"])]
+    study: Option<PathBuf>,
+    /// With --study: an own φ, a CSV file with the columns t_s,phi_nm, in place of that of the study's run.
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true, requires = "study")]
+    phi: Option<PathBuf>,
+    /// With --study: the joint that --phi is of, or that is shown [default: the one whose φ moves most; of --phi the first].
+    #[arg(long, value_name = "NAME", requires = "study")]
+    joint: Option<String>,
+    /// Folder for the results [default: out/reproduction; with --study out/STUDY/reproduction].
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -52,12 +63,17 @@ pub(crate) struct Reproduce {
 
 impl Reproduce {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        if let Some(study) = &self.study {
+            return self.own(study);
+        }
         let kept = self.kept()?;
+        let default = || ReproduceOptions::default().out;
+        let out = self.out.clone().unwrap_or_else(default);
         let options = ReproduceOptions {
             quick: self.quick,
             only: self.only.clone(),
             threads: self.threads,
-            out: self.out.clone(),
+            out: out.clone(),
         };
         let painter = png::Painter::new();
         let with = painter.as_ref().ok();
@@ -67,7 +83,7 @@ impl Reproduce {
         let reproduction = &answer.reproduction;
         let differs = kept.map(|kept| kept.disagreements(reproduction));
         if self.json {
-            println!("{:#}", self.document(reproduction, differs.as_deref()));
+            println!("{:#}", document(&out, reproduction, differs.as_deref()));
         } else {
             println!("{}", overview(reproduction));
             if let Some(lines) = &differs {
@@ -90,12 +106,44 @@ impl Reproduce {
         self.against.as_ref().map(read).transpose()
     }
 
-    fn document(
-        &self,
-        reproduction: &Reproduction,
-        differs: Option<&[String]>,
-    ) -> serde_json::Value {
-        let statements: Vec<_> = statements(reproduction)
+    /// The same on the user's arm.
+    fn own(&self, study: &Path) -> Result<ExitCode, Failure> {
+        let options = OwnOptions {
+            study: study.to_owned(),
+            phi: self.phi.clone(),
+            joint: self.joint.clone(),
+            out: self.out.clone(),
+        };
+        let mut shown = Shown::bar(BAR, "nothing was written".to_owned());
+        let answer = options.run(&mut shown)?;
+        let (own, page) = (&answer.reproduction, answer.folder.join("report.html"));
+        if self.json {
+            let folder = &answer.folder;
+            println!("{:#}", json!({ "folder": folder, "report": page, "reproduction": own }));
+            return Ok(ExitCode::SUCCESS);
+        }
+        for values in own.sections.iter().flat_map(|section| &section.tables) {
+            let mut table = Table::new();
+            table.load_style(UTF8_BORDERS_ONLY);
+            table.set_content_arrangement(ContentArrangement::Dynamic);
+            table.set_width(WIDTH);
+            table.set_header(&values.columns);
+            table.add_rows(&values.rows);
+            println!("{}\n{table}", values.title);
+        }
+        println!("not done here:");
+        own.left_out.iter().for_each(|left| println!("  {}: {}", left.part, left.why));
+        println!("report: {}", page.display());
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn document(
+    folder: &Path,
+    reproduction: &Reproduction,
+    differs: Option<&[String]>,
+) -> serde_json::Value {
+    let statements: Vec<_> = statements(reproduction)
             .map(|s| {
                 json!({
                     "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
@@ -104,26 +152,25 @@ impl Reproduce {
                 })
             })
             .collect();
-        let count = |verdict| reproduction.of(Origin::Paper, verdict).count();
-        json!({
-            "folder": self.out,
-            "report": self.out.join("report.html"),
-            "quick": reproduction.quick,
-            "counts": {
-                "as_printed": count(Verdict::AsPrinted),
-                "with_correction": count(Verdict::WithCorrection),
-                "refuted": count(Verdict::Refuted),
-                "open": count(Verdict::Open),
-            },
-            "not_counted": {
-                "again": reproduction.count(Origin::Again),
-                "ours": reproduction.count(Origin::Ours),
-            },
-            "coverage": coverage(reproduction),
-            "statements": statements,
-            "differs": differs,
-        })
-    }
+    let count = |verdict| reproduction.of(Origin::Paper, verdict).count();
+    json!({
+        "folder": folder,
+        "report": folder.join("report.html"),
+        "quick": reproduction.quick,
+        "counts": {
+            "as_printed": count(Verdict::AsPrinted),
+            "with_correction": count(Verdict::WithCorrection),
+            "refuted": count(Verdict::Refuted),
+            "open": count(Verdict::Open),
+        },
+        "not_counted": {
+            "again": reproduction.count(Origin::Again),
+            "ours": reproduction.count(Origin::Ours),
+        },
+        "coverage": coverage(reproduction),
+        "statements": statements,
+        "differs": differs,
+    })
 }
 
 fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {

@@ -128,3 +128,33 @@ fn a_stopped_reproduction_says_that_nothing_is_kept() {
     assert!(stopped.err.contains("interrupted: nothing was written"), "{}", stopped.err);
     assert!(!folder.join("out").exists());
 }
+
+#[test]
+fn on_an_own_arm_it_leaves_tables_and_figures_or_one_line() {
+    let folder = folder("reproduce-own");
+    let document = json(&folder, &["reproduce", "--study", "studies/first.toml", "--json"]);
+    let out = folder.join("out/first/reproduction");
+    assert_eq!(document["folder"], "out/first/reproduction");
+    let beside = |name: &String| name.replace(&format!("{}/", out.display()), "");
+    let names: Vec<_> =
+        files(&out).iter().map(beside).filter(|name| !name.starts_with(".phihat")).collect();
+    let figures = ["figures/own-fig-12.svg", "figures/own-fig-13.svg", "figures/own-fig-14.svg"];
+    assert_eq!(names, [&figures[..], &["own.json", "report.html", "study.toml"]].concat());
+    let whole: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("own.json")).unwrap()).unwrap();
+    assert_eq!(whole, document["reproduction"]);
+    for (arguments, words) in [
+        (&["--study", "studies/panda_design.toml"][..], "states no [gains]"),
+        (&["--study", "studies/panda_known.toml"], "loop.form"),
+        (&["--study", "studies/none.toml"], "studies/none.toml"),
+        (&["--study", "studies/first.toml", "--joint", "elbow"], "joints: joint1"),
+        (&["--study", "studies/first.toml", "--phi", "studies/panda_csv.csv"], "t_s,phi_nm"),
+        (&["--study", "studies/first.toml", "--only", "theory"], "cannot be used with"),
+        (&["--phi", "phi.csv"], "--study"),
+    ] {
+        let answer = phihat(&folder, &[&["reproduce", "--out", "not-there"], arguments].concat());
+        assert_eq!(answer.code, 2, "{arguments:?}");
+        assert!(answer.err.contains(words), "{arguments:?}: {}", answer.err);
+        assert!(!folder.join("not-there").exists());
+    }
+}

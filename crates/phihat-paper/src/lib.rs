@@ -18,6 +18,7 @@ mod item;
 mod joint;
 mod options;
 mod orders;
+mod own;
 mod page;
 mod part;
 mod published;
@@ -35,6 +36,9 @@ pub use coverage::{Coverage, NotCovered, coverage};
 pub use figure::reproduction_figures;
 pub use item::{Item, Kind};
 pub use options::{Paint, PaintError, ReproduceAnswer, ReproduceOptions};
+pub use own::{
+    LeftOutOfPaper, OWN_FORMAT, OwnAnswer, OwnError, OwnOptions, OwnReproduction, own, own_page,
+};
 pub use page::reproduction_page;
 pub use part::{Extent, Part, PartError};
 pub use record::{

@@ -45,7 +45,8 @@ impl Supervised {
         };
         let refused = |e: phihat::OptionError| SimError::Supervisor(e.to_string());
         let rule = |(i, gains): (usize, &JointGains<f64>)| {
-            JointRules::new(i, gains, &joint(study, request, gains, i), &options).map_err(refused)
+            let joint = joint(study, request, gains, i)?;
+            JointRules::new(i, gains, &joint, &options).map_err(refused)
         };
         let rules: Result<Vec<_>, _> = gains.iter().enumerate().map(rule).collect();
         Ok(Self {
@@ -129,10 +130,10 @@ fn joint(
     request: &SupervisorRequest,
     gains: &JointGains<f64>,
     i: usize,
-) -> JointOptions<f64> {
+) -> Result<JointOptions<f64>, SimError> {
     let per = |values: &Option<Vec<f64>>| values.as_ref().map(|v| v[i]);
     let range = per(&request.soft_zone).zip(study.robot.joints[i].position);
-    JointOptions {
+    Ok(JointOptions {
         velocity_max: per(&request.velocity_max),
         range: range.map(|(soft, (lower, upper))| JointRange {
             lower,
@@ -155,6 +156,20 @@ fn joint(
         }),
         oscillation: per(&request.oscillation),
         first_motion: per(&request.first_motion),
-        start: request.start_first_order.then(|| gains.first_order()),
-    }
+        start: start(request, gains)?,
+    })
+}
+
+/// The gains it starts with, where they are others.
+fn start(
+    request: &SupervisorRequest,
+    gains: &JointGains<f64>,
+) -> Result<Option<JointGains<f64>>, SimError> {
+    let first = request.start_first_order.then(|| gains.first_order());
+    let Some(factor) = request.start_factor else { return Ok(first) };
+    let refused = || {
+        let why = "start_estimator_factor: these gains have no estimator that could be slower";
+        SimError::Supervisor(why.to_owned())
+    };
+    first.unwrap_or(*gains).slower(factor).ok_or_else(refused).map(Some)
 }

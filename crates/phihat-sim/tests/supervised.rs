@@ -106,3 +106,38 @@ fn a_supervised_trace_survives_its_file() {
     let why = Trace::read_csv(bad.as_bytes(), &study).unwrap_err().to_string();
     assert!(why.contains("mode") && why.contains("trackink"), "{why}");
 }
+
+/// The printed form starts at first order, and with less gain, as the observer form does. Without the keys: as ever.
+#[test]
+fn the_printed_form_has_start_gains_too() {
+    let literal = |supervisor: &str| {
+        let motion = MOTION.replace("[loop]", "[loop]\nform = \"literal\"");
+        let table = format!("{motion}[supervisor]\n{supervisor}\n");
+        run(&rod_study("duration_s = 4.0\nseed = 3", &table))
+    };
+    let plain = literal("");
+    assert!(!supervision(&plain).events.iter().any(|e| e.contains(Events::RAISED)));
+    for keys in [
+        "start_first_order = true",
+        "start_estimator_factor = 0.3",
+        "start_first_order = true\nstart_estimator_factor = 0.5",
+    ] {
+        let outcome = literal(keys);
+        let s = supervision(&outcome);
+        let at: Vec<usize> =
+            (0..s.events.len()).filter(|k| s.events[*k].contains(Events::RAISED)).collect();
+        assert_eq!(at.len(), 1, "{keys}: raised once");
+        assert!(at[0] > 100 && at[0] < 3000, "{keys}: {at:?}");
+        assert!(s.fault.iter().all(Option::is_none), "{keys}");
+        let tau = &outcome.trace.joints[0].tau_command;
+        // No step: without a hand-over it would be of the size of φ̂. The rate of the torque may change.
+        let here = (at[0]..at[0] + 3).map(|k| (tau[k + 1] - tau[k]).abs()).fold(0.0, f64::max);
+        let phi_hat = outcome.trace.joints[0].phi_hat[at[0]].abs();
+        assert!(phi_hat > 5.0 && here < 0.03 * phi_hat, "{keys}: {here} of {phi_hat}");
+        // Once raised it is the law without a start.
+        let end = 3500;
+        let (a, b) =
+            (peak(&outcome.trace.joints[0].e[end..]), peak(&plain.trace.joints[0].e[end..]));
+        assert!((a - b).abs() < 0.05 * b, "{keys}: {a} {b}");
+    }
+}

@@ -109,10 +109,17 @@ fn unused(node: &Node<'_>, key: &str, source: &str, word: &str) -> StudyError {
 }
 
 fn paper(node: &Node<'_>, joints: &Joints) -> Result<PaperRequest, StudyError> {
+    let (feedback, by_40) = (node.flag("feedback")?, node.word("minimum_by")? == "40");
+    if feedback && by_40 {
+        let message = "true, while minimum_by is \"40\": (40) has that term already";
+        return Err(node.error(Kind::Conflict, "feedback", message).with_help("keep one of them"));
+    }
     Ok(PaperRequest {
-        phi_max: node.number_if("phi_max"),
+        phi_max: joints.numbers_if(node, "phi_max")?,
+        per_joint: node.flag("per_joint")?,
+        by_40,
         integrals_max: node.list("integrals_max").unwrap_or_default(),
-        feedback: node.flag("feedback")?,
+        feedback,
         damping: node.number("damping")?,
         estimator_factor: node.number("estimator_factor")?,
         inertia: joints.numbers(node, "inertia_kg_m2")?,

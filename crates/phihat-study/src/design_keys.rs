@@ -197,9 +197,26 @@ static PAPER: Section = Section {
         Key {
             name: "phi_max",
             unit: "rad/s²",
-            shape: Shape::Number(Bounds::positive(1e6)),
-            need: Need::Optional("the largest φ over M̄ of any joint, from `phi_from`"),
-            doc: "φ_max for unit inertia.",
+            shape: Shape::PerJoint(Bounds::positive(1e6), &[]),
+            need: Need::Optional("the joint's φ over M̄, from `phi_from`"),
+            doc: "φ_max for unit inertia. One law for all joints takes the largest of any.",
+        },
+        Key {
+            name: "per_joint",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(false),
+            doc: "Whether each joint has K̃, K_p and K_d of its own, from its own limits and its own φ_max, as (44) is \
+                  printed with (i,i); else one law for all, from the strictest limits and the largest φ_max.",
+        },
+        Key {
+            name: "minimum_by",
+            unit: "",
+            shape: Shape::Word(&["44", "40"]),
+            need: Need::Word("44"),
+            doc: "Where the minimum of step 1 comes from. `\"44\"`: every row of (44) is an equality. `\"40\"`: the least K̃ \
+                  with which (40), read per entry, keeps every limit, as step 1 is printed; where (40) is no bound, K̃ \
+                  is raised until the limits hold, and the method says so.",
         },
         Key {
             name: "integrals_max",

@@ -178,8 +178,12 @@ pub enum PhiSource {
 /// `[design.paper]`: what the paper's recipe needs besides `[spec]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperRequest {
-    /// `φ_max` for unit inertia \[rad/s²\]; `None`: from what is known of φ.
-    pub phi_max: Option<f64>,
+    /// `φ_max` for unit inertia \[rad/s²\] per joint; `None`: from what is known of φ.
+    pub phi_max: Option<Vec<f64>>,
+    /// Whether each joint has a law of its own.
+    pub per_joint: bool,
+    /// Whether step 1 is by (40); else by (44).
+    pub by_40: bool,
     /// Largest repeated integrals of the error beyond `∫e`: `∬e, ∭e, …`.
     pub integrals_max: Vec<f64>,
     /// Whether `xᵀSBBᵀSx` counts.

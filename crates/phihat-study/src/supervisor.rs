@@ -1,5 +1,7 @@
 //! `[supervisor]`: guard, limits and modes around the law.
 
+use phihat::Form;
+
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -34,6 +36,8 @@ pub struct SupervisorRequest {
     pub preset: Option<Vec<f64>>,
     /// Whether to start at first order.
     pub start_first_order: bool,
+    /// How many times as fast the estimator is at the start, where it is slower.
+    pub start_factor: Option<f64>,
     /// Mismatch that counts as settled, and as disturbed \[N·m\].
     pub settled: f64,
     /// See `settled`; infinite: never.
@@ -70,10 +74,14 @@ pub enum RequestedMode {
 pub(crate) fn read(
     node: &Node<'_>,
     arm: &StudyArm,
-    duration: f64,
+    (duration, form): (f64, Form),
 ) -> Result<Option<Box<SupervisorRequest>>, StudyError> {
     if !node.exists() {
         return Ok(None);
+    }
+    if form == Form::Positions && node.has("start_estimator_factor") {
+        let message = "a law from positions has no estimator of its own that could be slower";
+        return Err(node.error(Kind::Conflict, "start_estimator_factor", message));
     }
     let joints = &arm.joints;
     let some = |key: &str| joints.numbers_if(node, key);
@@ -106,6 +114,7 @@ pub(crate) fn read(
         funnel_decay: node.number("funnel_decay_s")?,
         preset: some("preset_nm")?,
         start_first_order: node.flag("start_first_order")?,
+        start_factor: node.number_if("start_estimator_factor"),
         settled,
         disturbed,
         dwell: node.number("dwell_s")?,

@@ -133,7 +133,17 @@ pub(crate) static SUPERVISOR: Section = Section {
             unit: "",
             shape: Shape::Flag,
             need: Need::Flag(false),
-            doc: "Start with an estimator of first order; go to the gains' order when the mismatch has settled.",
+            doc: "Start with an estimator of first order; go to the gains' order when the mismatch has settled. In the \
+                  printed form, `a_0` of the start is the m-th root of `a_0`, and φ̂ is handed over.",
+        },
+        Key {
+            name: "start_estimator_factor",
+            unit: "",
+            shape: Shape::Number(Bounds::closed(0.01, 1.0)),
+            need: Need::Optional("as fast as the gains"),
+            doc: "Start with an estimator slower by this factor, at most 1: its poles are so many times as fast, so that \
+                  `a_0` of order 1 is so many times as large. With `start_first_order`, of the first order one. Until \
+                  the mismatch has settled.",
         },
         number("settled_nm", "N·m", TORQUE, 1.0, "Mismatch φ − φ̂ that counts as settled."),
         Key {

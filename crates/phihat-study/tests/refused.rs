@@ -629,3 +629,22 @@ fn the_rendering_is_safe_for_terminals_and_short() {
     assert!(error.render().chars().all(|c| !c.is_control() || c == '\n'));
     assert!(error.render().lines().all(|line| line.chars().count() <= 120), "{}", error.render());
 }
+
+#[test]
+fn mistakes_in_the_papers_recipe() {
+    for (text, key, fragment) in [
+        ("feedback = true\nminimum_by = \"40\"", "design.paper.feedback", "keep one of them"),
+        ("minimum_by = 40", "design.paper.minimum_by", "expected a string"),
+        ("minimum_by = \"41\"", "design.paper.minimum_by", "is not known here"),
+        ("phi_max = [1.0, 2.0]", "design.paper.phi_max", "3"),
+        ("per_joint = 1", "design.paper.per_joint", "true or false"),
+    ] {
+        let error = read(&format!("{}\n[design.paper]\n{text}\n", support::GOOD)).unwrap_err();
+        assert_eq!(error.key(), key, "{error}");
+        assert!(error.render().contains(fragment), "{text}: {}", error.render());
+    }
+    let study = read(&format!("{}\n[design.paper]\nphi_max = 2.0\n", support::GOOD)).unwrap();
+    let paper = &study.design.paper;
+    assert_eq!(paper.phi_max.as_deref(), Some(&[2.0; 3][..]));
+    assert!(!paper.per_joint && !paper.by_40);
+}

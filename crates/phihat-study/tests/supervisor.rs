@@ -40,6 +40,8 @@ fn contradictions_are_refused_by_name() {
         ("funnel_initial_rad = 0.01\nfunnel_final_rad = 0.02", "funnel_initial_rad"),
         ("soft_zone_rad = 50.0", "soft_zone_rad"),
         ("hold_samples = 2.5", "hold_samples"),
+        ("start_estimator_factor = 1.5", "start_estimator_factor"),
+        ("start_estimator_factor = 0.0", "start_estimator_factor"),
         ("error_stop_rad = [0.1, 0.2]", "error_stop_rad"),
         ("[[supervisor.request]]\nt_s = 9.0\nmode = \"arm\"", "t_s"),
         (backwards, "t_s"),
@@ -47,4 +49,17 @@ fn contradictions_are_refused_by_name() {
         let error = study(text).unwrap_err();
         assert!(error.render().contains(key), "{text}: {}", error.render());
     }
+}
+
+#[test]
+fn a_slower_start_is_read_and_refused_where_there_is_no_estimator_to_slow() {
+    let read = study("start_estimator_factor = 0.25").unwrap().supervisor.unwrap();
+    assert_eq!((read.start_factor, read.start_first_order), (Some(0.25), false));
+    let positions = support::GOOD.replace("[loop]\n", "[loop]\nform = \"positions\"\n");
+    let text = format!("{positions}\n[supervisor]\nstart_estimator_factor = 0.25\n");
+    let error = Study::from_text(&text, "base.toml", "".as_ref()).unwrap_err().render();
+    assert!(
+        error.contains("start_estimator_factor") && error.contains("law from positions"),
+        "{error}"
+    );
 }

@@ -138,7 +138,7 @@ pub struct JointGains<R> {
     pub(crate) inertia_inverse: R,
     pub(crate) kp: R,
     pub(crate) kd: R,
-    /// Observer: `α_{m−1}, α_{m−2}, …, α_0`, so that entry `j` feeds memory `j`.
+    /// Observer: `α_{m−1}, α_{m−2}, …, α_0`, so that entry `j` feeds memory `j`. Literal: `a_{m−1}, …, a_0`.
     pub(crate) alpha: [R; ORDER_MAX],
     /// Literal: the factors of `∫e, ∬e, …` in `−φ̂/M̄`.
     pub(crate) on_integrals: [R; ORDER_MAX],
@@ -159,20 +159,16 @@ impl<R: Real> JointGains<R> {
         let a = design.a;
         let m = a.len();
         let at = |i: usize| a.get(i).copied().unwrap_or(0.0);
-        // Lemma 1 (16): x = (∫…∫e, …, ∫e, e, ė) meets a_{i−1} K_p + a_{i−2} K_d + a_{i−3}, i = 1 … m+2.
-        let factor = |i: usize| {
-            let kd_part = if i >= 2 { at(i - 2) * design.kd } else { 0.0 };
-            let last = if i >= 3 { at(i - 3) } else { 0.0 };
-            at(i - 1) * design.kp + kd_part + last
-        };
+        let factor = |i: usize| ladder_factor(&at, [design.kp, design.kd], i);
         let mut on_integrals = [R::ZERO; ORDER_MAX];
         for (j, entry) in on_integrals.iter_mut().enumerate().take(m) {
             *entry = R::from_f64(factor(m - j)); // j = 0 is ∫e, which is x[m]
         }
         let mut alpha = [R::ZERO; ORDER_MAX];
         let sampled = sampled_coefficients(a, design.period);
-        for (entry, value) in alpha.iter_mut().zip(sampled.iter().take(m).rev()) {
-            *entry = R::from_f64(*value);
+        let literal = design.form == Form::Literal;
+        for (i, (entry, value)) in alpha.iter_mut().zip(sampled.iter().take(m).rev()).enumerate() {
+            *entry = R::from_f64(if literal { at(m - 1 - i) } else { *value });
         }
         let gains = Self {
             form: design.form,
@@ -213,16 +209,16 @@ impl<R: Real> JointGains<R> {
         Self { limits, ..self }
     }
 
-    /// These gains with an estimator of first order, whose sampled pole is at the geometric mean of the poles they have:
-    /// for a start without peaking; see [`Schedule`](crate::Schedule). Gains of the literal form,
-    /// or from positions, are left alone.
+    /// These gains with an estimator of first order, whose pole is at the geometric mean of the poles they have (of the
+    /// sampled ones in the observer form, of those of `A_o(s)` in the literal form): for a start without peaking; see
+    /// [`Schedule`](crate::Schedule). Gains from positions are left alone.
     #[must_use]
     pub fn first_order(self) -> Self {
-        if self.form != Form::Observer || self.order == 1 {
+        if self.form == Form::Positions || self.order == 1 {
             return self;
         }
         let Some(lowest) = self.alpha.get(self.order - 1).copied() else { return self };
-        // Newton's iteration for the m-th root, from above: the arithmetic mean.
+        // Newton's iteration for the m-th root, from the arithmetic mean.
         let m = R::from_f64(self.order as f64);
         let [highest, ..] = self.alpha;
         let mut root = highest / m;
@@ -235,7 +231,46 @@ impl<R: Real> JointGains<R> {
         }
         let mut alpha = [R::ZERO; ORDER_MAX];
         alpha[0] = root;
-        Self { order: 1, alpha, ..self }
+        let first = Self { order: 1, alpha, ..self }.with_ladder();
+        if root > R::ZERO && first.hold_samples_in() { first } else { self }
+    }
+
+    /// These gains with every pole of the estimator `factor` times as far from where it stands still, a slower
+    /// estimator: of order 1, `a_0` times `factor`. In the literal form the poles of `A_o(s)` count,
+    /// `a_i` times `factor^{m−i}`; in the observer form the sampled ones, likewise in `α_i`. For a gentler start; see
+    /// [`Schedule`](crate::Schedule). `None` where `factor` is not above 0 and at most 1, and for gains from positions.
+    #[must_use]
+    pub fn slower(self, factor: R) -> Option<Self> {
+        let fits = factor > R::ZERO && factor <= R::from_f64(1.0);
+        if !fits || self.form == Form::Positions {
+            return None;
+        }
+        let (mut alpha, mut power) = (self.alpha, R::from_f64(1.0));
+        for entry in &mut alpha {
+            power = power * factor;
+            *entry = *entry * power;
+        }
+        let slower = Self { alpha, ..self }.with_ladder();
+        let whole = alpha.iter().take(self.order).all(|entry| *entry > R::ZERO);
+        if whole && slower.hold_samples_in() { Some(slower) } else { None }
+    }
+
+    /// The literal form's factors, from its `a`.
+    fn with_ladder(self) -> Self {
+        if self.form != Form::Literal {
+            return self;
+        }
+        let m = self.order;
+        let at = |i: usize| {
+            let entry = m.checked_sub(i + 1).and_then(|j| self.alpha.get(j));
+            entry.copied().unwrap_or(R::ZERO)
+        };
+        let factor = |i: usize| ladder_factor(&at, [self.kp, self.kd], i);
+        let mut on_integrals = [R::ZERO; ORDER_MAX];
+        for (j, entry) in on_integrals.iter_mut().enumerate().take(m) {
+            *entry = factor(m - j);
+        }
+        Self { on_integrals, on_error: [factor(m + 1), factor(m + 2)], ..self }
     }
 
     /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
@@ -262,6 +297,13 @@ impl<R: Real> JointGains<R> {
     pub fn limits(&self) -> &Limits<R> {
         &self.limits
     }
+}
+
+/// Lemma 1 (16): `x = (∫…∫e, …, ∫e, e, ė)` meets `a_{i−1} K_p + a_{i−2} K_d + a_{i−3}`, `i = 1 … m+2`.
+fn ladder_factor<R: Real>(a: &impl Fn(usize) -> R, [kp, kd]: [R; 2], i: usize) -> R {
+    let kd_part = if i >= 2 { a(i - 2) * kd } else { R::ZERO };
+    let last = if i >= 3 { a(i - 3) } else { R::ZERO };
+    a(i - 1) * kp + kd_part + last
 }
 
 impl JointDesign<'_> {

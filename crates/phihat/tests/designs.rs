@@ -107,11 +107,69 @@ fn start_gains_of_first_order_have_the_geometric_mean_of_the_sampled_poles() {
             assert!((is - want).abs() <= 1e-11 * (1.0 + want.abs()), "{poles:?}: {is} {want}");
         }
     }
-    // What is first order already, or literal, is left alone.
-    for law in [made(&[70.0], Form::Observer), made(&[4900.0, 140.0], Form::Literal)] {
-        let law = law.unwrap();
+    // What is first order already is left alone.
+    for form in [Form::Observer, Form::Literal] {
+        let law = made(&[70.0], form).unwrap();
         assert_eq!(law.first_order(), law);
     }
+    // The literal form has no sampled poles: a_0 of the first order is the m-th root of a_0.
+    for a in
+        [&[4900.0, 140.0][..], &[64_000.0, 4800.0, 120.0], &[810_000.0, 108_000.0, 5400.0, 120.0]]
+    {
+        let law = made(a, Form::Literal).unwrap().first_order();
+        let want = made(&[a[0].powf(1.0 / a.len() as f64)], Form::Literal).unwrap();
+        assert_eq!(law.order(), 1);
+        same_law(&law, &want);
+    }
+}
+
+/// Two laws answer errors alike.
+fn same_law(is: &JointGains<f64>, want: &JointGains<f64>) {
+    let mut states = [JointState::new(); 2];
+    for k in 0..400_u32 {
+        let t = f64::from(k) * T;
+        let (q, dq) = (0.02 * (9.0 * t).sin() + 0.01, 0.18 * (9.0 * t).cos());
+        let m = Measurement { q, dq, tau_applied: 5.0 + (47.0 * t).cos() };
+        let r = Reference { q: 0.003, dq: 0.1, ddq: 0.4 };
+        let [a, b] = &mut states;
+        let (is, want) = (is.update(a, &m, &r).tau, want.update(b, &m, &r).tau);
+        assert!((is - want).abs() <= 1e-11 * (1.0 + want.abs()), "{k}: {is} against {want}");
+    }
+}
+
+/// The slower literal law is the one designed with `a_i f^{m−i}`; the slower observer of order 1 has a sampled pole
+/// `f` times as far from 1.
+#[test]
+fn slower_gains_are_those_of_the_slower_polynomial() {
+    for a in [
+        &[69.6][..],
+        &[4844.0, 139.2],
+        &[64_000.0, 4800.0, 120.0],
+        &[810_000.0, 108_000.0, 5400.0, 120.0],
+    ] {
+        let m = a.len();
+        let law = made(a, Form::Literal).unwrap();
+        for f in [1.0, 0.575, 0.1_f64] {
+            let scaled: Vec<f64> =
+                a.iter().zip(0..).map(|(a, i)| a * f.powi(i32::try_from(m).unwrap() - i)).collect();
+            same_law(&law.slower(f).unwrap(), &made(&scaled, Form::Literal).unwrap());
+        }
+        for f in [0.0, -0.5, 1.001, f64::NAN, f64::INFINITY] {
+            let refused = law.slower(f);
+            assert!(refused.is_none(), "{f}: {refused:?}");
+        }
+    }
+    let sampled = |a: f64| -(-a * T).exp_m1() / T;
+    for f in [0.9, 0.3] {
+        let slower = made(&[70.0], Form::Observer).unwrap().slower(f).unwrap();
+        let pole = -(-f * sampled(70.0) * T).ln_1p() / T;
+        same_law(&slower, &made(&[pole], Form::Observer).unwrap());
+    }
+    // The sampled poles of second order: both f times as far from 1.
+    let slower = made(&product(&[&[70.0], &[200.0]]), Form::Observer).unwrap().slower(0.4).unwrap();
+    let pole = |p: f64| -(-0.4 * sampled(p) * T).ln_1p() / T;
+    let want = made(&product(&[&[pole(70.0)], &[pole(200.0)]]), Form::Observer).unwrap();
+    same_law(&slower, &want);
 }
 
 #[test]

@@ -63,6 +63,7 @@ impl List {
             funnel_decay: _,
             preset,
             start_first_order,
+            start_factor,
             // When the start gains end, and whether they come back.
             settled: _,
             disturbed: _,
@@ -95,6 +96,9 @@ impl List {
             // Its window is looked at before arming; the bounds are those of the running gains.
             let text = format!("true, blended over {blend} s");
             self.add("supervisor.start_first_order", text, LeftOut::Bounds);
+        }
+        if let Some(factor) = start_factor {
+            self.add("supervisor.start_estimator_factor", factor, LeftOut::Bounds);
         }
         // The arm is armed, holds, and then tracks: the reference begins some samples late.
         let modes = requests.iter().map(|(t, mode)| format!("{mode:?} at {t} s"));

@@ -1,5 +1,7 @@
 //! The gains an arm starts with: they have to hold for its inertia as the running ones do.
 
+use nalgebra::{Complex, DMatrix};
+use phihat::Form;
 use phihat_study::Study;
 
 use super::inside::inside;
@@ -10,7 +12,7 @@ use crate::prelude::*;
 use crate::sampled::estimator::sampled_coefficients;
 use crate::sampled::{InertiaWindow, LoopModel};
 
-/// Whether the start gains' window holds the arm, where the study's supervisor starts at first order.
+/// Whether the start gains' window holds the arm, where the study's supervisor starts with others.
 ///
 /// # Errors
 ///
@@ -21,18 +23,69 @@ pub(super) fn start_inside_window(
     model: &LoopModel,
     arm: &ArmInertia,
 ) -> Result<(), Refutation> {
-    if !study.supervisor.as_ref().is_some_and(|request| request.start_first_order) {
-        return Ok(());
-    }
-    InertiaWindow::find(&first_order(record, model.period_s), model)
+    let Some(start) = start(study, record, model) else { return Ok(()) };
+    InertiaWindow::find(&start, model)
         .and_then(|window| inside(&window, arm, 1.0))
         .map_err(|why| Refutation { claim: format!("{} of the start gains", why.claim), ..why })
 }
 
-/// The gains of `JointGains::first_order`: `α = α_0^{1/m}`, which is the estimator `a = −ln(1 − αT)/T`.
-fn first_order(record: &JointRecord, period: f64) -> JointRecord {
-    // α_0 T^m
-    let lowest = sampled_coefficients(&record.a, period).first().copied().unwrap_or(f64::NAN);
-    let alpha_t = lowest.powf(1.0 / record.a.len() as f64);
-    JointRecord { a: vec![-(-alpha_t).ln_1p() / period], ..record.clone() }
+/// The gains that the supervisor starts with, as the estimator `a` that samples to them.
+fn start(study: &Study, record: &JointRecord, model: &LoopModel) -> Option<JointRecord> {
+    let request = study.supervisor.as_ref()?;
+    let first = request.start_first_order.then(|| first_order(record, model));
+    match request.start_factor {
+        Some(factor) => Some(slower(&first.unwrap_or_else(|| record.clone()), factor, model)),
+        None => first,
+    }
+}
+
+/// The gains of `JointGains::first_order`: in the observer form `α = α_0^{1/m}`, which is the estimator
+/// `a = −ln(1 − αT)/T`; in the literal form `a_0^{1/m}`.
+fn first_order(record: &JointRecord, model: &LoopModel) -> JointRecord {
+    let root = |lowest: Option<&f64>| {
+        lowest.copied().unwrap_or(f64::NAN).powf(1.0 / record.a.len() as f64)
+    };
+    let a = if model.form == Form::Literal {
+        root(record.a.first())
+    } else {
+        // α_0 T^m
+        let alpha_t = root(sampled_coefficients(&record.a, model.period_s).first());
+        -(-alpha_t).ln_1p() / model.period_s
+    };
+    JointRecord { a: vec![a], ..record.clone() }
+}
+
+/// The gains of `JointGains::slower`: in the literal form `a_i f^{m−i}`; in the observer form the estimator whose sampled
+/// poles are `f` times as far from 1.
+fn slower(record: &JointRecord, factor: f64, model: &LoopModel) -> JointRecord {
+    let m = record.a.len();
+    let a = if model.form == Form::Literal {
+        let mut power = 1.0;
+        let mut a = record.a.clone();
+        for entry in a.iter_mut().rev() {
+            power *= factor;
+            *entry *= power;
+        }
+        a
+    } else {
+        let period = model.period_s;
+        let companion = DMatrix::from_fn(m, m, |i, j| {
+            let below = if i == j + 1 { 1.0 } else { 0.0 };
+            if j + 1 == m { -record.a[i] } else { below }
+        });
+        // (z − 1) of each pole, taken closer, and back: Π (s − ln(1 + f(e^{sT} − 1))/T).
+        let one = Complex::new(1.0, 0.0);
+        let mut product = vec![one];
+        for pole in companion.complex_eigenvalues().iter() {
+            let moved = (one + ((pole * period).exp() - one) * factor).ln() / period;
+            let mut next = vec![Complex::new(0.0, 0.0); product.len() + 1];
+            for (i, c) in product.iter().enumerate() {
+                next[i + 1] += c;
+                next[i] -= c * moved;
+            }
+            product = next;
+        }
+        product.iter().take(m).map(|c| c.re).collect()
+    };
+    JointRecord { a, ..record.clone() }
 }

@@ -60,6 +60,9 @@ pub enum PaperError {
         /// Number of limits.
         states: usize,
     },
+    /// No gains keep every limit by (40).
+    #[error("no K̃ up to 1e9 1/s keeps every limit by (40), whatever K_p, K_d and b_i")]
+    NoneBy40,
     /// Newton's iteration did not end at positive gains.
     #[error("Newton's method stops at a relative residual of {residual:.1e}")]
     NoSolution {
@@ -69,7 +72,7 @@ pub enum PaperError {
 }
 
 impl ErrorLimits {
-    fn check(&self) -> Result<usize, PaperError> {
+    pub(crate) fn check(&self) -> Result<usize, PaperError> {
         let states = self.x_max.len();
         if !(3..=6).contains(&states) {
             return Err(PaperError::Order { states });

@@ -23,7 +23,7 @@ pub enum OptionError {
         /// Which joint.
         joint: usize,
     },
-    /// Start gains need the observer form: integrals of the error do not survive a change of order.
+    /// Start gains are of another form of the law than the running gains.
     Form {
         /// Which joint.
         joint: usize,
@@ -47,7 +47,7 @@ impl fmt::Display for OptionError {
                 write!(f, "joint {joint}: its gains are for another sample period than the options")
             }
             Self::Form { joint } => {
-                write!(f, "joint {joint}: start gains need the observer form, in both sets")
+                write!(f, "joint {joint}: start gains need the form of the running gains")
             }
             Self::Motion { joint, error } => write!(f, "joint {joint}: {error}"),
         }

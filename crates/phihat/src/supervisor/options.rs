@@ -61,7 +61,8 @@ impl Options {
 ///
 /// The mismatch `φ − φ̂`, averaged over some 50 ms, must stay below `settled` (root mean square) in every
 /// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
-/// long the start gains come back. A change never steps the torque.
+/// long the start gains come back. A change never steps the torque. In the literal form `φ̂` is handed over, and what the
+/// lower integrals knew of its rate is not: the rate of the torque may step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Schedule {
     /// \[N·m\]
@@ -117,6 +118,6 @@ pub struct JointOptions<R> {
     /// Torque variation \[N·m, root mean square\] that is enough to judge, during the first quarter of a second,
     /// whether the joint accelerates the way the torque pushes.
     pub first_motion: Option<f64>,
-    /// Gains for the start, of lower order or slower; see [`Schedule`].
+    /// Gains for the start, of lower order or slower, and of the running gains' form; see [`Schedule`].
     pub start: Option<JointGains<R>>,
 }

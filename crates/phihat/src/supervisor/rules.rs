@@ -159,7 +159,7 @@ impl<R: Real> JointRules<R> {
             plain.fits(joint, start)?;
         }
         if let Some(start) = &options.start {
-            if !gains.knows_as(start) {
+            if gains.form != start.form {
                 return Err(OptionError::Form { joint });
             }
         }

@@ -28,8 +28,15 @@ pub(crate) fn schedule<R: Real>(
     if !(raise || lower) {
         return;
     }
+    // All joints or none: tried on copies before.
+    let change = |rule: &JointRules<R>, memory: &mut JointMemory<R>| {
+        JointRules::change(memory, rule.in_force(state.raised), rule.in_force(raise))
+    };
+    if !rules.iter().zip(memories.iter()).all(|(rule, memory)| change(rule, &mut { *memory })) {
+        return;
+    }
     for (rule, memory) in rules.iter().zip(memories) {
-        JointRules::change(memory, rule.in_force(state.raised), rule.in_force(raise));
+        let _tried = change(rule, memory);
     }
     state.raised = raise;
     state.settled = 0;
@@ -49,12 +56,17 @@ impl<R: Real> JointRules<R> {
         let start = if self.scheduled { self.gains[0] } else { gains };
         self.gains = [start, gains];
         self.range = self.range.map(|range| range.with_gains(&gains));
-        Self::change(memory, &old, self.in_force(raised));
+        let _held = Self::change(memory, &old, self.in_force(raised));
     }
 
     /// Changes gains without a step in torque: what the new ones demand differently at the next sample is
-    /// faded out from there.
-    pub(crate) fn change(memory: &mut JointMemory<R>, from: &JointGains<R>, to: &JointGains<R>) {
+    /// faded out from there. The literal form's `φ̂` is handed over to the highest integral, and the lower ones begin
+    /// at zero where the order rises. `false`, and nothing changes: no finite integral gives that `φ̂`.
+    pub(crate) fn change(
+        memory: &mut JointMemory<R>,
+        from: &JointGains<R>,
+        to: &JointGains<R>,
+    ) -> bool {
         if to.knows_as(from) {
             // What a lower order does not have goes on for one sample more.
             let mut above = R::ZERO;
@@ -78,9 +90,12 @@ impl<R: Real> JointRules<R> {
             } else {
                 from.outer_loop(&m, &r) + memory.law.phi_hat
             };
-            to.resume(&mut memory.law, &m, &r, tau);
+            if !to.resume(&mut memory.law, &m, &r, tau) {
+                return false;
+            }
             memory.law.tau = last;
         }
+        true
     }
 }
 
