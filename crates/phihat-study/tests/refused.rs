@@ -639,11 +639,11 @@ fn mistakes_in_the_papers_recipe() {
         ("phi_max = [1.0, 2.0]", "design.paper.phi_max", "3"),
         ("per_joint = 1", "design.paper.per_joint", "true or false"),
     ] {
-        let error = read(&format!("{}\n[design.paper]\n{text}\n", support::GOOD)).unwrap_err();
+        let error = read(&format!("{GOOD}\n[design.paper]\n{text}\n")).unwrap_err();
         assert_eq!(error.key(), key, "{error}");
         assert!(error.render().contains(fragment), "{text}: {}", error.render());
     }
-    let study = read(&format!("{}\n[design.paper]\nphi_max = 2.0\n", support::GOOD)).unwrap();
+    let study = read(&format!("{GOOD}\n[design.paper]\nphi_max = 2.0\n")).unwrap();
     let paper = &study.design.paper;
     assert_eq!(paper.phi_max.as_deref(), Some(&[2.0; 3][..]));
     assert!(!paper.per_joint && !paper.by_40);

@@ -1,6 +1,6 @@
 //! The three-joint arm: Figs. 4 to 11, order switching.
 
-use super::Detail;
+use super::detail::Detail;
 
 pub(super) const DETAILS: &[Detail] = &[
     [

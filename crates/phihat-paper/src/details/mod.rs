@@ -2,15 +2,15 @@
 //! its verdict turns. A statement that says so where it is made keeps that.
 
 mod arm;
+mod detail;
 mod tables;
 mod theory;
 mod theory_later;
 
+use detail::Detail;
+
 use crate::item::{Item, Kind};
 use crate::record::Section;
-
-/// `[id, covers, reading, varied, turns]`; items as `(40) F7 T2 R9 L1 Th5`, several in a row as `(1)-(4)`.
-type Detail = [&'static str; 5];
 
 fn all() -> impl Iterator<Item = &'static Detail> {
     [theory::DETAILS, theory_later::DETAILS, arm::DETAILS, tables::DETAILS].into_iter().flatten()
@@ -69,7 +69,6 @@ fn kind(word: &str) -> Option<(Kind, &str)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
     use std::collections::BTreeSet;
 

@@ -1,6 +1,6 @@
 //! Tables 1 to 3, Figs. 12 to 14.
 
-use super::Detail;
+use super::detail::Detail;
 
 pub(super) const DETAILS: &[Detail] = &[
     ["table1-description", "T1", "", "", ""],

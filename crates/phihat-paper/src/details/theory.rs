@@ -1,6 +1,6 @@
 //! Secs. II to IV.
 
-use super::Detail;
+use super::detail::Detail;
 
 pub(super) const DETAILS: &[Detail] = &[
     [

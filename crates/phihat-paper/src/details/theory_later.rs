@@ -1,6 +1,6 @@
 //! Sec. V.
 
-use super::Detail;
+use super::detail::Detail;
 
 pub(super) const DETAILS: &[Detail] = &[
     [

@@ -2,8 +2,8 @@
 
 use phihat_rivals::{Tick, Ticks};
 
-use super::Row;
 use super::rated::Rated;
+use super::row::Row;
 use crate::compose::{number, three};
 use crate::published::Published;
 use crate::record::{Statement, Verdict};

@@ -1,7 +1,7 @@
 //! "Low computational cost", from instructions that were counted.
 
-use super::Row;
 use super::rated::Rated;
+use super::row::Row;
 use crate::compose::number;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};

@@ -2,7 +2,7 @@
 
 use phihat_rivals::Needs;
 
-use super::Row;
+use super::row::Row;
 use crate::compose::number;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};

@@ -1,11 +1,14 @@
 //! Table 1: its rows as printed, column by column against the laws here.
 
-use phihat_rivals::{Entry, RIVALS, Tick, Ticks};
+use phihat_rivals::Tick;
 
 mod columns;
 mod cost;
 mod described;
 mod rated;
+mod row;
+
+use row::Row;
 
 use super::compose::{number, words};
 use super::published::Published;
@@ -28,54 +31,6 @@ const ROWS: [&[&str]; 13] = [
     &["[5]", "[12]"],
     &["proposed"],
 ];
-
-/// One row: what is printed, and the laws here that stand for it.
-struct Row {
-    name: String,
-    printed: Ticks,
-    laws: Vec<&'static Entry>,
-}
-
-impl Row {
-    fn of(references: &[&str]) -> Result<Self, PartError> {
-        let name = references.join(", ");
-        let stands = |entry: &&Entry| {
-            entry.card.printed.is_some() && references.contains(&entry.card.reference)
-        };
-        let laws: Vec<_> = RIVALS.iter().filter(stands).collect();
-        let mut printed = laws.iter().filter_map(|entry| entry.card.printed);
-        let Some(first) = printed.next() else { return Err(PartError::EmptyRow(name)) };
-        if printed.any(|other| other != first) {
-            return Err(PartError::MixedRow(name));
-        }
-        Ok(Self { name, printed: first, laws })
-    }
-
-    /// Whether the printed mark is right for none, some or all of its laws; `None` for "-".
-    fn right(&self) -> Option<usize> {
-        let says = match self.printed.model_free {
-            Tick::Yes => true,
-            Tick::No => false,
-            Tick::Partly => return None,
-        };
-        Some(self.laws.iter().filter(|entry| entry.needs.model_free() == says).count())
-    }
-
-    fn cells(&self) -> Vec<String> {
-        let Ticks { quantitative, easy, optimal, model_free } = self.printed;
-        let marks = [quantitative, easy, optimal, model_free].map(|tick| match tick {
-            Tick::Yes => "✓",
-            Tick::No => "✗",
-            Tick::Partly => "-",
-        });
-        let here = self.laws.iter().map(|entry| {
-            let word = if entry.needs.model_free() { "no model" } else { "a model" };
-            format!("{}: {word}", entry.card.id)
-        });
-        let here: Vec<_> = here.collect();
-        [self.name.clone()].into_iter().chain(words(&marks)).chain([here.join("; ")]).collect()
-    }
-}
 
 /// Table 1, on the planar arm.
 pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<Part, PartError> {

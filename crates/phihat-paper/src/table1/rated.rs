@@ -5,7 +5,7 @@ use phihat_design::claims::Optimality;
 use phihat_design::prelude::*;
 use phihat_rivals::{Entry, Grade, Tuning};
 
-use super::Row;
+use super::row::Row;
 use crate::gains::{K_TILDE, K_TILDE_H3, first, second_h3};
 use crate::part::PartError;
 
