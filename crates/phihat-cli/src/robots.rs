@@ -24,9 +24,7 @@ const SEED: u64 = 1;
 /// error, which a design finds), and the ratio of eigenvalues that the
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots two_arms.urdf --base torso --tip left_tool0"
-)]
+#[command(after_help = "Examples:\n  phihat robots\n  phihat robots panda")]
 pub(crate) struct Robots {
     /// A built-in arm, or a file: a URDF, or the TOML that stands beside one.
     name: Option<String>,

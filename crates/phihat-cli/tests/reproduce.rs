@@ -71,7 +71,8 @@ fn it_leaves_data_page_figures_and_studies_and_agrees_with_itself() {
 fn a_bad_argument_is_one_error_and_leaves_nothing() {
     let folder = folder("reproduce-bad");
     fs::write(folder.join("file"), "not a folder").unwrap();
-    fs::write(folder.join("other.json"), "{\"format\": 1}").unwrap();
+    fs::write(folder.join("other.json"), "{\"format\": 2}").unwrap();
+    fs::write(folder.join("older.json"), "{\"format\": 1}").unwrap();
     fs::write(folder.join("comparison.json"), "{\"format\": \"phihat-comparison\"}").unwrap();
     fs::create_dir_all(folder.join("taken/report.html")).unwrap();
     let before = files(&folder);
@@ -80,6 +81,7 @@ fn a_bad_argument_is_one_error_and_leaves_nothing() {
         (["--out", "file"], "is not a folder"),
         (["--against", "missing.json"], "cannot be read"),
         (["--against", "other.json"], "no reproduction"),
+        (["--against", "older.json"], "a document of format 1"),
         (["--against", "comparison.json"], "found a document of format \"phihat-comparison\""),
         (["--against", "comparison.json"], "expected a reproduction.json"),
         (["--against", "studies/first.toml"], "found no JSON"),
