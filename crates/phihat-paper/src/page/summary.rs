@@ -20,7 +20,7 @@ fn held(reproduction: &Reproduction, within: &[&str]) -> (usize, usize) {
 }
 
 /// Sections by what they are about; ids by their beginnings.
-const GROUPS: [(&str, &[&str]); 4] = [
+const GROUPS: [(&str, &[&str]); 5] = [
     (
         "the law and its theory (Secs. II to IV)",
         &[
@@ -40,6 +40,10 @@ const GROUPS: [(&str, &[&str]); 4] = [
         &["figure-4", "figures-5", "figure-7", "figure-8", "figures-12", "order-switching"],
     ),
     ("experiments (Figs. 9 to 11, Table 3)", &["figures-9", "table-3"]),
+    (
+        "what is said in words, of other laws (Table 1) and in single symbols",
+        &["in-words", "table-1", "errata"],
+    ),
 ];
 
 pub(super) fn summary(reproduction: &Reproduction) -> Markup {
@@ -69,6 +73,25 @@ pub(super) fn summary(reproduction: &Reproduction) -> Markup {
                 "Every statement says how it was read, what was varied, and where its verdict would turn. Nothing was measured on the \
                  authors' arms: they are not published, and what is simulated in their place is assumed. Covered: " (covered) "."
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::GROUPS;
+
+    #[test]
+    fn every_statement_of_the_paper_is_in_one_group() {
+        let kept = include_str!("../../../../docs/reproduction/reproduction.json");
+        let kept: serde_json::Value = serde_json::from_str(kept).unwrap();
+        for section in kept["sections"].as_array().unwrap() {
+            let id = section["id"].as_str().unwrap();
+            let mut statements = section["statements"].as_array().unwrap().iter();
+            let own = statements.any(|statement| statement["origin"] == "paper");
+            let within = GROUPS.iter().flat_map(|(_, within)| *within);
+            let groups = within.filter(|group| id.starts_with(**group)).count();
+            assert_eq!(groups, usize::from(own), "{id}");
         }
     }
 }
