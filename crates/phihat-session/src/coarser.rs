@@ -5,7 +5,8 @@ use phihat_design::{CoarserEncoder, Gains};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
-use crate::told::told;
+use crate::position_search::without_rate_limits;
+use crate::told::Told;
 
 /// How many bits less are looked at.
 const FEWER: core::ops::RangeInclusive<u32> = 1..=3;
@@ -27,15 +28,13 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
     let (Some(settle), Some(bits)) = (settle, &study.sensor.encoder_bits) else {
         return Ok(Vec::new());
     };
-    let mut own = study.clone();
+    let mut own = without_rate_limits(study);
     // Without a filter that the design chose there would have been no tube.
     if gains.complete(&mut own).is_err() {
         return Ok(Vec::new());
     }
-    let desired = told(&own, gains)?;
+    let desired = Told::of(&own)?.to(gains)?;
     let period = study.control.period_ns as f64 * 1e-9;
-    own.control.torque_rate_max = None;
-    own.interface.profile.torque_rate_max = None;
     let one = |bits_fewer: u32| {
         let fewer = |bits: &u32| bits.saturating_sub(bits_fewer).max(BITS_MIN);
         own.sensor.encoder_bits = Some(bits.iter().map(fewer).collect());

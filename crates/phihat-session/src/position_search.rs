@@ -9,7 +9,7 @@ use phihat_study::{PhiSource, Study};
 use crate::along::phi_along;
 use crate::error::SessionError;
 use crate::judged::{Judged, judge};
-use crate::told::told;
+use crate::told::Told;
 
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;
@@ -41,7 +41,8 @@ pub(crate) fn by_positions(
     (arm, demand): (&Arm, &Demand),
     path: &Path,
 ) -> Result<Outcome, SessionError> {
-    let told = |gains: &Gains| told(study, gains).map_err(|e| SessionError::at(path, e));
+    let motion = Told::of(study).map_err(|e| SessionError::at(path, e))?;
+    let told = |gains: &Gains| motion.to(gains).map_err(|e| SessionError::at(path, e));
     // For the search alone: the certificate of an arm with a description says nothing of φ.
     let phi = |joint: usize, inertia: f64| {
         let along = phi_along(demand, joint, inertia);
@@ -96,7 +97,7 @@ pub(crate) fn by_positions(
 }
 
 /// The study without limits of torque rate.
-fn without_rate_limits(study: &Study) -> Study {
+pub(crate) fn without_rate_limits(study: &Study) -> Study {
     let mut free = study.clone();
     free.control.torque_rate_max = None;
     free.interface.profile.torque_rate_max = None;
