@@ -4,8 +4,6 @@ A pendulum of 2 kg on 0.4 m with dry friction. The controller knows neither mass
 nominal inertia, a bandwidth, and the torque that acted. The same in C: examples/c/01_controller.c.
 """
 
-import json
-
 import numpy as np
 import phihat
 
@@ -14,28 +12,14 @@ MASS, LENGTH = 2.0, 0.4
 INERTIA = MASS * LENGTH**2
 
 # %% Gains: bandwidth 20 rad/s, second-order estimator with both poles at 70 rad/s.
-gains = phihat.Gains.from_json(
-    json.dumps(
-        {
-            "format": "phihat-gains",
-            "version": 3,
-            "study": "pendulum",
-            "study_sha256": "",
-            "rate_hz": 1.0 / T,
-            "method": "by hand",
-            "joints": [
-                {
-                    "name": "pivot",
-                    "inertia_kg_m2": 0.25,  # a guess: the true one is 0.32
-                    "kp_per_s2": 20.0**2,
-                    "kd_per_s": 2 * 20.0,
-                    "a": [70.0**2, 2 * 70.0],
-                }
-            ],
-        }
-    )
+controller = phihat.Controller(
+    rate_hz=1.0 / T,
+    inertia=[0.25],  # a guess: the true one is 0.32
+    kp=[20.0**2],
+    kd=[2 * 20.0],
+    a=[[70.0**2, 2 * 70.0]],
+    torque_max=[40.0],
 )
-controller = phihat.Controller(gains, torque_max=[40.0])
 
 # %% The loop: every millisecond.
 q, dq, tau = np.zeros(1), np.zeros(1), np.zeros(1)

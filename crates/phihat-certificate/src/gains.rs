@@ -2,6 +2,7 @@
 
 use phihat::{Form, GainError, JointDesign, JointGains, PositionDesign};
 use phihat_model::input::plain;
+use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -139,6 +140,31 @@ pub enum GainsError {
 }
 
 impl Gains {
+    /// Gains for a loop at this rate \[Hz\], of no study, about which nothing is claimed. `method` says how they were found.
+    pub fn stated(joints: Vec<JointRecord>, rate_hz: f64, method: impl Into<String>) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            study: String::new(),
+            study_sha256: String::new(),
+            rate_hz,
+            method: method.into(),
+            velocity_filter_hz: None,
+            joints,
+            certificate: None,
+            trade_off: Vec::new(),
+            limit: Vec::new(),
+            coarser: Vec::new(),
+        }
+    }
+
+    /// Gains for a study, about which nothing is claimed yet.
+    pub fn of(study: &Study, joints: Vec<JointRecord>, method: impl Into<String>) -> Self {
+        let stated = Self::stated(joints, 1e9 / study.control.period_ns as f64, method);
+        let (study, study_sha256) = (study.name.clone(), study.sha256.clone());
+        Self { study, study_sha256, ..stated }
+    }
+
     /// Reads a document.
     ///
     /// # Errors

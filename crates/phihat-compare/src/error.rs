@@ -29,6 +29,9 @@ pub enum CompareError {
     /// No rival has such an id.
     #[error("there is no rival `{0}`")]
     Rival(String),
+    /// A law of somebody's own has the name of another.
+    #[error("there is a law `{0}` already: another name is needed")]
+    Taken(String),
     /// No world has such a name.
     #[error("there is no world `{0}`")]
     World(String),

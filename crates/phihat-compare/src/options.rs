@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::{JOURNAL, Journal, results_of};
+use phihat_rivals::Entry;
 use phihat_session::{Watch, files, threads};
 
 use crate::error::CompareError;
@@ -17,6 +18,8 @@ use crate::repeat::{self, Repeated};
 pub struct CompareOptions {
     /// The study files (TOML), one per arm; the worlds are made from them.
     pub studies: Vec<PathBuf>,
+    /// Laws of somebody's own, beside those of the list.
+    pub laws: Vec<&'static Entry>,
     /// Ids of the rivals; none: all.
     pub only: Vec<String>,
     /// Names of the worlds; none: all.
@@ -61,7 +64,7 @@ impl CompareOptions {
     /// [`CompareError`]: an option or a study cannot be used, or a result not be written.
     pub fn run(&self, watch: &mut dyn Watch) -> Result<CompareAnswer, CompareError> {
         let folder = self.folder()?;
-        let plan = Plan::new(&self.studies, self.extent())?;
+        let plan = Plan::with(&self.studies, &self.laws, self.extent())?;
         let [data, page] = ["compare.json", "report.html"].map(|name| folder.join(name));
         let mut journal = self.journal(&folder, &[data.clone(), page.clone()], watch)?;
         let comparison = self.runs(&plan, &mut journal, watch)?;
@@ -86,7 +89,10 @@ impl CompareOptions {
             return Err(refuse());
         };
         let (only, worlds) = (vec![rival.to_owned()], vec![world.to_owned()]);
-        let mut plan = Plan::new(&self.studies, Extent { only, worlds, ..self.extent() })?;
+        let mut plan = {
+            let extent = Extent { only, worlds, ..self.extent() };
+            Plan::with(&self.studies, &self.laws, extent)?
+        };
         plan.arms.retain(|other| other.name == arm);
         if !plan.names().any(|known| known == name) {
             return Err(refuse());

@@ -14,6 +14,12 @@ use crate::world::{WORLDS, World, world};
 /// Raised when the same run would come out otherwise: journals of before are then done again.
 pub(crate) const EDITION: &str = "compare 5";
 
+/// What tells a piece of work from others, with the edition of a law that is not in the list.
+pub(crate) fn with_edition<'a>(parts: &[&'a str], edition: &'a str) -> Vec<&'a str> {
+    let own = (!edition.is_empty()).then_some(edition);
+    parts.iter().copied().chain(own).collect()
+}
+
 /// A comparison, ready to run.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -34,7 +40,26 @@ impl Plan {
     ///
     /// [`CompareError`]
     pub fn new(studies: &[PathBuf], extent: Extent) -> Result<Self, CompareError> {
+        Self::with(studies, &[], extent)
+    }
+
+    /// Reads the studies, and finds rivals by name among those of the list and laws of somebody's own.
+    ///
+    /// # Errors
+    ///
+    /// [`CompareError`]; two laws of one name among them.
+    pub fn with(
+        studies: &[PathBuf],
+        own: &[&'static Entry],
+        extent: Extent,
+    ) -> Result<Self, CompareError> {
         let mut rivals: Vec<&'static Entry> = RIVALS.iter().collect();
+        for law in own {
+            if rivals.iter().any(|other| other.card.id == law.card.id) {
+                return Err(CompareError::Taken(law.card.id.to_owned()));
+            }
+            rivals.push(law);
+        }
         if let Some(id) = extent.only.iter().find(|id| rivals.iter().all(|r| r.card.id != **id)) {
             return Err(CompareError::Rival(id.clone()));
         }

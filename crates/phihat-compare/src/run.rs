@@ -4,7 +4,7 @@ use phihat_campaign::{Ended, Journal, Progress, run_all};
 use phihat_session::short_hash;
 
 use crate::error::CompareError;
-use crate::plan::{EDITION, Plan};
+use crate::plan::{EDITION, Plan, with_edition};
 use crate::prepare::{Preparation, Prepared, Untuned, drawn, tuned};
 use crate::record::Comparison;
 use crate::rows;
@@ -77,15 +77,12 @@ impl Plan {
         let (arm, entry, extent) = (&self.arms[arm], self.rivals[rival], &self.extent);
         let training = (extent.training_motions, extent.training_s, extent.training_settle_s);
         let count = if draws { extent.draws } else { extent.tuning_runs };
-        short_hash(&[
-            EDITION,
-            env!("CARGO_PKG_VERSION"),
-            &arm.study.sha256,
-            &arm.name,
-            entry.card.id,
-            &format!("{:?}", entry.scalars),
-            &format!("{draws} {count} {training:?}"),
-        ])
+        let (scalars, extent) =
+            (format!("{:?}", entry.scalars), format!("{draws} {count} {training:?}"));
+        let (sum, name) = (&arm.study.sha256, &arm.name);
+        let parts =
+            [EDITION, env!("CARGO_PKG_VERSION"), sum, name, entry.card.id, &scalars, &extent];
+        short_hash(&with_edition(&parts, entry.edition))
     }
 }
 

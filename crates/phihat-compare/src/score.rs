@@ -8,7 +8,7 @@ use crate::arm_in_world::Task;
 use crate::case::{Case, Scored};
 use crate::error::CompareError;
 use crate::judge::{Bars, judge, sketch};
-use crate::plan::{EDITION, Plan};
+use crate::plan::{EDITION, Plan, with_edition};
 use crate::prepare::Preparation;
 use crate::promise;
 use crate::record::Comparison;
@@ -20,15 +20,10 @@ impl Plan {
     /// Equal ids, equal outcomes: an edition, the arm's text, the run's name, its gains, its length.
     pub(crate) fn case_id(&self, case: &Case, known: &[Preparation]) -> String {
         let values = self.values(case, known).map(|values| format!("{values:?}"));
-        let span = self.span(case.arm);
-        short_hash(&[
-            EDITION,
-            env!("CARGO_PKG_VERSION"),
-            &self.arms[case.arm].study.sha256,
-            &self.name(case),
-            &values.unwrap_or_default(),
-            &format!("{span:?}"),
-        ])
+        let (values, span) = (values.unwrap_or_default(), format!("{:?}", self.span(case.arm)));
+        let (sum, name) = (&self.arms[case.arm].study.sha256, self.name(case));
+        let parts = [EDITION, env!("CARGO_PKG_VERSION"), sum, &name, &values, &span];
+        short_hash(&with_edition(&parts, self.rivals[case.rival].edition))
     }
 
     /// The gains of a run.

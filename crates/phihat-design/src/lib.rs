@@ -74,6 +74,7 @@ pub mod prelude;
 mod quick;
 mod request;
 pub mod sampled;
+mod smoothed;
 mod trace;
 mod trade_off;
 pub mod tube;
@@ -94,4 +95,5 @@ pub use phihat_certificate::{
 };
 pub use positions::{PositionEstimate, PositionSearch};
 pub use request::requested_gains;
+pub use smoothed::{RecordedJoint, Smoothed};
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};

@@ -6,7 +6,7 @@ use phihat::Form;
 use phihat_study::{LawRequest, Study};
 
 use crate::sampled::placed::{Poles, correction};
-use crate::{FORMAT, Gains, JointRecord, PositionObserver, VERSION};
+use crate::{Gains, JointRecord, PositionObserver};
 
 /// The gains that a study asks for in so many words.
 ///
@@ -73,20 +73,8 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         LawRequest::Bandwidths { .. } => "bandwidths stated in the study",
         LawRequest::Coefficients { .. } => "coefficients stated in the study",
     };
-    Some(Gains {
-        format: FORMAT.to_owned(),
-        version: VERSION,
-        study: study.name.clone(),
-        study_sha256: study.sha256.clone(),
-        rate_hz: 1e9 / study.control.period_ns as f64,
-        method: method.to_owned(),
-        velocity_filter_hz: None,
-        joints: study.robot.joints.iter().enumerate().map(joint).collect(),
-        certificate: None,
-        trade_off: Vec::new(),
-        limit: Vec::new(),
-        coarser: Vec::new(),
-    })
+    let joints = study.robot.joints.iter().enumerate().map(joint).collect();
+    Some(Gains::of(study, joints, method))
 }
 
 fn law(request: &LawRequest, joint: usize) -> (f64, f64, Vec<f64>) {

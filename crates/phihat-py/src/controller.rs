@@ -7,7 +7,9 @@ use pyo3::types::PyDict;
 
 use crate::arrays::per_joint;
 use crate::failure;
+use crate::gains::Gains;
 use crate::laws::Laws;
+use crate::position_gains::PositionGains;
 use crate::raised;
 
 /// Periods between two stamped samples, at most.
@@ -32,16 +34,18 @@ type Sample<'a, 'py> = [(&'static str, &'a Bound<'py, PyAny>); 5];
 #[pymethods]
 impl Controller {
     #[new]
-    #[pyo3(signature = (gains, *, torque_max = None, torque_rate_max = None, form = None))]
+    #[pyo3(signature = (gains = None, *, torque_max = None, torque_rate_max = None, form = None, **law))]
     fn new(
         py: Python<'_>,
-        gains: &Bound<'_, PyAny>,
+        gains: Option<&Bound<'_, PyAny>>,
         torque_max: Option<Vec<f64>>,
         torque_rate_max: Option<Vec<f64>>,
         form: Option<&str>,
+        law: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        let gains = stated_or_given(py, gains, law)?;
         let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
-        let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, form)?;
+        let Laws { names, joints: laws, period_ns } = Laws::new(py, &gains, limits, form)?;
         let n = names.len();
         Ok(Self {
             names,
@@ -160,6 +164,31 @@ impl Controller {
     #[getter]
     fn torque_max<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.gains.iter().map(|gains| gains.limits().torque()))
+    }
+}
+
+/// Gains that were given, or those whose numbers were: of the law from positions where a `correction` is among them.
+fn stated_or_given<'py>(
+    py: Python<'py>,
+    gains: Option<&Bound<'py, PyAny>>,
+    law: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let limit = "either gains, or the numbers of phihat.Gains or phihat.PositionGains";
+    match (gains, law) {
+        (Some(gains), None) => Ok(gains.clone()),
+        (None, Some(law)) if law.contains("correction")? => {
+            py.get_type::<PositionGains>().call((), Some(law))
+        }
+        (None, Some(law)) => py.get_type::<Gains>().call((), Some(law)),
+        (Some(_), Some(law)) => {
+            let more = law.keys().iter().map(|key| key.to_string()).collect::<Vec<_>>().join(", ");
+            let message = format!("gains: given, and {more} beside them; it must be {limit}");
+            Err(failure::argument(py, "gains", None, more, limit, &message))
+        }
+        (None, None) => {
+            let message = format!("gains: none; it must be {limit}");
+            Err(failure::argument(py, "gains", None, py.None(), limit, &message))
+        }
     }
 }
 

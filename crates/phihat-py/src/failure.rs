@@ -56,6 +56,27 @@ pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     fill().map_or_else(|why| why, |()| raise(py, "StudyError", &error.to_string(), &carried))
 }
 
+/// What is wrong in a document: no file and line, but the way to the key.
+pub(crate) fn study_document(py: Python<'_>, error: &StudyError) -> PyErr {
+    let carried = PyDict::new(py);
+    let fill = || {
+        carried.set_item("field", error.key())?;
+        carried.set_item("limit", error.help())
+    };
+    let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
+    let message = format!("study{}: {}{help}", subscripts(error.key()), error.message());
+    fill().map_or_else(|why| why, |()| raise(py, "StudyError", &message, &carried))
+}
+
+/// `gains.kp[2]` as Python writes it: `["gains"]["kp"][2]`.
+fn subscripts(key: &str) -> String {
+    let part = |part: &str| {
+        let (name, index) = part.split_at(part.find('[').unwrap_or(part.len()));
+        format!("[{name:?}]{index}")
+    };
+    key.split('.').filter(|name| !name.is_empty()).map(part).collect()
+}
+
 pub(crate) fn gains(py: Python<'_>, error: &GainsError) -> PyErr {
     let carried = PyDict::new(py);
     let fill = || match error {

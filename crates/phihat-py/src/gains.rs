@@ -8,6 +8,7 @@ use phihat_model::input;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::checks::{per_joint_values, period_ns};
 use crate::{arrays, failure, json};
 
 /// Names of the coupled gains' matrices, as in gains.json, in the order of the document.
@@ -51,6 +52,52 @@ impl Gains {
 
 #[pymethods]
 impl Gains {
+    /// Gains from their numbers; a controller checks them.
+    #[new]
+    #[pyo3(signature = (*, rate_hz, inertia, kp, kd, a, joint_names = None))]
+    fn new(
+        py: Python<'_>,
+        rate_hz: f64,
+        inertia: Vec<f64>,
+        kp: Vec<f64>,
+        kd: Vec<f64>,
+        a: Vec<Vec<f64>>,
+        joint_names: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let n = inertia.len();
+        if n == 0 {
+            let (limit, message) = ("at least one number", "inertia: there is none");
+            return Err(failure::argument(py, "inertia", None, 0, limit, message));
+        }
+        for (field, found) in [
+            ("kp", Some(kp.len())),
+            ("kd", Some(kd.len())),
+            ("a", Some(a.len())),
+            ("joint_names", joint_names.as_ref().map(Vec::len)),
+        ] {
+            per_joint_values(py, field, found, n)?;
+        }
+        let numbered = || (1..=n).map(|i| format!("joint_{i}")).collect();
+        let names = joint_names.unwrap_or_else(numbered);
+        let joint = |((i, name), a): ((usize, String), Vec<f64>)| JointRecord {
+            name,
+            inertia_kg_m2: inertia[i],
+            kp_per_s2: kp[i],
+            kd_per_s: kd[i],
+            a,
+            observer: None,
+        };
+        let joints = names.into_iter().enumerate().zip(a).map(joint).collect();
+        // A period is whole nanoseconds.
+        let period = period_ns(py, rate_hz)?;
+        let gains = phihat_design::Gains::stated(joints, 1e9 / period as f64, "stated in Python");
+        let gains = Self { inner: gains };
+        // What the core would refuse is refused here, by joint and gain.
+        let checked = gains.inner.joint_gains(&gains.names(), period, phihat::Form::Observer);
+        checked.map_err(|e| failure::gains(py, &e))?;
+        Ok(gains)
+    }
+
     /// Reads a gains document (JSON).
     #[staticmethod]
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {

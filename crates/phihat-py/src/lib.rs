@@ -12,10 +12,13 @@ mod failure;
 mod gains;
 mod json;
 mod laws;
+mod own_law;
+mod plant;
 mod position_gains;
 mod raised;
 mod robot;
 mod run;
+mod sample;
 mod study;
 mod supervisor;
 
@@ -29,6 +32,8 @@ mod _phihat {
     #[pymodule_export]
     use super::gains::Gains;
     #[pymodule_export]
+    use super::plant::Plant;
+    #[pymodule_export]
     use super::position_gains::PositionGains;
     #[pymodule_export]
     use super::robot::Robot;
@@ -36,6 +41,8 @@ mod _phihat {
     use super::run::Trace;
     #[pymodule_export]
     use super::run::{compare, design, faults, recorded, report, reproduce, simulate};
+    #[pymodule_export]
+    use super::sample::Sample;
     #[pymodule_export]
     use super::study::study_document;
     #[pymodule_export]

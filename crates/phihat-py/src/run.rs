@@ -1,6 +1,7 @@
 //! `phihat.design`, `phihat.simulate`, and the trace that a run leaves.
 
 use std::path::{Path, PathBuf};
+use std::sync::PoisonError;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use phihat_campaign::faults::FaultsOptions;
@@ -12,6 +13,8 @@ use phihat_sim::JointTrace;
 use pyo3::prelude::*;
 
 use crate::gains::Gains;
+use crate::own_law::{Declared, Raised, entry};
+use crate::raised::plain;
 use crate::{failure, json, study};
 
 /// Finds gains for a study's specification.
@@ -92,6 +95,7 @@ pub(crate) fn faults(py: Python<'_>, asked: FaultsAsked) -> PyResult<Bound<'_, P
 #[pyo3(from_item_all)]
 pub(crate) struct CompareAsked {
     studies: Vec<PathBuf>,
+    laws: Vec<Declared>,
     only: Vec<String>,
     worlds: Vec<String>,
     seeds: Option<u16>,
@@ -104,9 +108,14 @@ pub(crate) struct CompareAsked {
 /// Compares rivals; the answer, as in compare.json.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, asked: CompareAsked) -> PyResult<Bound<'_, PyAny>> {
-    let CompareAsked { studies, only, worlds, seeds, quick, fresh, threads, out } = asked;
-    let options = CompareOptions { studies, only, worlds, quick, seeds, fresh, threads, out };
+    let CompareAsked { studies, laws, only, worlds, seeds, quick, fresh, threads, out } = asked;
+    let raised = Raised::default();
+    let laws = laws.into_iter().map(|law| entry(law, &raised)).collect();
+    let options = CompareOptions { studies, laws, only, worlds, quick, seeds, fresh, threads, out };
     let answer = py.detach(|| options.run(&mut ())).map_err(|e| failure::campaign(py, e))?;
+    if let Some(why) = raised.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        return Err(why);
+    }
     json::to_python(py, &answer.comparison)
 }
 
@@ -132,6 +141,12 @@ pub(crate) fn reproduce(
 pub(crate) struct Trace {
     done: Done,
     trace: phihat_sim::Trace,
+}
+
+impl Trace {
+    pub(crate) fn new(done: Done, trace: phihat_sim::Trace) -> Self {
+        Self { done, trace }
+    }
 }
 
 #[pymethods]
@@ -187,8 +202,10 @@ impl Trace {
     }
     /// The gains that ran.
     #[getter]
-    fn gains(&self) -> Gains {
-        Gains { inner: self.done.gains.clone() }
+    fn gains(&self, py: Python<'_>) -> PyResult<Gains> {
+        let none = || plain(py, "Error", "another controller drove this run: it has no gains");
+        let inner = self.done.gains.clone().ok_or_else(none)?;
+        Ok(Gains { inner })
     }
     /// The figures of the run, as in metrics.json.
     #[getter]

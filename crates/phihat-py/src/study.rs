@@ -21,7 +21,12 @@ pub(crate) fn read(
         Some(path) => Study::read(path).map(Box::new),
         None => from_text(&text(py, document.unwrap_or("{}"))?, &origin),
     };
-    Ok((study.map_err(|e| failure::study(py, &e))?, origin))
+    let document = path.is_none();
+    let refuse = |e: StudyError| {
+        let own = document && e.file() == origin.display().to_string();
+        if own { failure::study_document(py, &e) } else { failure::study(py, &e) }
+    };
+    Ok((study.map_err(refuse)?, origin))
 }
 
 fn from_text(text: &str, origin: &Path) -> Result<Box<Study>, StudyError> {

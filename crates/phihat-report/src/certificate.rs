@@ -15,7 +15,8 @@ use phihat_sim::JointMetrics;
 
 /// The certificate's claims, or nothing where there is none.
 pub(crate) fn certificate(record: &Record<'_>) -> Markup {
-    let Some(certificate) = &record.gains.certificate else { return html! {} };
+    let Some(gains) = record.gains else { return html! {} };
+    let Some(certificate) = &gains.certificate else { return html! {} };
     let (low, high) = (certificate.arm.low, certificate.arm.high);
     html! {
         h2 id="certificate" { "Certificate" }
@@ -45,8 +46,8 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (stability(certificate))
         (moving(certificate))
         (coupled(certificate))
-        (limit(&record.gains.limit))
-        (coarser(record.gains))
+        (limit(&gains.limit))
+        (coarser(gains))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }

@@ -62,7 +62,7 @@ use maud::{Markup, PreEscaped, html};
 /// let record = Record {
 ///     run: &origin,
 ///     study_text: &study.text,
-///     gains: &gains,
+///     gains: Some(&gains),
 ///     drawing: &drawing,
 ///     metrics: &metrics,
 ///     tube: None,
@@ -82,12 +82,12 @@ pub fn page(record: &Record<'_>) -> String {
             (table::torque(record.metrics))
             (plots(record))
             (supervision(&record.drawing.course))
-            (sections::gains(record.gains))
+            @if let Some(gains) = record.gains { (sections::gains(gains)) }
             (certificate(record))
             (sections::world(record))
             (sections::study(record))
             (sections::origin(record))
-            (sections::not_claimed(record.gains.certificate.is_some()))
+            (sections::not_claimed(record.gains.is_some_and(|gains| gains.certificate.is_some())))
         }
         script type="application/json" id="record" { (PreEscaped(payload(record))) }
         script { (PreEscaped(PLOT_SCRIPT)) }
@@ -105,7 +105,7 @@ fn heading(record: &Record<'_>) -> Markup {
             p.byline {
                 "study " strong { (line(&run.study)) } " · " (line(&run.robot)) ", " (joints)
                 @if joints == 1 { " joint" } @else { " joints" }
-                " · " (line(&run.form)) " form at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
+                " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 " · simulated"
             }
             (verdict_box(&verdict(record.metrics, record.tube)))
@@ -149,7 +149,7 @@ fn verdict_box(verdict: &Verdict) -> Markup {
 /// The run's own warnings, and what the record itself gives reason to doubt.
 fn warnings(record: &Record<'_>) -> Markup {
     let mut warnings: Vec<String> = record.run.warnings.iter().map(|w| line(w)).collect();
-    if record.gains.study_sha256 != record.run.study_sha256 {
+    if record.gains.is_some_and(|gains| gains.study_sha256 != record.run.study_sha256) {
         warnings.push("The gains were made from another study text: their hashes differ.".into());
     }
     let gaps = record.drawing.undrawable;

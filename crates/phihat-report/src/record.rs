@@ -14,8 +14,8 @@ pub struct Record<'a> {
     pub run: &'a RunInfo,
     /// The study file as it was read.
     pub study_text: &'a str,
-    /// The gains that ran.
-    pub gains: &'a Gains,
+    /// The gains that ran; `None`: another controller did.
+    pub gains: Option<&'a Gains>,
     /// What is drawn of it.
     pub drawing: &'a Drawing,
     /// The figures of the run.
@@ -37,9 +37,8 @@ pub struct Seen<'a> {
 
 impl<'a> Record<'a> {
     pub(crate) fn seen(&self) -> Seen<'a> {
-        let own = self.gains.study_sha256 == self.run.study_sha256;
-        let certificate = self.gains.certificate.as_ref().filter(|_| own);
-        let tube = certificate.and_then(|certificate| certificate.tube.as_ref());
+        let own = self.gains.filter(|gains| gains.study_sha256 == self.run.study_sha256);
+        let tube = own.and_then(|gains| gains.certificate.as_ref()?.tube.as_ref());
         Seen { drawing: self.drawing, metrics: self.metrics, tube }
     }
 }
@@ -65,7 +64,7 @@ pub struct RunInfo {
     pub phihat_version: String,
     /// Compiler or target that built it.
     pub toolchain: String,
-    /// Form of the law: `observer` or `literal`.
+    /// Form of the law: `observer`, `literal` or `positions`; `outside`: another controller's.
     pub form: String,
     /// Loop rate \[Hz\].
     pub rate_hz: f64,

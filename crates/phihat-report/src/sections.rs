@@ -112,7 +112,9 @@ pub(crate) fn origin(record: &Record<'_>) -> Markup {
             dt { "seed" } dd { (run.seed) }
             dt { "phihat" } dd { (line(&run.phihat_version)) }
             dt { "built with" } dd { (line(&run.toolchain)) }
-            dt { "gains made for" } dd { (line(&record.gains.study)) ", " (stated(record.gains.rate_hz)) " Hz" }
+            @if let Some(gains) = record.gains {
+                dt { "gains made for" } dd { (line(&gains.study)) ", " (stated(gains.rate_hz)) " Hz" }
+            }
         }
     }
 }

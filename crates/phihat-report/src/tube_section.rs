@@ -11,7 +11,8 @@ use crate::tube::TubeRun;
 
 /// The tube's part of the certificate's section.
 pub(crate) fn tube(record: &Record<'_>) -> Markup {
-    let Some(certificate) = &record.gains.certificate else { return html! {} };
+    let certificate = record.gains.and_then(|gains| gains.certificate.as_ref());
+    let Some(certificate) = certificate else { return html! {} };
     html! {
         @if let Some(why) = &certificate.tube_refused {
             p { strong { "No tube: " } (line(why)) }

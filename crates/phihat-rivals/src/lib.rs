@@ -64,7 +64,7 @@ pub use nominal::{Gravity, Nominal, Viscous};
 pub use orbit::Orbit;
 pub use planar::{LINKS, Planar, Tip};
 pub use regressor::Regressor;
-pub use rival::{Entry, Rival, Running};
+pub use rival::{Entry, Make, Rival, Running};
 pub use rivals::{RIVALS, position_law, rival};
 pub use supply::{Curve, DesignedJoint, DesignedPosition, Supply};
 pub use tuning::{Scalar, Tuning};

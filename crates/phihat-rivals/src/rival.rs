@@ -84,7 +84,25 @@ impl<R: Rival> Running for Handed<R> {
     }
 }
 
-type Build = fn(&Tuning, &Supply) -> Result<Box<dyn Running>, Refusal>;
+type Built = Result<Box<dyn Running>, Refusal>;
+
+/// What makes a law that is not of this crate.
+pub type Make = dyn Fn(&Tuning, &Supply) -> Result<Box<dyn Running>, Refusal> + Sync;
+
+#[derive(Clone, Copy)]
+enum Build {
+    Rival(fn(&Tuning, &Supply) -> Built),
+    Own(&'static Make),
+}
+
+impl Debug for Build {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Rival(_) => "Rival",
+            Self::Own(_) => "Own",
+        })
+    }
+}
 
 /// A rival in the list, of whatever type.
 #[derive(Debug, Clone, Copy)]
@@ -95,6 +113,8 @@ pub struct Entry {
     pub needs: Needs,
     /// Its free scalars.
     pub scalars: &'static [Scalar],
+    /// What tells a law that is not of this crate from its earlier versions, whose results are not its own; else empty.
+    pub edition: &'static str,
     build: Build,
     condition: fn(&Tuning, &DeclaredArm) -> Option<Condition>,
     optimality: fn(&Tuning) -> Option<Condition>,
@@ -110,10 +130,34 @@ impl Entry {
                 .and(<R::Sees<'static> as Sees>::NEEDS)
                 .and(<R::Wants<'static> as Wants>::NEEDS),
             scalars: R::SCALARS,
-            build: |tuning, supply| Ok(Box::new(Handed(R::new(tuning, R::Knows::of(supply)?)?))),
+            edition: "",
+            build: Build::Rival(|tuning, supply| {
+                Ok(Box::new(Handed(R::new(tuning, R::Knows::of(supply)?)?)))
+            }),
             condition: R::condition,
             optimality: R::optimality,
             bound: R::bound,
+        }
+    }
+
+    /// A law that is not of this crate: what it needs is what its author says. It makes no claim that could be checked.
+    /// Its `edition` must change whenever the law does.
+    pub const fn own(
+        card: &'static Card,
+        needs: Needs,
+        scalars: &'static [Scalar],
+        edition: &'static str,
+        make: &'static Make,
+    ) -> Self {
+        Self {
+            card,
+            needs,
+            scalars,
+            edition,
+            build: Build::Own(make),
+            condition: |_, _| None,
+            optimality: |_| None,
+            bound: |_, _| None,
         }
     }
 
@@ -123,7 +167,10 @@ impl Entry {
     ///
     /// [`Refusal`]: the law does not apply to this arm, or not with this tuning.
     pub fn build(&self, tuning: &Tuning, supply: &Supply) -> Result<Box<dyn Running>, Refusal> {
-        (self.build)(tuning, supply)
+        match self.build {
+            Build::Rival(build) => build(tuning, supply),
+            Build::Own(make) => make(tuning, supply),
+        }
     }
 
     /// See [`Rival::condition`].

@@ -70,6 +70,11 @@ impl Tuning {
             .map_err(|_| Refusal::Tuning(format!("{found} values for {N} scalars")))
     }
 
+    /// The scalars, however many there are, in the law's order.
+    pub fn all(&self) -> &[f64] {
+        &self.values
+    }
+
     /// What a torque gain of a joint is multiplied by \[kg·m²\].
     pub fn units(&self) -> &[f64] {
         &self.units

@@ -10,7 +10,11 @@ pub(crate) const RUN: &str = "run.json";
 /// The recorded signals of a run, by this name in its folder.
 pub const TRACE: &str = "trace.csv";
 /// What every record has beside it.
-pub(crate) const FILES: [&str; 4] = ["study.toml", "gains.json", "metrics.json", TRACE];
+pub(crate) const FILES: [&str; 3] = ["study.toml", "metrics.json", TRACE];
+/// The gains of a run, where phihat's law drove it.
+pub(crate) const GAINS: &str = "gains.json";
+/// The form of the law, where another controller drove the run.
+pub(crate) const OUTSIDE: &str = "outside";
 /// The folder of files that the study names.
 pub(crate) const INPUTS: &str = "inputs";
 /// What a record may have.

@@ -1,7 +1,7 @@
 //! A study taken through gains, a closed loop and its record.
 //!
 //! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a folder;
-//! [`RunRecord`] such a record, read back. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
+//! [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under somebody else's controller. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
 //! package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
@@ -33,10 +33,12 @@ mod edit;
 mod error;
 pub mod files;
 mod hash;
+mod identify;
 mod judged;
 mod layout;
 mod limits;
 mod observer;
+mod outside;
 mod page;
 mod position_search;
 mod record;
@@ -57,9 +59,11 @@ pub use edit::{append, set};
 pub use error::SessionError;
 pub use files::read_gains;
 pub use hash::{sha256, share, short_hash};
+pub use identify::{IdentifiedJoint, IdentifyOptions, identify};
 pub use layout::TRACE;
 pub use limits::beside_limits;
 pub use observer::RunFigures;
+pub use outside::OutsideRun;
 pub use page::write_report;
 pub use record::Done;
 pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};

@@ -27,13 +27,13 @@ pub struct RunFigures {
 }
 
 impl<'a> RunObserver<'a> {
-    pub(crate) fn new(study: &Study, gains: &'a Gains) -> Self {
+    pub(crate) fn new(study: &Study, gains: Option<&'a Gains>) -> Self {
         let names = design::names(study);
         let period_ns = study.control.period_ns;
         let samples = phihat_sim::samples(study.duration, period_ns);
         Self {
             measured: Measured::new(study),
-            tube: TubeSeen::new(gains, names.len()),
+            tube: gains.and_then(|gains| TubeSeen::new(gains, names.len())),
             drawing: Drawing::new(names, period_ns, samples, study.spec.settle),
         }
     }

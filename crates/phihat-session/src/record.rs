@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::layout::{GAINS, INPUTS, Origin, PARQUET, RUN, TRACE};
 use crate::observer::figures;
 use crate::page::{add_page, remove_page};
 
@@ -22,8 +22,8 @@ use crate::page::{add_page, remove_page};
 pub struct Done {
     /// What was run.
     pub study: Box<Study>,
-    /// The gains that ran.
-    pub gains: Gains,
+    /// The gains that ran; `None`: another controller did.
+    pub gains: Option<Gains>,
     /// Where the run came from.
     pub run: RunInfo,
     /// What is drawn of it.
@@ -110,7 +110,7 @@ impl Done {
         Record {
             run: &self.run,
             study_text: &self.study.text,
-            gains: &self.gains,
+            gains: self.gains.as_ref(),
             drawing: &self.drawing,
             metrics: &self.metrics,
             tube: self.tube.as_ref(),
@@ -140,12 +140,17 @@ impl Done {
         let at = |name: &str| folder.join(name);
         let pretty = |value: &serde_json::Value| format!("{value:#}\n").into_bytes();
         let (mut whole, mut files) = trace.end()?;
-        let gains = self.gains.to_json()?;
-        for (name, bytes) in [
-            ("study.toml", self.study.text.clone().into_bytes()),
-            ("gains.json", gains.into_bytes()),
-            ("metrics.json", pretty(&self.figures())),
-        ] {
+        let gains = self.gains.as_ref().map(Gains::to_json).transpose()?;
+        let own = [
+            ("study.toml", Some(self.study.text.clone().into_bytes())),
+            (GAINS, gains.map(String::into_bytes)),
+            ("metrics.json", Some(pretty(&self.figures()))),
+        ];
+        for (name, bytes) in own {
+            let Some(bytes) = bytes else {
+                whole.remove(at(name));
+                continue;
+            };
             let sum = whole.add(&at(name), &bytes)?;
             files.insert(name.to_owned(), sum);
         }

@@ -11,7 +11,7 @@ use phihat_study::Study;
 
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{FILES, INPUTS, Origin, RUN, TRACE};
+use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TRACE};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
 use crate::page::write_page;
 use crate::record::Done;
@@ -23,8 +23,8 @@ pub struct RunRecord {
     pub run: RunInfo,
     /// What was run.
     pub study: Box<Study>,
-    /// The gains that ran.
-    pub gains: Gains,
+    /// The gains that ran; `None`: another controller did.
+    pub gains: Option<Gains>,
     /// What its trace shows.
     pub seen: RunFigures,
 }
@@ -35,7 +35,7 @@ impl RunRecord {
         Record {
             run: &self.run,
             study_text: &self.study.text,
-            gains: &self.gains,
+            gains: self.gains.as_ref(),
             drawing: &self.seen.drawing,
             metrics: &self.seen.metrics,
             tube: self.seen.tube.as_ref(),
@@ -73,7 +73,8 @@ impl RunRecord {
         let Origin { run, files } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
         let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
-        for name in FILES.iter().copied().chain(more) {
+        let ours = (run.form != OUTSIDE && !files.contains_key(GAINS)).then_some(GAINS);
+        for name in FILES.iter().copied().chain(ours).chain(more) {
             if !inside(Path::new(name)) {
                 let why = format!("names {name:?}, which is no file of a record");
                 return Err(SessionError::at(&folder.join(RUN), why));
@@ -84,13 +85,17 @@ impl RunRecord {
         let origin = folder.join("study.toml").display().to_string();
         let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
         let mut study = study?;
-        let gains = folder.join("gains.json");
-        let gains =
-            Gains::from_json(&files::read(&gains)?).map_err(|e| SessionError::at(&gains, e))?;
+        let gains = files.contains_key(GAINS).then(|| folder.join(GAINS));
+        let read = |path: &Path| -> Result<Gains, SessionError> {
+            Gains::from_json(&files::read(path)?).map_err(|e| SessionError::at(path, e))
+        };
+        let gains = gains.as_deref().map(read).transpose()?;
         // A study is called as its file was when it ran.
         study.name.clone_from(&run.study);
-        settle(&mut study, &gains);
-        let mut seen = RunObserver::new(&study, &gains);
+        if let Some(gains) = &gains {
+            settle(&mut study, gains);
+        }
+        let mut seen = RunObserver::new(&study, gains.as_ref());
         Trace::read_csv_in(files::open(trace)?, &study, block, |block| {
             seen.block(block);
             each(block);

@@ -158,16 +158,21 @@ impl Session {
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Done, E> {
         let Self { study, gains, simulation, command, mut warnings } = self;
-        let mut seen = RunObserver::new(&study, &gains);
+        let mut seen = RunObserver::new(&study, Some(&gains));
         let ended = simulation.stream(block, progress, |block| {
             seen.block(block);
             each(block)
         })?;
         let RunFigures { metrics, drawing, tube } = seen.finish(&study.sha256);
         warnings.extend(ended.abort.as_ref().map(words::stopped));
-        let run = run_info(&study, (command, warnings), ended.divergence.as_ref());
+        let form = match study.control.form {
+            Form::Observer => "observer",
+            Form::Literal => "literal",
+            Form::Positions => "positions",
+        };
+        let run = run_info(&study, form, (command, warnings), ended.divergence.as_ref());
         let (divergence, abort) = (ended.divergence, ended.abort);
-        Ok(Done { study, gains, run, drawing, metrics, tube, divergence, abort })
+        Ok(Done { study, gains: Some(gains), run, drawing, metrics, tube, divergence, abort })
     }
 }
 
@@ -181,16 +186,13 @@ fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Sessio
     }
 }
 
-fn run_info(
+/// Where a run came from, under a law of this form.
+pub(crate) fn run_info(
     study: &Study,
+    form: &str,
     (command, mut warnings): (String, Vec<String>),
     divergence: Option<&Divergence>,
 ) -> RunInfo {
-    let form = match study.control.form {
-        Form::Observer => "observer",
-        Form::Literal => "literal",
-        Form::Positions => "positions",
-    };
     if let Some(d) = divergence {
         let place =
             format!("the run diverged at t = {} s on joint {} and was stopped", d.t, d.joint);

@@ -69,8 +69,12 @@ pub fn verify(
         }
         Checked::Record(folder) => {
             let (kept, path) = whole(folder)?;
-            let own = kept.gains.study_sha256 == kept.study.sha256;
-            (kept.gains, own.then_some(kept.study), Some(kept.seen.metrics), path)
+            let (record, sum) = (Some(kept.seen.metrics), &kept.study.sha256);
+            let Some(gains) = kept.gains else {
+                return Ok(Verification { record, claims: None, runs: None });
+            };
+            let own = gains.study_sha256 == *sum;
+            (gains, own.then_some(kept.study), record, path)
         }
     };
     let Some(certificate) = &gains.certificate else {

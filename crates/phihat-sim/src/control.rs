@@ -39,8 +39,9 @@ enum Brain {
         asked: Vec<Reference<f64>>,
     },
     Supervised(Box<Supervised>),
-    Driver {
-        driver: Box<dyn Driver>,
+    /// Somebody else: a driver that is asked, or whoever tells the torque before each sample.
+    Outside {
+        driver: Option<Box<dyn Driver>>,
         limits: Vec<Limits<f64>>,
         tau: Vec<f64>,
     },
@@ -70,16 +71,30 @@ impl ControlSide {
         Ok(Self { fed, ..Self::with(study, brain, inertia, motion) })
     }
 
-    /// Puts the study's torque limits behind a controller of somebody else's.
+    /// Puts the study's torque limits behind a controller of somebody else's; `None`: it is told the torque of each sample.
     pub(crate) fn driven(
         study: &Study,
-        driver: Box<dyn Driver>,
+        driver: Option<Box<dyn Driver>>,
         inertia: &[f64],
         motion: Motion,
     ) -> Result<Self, SimError> {
         let tau = vec![0.0; inertia.len()];
-        let brain = Brain::Driver { driver, limits: limits(study)?, tau };
+        let brain = Brain::Outside { driver, limits: limits(study)?, tau };
         Ok(Self::with(study, brain, inertia.to_vec(), motion))
+    }
+
+    /// The torque of the next sample \[N·m\], where there is nobody to ask.
+    pub(crate) fn told(&mut self, torque: &[f64]) {
+        if let Brain::Outside { driver: None, tau, .. } = &mut self.brain {
+            tau.copy_from_slice(torque);
+        }
+    }
+
+    /// What the arm shall do at time `t` \[s\].
+    pub(crate) fn refer(&mut self, t: f64) {
+        for (i, wanted) in self.references.iter_mut().enumerate() {
+            *wanted = reference(&self.motion, i, t);
+        }
     }
 
     fn with(study: &Study, brain: Brain, inertia: Vec<f64>, motion: Motion) -> Self {
@@ -105,7 +120,7 @@ impl ControlSide {
         for (command, torque) in self.commands.iter_mut().zip(held) {
             command.tau = *torque;
         }
-        if let Brain::Driver { tau, .. } = &mut self.brain {
+        if let Brain::Outside { tau, .. } = &mut self.brain {
             tau.copy_from_slice(held);
         }
         self
@@ -116,9 +131,7 @@ impl ControlSide {
     pub(crate) fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
         let supervised = matches!(self.brain, Brain::Supervised(_));
         if !supervised {
-            for (i, wanted) in self.references.iter_mut().enumerate() {
-                *wanted = reference(&self.motion, i, t);
-            }
+            self.refer(t);
         }
         // The start rule is the first torque's, whether the controller runs or not.
         let first = (runs || supervised) && core::mem::take(&mut self.starts);
@@ -150,10 +163,11 @@ impl ControlSide {
                 let answer = (&mut self.references[..], &mut self.commands[..]);
                 supervised.step(t, sample, &self.motion, answer);
             }
-            Brain::Driver { driver, limits, tau } => {
-                let moment =
-                    Moment { t, sample, references: &self.references, last: &self.commands };
-                driver.drive(&moment, tau);
+            Brain::Outside { driver, limits, tau } => {
+                if let Some(driver) = driver {
+                    let (references, last) = (&self.references[..], &self.commands[..]);
+                    driver.drive(&Moment { t, sample, references, last }, tau);
+                }
                 for ((command, limits), tau) in self.commands.iter_mut().zip(limits).zip(tau) {
                     *command = limits.command(*tau, command.tau);
                 }

@@ -1,7 +1,8 @@
 //! The only closed loop of the project: sense → control → limit → drive → integrate.
 //!
 //! [`Simulation`] takes a study and gains, and leaves a [`Trace`] and [`Metrics`]. It sees neither the
-//! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`].
+//! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`], or takes the
+//! loop sample by sample as [`Stepped`].
 //!
 //! # Example
 //!
@@ -70,6 +71,7 @@ mod observed;
 mod sample;
 mod simulation;
 mod spline;
+mod stepped;
 mod supervision;
 mod survival;
 mod trace;
@@ -89,6 +91,7 @@ pub use motion::Motion;
 pub use observed::Observed;
 pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Ended, Outcome, Simulation, samples};
+pub use stepped::Stepped;
 pub use survival::Survival;
 pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};

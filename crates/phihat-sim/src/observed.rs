@@ -31,6 +31,12 @@ impl Observed {
         }
     }
 
+    /// Signals of every joint at equal times: torque that acted \[N·m\], acceleration \[rad/s²\]; `period` in s.
+    pub fn of_signals(joints: &[(&[f64], &[f64])], period: f64) -> Self {
+        let (tau, ddq) = joints.iter().map(|(tau, ddq)| (tau.to_vec(), ddq.to_vec())).unzip();
+        Self { period, tau, ddq }
+    }
+
     /// Bounds on a joint's `φ` as the run showed it, for a nominal inertia `M̄` \[kg·m²\].
     ///
     /// # Method

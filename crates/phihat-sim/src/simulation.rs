@@ -102,10 +102,10 @@ pub struct Ended {
 /// ```
 #[derive(Debug)]
 pub struct Simulation {
-    control: ControlSide,
-    world: Box<World>,
+    pub(crate) control: ControlSide,
+    pub(crate) world: Box<World>,
     names: Vec<String>,
-    period_ns: u64,
+    pub(crate) period_ns: u64,
     samples: u64,
 }
 
@@ -140,7 +140,16 @@ impl Simulation {
         if inertia.len() != n {
             return Err(SimError::JointCount { gains: inertia.len(), robot: n });
         }
-        Self::with(study, |motion| ControlSide::driven(study, driver, inertia, motion))
+        Self::with(study, |motion| ControlSide::driven(study, Some(driver), inertia, motion))
+    }
+
+    /// The loop open where the controller is, for whoever tells the torque of each sample.
+    pub(crate) fn open(study: &Study, inertia: &[f64]) -> Result<Self, SimError> {
+        let n = study.robot.joints.len();
+        if inertia.len() != n {
+            return Err(SimError::JointCount { gains: inertia.len(), robot: n });
+        }
+        Self::with(study, |motion| ControlSide::driven(study, None, inertia, motion))
     }
 
     fn with(
@@ -195,23 +204,13 @@ impl Simulation {
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Ended, E> {
         let room = self.samples.min(u64::try_from(block).unwrap_or(u64::MAX));
-        let mut trace = Trace::new(&self.names, self.period_ns, room);
-        let mut integrals = vec![Integral::default(); self.names.len()];
+        let (mut trace, mut integrals) = self.record_for(room);
         let mut divergence = None;
         let stride = (self.samples / 100).max(1);
         for k in 0..self.samples {
-            let t_ns = k * self.period_ns;
-            let t = t_ns as f64 * 1e-9;
-            let runs = self.world.path.controller_runs(t);
-            self.control.step(t, self.world.sense(k, t_ns), runs);
-            trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
-            self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
-            self.record(&mut trace, &mut integrals);
-            if let Some(joint) = self.diverged() {
-                divergence = Some(Divergence { t, joint: self.names[joint].clone() });
-                break;
-            }
-            if self.world.path.abort.is_some() {
+            self.world.sense(k, k * self.period_ns);
+            divergence = self.answer(k, &mut trace, &mut integrals);
+            if divergence.is_some() || self.world.path.abort.is_some() {
                 break;
             }
             if trace.len() >= block && k + 1 < self.samples {
@@ -226,9 +225,37 @@ impl Simulation {
             progress(self.samples);
         }
         each(&mut trace)?;
+        Ok(self.ended(divergence))
+    }
+
+    /// An empty record with room for so many samples, and `∫e` of every joint so far.
+    pub(crate) fn record_for(&self, samples: u64) -> (Trace, Vec<Integral>) {
+        let integrals = vec![Integral::default(); self.names.len()];
+        (Trace::new(&self.names, self.period_ns, samples), integrals)
+    }
+
+    /// One sample that was sensed: control, limit, drive, integrate, record. How it diverged, if it did.
+    pub(crate) fn answer(
+        &mut self,
+        k: u64,
+        trace: &mut Trace,
+        integrals: &mut [Integral],
+    ) -> Option<Divergence> {
+        let t_ns = k * self.period_ns;
+        let t = t_ns as f64 * 1e-9;
+        let runs = self.world.path.controller_runs(t);
+        self.control.step(t, self.world.sample(), runs);
+        trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
+        self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
+        self.record(trace, integrals);
+        self.diverged().map(|joint| Divergence { t, joint: self.names[joint].clone() })
+    }
+
+    /// How it ended.
+    pub(crate) fn ended(self, divergence: Option<Divergence>) -> Ended {
         let path = self.world.path;
         let (told_max, told_step_max) = (path.told_max, path.step_max);
-        Ok(Ended { divergence, abort: path.abort, told_max, told_step_max })
+        Ended { divergence, abort: path.abort, told_max, told_step_max }
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.

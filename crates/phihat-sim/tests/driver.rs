@@ -5,7 +5,7 @@
 mod support;
 
 use phihat::{Form, JointDesign, JointGains};
-use phihat_sim::{Driver, Moment, Simulation};
+use phihat_sim::{Driver, Moment, SimError, Simulation, Stepped};
 use phihat_study::Study;
 use support::read;
 
@@ -74,4 +74,27 @@ fn the_limits_of_the_study_act_on_a_driver_and_nan_is_no_torque() {
     }
     let held = trace.joints[1].tau_command[501];
     assert!(trace.joints[1].tau_command[501..].iter().all(|tau| (tau - held).abs() < 1e-300));
+}
+
+#[test]
+fn a_loop_that_is_taken_by_the_hand_goes_where_a_driver_goes() {
+    let study = study("torque_max_nm = 2.0\ntorque_rate_max_nm_s = 100.0");
+    let driver = Box::new(Outside { spoil: Some(0.5) });
+    let whole = Simulation::driven(&study, driver, &INERTIA).unwrap().run(|_| {});
+    let mut run = Stepped::new(&study, &INERTIA).unwrap();
+    assert!(matches!(run.step(&[0.0; 2]), Err(SimError::JointCount { gains: 2, robot: 3 })));
+    while !run.is_over() {
+        let law = |i: usize| {
+            let (m, r) = (&run.sensed()[i], &run.wanted()[i]);
+            let spoiled = i == 1 && run.t() > 0.5;
+            let tau = INERTIA[i] * (r.ddq - 40.0 * (m.dq - r.dq) - 400.0 * (m.q - r.q));
+            if spoiled { f64::NAN } else { tau }
+        };
+        let tau = [law(0), law(1), law(2)];
+        run.step(&tau).unwrap();
+    }
+    run.step(&[1.0; 3]).unwrap();
+    let (trace, ended) = run.end();
+    assert!(trace == whole.trace, "another trace");
+    assert_eq!((ended.divergence, ended.told_max), (whole.divergence, whole.told_max));
 }

@@ -79,6 +79,7 @@ impl Compare {
         }
         let options = CompareOptions {
             studies: self.studies.clone(),
+            laws: Vec::new(),
             only: self.only.clone(),
             worlds: self.worlds.clone(),
             quick: self.quick,

@@ -13,7 +13,7 @@ use crate::claims::times::{estimator_at, from_rise_time, from_settling_time};
 use crate::claims::weights::q_diagonal;
 use crate::claims::{ErrorLimits, MinimalGains, RadiusGains, RadiusRow, UnitLaw};
 use crate::prelude::*;
-use crate::{FORMAT, Gains, JointRecord, VERSION};
+use crate::{Gains, JointRecord};
 
 /// Gains by the recipe.
 ///
@@ -99,20 +99,8 @@ fn gains(study: &Study, laws: &[UnitLaw], method: String) -> Gains {
         a: law.a.clone(),
         observer: None,
     };
-    Gains {
-        format: FORMAT.to_owned(),
-        version: VERSION,
-        study: study.name.clone(),
-        study_sha256: study.sha256.clone(),
-        rate_hz: 1e9 / study.control.period_ns as f64,
-        method,
-        velocity_filter_hz: None,
-        joints: study.robot.joints.iter().enumerate().zip(laws).map(joint).collect(),
-        certificate: None,
-        trade_off: Vec::new(),
-        limit: Vec::new(),
-        coarser: Vec::new(),
-    }
+    let joints = study.robot.joints.iter().enumerate().zip(laws).map(joint).collect();
+    Gains::of(study, joints, method)
 }
 
 /// `(∫…∫e, …, ∫e, e, ė)`, each the strictest of these joints.

@@ -17,7 +17,7 @@ use crate::quick::Quick;
 use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, TorqueNoise, least_modulus};
 use crate::trade_off::{front, worth_measuring};
 use crate::{Arm, ArmInertia, Phi};
-use crate::{FORMAT, Gains, JointRecord, VERSION};
+use crate::{Gains, JointRecord};
 
 /// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;
@@ -287,20 +287,10 @@ impl<'a> Search<'a> {
         let Candidate { shape, scale, .. } = candidate;
         let joint = |(name, nominal): (&str, &f64)| shape.record(name, nominal * scale);
         let designed = self.study.sensor.velocity_filter_designed;
-        Gains {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            study: self.study.name.clone(),
-            study_sha256: self.study.sha256.clone(),
-            rate_hz: 1e9 / self.study.control.period_ns as f64,
-            method: "phihat design: least torque noise that keeps the specification".to_owned(),
-            velocity_filter_hz: shape.filter_hz.filter(|_| designed),
-            joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
-            certificate: None,
-            trade_off: Vec::new(),
-            limit: Vec::new(),
-            coarser: Vec::new(),
-        }
+        let joints = names.zip(&self.arm.nominal_kg_m2).map(joint).collect();
+        let method = "phihat design: least torque noise that keeps the specification";
+        let velocity_filter_hz = shape.filter_hz.filter(|_| designed);
+        Gains { velocity_filter_hz, ..Gains::of(self.study, joints, method) }
     }
 
     /// The front of error against torque noise, with the chosen law on it; empty without an encoder.

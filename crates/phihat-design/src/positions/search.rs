@@ -14,7 +14,7 @@ use crate::designer::outcome::Outcome;
 use crate::parallel::{parallel, threads};
 use crate::prelude::*;
 use crate::sampled::{LoopModel, TorqueNoise};
-use crate::{Arm, ArmInertia, Certificate, FORMAT, Gains, JointRecord, Phi, VERSION};
+use crate::{Arm, ArmInertia, Certificate, Gains, JointRecord, Phi};
 
 /// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;
@@ -158,21 +158,8 @@ impl<'a> PositionSearch<'a> {
             estimates.push(PositionEstimate { error_rad: error, noise_nm });
             records.push(record);
         }
-        let gains = Gains {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            study: study.name.clone(),
-            study_sha256: study.sha256.clone(),
-            rate_hz: 1e9 / study.control.period_ns as f64,
-            method: "phihat design: a law from positions per joint, with no more torque noise than the error needs"
-                .to_owned(),
-            velocity_filter_hz: None,
-            joints: records,
-            certificate: None,
-            trade_off: Vec::new(),
-            limit: Vec::new(),
-            coarser: Vec::new(),
-        };
+        let method = "phihat design: a law from positions per joint, with no more torque noise than the error needs";
+        let gains = Gains::of(study, records, method);
         self.ordered = true;
         self.last = found.into_iter().map(Some).collect();
         Some((gains, estimates))

@@ -7,6 +7,7 @@
 >>> trace.within_spec
 True
 >>> controller = phihat.Controller(gains)                   # the law: one call per sample
+>>> mine = phihat.simulate("studies/panda.toml", controller=my_law)     # your own law in the same world
 >>> arm = phihat.Supervisor(gains)                          # and around it what a real arm needs
 
 Everything is in SI units and radians; the error is measured minus desired, ``e = q - q_des``. Arrays have one
@@ -23,26 +24,32 @@ from ._errors import (
     SampleRefused,
     StudyError,
 )
-from ._phihat import Controller, Gains, PositionGains, Robot, Supervisor
+from ._phihat import Controller, Gains, PositionGains, Robot, Sample, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
-from .study import Study, compare, design, faults, read_run, report, reproduce, robots, simulate, verify
+from ._document import Study
+from .own import ArmFacts, Law, Plant
+from .study import compare, design, faults, read_run, report, reproduce, robots, simulate, verify
 from .trace import Trace
 
 __version__ = _version()
 
 __all__ = [
     "ArgumentError",
+    "ArmFacts",
     "Controller",
     "Crosscheck",
     "Error",
     "Gains",
     "GainsError",
     "Infeasible",
+    "Law",
+    "Plant",
     "PositionGains",
     "Refuted",
     "Robot",
     "RobotError",
+    "Sample",
     "SampleRefused",
     "Study",
     "StudyError",

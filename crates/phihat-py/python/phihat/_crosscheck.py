@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from . import _phihat
 from ._errors import Error
-from .study import Study, simulate
-from .study import _source as source
+from ._document import Study, source
+from .study import simulate
 from .trace import Trace
 
 Array = NDArray[np.float64]

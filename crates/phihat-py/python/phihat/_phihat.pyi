@@ -224,8 +224,30 @@ class Robot:
 
 @final
 class Gains:
-    """Gains of an arm's joints, as in ``gains.json``, with what is certified about them."""
+    """Gains of an arm's joints, as in ``gains.json``, with what is certified about them.
 
+    Made from numbers, nothing is certified about them.
+
+    Args:
+        rate_hz: rate of the loop [Hz].
+        inertia, kp, kd: nominal inertia [kg m^2], ``K_p`` [1/s^2] and ``K_d`` [1/s] of each joint.
+        a: estimator coefficients of each joint, ``a_0`` first [1/s^m ... 1/s]; as many as its order.
+        joint_names: joints, in order; ``joint_1`` and so on unless given.
+
+    Raises:
+        GainsError, ArgumentError: gains that cannot be, or not one value per joint.
+    """
+
+    def __new__(
+        cls,
+        *,
+        rate_hz: float,
+        inertia: Sequence[float],
+        kp: Sequence[float],
+        kd: Sequence[float],
+        a: Sequence[Sequence[float]],
+        joint_names: Sequence[str] | None = None,
+    ) -> Gains: ...
     @staticmethod
     def from_file(path: _Path) -> Gains:
         """Read a gains document (JSON)."""
@@ -389,6 +411,9 @@ class Controller:
 
     or, with :class:`PositionGains`, what they say.
 
+    ``Controller(rate_hz=1000, inertia=[...], kp=[...], kd=[...], a=[[...], ...])`` makes one from numbers: the keywords are
+    those of :class:`Gains`, or of :class:`PositionGains` where a ``correction`` is among them.
+
     Args:
         gains: what to run.
         torque_max: largest ``|tau|`` per joint [N m], infinite for none; by default what the certificate is about.
@@ -399,11 +424,12 @@ class Controller:
 
     def __new__(
         cls,
-        gains: Gains | PositionGains,
+        gains: Gains | PositionGains | None = None,
         *,
         torque_max: Sequence[float] | None = None,
         torque_rate_max: Sequence[float] | None = None,
         form: Literal["observer", "literal"] | None = None,
+        **law: Any,
     ) -> Controller: ...
     def update(
         self,
@@ -480,6 +506,9 @@ class Supervisor:
     A guard judges every sample (finite, fresh, in order, plausible); limits hold joints, torques and their rates; modes go
     ``idle, armed, holding, tracking`` and into a latched ``safe-stop``; starts do not jolt. Call :meth:`step` once per period,
     whether a new sample came or not; whatever the values, torques are finite and within their limits.
+
+    ``Controller(rate_hz=1000, inertia=[...], kp=[...], kd=[...], a=[[...], ...])`` makes one from numbers: the keywords are
+    those of :class:`Gains`, or of :class:`PositionGains` where a ``correction`` is among them.
 
     Args:
         gains: what to run.
@@ -619,3 +648,38 @@ class Trace:
     def page(self) -> str: ...
     def write(self, folder: _Path) -> None: ...
     def write_report(self, path: _Path) -> None: ...
+
+@final
+class Sample:
+    """What a controller is handed at one sample; arrays of one number per joint."""
+
+    t: float
+    """Time since the start of the run [s]."""
+    q: _Array
+    """Measured position [rad]."""
+    dq: _Array
+    """Measured velocity [rad/s]."""
+    q_des: _Array
+    """Desired position [rad]."""
+    dq_des: _Array
+    """Desired velocity [rad/s]."""
+    ddq_des: _Array
+    """Desired acceleration [rad/s^2]."""
+    tau_applied: _Array
+    """Torque that acted since the sample before (mean) [N m]."""
+
+@final
+class Plant:
+    def __new__(
+        cls, path: str | None, document: str | None, name: str, inertia: _Array | None, command: str
+    ) -> Plant: ...
+    joint_names: list[str]
+    period: float
+    inertia: list[float]
+    torque_max: list[float] | None
+    @property
+    def sample(self) -> Sample: ...
+    @property
+    def done(self) -> bool: ...
+    def step(self, tau: _Array) -> Sample: ...
+    def trace(self) -> Trace: ...

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from . import _phihat
+from ._document import Study, source
 from ._errors import ArgumentError
+from .own import Controller, declared, drive
 from .trace import Trace
-
-Study = str | os.PathLike[str] | Mapping[str, Any]
-"""A study: the path of its file, or its document as nested dictionaries with the keys of docs/study.md.
-
-In a document numbers, sequences and NumPy arrays serve alike, and files are relative to the working directory.
-"""
-
 
 def design(study: Study, *, name: str = "python") -> _phihat.Gains:
     """Find gains that keep a study's specification, with a certificate.
@@ -32,7 +24,7 @@ def design(study: Study, *, name: str = "python") -> _phihat.Gains:
         Infeasible: no gains keep every clause; its ``clauses`` say which, and what is possible.
         StudyError: the study cannot be used.
     """
-    path, document = _source(study)
+    path, document = source(study)
     return _phihat.design(path, document, name)
 
 
@@ -40,6 +32,7 @@ def simulate(
     study: Study,
     *,
     gains: _phihat.Gains | None = None,
+    controller: Controller | None = None,
     uncertified: bool = False,
     name: str = "python",
 ) -> Trace:
@@ -48,13 +41,22 @@ def simulate(
     Args:
         study: a study with ``spec``, ``reference`` and either ``gains`` or ``design``.
         gains: used in place of those the study states or asks for.
+        controller: your own law, in place of phihat's: a function of a :class:`Sample` that returns a torque per joint, an
+            object with ``update(sample)``, or a :class:`Controller`. Sensors, delay, limits and faults are the study's;
+            its gains, design and supervisor are not asked, and nothing is certified.
         uncertified: run gains even where the arm's inertia is not inside their window; marked in the record.
         name: the study's name where it is a document, ``[a-z0-9_-]``.
 
     Raises:
         StudyError, Error: the study cannot be used, or the gains may not run.
     """
-    path, document = _source(study)
+    if controller is not None:
+        if gains is not None or uncertified:
+            limit = "without gains and uncertified"
+            message = f"controller: given beside them; it must be {limit}"
+            raise ArgumentError(message, field="controller", value=controller, limit=limit)
+        return drive(study, controller, name)
+    path, document = source(study)
     return Trace(_phihat.simulate(path, document, name, gains, uncertified))
 
 
@@ -102,6 +104,7 @@ def faults(
 
 def compare(
     *studies: str | os.PathLike[str],
+    laws: Sequence[Any] = (),
     only: Sequence[str] = (),
     worlds: Sequence[str] = (),
     seeds: int | None = None,
@@ -116,8 +119,15 @@ def compare(
     gains. Writes journal, answer and page to ``out/STUDY/compare`` (``out/compare`` for several studies); an
     interrupted comparison goes on where it was. ``result["rows"]`` has one entry for each arm and rival.
 
+    Your own law is one more rival: a class with a ``name``, its free ``scalars`` as ``{name: (default, least, largest)}``,
+    made as ``law(scalars, arm)`` with the :class:`ArmFacts` of an arm, with ``update(sample)`` that returns a torque per
+    joint, and its equation as docstring. It is tuned and judged as the others are; what it needs is what it says. With
+    ``preview = True`` its ``sample.ddq_des`` is that of the interval in which its torque acts. What a law raises ends the
+    comparison, and counts as refused until its module's text changes.
+
     Args:
         studies: paths of study files, one per arm.
+        laws: your own laws.
         only: ids of rivals; all unless given. ``phihat compare --list`` lists them.
         worlds: of exact, encoder, delay, payload, friction, saturation; all unless given.
         seeds: motions that are scored; 3 unless given, or 1 where ``quick``.
@@ -130,6 +140,7 @@ def compare(
         Error: an argument or a study cannot be used, or a result not be written.
     """
     asked = {"studies": studies, "only": list(only), "worlds": list(worlds), "seeds": seeds}
+    asked["laws"] = [declared(law) for law in laws]
     return _phihat.compare({**asked, "quick": quick, "fresh": fresh, "threads": threads, "out": out})
 
 
@@ -181,23 +192,3 @@ def report(trace: str | os.PathLike[str], path: str | os.PathLike[str] | None = 
 def robots() -> list[str]:
     """Names of the arms that come with phihat, for :meth:`Robot.from_name`."""
     return _phihat.Robot.names_built_in()
-
-
-def _source(study: Study) -> tuple[str | None, str | None]:
-    """Path or JSON text, whichever a study is."""
-    if isinstance(study, Mapping):
-        return None, json.dumps(study, default=_plain)
-    if isinstance(study, (str, os.PathLike)):
-        return os.fspath(study), None
-    kind = type(study).__name__
-    limit = "a path or a dictionary"
-    raise ArgumentError(f"study: {kind}; it must be {limit}", field="study", value=study, limit=limit)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    kind = type(value).__name__
-    raise ArgumentError(f"study: a value of type {kind}; a study holds tables, lists, numbers, strings")

@@ -101,7 +101,11 @@ class Trace:
 
     @property
     def gains(self) -> _phihat.Gains:
-        """The gains that ran."""
+        """The gains that ran.
+
+        Raises:
+            Error: another controller drove the run.
+        """
         return self._record.gains
 
     @property
@@ -165,6 +169,9 @@ class Trace:
             panel.grid(alpha=0.3)
         axes[0, 0].legend(fontsize="x-small", ncols=4)
         axes[-1, 0].set_xlabel("t [s]")
+        # A notebook shows what a cell returns, and what pyplot holds: once is enough.
+        if "inline" in pyplot.get_backend():
+            pyplot.close(figure)
         return figure
 
     def save(self, folder: str | os.PathLike[str]) -> None:

@@ -80,7 +80,7 @@ pub const FIGURES: [&str; 12] = [
 /// let record = Record {
 ///     run: &origin,
 ///     study_text: &study.text,
-///     gains: &gains,
+///     gains: Some(&gains),
 ///     drawing: &drawing,
 ///     metrics: &metrics,
 ///     tube: None,

@@ -10,7 +10,7 @@ mod window;
 
 /// The figures of the claims: those whose data the gains carry.
 pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Figure> {
-    let gains = record.gains;
+    let Some(gains) = record.gains else { return Vec::new() };
     let certified = gains.certificate.as_ref().map(|certificate| {
         let (window, bode) = (window::figure(gains, certificate), bode::figure(gains, certificate));
         window.into_iter().chain(bode)

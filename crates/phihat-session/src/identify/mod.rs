@@ -1,0 +1,140 @@
+//! From records of a real arm to the numbers that a design needs of it.
+
+mod recording;
+
+use std::path::{Path, PathBuf};
+
+use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
+use phihat_design::{InertiaEstimate, Smoothed, estimate_inertia};
+use phihat_sim::Observed;
+use serde::Serialize;
+
+use crate::error::SessionError;
+use recording::read;
+
+/// What an identification is told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifyOptions {
+    /// Records (CSV) of the same joints: in other postures, with other loads. What is found holds for all of them.
+    pub records: Vec<PathBuf>,
+    /// Seconds that are left out at the beginning of each.
+    pub from: f64,
+    /// Width of the boxes that positions are differenced over \[s\]: see [`Smoothed`].
+    pub width: f64,
+    /// What sizes and rates of φ are multiplied by: no record holds the worst that will come.
+    pub margin: f64,
+}
+
+impl Default for IdentifyOptions {
+    fn default() -> Self {
+        Self { records: Vec::new(), from: 0.0, width: 0.01, margin: 1.5 }
+    }
+}
+
+/// What records show of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IdentifiedJoint {
+    /// Joint name.
+    pub name: String,
+    /// Its inertia, three standard errors on either side: an estimate, not a proof.
+    pub inertia: InertiaEstimate,
+    /// `φ` for the middle of that interval in logarithms, times the margin: its size \[N·m\],
+    pub phi_max_nm: f64,
+    /// how fast its smooth part changes \[N·m/s\],
+    pub phi_rate_max_nm_s: f64,
+    /// and how far it jumps: dry friction where the joint reverses \[N·m\].
+    pub phi_jump_max_nm: f64,
+    /// Positions that were seen, from and to \[rad\].
+    pub position_rad: (f64, f64),
+    /// Largest |q̇| that was seen \[rad/s\].
+    pub velocity_max_rad_s: f64,
+    /// Largest torque that was seen \[N·m\].
+    pub torque_max_nm: f64,
+}
+
+/// Finds what records show of each joint.
+///
+/// # Errors
+///
+/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, or moves too little.
+pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, SessionError> {
+    let mut seen: Vec<(Smoothed, Vec<InertiaEstimate>)> = Vec::new();
+    for path in &options.records {
+        let smoothed = smoothed(path, options)?;
+        if let Some((first, _)) = seen.first() {
+            same_joints(path, first, &smoothed)?;
+        }
+        let found = estimate_inertia(&smoothed.signals(), smoothed.period_ns);
+        seen.push((smoothed.clone(), found.map_err(|e| SessionError::at(path, e))?));
+    }
+    let joints = seen.first().map_or(0, |(_, found)| found.len());
+    Ok((0..joints).filter_map(|joint| together(&seen, joint, options.margin)).collect())
+}
+
+fn smoothed(path: &Path, options: &IdentifyOptions) -> Result<Smoothed, SessionError> {
+    let record = read(path, options.from)?;
+    Smoothed::new(&record.joints, record.period_ns, options.width).ok_or_else(|| {
+        let needed = 4.0 * options.width;
+        SessionError::at(path, format!("too short: its filter alone needs more than {needed} s"))
+    })
+}
+
+fn same_joints(path: &Path, first: &Smoothed, other: &Smoothed) -> Result<(), SessionError> {
+    let names = |of: &Smoothed| -> Vec<String> {
+        of.signals().iter().map(|joint| joint.name.to_owned()).collect()
+    };
+    let (expected, found) = (names(first), names(other));
+    if expected == found {
+        return Ok(());
+    }
+    let (found, expected) = (found.join(", "), expected.join(", "));
+    let why = format!("its joints are {found}; those of the first record are {expected}");
+    Err(SessionError::at(path, why))
+}
+
+/// A joint in all records; `None`: there is none.
+fn together(
+    seen: &[(Smoothed, Vec<InertiaEstimate>)],
+    joint: usize,
+    margin: f64,
+) -> Option<IdentifiedJoint> {
+    let inertia = seen.iter().map(|(_, found)| found[joint]).reduce(|a, b| InertiaEstimate {
+        low_kg_m2: smaller(a.low_kg_m2, b.low_kg_m2),
+        high_kg_m2: larger(a.high_kg_m2, b.high_kg_m2),
+        standard_error_kg_m2: larger(a.standard_error_kg_m2, b.standard_error_kg_m2),
+        windows: a.windows + b.windows,
+    })?;
+    let nominal = (inertia.low_kg_m2 * inertia.high_kg_m2).sqrt();
+    let one = |smoothed: &Smoothed| {
+        let signals = &smoothed.signals()[joint];
+        let period = smoothed.period_ns as f64 * 1e-9;
+        let phi = Observed::of_signals(&[(signals.tau, signals.ddq)], period).phi(0, nominal);
+        let size = |values: &[f64]| values.iter().map(|value| value.abs()).largest();
+        IdentifiedJoint {
+            name: signals.name.to_owned(),
+            inertia,
+            phi_max_nm: margin * phi.size,
+            phi_rate_max_nm_s: margin * phi.rate,
+            phi_jump_max_nm: margin * phi.jump,
+            position_rad: signals.q.iter().copied().ends(),
+            velocity_max_rad_s: size(signals.dq),
+            torque_max_nm: size(signals.tau),
+        }
+    };
+    seen.iter().map(|(smoothed, _)| one(smoothed)).reduce(IdentifiedJoint::and)
+}
+
+impl IdentifiedJoint {
+    /// What holds for two records.
+    fn and(self, other: Self) -> Self {
+        Self {
+            phi_max_nm: larger(self.phi_max_nm, other.phi_max_nm),
+            phi_rate_max_nm_s: larger(self.phi_rate_max_nm_s, other.phi_rate_max_nm_s),
+            phi_jump_max_nm: larger(self.phi_jump_max_nm, other.phi_jump_max_nm),
+            position_rad: hull([self.position_rad, other.position_rad].into_iter()),
+            velocity_max_rad_s: larger(self.velocity_max_rad_s, other.velocity_max_rad_s),
+            torque_max_nm: larger(self.torque_max_nm, other.torque_max_nm),
+            ..self
+        }
+    }
+}
