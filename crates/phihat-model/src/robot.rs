@@ -59,6 +59,8 @@ pub struct Robot {
     pub profile: String,
     /// Named postures \[rad, m for prismatic joints\].
     pub poses: BTreeMap<String, Vec<f64>>,
+    /// Joints of the description that move but are none of the arm's, and where they are held \[rad, m\].
+    pub held: BTreeMap<String, f64>,
     /// What is odd about the description but does not prevent its use.
     pub warnings: Vec<String>,
     /// Files that it was read from, the one that was named first; none of an arm that comes with the crate.
@@ -101,6 +103,7 @@ impl Robot {
                 return Err(refuse("it is the last that moves".to_owned()));
             }
             description.fix(name, *position);
+            self.held.insert(name.clone(), *position);
             self.joints.remove(at);
             self.poses.values_mut().for_each(|pose| {
                 pose.remove(at);

@@ -154,6 +154,7 @@ impl Robot {
             tip,
             profile: "ideal".to_owned(),
             poses: BTreeMap::new(),
+            held: read.held,
             warnings: read.warnings,
             files: Vec::new(),
         };
