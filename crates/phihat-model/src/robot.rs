@@ -74,7 +74,7 @@ impl Robot {
     /// # Errors
     ///
     /// [`RobotError::Lock`] for a joint the robot does not have, a position outside its limits, or
-    /// if no joint is left.
+    /// if no joint is left, or none that moves the tip.
     ///
     /// # Example
     ///
@@ -110,7 +110,19 @@ impl Robot {
             });
         }
         self.model = Model::new(description).with_gravity(self.model.gravity());
-        Ok(self)
+        match joints.last() {
+            Some((joint, _)) if !self.moves(&self.tip) => Err(RobotError::Lock {
+                why: format!("no joint that is left moves the tip \"{}\"", self.tip),
+                robot: self.name,
+                joint: joint.clone(),
+            }),
+            _ => Ok(self),
+        }
+    }
+
+    /// Whether a joint moves the frame of this name.
+    pub(crate) fn moves(&self, frame: &str) -> bool {
+        self.model.frame(frame).is_some_and(|frame| self.model.moves(frame))
     }
 
     /// The model with the joints' rotor inertia: what a simulated plant is made of.
