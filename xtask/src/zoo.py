@@ -81,19 +81,27 @@ def fetch(folder: Path) -> None:
         (files / name / "whole").write_text(digest(wheel) + "\n")
 
 
-def without_comments(text: str) -> str:
-    return re.sub(r"(?s)<!--.*?-->", "", text)
+def has_joint_that_moves(text: str) -> bool:
+    """Told from the text: of what is no XML too.
 
-
-def has_joint_that_moves(path: Path) -> bool:
-    """Told from the text: of what is no XML too."""
-    text = without_comments(path.read_text(encoding="utf-8", errors="replace"))
+    >>> has_joint_that_moves("<joint name='a' type='fixed'/><!-- <joint type='revolute'/> --> <link type='revolute'/>")
+    False
+    >>> has_joint_that_moves('<joint type = "continuous" name="a">')
+    True
+    """
+    text = re.sub(r"(?s)<!--.*?-->", "", text)
     kinds = re.findall(r"""(?s)<joint\b[^>]*?\btype\s*=\s*["'](\w+)["']""", text)
     return bool(MOVES.intersection(kinds))
 
 
 def mended(text: str) -> tuple[str, list[str]]:
-    """A file that Pinocchio refuses, as its author meant it, and what was done; written apart from our reader."""
+    """A file that Pinocchio refuses, as its author meant it, and what was done; written apart from our reader.
+
+    >>> mended('<r><joint type="fixed"><origin xyz="0.1, -2, 3" rpy="$(optenv A 0 0 1)"/></joint></r>\\0')[0]
+    '<r><joint type="fixed"><origin xyz="0.1 -2 3" rpy="0 0 1" /></joint></r>'
+    >>> mended('<r><link><visual/></link><joint type="spherical"/></r>')
+    ('<r><link /><joint type="fixed" /></r>', ['with spherical joints fixed'])
+    """
     done = []
 
     def replaced(pattern: str, to: str, what: str, text: str) -> str:
@@ -270,28 +278,45 @@ class Runs:
             document = json.loads(answer)
         except ValueError:
             return {"outcome": "crashed", "why": errors.strip()[-400:]}
-        return judged(document, code, out)
+        gains = out / "gains.json"
+        certified = gains.exists() and json.loads(gains.read_text()).get("certificate") is not None
+        return judged(document, code, certified)
 
 
-def judged(document: dict[str, Any], code: int, out: Path) -> dict[str, Any]:
-    """The outcome that an answer of `phihat run --json` tells."""
+def judged(document: dict[str, Any], code: int, certified: bool) -> dict[str, Any]:
+    """The outcome that an answer of `phihat run --json` tells.
+
+    >>> judged({"error": "s.toml: NO GAINS keep every clause", "exit_code": 1}, 1, False)["outcome"]
+    'error budget'
+    >>> judged({"error": "s.toml: not armed: the window", "exit_code": 2}, 2, False)["outcome"]
+    'not armed'
+    >>> judged({"error": "s.toml:3: nonsense", "exit_code": 2}, 2, False)["outcome"]
+    'refused'
+    >>> joint = {"name": "a", "error_spec_rad": 1e-3, "error_steady_max_rad": 2.5e-3}
+    >>> run = {"diverged": None, "stopped": None, "verdict": "within_spec", "metrics": {"joints": [joint]}}
+    >>> judged(run, 0, True)["outcome"], judged(run, 0, False)["outcome"]
+    ('certified, within spec', 'within spec, uncertified')
+    >>> judged(run | {"verdict": "outside_spec"}, 1, True)
+    {'outcome': 'out of spec', 'why': 'a: 2.5 times the error allowed'}
+    >>> judged(run | {"verdict": "diverged", "diverged": {"t_s": 1.5}, "metrics": {"joints": []}}, 1, True)
+    {'outcome': 'diverged', 'why': '{"t_s": 1.5}'}
+    """
     if "error" in document:
         why = str(document["error"])
         if "not armed" in why.split("\n")[0]:
             return {"outcome": "not armed", "why": why}
         return {"outcome": "error budget" if code == 1 else "refused", "why": why}
     verdict = document["verdict"]
-    joints = document["metrics"]["joints"]
+    if verdict in ("within_spec", "within_spec_limited"):
+        return {"outcome": "certified, within spec" if certified else "within spec, uncertified", "why": None}
     over = [
-        f"{joint['name']}: {joint['error_steady_max_rad'] / joint['error_spec_rad']:.2g} of the error allowed"
-        for joint in joints
+        f"{joint['name']}: {joint['error_steady_max_rad'] / joint['error_spec_rad']:.2g} times the error allowed"
+        for joint in document["metrics"]["joints"]
         if joint["error_spec_rad"] and joint["error_steady_max_rad"] > joint["error_spec_rad"]
     ]
-    if verdict in ("within_spec", "within_spec_limited"):
-        certified = json.loads((out / "gains.json").read_text()).get("certificate") is not None
-        return {"outcome": "certified, within spec" if certified else "within spec, uncertified", "why": None}
     named = {"outside_spec": "out of spec", "certificate_broken": "certificate broken"}
-    return {"outcome": named.get(verdict, verdict), "why": "; ".join(over) or json.dumps(document[verdict]) if verdict in document else "; ".join(over) or None}
+    told = json.dumps(document[verdict]) if document.get(verdict) else None
+    return {"outcome": named.get(verdict, verdict), "why": told or "; ".join(over) or None}
 
 
 def run_all(rows: list[dict[str, Any]], paths: list[Path], runs: Runs, jobs: int) -> None:
@@ -320,7 +345,13 @@ def table(head: list[str], rows: list[list[Any]]) -> str:
 
 
 def kind_of(warning: str) -> str:
-    """A warning without the names and figures of one file."""
+    """A warning without the names and figures of one file.
+
+    >>> kind_of('2 joint(s) outside of the arm, held where they stand: "a" at 0, "b" at 0.1, …')
+    '# joint(s) outside of the arm, held where they stand'
+    >>> kind_of('a.urdf:7: link "l": inertia [1, 2.5e-3] is none (nothing moves it)')
+    'link …: inertia […] is none (nothing moves it)'
+    """
     where = re.match(r"[^:]*\.urdf:\d+: ", warning)
     text = warning[where.end() :] if where else warning
     for pattern, to in (
@@ -447,7 +478,7 @@ def main() -> int:
         fetch(folder)
         return 0
     files = [(name, path) for name, _, _ in PACKAGES for path in sorted((folder / "files" / name).rglob("*.urdf"))]
-    files = [(name, path) for name, path in files if has_joint_that_moves(path)]
+    files = [(name, path) for name, path in files if has_joint_that_moves(path.read_text("utf-8", "replace"))]
     if told.only:
         files = [(name, path) for name, path in files if told.only in str(path.relative_to(folder))]
         if not files:

@@ -107,4 +107,14 @@ mod tests {
         assert!(told("--folder --no-run").unwrap_err().contains("--folder is followed"));
         assert!(told("panda").unwrap_err().contains("panda"));
     }
+    #[test]
+    fn the_script_counts_and_judges_as_its_examples_say() {
+        let output = std::process::Command::new("python3")
+            .args(["-m", "doctest", SCRIPT])
+            .current_dir(crate::shell::root())
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && told.is_empty(), "{told}");
+    }
 }
