@@ -40,7 +40,7 @@ const FIGURES: [(&str, &str, &str); 4] = [
 ];
 
 /// Documents outside of the book whose links are followed too.
-const DOCUMENTS: [&str; 9] = [
+const DOCUMENTS: [&str; 10] = [
     "README.md",
     "GLOSSARY.md",
     "NOTATION.md",
@@ -50,6 +50,7 @@ const DOCUMENTS: [&str; 9] = [
     "docs/theory.md",
     "docs/study.md",
     "docs/reliability.md",
+    "docs/zoo.md",
 ];
 
 /// One fenced block of a page.

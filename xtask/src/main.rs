@@ -21,6 +21,7 @@ mod rules;
 mod shell;
 mod test;
 mod twice;
+mod zoo;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,9 @@ const USAGE: &str = "usage:
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
                                that differ; all of it is kept in docs/laws.md (half an hour; resumes)
+  cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--folder FOLDER] [--fresh] [--debug]
+                               other people's descriptions of arms: which load, whether Pinocchio finds the same torque, what
+                               `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";
 
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, rest)) if verb == "zoo" => zoo::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "laws" => laws::run(&shell::root(), rest),
         Some((verb, _)) if verb == "rivals" => rivals::run(&shell::root()),
         Some((verb, rest)) if verb == "soak" => {

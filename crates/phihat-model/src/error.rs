@@ -42,7 +42,7 @@ pub enum NotRigid {
     NotFinite,
     /// An inertia about which some axis turns with less than nothing \[kg·m²\].
     #[error(
-        "inertia {0:?} (xx, xy, xz, yy, yz, zz) has a negative principal moment; all three must be at least 0"
+        "inertia {0:?} (xx, xy, xz, yy, yz, zz) has a negative principal moment; all three must be at least 0: products of inertia (xy, xz, yz) this large belong to no body with this diagonal"
     )]
     Inertia([f64; 6]),
 }

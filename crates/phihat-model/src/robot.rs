@@ -59,6 +59,8 @@ pub struct Robot {
     pub profile: String,
     /// Named postures \[rad, m for prismatic joints\].
     pub poses: BTreeMap<String, Vec<f64>>,
+    /// Joints of the description that move but are none of the arm's, and where they are held \[rad, m\].
+    pub held: BTreeMap<String, f64>,
     /// What is odd about the description but does not prevent its use.
     pub warnings: Vec<String>,
     /// Files that it was read from, the one that was named first; none of an arm that comes with the crate.
@@ -72,7 +74,7 @@ impl Robot {
     /// # Errors
     ///
     /// [`RobotError::Lock`] for a joint the robot does not have, a position outside its limits, or
-    /// if no joint is left.
+    /// if no joint is left, or none that moves the tip.
     ///
     /// # Example
     ///
@@ -101,13 +103,26 @@ impl Robot {
                 return Err(refuse("it is the last that moves".to_owned()));
             }
             description.fix(name, *position);
+            self.held.insert(name.clone(), *position);
             self.joints.remove(at);
             self.poses.values_mut().for_each(|pose| {
                 pose.remove(at);
             });
         }
         self.model = Model::new(description).with_gravity(self.model.gravity());
-        Ok(self)
+        match joints.last() {
+            Some((joint, _)) if !self.moves(&self.tip) => Err(RobotError::Lock {
+                why: format!("no joint that is left moves the tip \"{}\"", self.tip),
+                robot: self.name,
+                joint: joint.clone(),
+            }),
+            _ => Ok(self),
+        }
+    }
+
+    /// Whether a joint moves the frame of this name.
+    pub(crate) fn moves(&self, frame: &str) -> bool {
+        self.model.frame(frame).is_some_and(|frame| self.model.moves(frame))
     }
 
     /// The model with the joints' rotor inertia: what a simulated plant is made of.

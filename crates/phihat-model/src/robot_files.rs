@@ -154,13 +154,30 @@ impl Robot {
             tip,
             profile: "ideal".to_owned(),
             poses: BTreeMap::new(),
+            held: read.held,
             warnings: read.warnings,
             files: Vec::new(),
         };
         match toml {
             None => Ok(robot),
-            Some((text, origin)) => extras::apply(robot, text, origin).map_err(RobotError::plain),
+            Some((text, origin)) => {
+                let robot = extras::apply(robot, text, origin);
+                robot
+                    .and_then(|robot| robot.with_a_tip_that_moves(origin))
+                    .map_err(RobotError::plain)
+            }
         }
+    }
+
+    /// What no joint moves does no work.
+    fn with_a_tip_that_moves(self, origin: &str) -> Result<Self, RobotError> {
+        if self.moves(&self.tip) {
+            return Ok(self);
+        }
+        let moved = self.model.frame_names().iter().filter(|name| self.moves(name));
+        let moved = moved.cloned().collect::<Vec<_>>().join(", ");
+        let why = format!("no joint moves link \"{}\"; these move: {moved}", self.tip);
+        Err(RobotError::Value { origin: origin.to_owned(), key: "tip".to_owned(), why })
     }
 }
 

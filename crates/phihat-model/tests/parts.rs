@@ -122,3 +122,32 @@ fn what_cannot_be_cut_is_named() {
         assert!(clues.iter().all(|clue| message.contains(clue)), "{message}");
     }
 }
+
+#[test]
+fn a_tip_that_stands_still_is_no_tip() {
+    let toml = |tip: &str| {
+        let joints = ["waist", "left_shoulder", "left_elbow", "left_wrist", "left_finger"];
+        let more = ["right_shoulder", "right_elbow", "right_wrist", "right_finger"];
+        format!(
+            "name = \"two\"\ndescription = \"\"\nurdf = \"two.urdf\"\ntip = \"{tip}\"\nlicence = \"\"\nprovenance = \"\"\n\
+             joints = {:?}\n",
+            [&joints[..], &more].concat()
+        )
+    };
+    let read = |tip: &str| Robot::from_text(&two_arms(), Some(&toml(tip)), "two");
+    let why = read("base").unwrap_err().to_string();
+    assert!(
+        why.contains("tip: no joint moves link \"base\"") && why.contains("left_tool0"),
+        "{why}"
+    );
+    // One arm locked, with the waist: the other still moves, but not this arm's tip.
+    let two = read("left_tool0").unwrap();
+    let lock = |names: &[&str]| {
+        let at = |name: &&str| ((*name).to_owned(), 0.0);
+        two.clone().lock(&names.iter().map(at).collect::<Vec<_>>())
+    };
+    let left = ["left_shoulder", "left_elbow", "left_wrist", "waist"];
+    assert_eq!(lock(&left[..3]).unwrap().joints.len(), 6);
+    let why = lock(&left).unwrap_err().to_string();
+    assert!(why.contains("\"waist\"") && why.contains("tip \"left_tool0\""), "{why}");
+}

@@ -147,8 +147,8 @@ fn proved(certificate: &Certificate) -> String {
     }
     match &certificate.tube {
         Some(tube) => format!(
-            "the specification is kept by every run in the tube: payload {} … {} kg, dry friction as stated, from t = 0, no limit acts",
-            tube.payload.mass_kg.0, tube.payload.mass_kg.1
+            "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, from t = 0, no limit acts",
+            tube.payload.mass_kg.0, tube.payload.mass_kg.1, tube.payload.frame
         ),
         None => {
             "bounds are those of each joint alone: nothing is known of how they push each other"

@@ -41,8 +41,15 @@ impl Whole<'_, '_, '_> {
             }
             for at in on.iter().rev() {
                 let mut longer = path.clone();
-                if matches!(self.joints[*at].moves, Moves::Driven(_)) {
-                    longer.push(*at);
+                match self.joints[*at].moves {
+                    Moves::Driven(_) => longer.push(*at),
+                    // An arm ends before what floats, and another begins behind it.
+                    Moves::Free(_) => {
+                        let ends = !path.is_empty() && !found.iter().any(|(own, _)| *own == path);
+                        found.extend(ends.then(|| (path.clone(), link)));
+                        longer.clear();
+                    }
+                    Moves::Not | Moves::Follows { .. } => {}
                 }
                 next.push((self.tree.child_of_joint[*at], longer));
             }

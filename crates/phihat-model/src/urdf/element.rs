@@ -1,5 +1,7 @@
 //! One XML element, read with errors that say where it stands.
 
+use std::cell::RefCell;
+
 use roxmltree::Node;
 
 use super::Result;
@@ -9,17 +11,41 @@ use crate::placement::{Placement, from_rpy};
 /// Longest name \[bytes\].
 const NAME_MAX: usize = 1024;
 
+/// What stands for the file in errors, and what was read in one way although it is not written as the format has it.
+pub(super) struct Source<'s> {
+    pub(super) origin: &'s str,
+    notes: RefCell<Vec<String>>,
+}
+
+impl<'s> Source<'s> {
+    pub(super) fn of(origin: &'s str) -> Self {
+        Self { origin, notes: RefCell::new(Vec::new()) }
+    }
+
+    /// Notes what was read how, once.
+    pub(super) fn note(&self, what: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&what) {
+            notes.push(what);
+        }
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.notes.take()
+    }
+}
+
 /// A link or joint element, and what its errors say about it.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a, 'x> {
     pub(super) node: Node<'a, 'x>,
     pub(super) name: &'a str,
-    origin: &'a str,
+    source: &'a Source<'a>,
 }
 
 impl<'a, 'x> Element<'a, 'x> {
-    pub(super) fn of(node: Node<'a, 'x>, origin: &'a str) -> Result<Self> {
-        let unnamed = Self { node, name: "", origin };
+    pub(super) fn of(node: Node<'a, 'x>, source: &'a Source<'a>) -> Result<Self> {
+        let unnamed = Self { node, name: "", source };
         match node.attribute("name") {
             Some(name) if name.len() > NAME_MAX => {
                 Err(unnamed.error(format!("the name is longer than {NAME_MAX} bytes")))
@@ -31,13 +57,33 @@ impl<'a, 'x> Element<'a, 'x> {
 
     /// The error `why`, with file, line and name.
     pub(super) fn error(&self, why: String) -> RobotError {
-        let (origin, name) = (self.origin.to_owned(), self.name.to_owned());
-        let line = self.node.document().text_pos_at(self.node.range().start).row;
+        let (origin, name) = (self.source.origin.to_owned(), self.name.to_owned());
+        let line = self.line();
         if self.node.has_tag_name("link") {
             RobotError::Link { origin, line, link: name, why }
         } else {
             RobotError::Joint { origin, line, joint: name, why }
         }
+    }
+
+    fn line(&self) -> u32 {
+        self.node.document().text_pos_at(self.node.range().start).row
+    }
+
+    /// Notes how something is read that is not written as the format has it.
+    pub(super) fn note(&self, how: &str) {
+        let what = if self.node.has_tag_name("link") { "link" } else { "joint" };
+        self.source.note(format!("{what} \"{}\" (line {}): {how}", self.name, self.line()));
+    }
+
+    /// The first child called `tag` of `node`, if there is one: others read it too.
+    pub(super) fn first_child(&self, node: Node<'a, 'x>, tag: &str) -> Option<Node<'a, 'x>> {
+        let mut children = node.children().filter(|child| child.has_tag_name(tag));
+        let first = children.next();
+        if children.next().is_some() {
+            self.note(&format!("more than one <{tag}>; the first is read, as others do"));
+        }
+        first
     }
 
     /// The child called `tag` of `node`, if there is one; more than one is an error.
@@ -93,12 +139,45 @@ impl<'a, 'x> Element<'a, 'x> {
         key: &str,
         text: &str,
     ) -> Result<[f64; N]> {
+        let (tag, shown) = (node.tag_name().name(), text.chars().take(60).collect::<String>());
+        let (meant, how) = meant::<N>(text);
         let finite = |word: &str| word.parse().ok().filter(|x: &f64| x.is_finite());
-        let numbers: Option<Vec<f64>> = text.split_whitespace().take(N + 1).map(finite).collect();
-        numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
-            let (tag, shown) = (node.tag_name().name(), text.chars().take(40).collect::<String>());
+        let numbers: Option<Vec<f64>> = meant.split_whitespace().take(N + 1).map(finite).collect();
+        let numbers = numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
             let wanted = if N == 1 { "one finite number" } else { "three finite numbers" };
-            self.error(format!("<{tag} {key}=\"{shown}\"> must be {wanted}"))
-        })
+            let surplus = text.split_whitespace().count() > N;
+            let remedy = match () {
+                () if text.contains("$(") => {
+                    ": what stands in $(…) is for roslaunch or xacro to replace; expand the file first"
+                }
+                () if text.contains(',') => ": a point before decimals, blanks between numbers",
+                () if surplus => ": take out what is too many; which one, the file does not tell",
+                () => "",
+            };
+            self.error(format!("<{tag} {key}=\"{shown}\"> must be {wanted}{remedy}"))
+        })?;
+        if let Some(how) = how {
+            self.note(&format!("<{tag} {key}=\"{shown}\"> is read as \"{meant}\": {how}"));
+        }
+        Ok(numbers)
     }
+}
+
+/// The numbers that somebody meant where only one reading is possible, and why that is not how they are written.
+fn meant<const N: usize>(text: &str) -> (String, Option<&'static str>) {
+    // A value that an environment variable may replace, and the one that stands otherwise.
+    let inside = text.trim().strip_prefix("$(optenv ").and_then(|rest| rest.strip_suffix(')'));
+    if let Some((_, default)) = inside.and_then(|inside| inside.trim().split_once(' '))
+        && !default.contains('$')
+    {
+        let why = "the default of an environment variable that was not expanded";
+        return (default.trim().to_owned(), Some(why));
+    }
+    // A decimal comma has digits after it, and is not read.
+    if N > 1 && text.contains(',') {
+        let words: Vec<_> =
+            text.split_whitespace().map(|word| word.strip_suffix(',').unwrap_or(word)).collect();
+        return (words.join(" "), Some("blanks alone separate numbers, not commas"));
+    }
+    (text.to_owned(), None)
 }

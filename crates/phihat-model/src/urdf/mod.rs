@@ -1,5 +1,7 @@
 //! URDF: pre-scan, parse, check.
 
+use std::collections::BTreeMap;
+
 use crate::Model;
 use crate::error::RobotError;
 use crate::joint::Joint;
@@ -22,6 +24,8 @@ pub(crate) struct Urdf {
     pub(crate) name: String,
     pub(crate) model: Model,
     pub(crate) joints: Vec<Joint>,
+    /// Where what moves but is none of the arm's stands \[rad, m\].
+    pub(crate) held: BTreeMap<String, f64>,
     pub(crate) warnings: Vec<String>,
 }
 

@@ -113,17 +113,24 @@ impl Whole<'_, '_, '_> {
         Err(joint.element.error(why))
     }
 
-    /// A base that floats can be fixed, but not what an arm carries.
+    /// What floats can be fixed before the arm's first joint and after its last, but not between.
     fn nothing_floats(&self, driven: &[bool]) -> Result<()> {
-        let mut carried = vec![false; self.links.len()];
+        // For each link, whether a driven joint is before it, and the joint that floats since.
+        let mut before = vec![false; self.links.len()];
+        let mut floats: Vec<Option<(usize, &str)>> = vec![None; self.links.len()];
         for at in &self.tree.order {
             let Some(joint) = self.tree.hangs[*at] else { continue };
-            carried[*at] = driven[joint] || carried[self.tree.parent_of_joint[joint]];
-            if let (Moves::Free(kind), true) = (self.joints[joint].moves, carried[*at]) {
-                let why = format!(
-                    "it is {kind}, on an arm: revolute, continuous, prismatic and fixed joints make one"
-                );
-                return Err(self.joints[joint].element.error(why));
+            let parent = self.tree.parent_of_joint[joint];
+            (before[*at], floats[*at]) = (driven[joint] || before[parent], floats[parent]);
+            match (self.joints[joint].moves, floats[parent]) {
+                (Moves::Free(kind), _) if before[parent] => floats[*at] = Some((joint, kind)),
+                (_, Some((free, kind))) if driven[joint] => {
+                    let own = self.joints[joint].element.name;
+                    return Err(self.joints[free].element.error(format!(
+                        "it is {kind}, between joints of the arm: \"{own}\" is behind it; name a base and a tip on one side of it"
+                    )));
+                }
+                _ => {}
             }
         }
         Ok(())
@@ -194,7 +201,9 @@ impl Whole<'_, '_, '_> {
         });
         let held: Vec<String> = held.collect();
         let held = if held.is_empty() { String::new() } else { format!(": {}", shown(&held)) };
-        self.error(format!("no joint moves; at least one must{held}"))
+        self.error(format!(
+            "no joint moves by a drive of its own; one that is revolute, continuous or prismatic must{held}"
+        ))
     }
 
     fn error(&self, why: String) -> RobotError {

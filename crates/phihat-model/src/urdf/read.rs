@@ -1,11 +1,11 @@
 //! From the text of a URDF to links, joints and their limits.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::{Document, Node};
 
-use super::element::Element;
+use super::element::{Element, Source};
 use super::part::Whole;
 use super::travel::{Moves, read_limits, read_moves};
 use super::tree::{JointElement, LinkElement, Tree};
@@ -33,8 +33,8 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
     let text = &readable(text, origin)?;
     let document = document(text, origin)?;
     let root = robot_element(&document, origin)?;
-    let mut warnings = Vec::new();
-    let (mut links, mut joints) = elements(root, origin, &mut warnings)?;
+    let (mut warnings, source) = (Vec::new(), Source::of(origin));
+    let (mut links, mut joints) = elements(root, &source, &mut warnings)?;
     let tree = Tree::of(&links, &joints, origin)?;
     let whole = Whole { links: &links, joints: &joints, tree: &tree, origin };
     let cut = whole.cut(part, &mut warnings)?;
@@ -50,10 +50,14 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
             driven.push(read_limits(&joints[at].element, kind, &mut warnings)?);
         }
     }
+    let mut held = BTreeMap::new();
     for (at, joint) in joints.iter_mut().enumerate().filter(|(at, _)| !cut.driven[*at]) {
+        if joint.joint.motion != Motion::Fixed {
+            held.insert(joint.element.name.to_owned(), cut.at[at]);
+        }
         joint.joint.hold(cut.at[at]);
     }
-    let matter = matter(&mut links, (&tree, &cut.driven, part), &mut warnings)?;
+    let matter = matter(&mut links, (&tree, &cut.driven), &mut warnings)?;
     let (description, order) = tree.describe(&links, &joints, &matter);
     let name = root.attribute("name").unwrap_or("robot").to_owned();
     let model = Model::new(description);
@@ -65,7 +69,8 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
         );
         return Err(joints[at].element.error(why));
     }
-    Ok(Urdf { name, model, joints: driven, warnings })
+    warnings.extend(source.notes());
+    Ok(Urdf { name, model, joints: driven, held, warnings })
 }
 
 /// The chains of a URDF that could be arms, the longest first.
@@ -73,7 +78,8 @@ pub(crate) fn chains(text: &str, origin: &str) -> Result<Vec<Chain>> {
     let text = &readable(text, origin)?;
     let document = document(text, origin)?;
     let root = robot_element(&document, origin)?;
-    let (links, joints) = elements(root, origin, &mut Vec::new())?;
+    let source = Source::of(origin);
+    let (links, joints) = elements(root, &source, &mut Vec::new())?;
     let tree = Tree::of(&links, &joints, origin)?;
     Ok(Whole { links: &links, joints: &joints, tree: &tree, origin }.chains())
 }
@@ -92,7 +98,8 @@ fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError
 /// The text with prefixes declared that nobody declared: what other programs read beside us.
 fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> {
     scan::scan(text, origin)?;
-    let mut text = Cow::Borrowed(text);
+    // Where C strings end, some programs write their last byte too.
+    let mut text = Cow::Borrowed(text.trim_end_matches(['\0', '\u{feff}', '\u{1a}']));
     // Where comments stand before the declaration it says nothing: blanks take its place, for the lines to stay.
     if let Some(start) = text.find("<?xml").filter(|start| *start > 0)
         && let Some(length) = text[start..].find("?>")
@@ -153,16 +160,16 @@ fn robot_element<'a, 'x>(document: &'a Document<'x>, origin: &str) -> Result<Nod
 
 fn elements<'a, 'x>(
     root: Node<'a, 'x>,
-    origin: &'a str,
+    source: &'a Source<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<Elements<'a, 'x>> {
-    Ok((read_links(root, origin)?, read_joints(root, origin, warnings)?))
+    Ok((read_links(root, source)?, read_joints(root, source, warnings)?))
 }
 
-/// Matter of every link. Of a part, what is wrong with it counts where a joint moves it.
+/// Matter of every link. What is wrong with it counts where a joint moves it.
 fn matter(
     links: &mut [LinkElement<'_, '_>],
-    (tree, driven, part): (&Tree, &[bool], &Part),
+    (tree, driven): (&Tree, &[bool]),
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Lumped>> {
     let mut moved = vec![false; links.len()];
@@ -179,7 +186,7 @@ fn matter(
                 }
                 Ok(matter)
             }
-            Err(why) if moved || !part.is_stated() => Err(why),
+            Err(why) if moved => Err(why),
             Err(why) => {
                 warnings.push(format!("{why} (nothing moves it, so it is not needed)"));
                 Ok(Lumped::default())
@@ -211,13 +218,16 @@ fn unmoved(model: &Model) -> Option<usize> {
     None
 }
 
-fn read_links<'a, 'x>(root: Node<'a, 'x>, origin: &'a str) -> Result<Vec<LinkElement<'a, 'x>>> {
+fn read_links<'a, 'x>(
+    root: Node<'a, 'x>,
+    source: &'a Source<'a>,
+) -> Result<Vec<LinkElement<'a, 'x>>> {
     let nodes = || root.children().filter(|child| child.has_tag_name("link"));
-    at_most(origin, "links", nodes().count(), LINKS_MAX)?;
+    at_most(source.origin, "links", nodes().count(), LINKS_MAX)?;
     let mut names = BTreeSet::new();
     let mut links = Vec::new();
     for node in nodes() {
-        let element = Element::of(node, origin)?;
+        let element = Element::of(node, source)?;
         if !names.insert(element.name) {
             return Err(element.error("another link has this name".to_owned()));
         }
@@ -272,17 +282,17 @@ fn read_matter(link: &Element<'_, '_>) -> Result<(Lumped, Vec<String>)> {
 
 fn read_joints<'a, 'x>(
     root: Node<'a, 'x>,
-    origin: &'a str,
+    source: &'a Source<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<JointElement<'a, 'x>>> {
     let mut names = BTreeSet::new();
     let mut joints: Vec<JointElement<'a, 'x>> = Vec::new();
     for node in root.children().filter(|child| child.has_tag_name("joint")) {
-        let element = Element::of(node, origin)?;
+        let element = Element::of(node, source)?;
         if !names.insert(element.name) {
             return Err(element.error("another joint has this name".to_owned()));
         }
-        at_most(origin, "joints", joints.len() + 1, LINKS_MAX)?;
+        at_most(source.origin, "joints", joints.len() + 1, LINKS_MAX)?;
         joints.push(read_joint(element, warnings)?);
     }
     Ok(joints)
@@ -318,7 +328,7 @@ fn read_joint<'a, 'x>(
 }
 
 fn read_axis(joint: &Element<'_, '_>, warnings: &mut Vec<String>) -> Result<[f64; 3]> {
-    let stated = joint.vector(joint.child(joint.node, "axis")?, "xyz", [1.0, 0.0, 0.0])?;
+    let stated = joint.vector(joint.first_child(joint.node, "axis"), "xyz", [1.0, 0.0, 0.0])?;
     let axis = normalised(stated)
         .ok_or_else(|| joint.error(format!("axis {stated:?} has no direction")))?;
     if (dot(stated, axis) - 1.0).abs() > 1e-3 {

@@ -9,6 +9,10 @@ use crate::joint::{Friction, Joint, JointKind};
 /// A limit beyond this is what some exporters write for none \[rad, m, rad/s, N·m\].
 const BOUNDLESS: f64 = 1e9;
 
+/// Limits the wrong way round are read where 0, at which a description is drawn, lies between them, and they are no further
+/// apart than this: what else they could be, nobody can tell \[rad, m\].
+const SWAPPED_MAX: f64 = 8.0 * std::f64::consts::PI;
+
 /// What a joint's element says of its motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Moves<'a> {
@@ -18,7 +22,7 @@ pub(super) enum Moves<'a> {
     Driven(JointKind),
     /// With another joint: `factor` times its position, and `offset` \[rad, m\].
     Follows { kind: JointKind, leader: &'a str, factor: f64, offset: f64 },
-    /// In more ways than one drive serves: a floating or planar joint.
+    /// In more ways than one drive serves: a floating, planar or spherical joint.
     Free(&'a str),
 }
 
@@ -29,10 +33,10 @@ pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
         "revolute" => JointKind::Revolute,
         "continuous" => JointKind::Continuous,
         "prismatic" => JointKind::Prismatic,
-        free @ ("floating" | "planar") => return Ok(Moves::Free(free)),
+        free @ ("floating" | "planar" | "spherical") => return Ok(Moves::Free(free)),
         other => {
             return Err(element.error(format!(
-                "type \"{other}\" is not read; revolute, continuous, prismatic, fixed, floating and planar are"
+                "type \"{other}\" is not read; revolute, continuous, prismatic, fixed, floating, planar and spherical are"
             )));
         }
     };
@@ -50,6 +54,8 @@ pub(super) fn nearest(joint: &Element<'_, '_>, kind: JointKind, wanted: f64) -> 
     let limit = joint.child(joint.node, "limit").ok().flatten();
     let end = |key| limit.and_then(|node| joint.number_if_any(node, key).ok().flatten());
     let (low, high) = (end("lower").unwrap_or(0.0), end("upper").unwrap_or(0.0));
+    let swapped = low >= 0.0 && high <= 0.0;
+    let (low, high) = if swapped { (high, low) } else { (low, high) };
     if kind == JointKind::Continuous || low >= high { wanted } else { wanted.clamp(low, high) }
 }
 
@@ -69,8 +75,14 @@ fn read_travel<'a, 'x>(
         return Err(joint.error(why.to_owned()));
     };
     let number = |key| Ok(joint.number_if_any(limit, key)?.unwrap_or(0.0));
-    let (low, high) = (number("lower")?, number("upper")?);
+    let (mut low, mut high) = (number("lower")?, number("upper")?);
     let none = low == 0.0 && high == 0.0;
+    if low >= 0.0 && high <= 0.0 && low > high && low - high <= SWAPPED_MAX {
+        joint.note(&format!(
+            "limits {low} … {high} stand the wrong way round and are read as {high} … {low}; Bullet takes such a joint for one without ends"
+        ));
+        (low, high) = (high, low);
+    }
     if low >= high && (slides || !none) {
         return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
     }

@@ -1,0 +1,142 @@
+//! What descriptions of other people get wrong, each as a small arm of ours: read as the arm that is written right, bit for bit, with
+//! a line that names the element; or refused with what to do. Fails where a quirk is read in another way, or in silence.
+
+use phihat_model::{Part, Robot, Workspace};
+
+const LINK: &str = r#"<inertial><origin xyz="0.02 -0.01 0.1" rpy="0.1 0.2 0.3"/><mass value="1.5"/>
+<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.03" iyz="0" izz="0.025"/></inertial>"#;
+
+/// A tower of links `l0`, `l1`, … with one joint `j1`, `j2`, … of each kind between them.
+fn tower(kinds: &[&str]) -> String {
+    let part = |(below, kind): (usize, &&str)| {
+        let above = below + 1;
+        format!(
+            "<link name=\"l{above}\">{LINK}</link>\n<joint name=\"j{above}\" type=\"{kind}\"><parent link=\"l{below}\"/>\
+             <child link=\"l{above}\"/><origin xyz=\"0.07 0 -0.69\" rpy=\"0 -1.5708 3.1416\"/>\
+             <axis xyz=\"0 1 0\"/><limit lower=\"-0.5\" upper=\"0.25\" effort=\"9\" velocity=\"2\"/></joint>\n"
+        )
+    };
+    let parts: String = kinds.iter().enumerate().map(part).collect();
+    format!("<robot name=\"tower\">\n<link name=\"l0\"/>\n{parts}</robot>\n")
+}
+
+/// What is right, in the first joint that has it, and what stands in its place; the element that the warning names, and its word.
+const QUIRKS: &[(&str, &str, &[&str])] = &[
+    // Bullet's bicycle.
+    ("0.07 0 -0.69", "0.07, 0, -0.69", &["joint \"j1\" (line 5)", "not commas"]),
+    // Clearpath's Husky, where nobody expanded what roslaunch does.
+    (
+        "0.07 0 -0.69",
+        "$(optenv IMU_XYZ 0.07 0 -0.69)",
+        &["\"j1\" (line 5)", "environment variable"],
+    ),
+    // Bullet's biped and its cube on three slides.
+    (
+        "lower=\"-0.5\" upper=\"0.25\"",
+        "lower=\"0.25\" upper=\"-0.5\"",
+        &["\"j1\"", "wrong way round"],
+    ),
+    // Ghost Robotics' Spirit 40.
+    (
+        "<axis xyz=\"0 1 0\"/>",
+        "<axis xyz=\"0 1 0\"/><axis xyz=\"1 0 0\"/>",
+        &["\"j1\"", "the first is read"],
+    ),
+];
+
+fn torque(robot: &Robot) -> Vec<u64> {
+    let n = robot.joints.len();
+    let x = |scale: f64| (0..n).map(|i| scale * (1.0 + i as f64).sin()).collect::<Vec<_>>();
+    let mut tau = vec![0.0; n];
+    let mut workspace = Workspace::new(&robot.model);
+    robot.model.inverse_dynamics(&mut workspace, &x(0.7), &x(1.1), &x(-2.3), &mut tau);
+    tau.iter().map(|tau| tau.to_bits()).collect()
+}
+
+#[test]
+fn a_quirk_is_read_as_what_was_meant_and_said() {
+    let right = tower(&["revolute", "revolute"]);
+    let meant = Robot::from_text(&right, None, "right").unwrap();
+    assert!(meant.warnings.is_empty());
+    for (written, instead, clues) in QUIRKS {
+        let odd = right.replacen(written, instead, 1);
+        assert_ne!(odd, right, "{written}");
+        let robot = Robot::from_text(&odd, None, "odd").unwrap();
+        assert_eq!(torque(&robot), torque(&meant), "{instead}");
+        assert_eq!(robot.joints[0].position, Some((-0.5, 0.25)), "{instead}");
+        let [warning] = &robot.warnings[..] else { panic!("{:?}", robot.warnings) };
+        assert!(clues.iter().all(|clue| warning.contains(clue)), "{clues:?} in: {warning}");
+    }
+}
+
+#[test]
+fn what_stands_behind_the_end_of_a_c_string_is_no_part_of_it() {
+    // Bullet's humanoid.
+    let text = tower(&["revolute"]);
+    let robot = Robot::from_text(&format!("{text}\0"), None, "nul").unwrap();
+    assert_eq!(torque(&robot), torque(&Robot::from_text(&text, None, "plain").unwrap()));
+    let inside = text.replacen("l1", "l\0", 1);
+    assert!(Robot::from_text(&inside, None, "nul").unwrap_err().to_string().contains("nul:3"));
+}
+
+#[test]
+fn inertia_that_no_body_has_matters_where_something_moves_it() {
+    // PAL's TIAGo has an antenna that is none.
+    let text = tower(&["fixed", "revolute"]);
+    let none = |link: &str| {
+        let (before, after) = text.split_once(&format!("<link name=\"{link}\">")).unwrap();
+        format!("{before}<link name=\"{link}\">{}", after.replacen("0.001", "0.5", 1))
+    };
+    let robot = Robot::from_text(&none("l1"), None, "antenna").unwrap();
+    assert_eq!(torque(&robot), torque(&Robot::from_text(&text, None, "plain").unwrap()));
+    let [told] = &robot.warnings[..] else { panic!("{:?}", robot.warnings) };
+    assert!(told.contains("antenna:3: link \"l1\"") && told.contains("nothing moves it"), "{told}");
+    let why = Robot::from_text(&none("l2"), None, "antenna").unwrap_err().to_string();
+    assert!(why.contains("link \"l2\"") && why.contains("products of inertia"), "{why}");
+}
+
+#[test]
+fn what_no_drive_moves_is_held_outside_of_the_arm_and_refused_within() {
+    for kind in ["spherical", "floating", "planar"] {
+        // Before the arm and after it: fixed, and said.
+        let text = tower(&[kind, "revolute", "revolute", kind]);
+        let fixed = tower(&["fixed", "revolute", "revolute", "fixed"]);
+        let robot = Robot::from_text(&text, None, "ball").unwrap();
+        assert_eq!(torque(&robot), torque(&Robot::from_text(&fixed, None, "fixed").unwrap()));
+        let told: Vec<&str> = robot.warnings.iter().map(String::as_str).collect();
+        assert_eq!(told, [1, 4].map(|k| format!("joint \"j{k}\": {kind}, held fixed")), "{kind}");
+        // Between: no arm, but one on either side of it.
+        let text = tower(&["revolute", kind, "revolute", "revolute"]);
+        let why = Robot::from_text(&text, None, "ball").unwrap_err().to_string();
+        let clues = ["ball:8: joint \"j2\"", kind, "\"j3\" is behind it", "name a base and a tip"];
+        assert!(clues.iter().all(|clue| why.contains(clue)), "{why}");
+        let chains = Robot::chains_of_text(&text, "ball").unwrap();
+        let joints: Vec<_> = chains.iter().map(|chain| chain.joints.join(" ")).collect();
+        assert_eq!(joints, ["j3 j4", "j1"]);
+        for chain in chains {
+            let part = Part { base: Some(chain.base), tip: Some(chain.tip), ..Part::default() };
+            let robot = Robot::part_of_text(&text, &part, "ball").unwrap();
+            assert_eq!(robot.model.joint_names(), chain.joints);
+        }
+        // Nothing else: no arm at all.
+        let why = Robot::from_text(&tower(&[kind]), None, "ball").unwrap_err().to_string();
+        assert!(why.contains(&format!("\"j1\" is {kind}")) && why.contains("revolute"), "{why}");
+    }
+}
+
+#[test]
+fn what_is_held_is_told_with_its_place() {
+    let text = tower(&["revolute", "prismatic", "revolute", "fixed"]);
+    let part = Part {
+        base: Some("l2".to_owned()),
+        tip: Some("l4".to_owned()),
+        locked: [("j1".to_owned(), 0.2)].into(),
+        ..Part::default()
+    };
+    let robot = Robot::part_of_text(&text, &part, "held").unwrap();
+    assert_eq!(robot.held, [("j1".to_owned(), 0.2), ("j2".to_owned(), 0.0)].into());
+    let whole = Robot::from_text(&text, None, "held").unwrap();
+    assert!(whole.held.is_empty());
+    let locked = whole.lock(&[("j3".to_owned(), -0.1)]).unwrap();
+    assert_eq!(locked.held, [("j3".to_owned(), -0.1)].into());
+}
