@@ -135,7 +135,8 @@ impl StudyArm {
         }
         let names: Vec<&str> = self.robot.model.frame_names().iter().map(String::as_str).collect();
         let message = format!("the robot has no frame `{}`", clip(name));
-        Err(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))
+        node.note(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))?;
+        Ok(self.robot.tip.clone())
     }
 
     /// The frame under `key`, or the robot's tip; some joint moves it.
@@ -154,7 +155,7 @@ impl StudyArm {
         let names = model.frame_names().iter().map(String::as_str).filter(|name| moved(name));
         let message = format!("no joint moves frame `{}`: a payload there is no load", clip(name));
         let help = format!("valid: {}", names.collect::<Vec<_>>().join(", "));
-        Err(node.error(Kind::Conflict, key, message).with_help(help))
+        node.note(node.error(Kind::Conflict, key, message).with_help(help))
     }
 
     /// Refuses a position of joint `j` that is outside its limits.
@@ -174,7 +175,7 @@ impl StudyArm {
         } else {
             String::new()
         };
-        Err(node.error_at(Kind::BeyondLimits, key, (j, name), message).with_help(help))
+        node.note(node.error_at(Kind::BeyondLimits, key, (j, name), message).with_help(help))
     }
 
     /// Refuses a velocity of joint `j` that is beyond its limit.

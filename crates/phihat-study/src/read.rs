@@ -11,11 +11,12 @@ use crate::arm::StudyArm;
 use crate::base::Base;
 use crate::check::check_table;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::found::Found;
 use crate::keys::STUDY;
 use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
-use crate::study::{Interface, Study};
+use crate::study::{Interface, Sensor, Study};
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
 };
@@ -34,16 +35,35 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let origin = path.display().to_string();
-        let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
-        let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
-            ErrorKind::FileTooLarge => {
-                refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"))
-            }
-            ErrorKind::InvalidData => refuse(Kind::Syntax, "not UTF-8 text".into()),
-            _ => refuse(Kind::Unreadable, format!("the study cannot be read: {error}")),
-        })?;
+        let (text, origin) = text_of(path)?;
         Self::from_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a study, and goes on after what is wrong: that all of it can be mended at once.
+    ///
+    /// What only follows from another error is left out: where a robot cannot be read, nothing is said of values per joint.
+    ///
+    /// # Errors
+    ///
+    /// Everything that is wrong, up to 100 errors, in the order of the file.
+    pub fn check(path: &Path) -> Result<Self, Vec<StudyError>> {
+        let (text, origin) = text_of(path).map_err(|error| vec![error])?;
+        Self::check_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// As [`check`](Self::check), from text, as [`from_text`](Self::from_text) takes it.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check).
+    pub fn check_text(text: &str, origin: &str, base: &Path) -> Result<Self, Vec<StudyError>> {
+        let found = Found::all();
+        let source = Source { text, origin, found: &found };
+        let read = read_text(source, Base { folder: base, flat: false });
+        match (read, found) {
+            (Ok(study), found) if found.is_clean("") => Ok(study),
+            (read, found) => Err(found.into_errors(read.err(), origin)),
+        }
     }
 
     /// Reads a study from text.
@@ -55,7 +75,7 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_text(text: &str, origin: &str, base: &Path) -> Result<Self, StudyError> {
-        read_text(Source { text, origin }, Base { folder: base, flat: false })
+        first_error(text, origin, Base { folder: base, flat: false })
     }
 
     /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they have there.
@@ -64,15 +84,44 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_record(text: &str, origin: &str, inputs: &Path) -> Result<Self, StudyError> {
-        read_text(Source { text, origin }, Base { folder: inputs, flat: true })
+        first_error(text, origin, Base { folder: inputs, flat: true })
     }
 }
 
+fn first_error(text: &str, origin: &str, base: Base<'_>) -> Result<Study, StudyError> {
+    let found = Found::first();
+    read_text(Source { text, origin, found: &found }, base)
+}
+
+/// The text of a study's file, and what the file is called.
+fn text_of(path: &Path) -> Result<(String, String), StudyError> {
+    let origin = path.display().to_string();
+    let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
+    let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"))
+        }
+        ErrorKind::InvalidData => refuse(Kind::Syntax, "not UTF-8 text".into())
+            .with_help("save it as UTF-8, which every editor can"),
+        _ => refuse(Kind::Unreadable, format!("the study cannot be read: {error}")),
+    })?;
+    Ok((text, origin))
+}
+
 fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
-    let name = study_name(source.origin)?;
+    let found = source.found;
+    let name = found.keep(study_name(source.origin))?.unwrap_or_default();
     check_size(&source)?;
-    let document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    let (document, errors) = DeTable::parse_recoverable(source.text);
+    for error in &errors {
+        found.note(syntax(&source, error))?;
+    }
+    if !errors.is_empty() {
+        // What stands behind them is not known.
+        return Err(found.last());
+    }
     check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
+    found.first_pass_ends();
     resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
 }
 
@@ -98,27 +147,50 @@ fn inputs(
 
 /// The second pass: everything that needs the robot, or more than one key.
 fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyError> {
-    let duration = top.number("duration_s")?;
-    let period_ns = control::period_ns(top, duration)?;
-    let rate = top.child("loop").number("rate_hz")?;
+    let found = top.source.found;
+    let duration = found.keep(top.number("duration_s"))?;
+    let rate = found.keep(top.child("loop").number("rate_hz"))?;
+    let period = duration.zip(rate).map(|run| control::period_ns(top, run));
+    let period_ns = period.map_or(Ok(None), |period| found.keep(period))?;
     let arm = StudyArm::read(&top.child("robot"), base)?;
-    let run = Run { duration, rate, base };
-    let gains = stated_gains(top, &arm, rate)?;
-    let sensor = control::read_sensor(&top.child("sensor"), &arm, rate)?;
-    if sensor.velocity_filter_designed && gains.is_some() {
-        let message = "left to the design, while the study states its [gains]";
-        let node = top.child("sensor");
-        return Err(node
-            .error(Kind::Conflict, "velocity_filter_hz", message)
-            .with_help("give a cut-off, or leave the gains to `[design]`"));
+    // Where there are none, no time is beyond the end, and no frequency above half of the rate.
+    let known = (duration.unwrap_or(f64::INFINITY), rate.unwrap_or(f64::INFINITY));
+    let (duration, rate) = known;
+    let gains = found.keep(stated_gains(top, &arm, rate))?.flatten();
+    let sensor = found.keep(sensor(top, &arm, rate, gains.is_some()))?;
+    let control = control::read(&top.child("loop"), &arm, period_ns.unwrap_or_default());
+    let control = found.keep(control)?;
+    let world = found.keep(world::read(top, &arm, duration))?;
+    let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
+    found.keep(control::fits(&control, gains.as_ref(), top))?;
+    let interface = found.keep(profile::read(&top.child("profile"), &arm, rate))?;
+    if let (Some(interface), Some(_)) = (&interface, &world.held) {
+        found.keep(takes_over(top, interface))?;
     }
-    let control = control::read(&top.child("loop"), &arm, period_ns)?;
-    control::fits(&control, gains.as_ref(), top)?;
-    let world = world::read(top, &arm, duration)?;
-    let interface = profile::read(&top.child("profile"), &arm, rate)?;
-    if world.held.is_some() {
-        takes_over(top, &interface)?;
-    }
+    let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
+    let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
+    let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
+    let supervisor = &top.child("supervisor");
+    let supervisor = found.keep(supervisor::read(supervisor, &arm, (duration, control.form)))?;
+    let faults = fault::read(top, &arm, duration)?;
+    // Along a run of no known length there is nothing to look at.
+    let run = period_ns.map(|_| Run { duration, rate, base });
+    let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
+    let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
+    let inputs = inputs(top, &arm, base)?;
+    let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
+    let (
+        Some(sensor),
+        Some(interface),
+        Some(spec),
+        Some(design),
+        Some(feedforward),
+        Some(supervisor),
+        Some(reference),
+    ) = all
+    else {
+        return Err(found.last());
+    };
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -126,20 +198,37 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         sha256: sha256(top.source.text),
         seed: top.count("seed")?,
         duration,
-        spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
+        spec,
         gains,
-        design: design::read(&top.child("design"), (&arm, &world), base)?,
-        feedforward: feedforward::read(top, &arm, &control)?,
-        supervisor: supervisor::read(&top.child("supervisor"), &arm, (duration, control.form))?,
+        design,
+        feedforward,
+        supervisor,
         control,
         sensor,
         world,
         interface: Box::new(interface),
-        faults: fault::read(top, &arm, duration)?,
-        reference: reference::read(&top.child("reference"), &arm, run)?,
-        inputs: inputs(top, &arm, base)?,
+        faults,
+        reference,
+        inputs,
         robot: arm.robot,
     })
+}
+
+/// `[sensor]`, whose filter is not left to the design where the study states its gains.
+fn sensor(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    rate: f64,
+    has_gains: bool,
+) -> Result<Sensor, StudyError> {
+    let node = top.child("sensor");
+    let sensor = control::read_sensor(&node, arm, rate)?;
+    if sensor.velocity_filter_designed && has_gains {
+        let message = "left to the design, while the study states its [gains]";
+        let error = node.error(Kind::Conflict, "velocity_filter_hz", message);
+        node.note(error.with_help("give a cut-off, or leave the gains to `[design]`"))?;
+    }
+    Ok(sensor)
 }
 
 /// That nothing else says with which torque the law begins.
