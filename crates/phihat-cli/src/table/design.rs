@@ -1,15 +1,14 @@
 //! Gains, what is claimed about them, and why there are none.
 
-use comfy_table::Table;
 use phihat_design::{
     Certificate, ErrorBound, Gains, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
 };
 
 use super::coupled::coupled;
-use super::{MILLI, align, plain_table};
+use super::{Fitted, MILLI, align, plain_table};
 
 /// One row of gains per joint.
-pub(crate) fn gains(gains: &Gains) -> Table {
+pub(crate) fn gains(gains: &Gains) -> Fitted {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
     let last = if seen { "g; ℓ_0 … ℓ_(m+1)" } else { "a_0 … a_(m−1)" };
     let mut table = plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last]);

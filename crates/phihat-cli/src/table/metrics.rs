@@ -1,10 +1,9 @@
 //! What a run measured.
 
-use comfy_table::Table;
 use phihat_report::{TubeRun, limits_acted};
 use phihat_sim::{Divergence, JointMetrics, Metrics};
 
-use super::{MILLI, align, plain_table};
+use super::{Fitted, MILLI, align, plain_table};
 
 /// A torque held at its limit may differ from it by rounding.
 const ROUNDING: f64 = 1e-9;
@@ -105,7 +104,7 @@ fn short(value: f64) -> String {
 }
 
 /// One row per joint. "Steady" figures are those after the start-up; a `!` marks a bound exceeded.
-pub(crate) fn metrics(metrics: &Metrics) -> Table {
+pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
     let joints = &metrics.joints;
     let shared: Vec<Option<f64>> = COLUMNS.iter().map(|c| c.shared(joints)).collect();
     let headers = COLUMNS.iter().zip(&shared).map(|(c, s)| c.header(*s));

@@ -1,13 +1,12 @@
 //! The arms at hand.
 
-use comfy_table::Table;
 use phihat_model::input::plain;
 use phihat_model::{Chain, InertiaRange, Robot};
 
-use super::{align, plain_table};
+use super::{Fitted, align, plain_table};
 
 /// One row per arm.
-pub(crate) fn robots(robots: &[Robot]) -> Table {
+pub(crate) fn robots(robots: &[Robot]) -> Fitted {
     let mut table = plain_table(["name", "joints", "description"]);
     for robot in robots {
         let joints = robot.joints.len().to_string();
@@ -31,7 +30,7 @@ pub(crate) fn chains(chains: &[Chain]) -> String {
 }
 
 /// One row per joint of an arm.
-pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
+pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Fitted {
     let mut table = plain_table([
         "joint",
         "position\nrad",
