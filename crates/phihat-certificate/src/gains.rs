@@ -59,6 +59,9 @@ pub struct Gains {
     pub velocity_filter_hz: Option<f64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
+    /// Names of the joints that slide, where there are any: of them, rad reads m, and N·m reads N.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sliding: Vec<String>,
     /// What is claimed about them, with its evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Certificate>,
@@ -78,7 +81,7 @@ pub struct Gains {
 #[derive(Debug, Error)]
 pub enum GainsError {
     /// Not JSON, or not of this shape.
-    #[error("{}", plain(&.0.to_string()))]
+    #[error("not gains: {}; `phihat design` writes gains", plain(&.0.to_string()))]
     Json(#[from] serde_json::Error),
     /// Another kind of document.
     #[error("format is {found:?}; {FORMAT:?} is expected")]
@@ -139,6 +142,11 @@ pub enum GainsError {
 }
 
 impl Gains {
+    /// Whether a joint slides.
+    pub fn slides(&self, joint: &str) -> bool {
+        self.sliding.iter().any(|name| name == joint)
+    }
+
     /// Reads a document.
     ///
     /// # Errors

@@ -112,7 +112,7 @@ fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> Exi
         println!("{} · {}", done.study.name, done.study.title);
         println!("{}", table::metrics(&done.metrics));
         if let Some(run) = &done.tube {
-            println!("{}", table::tube(run));
+            println!("{}", table::tube(run, &done.metrics));
         }
         match &done.abort {
             Some(abort) => println!("{}", stopped(abort)),

@@ -46,7 +46,8 @@ fn tables_fit_the_terminal_and_lose_nothing() {
         for columns in [60, 80, 200] {
             let shown = with(&folder, arguments, &[("COLUMNS", &columns.to_string())]);
             for row in rows(&shown.out) {
-                let wide = row.chars().count();
+                // A dot above stands on the letter before it.
+                let wide = row.chars().filter(|c| *c != '\u{307}').count();
                 assert!(wide <= columns, "{arguments:?}: {wide} of {columns} columns:\n{row}");
             }
             let (all, here) = (figures(&whole.out), figures(&shown.out));

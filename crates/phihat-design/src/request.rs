@@ -82,6 +82,7 @@ pub fn requested_gains(study: &Study) -> Option<Gains> {
         method: method.to_owned(),
         velocity_filter_hz: None,
         joints: study.robot.joints.iter().enumerate().map(joint).collect(),
+        sliding: study.robot.sliding(),
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
-use phihat_design::requested_gains;
+use phihat_design::{DesignError, requested_gains};
 use phihat_sim::Demand;
-use phihat_study::{Study, StudyError};
+use phihat_study::{DesignMethod, Study, StudyError};
 use serde::Serialize;
 
 use crate::design;
@@ -121,6 +121,9 @@ pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
 
 /// Whether a design could begin: what it is told of the arm, of the reference and of φ.
 fn designable(study: &Study, path: &Path) -> Result<(), SessionError> {
+    if study.spec.error_bound.is_none() && study.design.method == DesignMethod::Ours {
+        return Err(SessionError::at(path, DesignError::NoSpec));
+    }
     design::arm(study, path)?;
     Demand::along(study).map_err(|e| SessionError::at(path, e))?;
     design::trace_of_phi(study)

@@ -3,7 +3,7 @@
 use phihat_model::{Part, Robot};
 use toml::de::DeValue;
 
-use crate::base::Base;
+use crate::base::{Base, beside};
 use crate::entries::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -47,8 +47,10 @@ impl StudyArm {
             }
             built_in(node)?
         } else {
+            let path = base.join(node.word("file")?);
             let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
-            Robot::read_part(&base.join(node.word("file")?), &part).map_err(refuse)?
+            let read = Robot::read_part(&path, &part);
+            read.map_err(|error| refuse(error).with_help(beside(&path)))?
         };
         let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let all = Joints { names: names(&robot), locked: Vec::new() };

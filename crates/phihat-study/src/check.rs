@@ -215,7 +215,7 @@ fn check_number(
     };
     let error = |message| Err(source.error(Kind::OutOfRange, &value.span(), path, message));
     if !x.is_finite() {
-        return error(format!("{x} is not a finite number"));
+        return error(format!("{x} is not a finite number: {bounds}"));
     }
     if bounds.admit(x) { Ok(()) } else { error(format!("{x} is out of range: {bounds}")) }
 }
@@ -276,7 +276,12 @@ fn wrong_type(
     other: &DeValue<'_>,
 ) -> StudyError {
     let message = format!("expected {expected}, found {}", found(other));
-    source.error(Kind::WrongType, &value.span(), path, message)
+    let error = source.error(Kind::WrongType, &value.span(), path, message);
+    // A figure in quotes.
+    match other.as_str().filter(|text| text.trim().parse::<f64>().is_ok()) {
+        Some(text) => error.with_help(format!("\"{}\" without quotes", clip(text))),
+        None => error,
+    }
 }
 
 fn expected(shape: &Shape) -> String {

@@ -101,7 +101,8 @@ pub(crate) fn read_sensor(
     let designed = node.text("velocity_filter_hz") == Some("design");
     if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
         let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
-        node.note(node.error(Kind::OutOfRange, "velocity_filter_hz", message))?;
+        let error = node.error(Kind::OutOfRange, "velocity_filter_hz", message);
+        node.note(error.with_help(format!("at most {} Hz", rate / 2.0)))?;
     }
     Ok(Sensor {
         encoder_bits: choose(node, arm, key, arm.joints.counts_or_word(node, key)?, bits)?,

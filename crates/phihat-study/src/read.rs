@@ -1,6 +1,6 @@
 //! Reading a study: caps before parsing, two passes after it.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use phihat_model::input;
@@ -96,30 +96,47 @@ fn first_error(text: &str, origin: &str, base: Base<'_>) -> Result<Study, StudyE
 /// The text of a study's file, and what the file is called.
 fn text_of(path: &Path) -> Result<(String, String), StudyError> {
     let origin = path.display().to_string();
-    let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
+    let refuse = |kind, why: String, help: &str| {
+        StudyError::new(kind, Place::whole_file(&origin), "", why).with_help(help)
+    };
     let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => {
-            refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"))
+            refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"), "")
         }
-        ErrorKind::InvalidData => refuse(Kind::Syntax, "not UTF-8 text".into())
-            .with_help("save it as UTF-8, which every editor can"),
-        _ => refuse(Kind::Unreadable, format!("the study cannot be read: {error}")),
+        ErrorKind::InvalidData => {
+            let why = if is_utf16(path) { "UTF-16, not UTF-8 text" } else { "not UTF-8 text" };
+            refuse(Kind::Syntax, why.to_owned(), "save it as UTF-8")
+        }
+        _ => {
+            let why = format!("the study cannot be read: {error}");
+            refuse(Kind::Unreadable, why, "a study is a TOML file, such as studies/first.toml")
+        }
     })?;
-    Ok((text, origin))
+    let other = match text.trim_start_matches('\u{feff}').trim_start().chars().next() {
+        Some('<') => Some(("XML, such as a URDF, not a study", "name it in one: `file` in [robot]")),
+        Some('{') => Some(("JSON, not a study", "gains are given beside one: --gains FILE")),
+        None => Some(("is empty", "begin with a copy of studies/first.toml")),
+        _ => None,
+    };
+    match other {
+        Some((why, help)) => Err(refuse(Kind::Syntax, why.to_owned(), help)),
+        None => Ok((text, origin)),
+    }
+}
+
+/// Whether a file begins as UTF-16 text does.
+fn is_utf16(path: &Path) -> bool {
+    let mut mark = [0; 2];
+    let read = input::open(path).and_then(|mut file| file.read_exact(&mut mark));
+    read.is_ok() && (mark == [0xff, 0xfe] || mark == [0xfe, 0xff])
 }
 
 fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
     let found = source.found;
     let name = found.keep(study_name(source.origin))?.unwrap_or_default();
     check_size(&source)?;
-    let (document, errors) = DeTable::parse_recoverable(source.text);
-    for error in &errors {
-        found.note(syntax(&source, error))?;
-    }
-    if !errors.is_empty() {
-        // What stands behind them is not known.
-        return Err(found.last());
-    }
+    // What stands behind text that is not TOML is not known.
+    let document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
     check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
     found.first_pass_ends();
     resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
@@ -302,11 +319,28 @@ fn check_size(source: &Source<'_>) -> Result<(), StudyError> {
 fn syntax(source: &Source<'_>, error: &toml::de::Error) -> StudyError {
     let span = error.span().unwrap_or(0..0);
     let slice = source.text.get(span.clone()).unwrap_or_default();
-    let message = match error.message() {
-        "duplicate key" => format!("duplicate key `{}`", crate::entries::clip(slice)),
-        message => format!("not TOML: {message}"),
-    };
-    source.error(Kind::Syntax, &span, "", message)
+    if error.message() == "duplicate key" {
+        let message = format!("duplicate key `{}`", crate::entries::clip(slice));
+        return source.error(Kind::Syntax, &span, "", message).with_help("keep one of them");
+    }
+    let told = source.error(Kind::Syntax, &span, "", format!("not TOML: {}", error.message()));
+    let place = source.place(&span);
+    let Some((_, value)) = place.line_text.split_once('=') else { return told };
+    let value = value.split('#').next().unwrap_or_default().trim();
+    let figure = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+    let shown = crate::entries::clip(value);
+    let comma = value.split_once(',').is_some_and(|(one, other)| figure(one) && figure(other));
+    let word = value.chars().next().is_some_and(char::is_alphabetic)
+        && !value.contains(['"', '\'', '[', '{']);
+    told.with_help(if comma {
+        format!("`{shown}`: write a decimal point")
+    } else if value.starts_with('"') && value.contains('\\') {
+        format!("in {shown} a backslash begins an escape: write `/`, or put it in single quotes")
+    } else if word {
+        format!("`{shown}`: text stands in quotes")
+    } else {
+        String::new()
+    })
 }
 
 fn sha256(text: &str) -> String {

@@ -82,7 +82,8 @@ fn begins(node: &Node<'_>, duration: f64) -> Result<f64, StudyError> {
         return Ok(start);
     }
     let message = format!("{start} s is not before the end of the run at {duration} s");
-    node.note(node.error(Kind::Conflict, "start_s", message))?;
+    let error = node.error(Kind::Conflict, "start_s", message);
+    node.note(error.with_help("make it smaller than duration_s at the top of the file"))?;
     Ok(start)
 }
 

@@ -118,11 +118,12 @@ const FRAME: usize = 2;
 fn outer_widths(table: &Table) -> Vec<usize> {
     let around = table.column_iter().map(|column| usize::from(column.padding_width()));
     let widths = table.column_max_content_widths();
-    widths.into_iter().zip(around).map(|(own, around)| usize::from(own) + around).collect()
+    // One column of the terminal between two of the table.
+    widths.into_iter().zip(around).map(|(own, around)| usize::from(own) + around + 1).collect()
 }
 
 fn natural(table: &Table) -> usize {
-    FRAME + outer_widths(table).iter().sum::<usize>()
+    (FRAME + outer_widths(table).iter().sum::<usize>()).saturating_sub(1)
 }
 
 fn wrapped(mut table: Table, width: u16) -> String {

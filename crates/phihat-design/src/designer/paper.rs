@@ -108,6 +108,7 @@ fn gains(study: &Study, laws: &[UnitLaw], method: String) -> Gains {
         method,
         velocity_filter_hz: None,
         joints: study.robot.joints.iter().enumerate().zip(laws).map(joint).collect(),
+        sliding: study.robot.sliding(),
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),

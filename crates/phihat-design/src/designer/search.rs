@@ -296,6 +296,7 @@ impl<'a> Search<'a> {
             method: "phihat design: least torque noise that keeps the specification".to_owned(),
             velocity_filter_hz: shape.filter_hz.filter(|_| designed),
             joints: names.zip(&self.arm.nominal_kg_m2).map(joint).collect(),
+            sliding: self.study.robot.sliding(),
             certificate: None,
             trade_off: Vec::new(),
             limit: Vec::new(),

@@ -168,6 +168,7 @@ impl<'a> PositionSearch<'a> {
                 .to_owned(),
             velocity_filter_hz: None,
             joints: records,
+            sliding: study.robot.sliding(),
             certificate: None,
             trade_off: Vec::new(),
             limit: Vec::new(),
