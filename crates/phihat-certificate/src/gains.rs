@@ -60,6 +60,9 @@ pub struct Gains {
     pub velocity_filter_hz: Option<f64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
+    /// Names of the joints that slide, where there are any: of them, rad reads m, and N·m reads N.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sliding: Vec<String>,
     /// What is claimed about them, with its evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Certificate>,
@@ -79,7 +82,7 @@ pub struct Gains {
 #[derive(Debug, Error)]
 pub enum GainsError {
     /// Not JSON, or not of this shape.
-    #[error("{}", plain(&.0.to_string()))]
+    #[error("not gains: {}; `phihat design` writes gains", plain(&.0.to_string()))]
     Json(#[from] serde_json::Error),
     /// Another kind of document.
     #[error("format is {found:?}; {FORMAT:?} is expected")]
@@ -151,6 +154,7 @@ impl Gains {
             method: method.into(),
             velocity_filter_hz: None,
             joints,
+            sliding: Vec::new(),
             certificate: None,
             trade_off: Vec::new(),
             limit: Vec::new(),
@@ -161,8 +165,14 @@ impl Gains {
     /// Gains for a study, about which nothing is claimed yet.
     pub fn of(study: &Study, joints: Vec<JointRecord>, method: impl Into<String>) -> Self {
         let stated = Self::stated(joints, 1e9 / study.control.period_ns as f64, method);
+        let sliding = study.robot.sliding();
         let (study, study_sha256) = (study.name.clone(), study.sha256.clone());
-        Self { study, study_sha256, ..stated }
+        Self { study, study_sha256, sliding, ..stated }
+    }
+
+    /// Whether a joint slides.
+    pub fn slides(&self, joint: &str) -> bool {
+        self.sliding.iter().any(|name| name == joint)
     }
 
     /// Reads a document.

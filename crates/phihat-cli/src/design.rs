@@ -96,10 +96,10 @@ impl Design {
             println!("{}", table::gains(gains));
             println!("{}", gains.method);
             if let Some(certificate) = &gains.certificate {
-                println!("{}", table::certificate(certificate));
+                println!("{}", table::certificate(certificate, gains));
             }
             if !gains.limit.is_empty() {
-                println!("{}", table::limit(&gains.limit));
+                println!("{}", table::limit(gains));
             }
             if let Some(coarser) = table::coarser(gains) {
                 println!("{coarser}");

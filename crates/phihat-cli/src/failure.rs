@@ -1,6 +1,8 @@
 //! What a user reads when there is no result: one error, exit code 2; 1 where no gains keep what was asked for.
 
+use std::any::Any;
 use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -11,6 +13,15 @@ use phihat_paper::{OwnError, ReproduceError};
 use phihat_rivals::RIVALS;
 use phihat_session::SessionError;
 use serde_json::json;
+
+/// The exit code of a program that panicked, as the language has it.
+const PANICKED: u8 = 101;
+
+/// Does it; that phihat itself fails is a failure as others are, told in JSON where that was asked for.
+pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    let done = catch_unwind(AssertUnwindSafe(work));
+    done.unwrap_or_else(|panic| Err(Failure::of_phihat(panic.as_ref())))
+}
 
 /// One line for people, or several where a source line is shown.
 #[derive(Debug)]
@@ -39,6 +50,15 @@ impl Failure {
     /// About anything else.
     pub(crate) fn plain(why: impl fmt::Display) -> Self {
         Self::rendered(format!("error: {why}"))
+    }
+
+    /// A bug of phihat's own.
+    fn of_phihat(panic: &(dyn Any + Send)) -> Self {
+        let words = panic.downcast_ref::<&str>().copied();
+        let words = words.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let words = words.unwrap_or("for no reason that it knows");
+        let text = format!("error: phihat itself failed, which is a bug, please report it: {words}");
+        Self { text: plain(&text), code: PANICKED }
     }
 
     /// Tells it, as one JSON document on standard output too where that was asked for.
@@ -120,4 +140,19 @@ fn hint<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let scored = known.map(|known| (strsim::jaro_winkler(name, known), known));
     let best = scored.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(score, _)| *score > 0.6);
     best.map_or_else(String::new, |(_, known)| format!(", did you mean `{known}`?"))
+}
+
+#[cfg(test)]
+#[allow(clippy::panic, clippy::unwrap_used, reason = "tests: a panic is the report, and here the cause")]
+mod tests {
+    use super::{Failure, PANICKED, guarded};
+
+    #[test]
+    fn a_panic_is_a_failure_with_a_code_of_its_own() {
+        let told = guarded(|| -> Result<(), Failure> { panic!("index {} of 3", 7) }).unwrap_err();
+        assert_eq!(told.code, PANICKED);
+        assert!(told.text.starts_with("error: phihat itself failed") && told.text.ends_with("index 7 of 3"));
+        assert_eq!(guarded(|| Ok(3)).unwrap(), 3);
+        assert_eq!(guarded(|| -> Result<(), Failure> { Err(Failure::plain("no")) }).unwrap_err().code, 2);
+    }
 }

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::CellAlignment;
 use phihat_campaign::faults::{FaultsAnswer, FaultsOptions, Summary};
 use serde_json::json;
 
 use crate::failure::Failure;
 use crate::shown::Shown;
+use crate::table::Fitted;
+use crate::terminal::Page;
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
@@ -54,6 +55,8 @@ pub(crate) struct Faults {
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    page: Page,
 }
 
 impl Faults {
@@ -72,6 +75,7 @@ impl Faults {
         let mut shown = Shown::resumable(BAR, self.fresh);
         let answer = options.run(&mut shown)?;
         self.tell(&answer);
+        self.page.show(&answer.page);
         let good = answer.summary.totals.good;
         Ok(if good { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
@@ -97,9 +101,8 @@ const BAR: &str = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
 
 /// One line per fault, what each severity came to, and the totals.
 fn overview(summary: &Summary) -> String {
-    let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY);
-    table.set_header(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
+    let mut table =
+        Fitted::new(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
     for fault in &summary.faults {
         let runs = || summary.runs.iter().filter(|run| run.fault == fault.name);
         let level = |severity: usize| {

@@ -7,8 +7,20 @@
     reason = "a command line speaks to a terminal"
 )]
 
+/// A line on standard output: nothing where phihat is told to be quiet, in colours where there are any.
+macro_rules! println {
+    ($($words:tt)*) => { $crate::terminal::out(format_args!($($words)*)) };
+}
+
+/// A line on standard error, in colours where there are any.
+macro_rules! eprintln {
+    ($($words:tt)*) => { $crate::terminal::err(format_args!($($words)*)) };
+}
+
+mod check;
 mod compare;
 mod design;
+mod editors;
 mod export;
 mod failure;
 mod faults;
@@ -20,15 +32,17 @@ mod robots;
 mod run;
 mod shown;
 mod table;
+mod terminal;
 mod verify;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::failure::Failure;
+use crate::terminal::{Color, Manner};
 
 /// Control a robot arm by torque, without a model of it, and see the evidence.
 ///
@@ -40,12 +54,14 @@ use crate::failure::Failure;
     version,
     after_help = "Exit codes: 0 done and within spec, also where a torque limit acted (the verdict then says \
                   so) · 1 done, but a bound was exceeded, the run diverged, it left a tube that its \
-                  certificate promised, or no gains keep what was asked for · 2 the input cannot be used. With --json \
-                  a failure is a document too: error, exit_code.\n\nExample:\n  phihat run studies/first.toml"
+                  certificate promised, or no gains keep what was asked for · 2 the input cannot be used · 101 phihat \
+                  itself failed, which is a bug. With --json a failure is a document too: error, exit_code.\n\nExample:\n  phihat run studies/first.toml"
 )]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
+    #[command(flatten)]
+    manner: Manner,
 }
 
 #[derive(Debug, Subcommand)]
@@ -60,6 +76,10 @@ enum Verb {
     Report(report::Report),
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
+    Check(check::Check),
+    Schema(editors::Schema),
+    Completions(editors::Completions),
+    Man(editors::Man),
 }
 
 /// A word such as `-1` where an option's value was meant: `-- -1` would make it a study, so that tip is left out.
@@ -77,8 +97,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::is_ours();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let as_json = arguments.iter().any(|word| word == "--json");
-    let verb = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => arguments.verb,
+    let color = Color::asked(&arguments);
+    color.begins();
+    let command = || Arguments::command().color(color.of_clap());
+    let read = command().try_get_matches_from(arguments);
+    let verb = match read.and_then(|read| Arguments::from_arg_matches(&read)) {
+        Ok(Arguments { verb, manner }) => {
+            // A document that was asked for is the answer itself.
+            terminal::be_quiet(manner.quiet && !as_json);
+            verb
+        }
         Err(mut told) => {
             no_tip_about_dashes(&mut told);
             if as_json && told.use_stderr() {
@@ -89,7 +117,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2));
         }
     };
-    let outcome = match verb {
+    failure::guarded(|| execute(verb, command)).unwrap_or_else(|failure| failure.tell(as_json))
+}
+
+fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCode, Failure> {
+    match verb {
         Verb::Run(run) => run.execute(),
         Verb::Design(design) => design.execute(),
         Verb::Verify(verify) => verify.execute(),
@@ -100,6 +132,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Report(report) => report.execute(),
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
-    };
-    outcome.unwrap_or_else(|failure: Failure| failure.tell(as_json))
+        Verb::Check(check) => check.execute(),
+        Verb::Schema(schema) => Ok(schema.execute()),
+        Verb::Completions(completions) => completions.execute(command()),
+        Verb::Man(man) => man.execute(command()),
+    }
 }

@@ -8,6 +8,7 @@ use phihat_session::report_again;
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::terminal::Page;
 
 /// Make the report of a recorded trace again.
 ///
@@ -25,6 +26,8 @@ pub(crate) struct Report {
     /// Print one JSON document in place of a line.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    shown: Page,
 }
 
 impl Report {
@@ -36,6 +39,7 @@ impl Report {
         } else {
             println!("report: {}", page.display());
         }
+        self.shown.show(&page);
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width};
+use comfy_table::{ColumnConstraint, Width};
 use phihat_paper::{
     Coverage, Kept, Origin, OwnOptions, Paint, ReproduceOptions, Reproduction, Statement, Verdict,
     coverage, only_help,
@@ -16,6 +15,8 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::png;
 use crate::shown::Shown;
+use crate::table::Fitted;
+use crate::terminal::Page;
 
 const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
 
@@ -59,6 +60,8 @@ pub(crate) struct Reproduce {
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    page: Page,
 }
 
 impl Reproduce {
@@ -91,6 +94,7 @@ impl Reproduce {
             }
             println!("report: {}", answer.page.display());
         }
+        self.page.show(&answer.page);
         let no_painter = painter.as_ref().err().map(ToString::to_string);
         if let Some(why) = no_painter.or(answer.no_pictures.clone()) {
             eprintln!("{why}");
@@ -120,20 +124,18 @@ impl Reproduce {
         if self.json {
             let folder = &answer.folder;
             println!("{:#}", json!({ "folder": folder, "report": page, "reproduction": own }));
+            self.page.show(&page);
             return Ok(ExitCode::SUCCESS);
         }
         for values in own.sections.iter().flat_map(|section| &section.tables) {
-            let mut table = Table::new();
-            table.load_style(UTF8_BORDERS_ONLY);
-            table.set_content_arrangement(ContentArrangement::Dynamic);
-            table.set_width(WIDTH);
-            table.set_header(&values.columns);
+            let mut table = Fitted::new(&values.columns);
             table.add_rows(&values.rows);
-            println!("{}\n{table}", values.title);
+            println!("{}\n{}", values.title, table.wrapped_or_below(WIDTH));
         }
         println!("not done here:");
         own.left_out.iter().for_each(|left| println!("  {}: {}", left.part, left.why));
         println!("report: {}", page.display());
+        self.page.show(&page);
         Ok(ExitCode::SUCCESS)
     }
 }
@@ -181,11 +183,7 @@ fn statements(reproduction: &Reproduction) -> impl Iterator<Item = &Statement> {
 fn overview(reproduction: &Reproduction) -> String {
     let mut text = Vec::new();
     for section in reproduction.sections.iter().filter(|s| !s.statements.is_empty()) {
-        let mut table = Table::new();
-        table.load_style(UTF8_BORDERS_ONLY);
-        table.set_content_arrangement(ContentArrangement::Dynamic);
-        table.set_width(WIDTH);
-        table.set_header(["place", "what is stated", "paper", "ours", "verdict"]);
+        let mut table = Fitted::new(["place", "what is stated", "paper", "ours", "verdict"]);
         for s in &section.statements {
             let verdict = format!("{} {}", s.verdict.sign(), s.verdict.words());
             table.add_row([&s.place, &s.claim, &s.paper, &s.ours, &verdict]);
@@ -195,7 +193,7 @@ fn overview(reproduction: &Reproduction) -> String {
                 column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(most)));
             }
         }
-        text.push(format!("{}\n{table}", section.title));
+        text.push(format!("{}\n{}", section.title, table.wrapped(WIDTH)));
     }
     let counts = Verdict::ALL.map(|verdict| {
         let count = reproduction.of(Origin::Paper, verdict).count();

@@ -11,6 +11,7 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::shown::Shown;
 use crate::table;
+use crate::terminal::Page;
 
 /// What `run` and `simulate` are told.
 #[derive(Debug, Args)]
@@ -40,6 +41,8 @@ struct RunArguments {
 pub(crate) struct Run {
     #[command(flatten)]
     arguments: RunArguments,
+    #[command(flatten)]
+    page: Page,
 }
 
 /// Run a study's closed loop: trace and metrics, no report.
@@ -54,13 +57,13 @@ pub(crate) struct Simulate {
 
 impl Run {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(true)
+        self.arguments.execute(Some(&self.page))
     }
 }
 
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(false)
+        self.arguments.execute(None)
     }
 }
 
@@ -68,7 +71,7 @@ const BAR: &str = "simulating {wide_bar} {percent:>3} % · {elapsed} of about {d
 const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
 
 impl RunArguments {
-    fn execute(&self, with_page: bool) -> Result<ExitCode, Failure> {
+    fn execute(&self, shown_page: Option<&Page>) -> Result<ExitCode, Failure> {
         let options = RunOptions {
             study: self.study.clone(),
             gains: self.gains.clone(),
@@ -76,10 +79,14 @@ impl RunArguments {
             uncertified: self.uncertified,
         };
         let (session, folder) = options.open()?;
-        let page = with_page.then(|| folder.join("report.html"));
+        let page = shown_page.map(|_| folder.join("report.html"));
         let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
-        Ok(tell(&done, self.json, &folder, page.as_deref()))
+        let code = tell(&done, self.json, &folder, page.as_deref());
+        if let (Some(shown), Some(page)) = (shown_page, &page) {
+            shown.show(page);
+        }
+        Ok(code)
     }
 }
 
@@ -105,7 +112,7 @@ fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> Exi
         println!("{} · {}", done.study.name, done.study.title);
         println!("{}", table::metrics(&done.metrics));
         if let Some(run) = &done.tube {
-            println!("{}", table::tube(run));
+            println!("{}", table::tube(run, &done.metrics));
         }
         match &done.abort {
             Some(abort) => println!("{}", stopped(abort)),

@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use phihat_session::Watch;
 
 use crate::interrupt;
+use crate::terminal::is_quiet;
 
 /// A progress bar that looks on.
 pub(crate) struct Shown {
@@ -19,7 +20,7 @@ pub(crate) struct Shown {
 impl Shown {
     /// A bar of this look; it is seen from the first progress on.
     pub(crate) fn bar(template: &str, words: String) -> Self {
-        let bar = ProgressBar::new(0);
+        let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(0) };
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
@@ -66,7 +67,7 @@ impl Watch for Shown {
 
 /// A spinner for work whose end is not known, with how long it has been at it.
 pub(crate) fn spinner() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
+    let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} · {elapsed}") {
         bar.set_style(style);
     }

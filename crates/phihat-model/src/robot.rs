@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::Model;
 use crate::error::RobotError;
-use crate::joint::Joint;
+use crate::joint::{Joint, JointKind};
 
 /// A robot as its files describe it.
 ///
@@ -68,6 +68,13 @@ pub struct Robot {
 }
 
 impl Robot {
+    /// Names of the joints that slide: their positions are in m, their torques forces in N.
+    #[must_use]
+    pub fn sliding(&self) -> Vec<String> {
+        let slides = |joint: &&Joint| joint.kind == JointKind::Prismatic;
+        self.joints.iter().filter(slides).map(|joint| joint.name.clone()).collect()
+    }
+
     /// This robot with some joints fixed at a position \[rad, m\]; their rotors, limits and
     /// friction are gone with them.
     ///

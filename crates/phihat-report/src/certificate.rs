@@ -3,7 +3,7 @@
 use crate::coarser::coarser;
 use crate::coupled::coupled;
 use crate::figure::claim_figures;
-use crate::kit::MILLI;
+use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
 use crate::limit::limit;
@@ -94,11 +94,13 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                     @if let Some(bound) = certificate.error_bound(i) {
                         @let holds = joint.error_steady_max_rad <= bound.error_rad
                             && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
-                        td { (number(bound.error_rad * MILLI)) }
-                        td { (number(joint.error_steady_max_rad * MILLI)) }
+                        @let way = own_unit("mrad", joint.slides);
+                        @let speed = own_unit("mrad/s", joint.slides);
+                        td { (number(bound.error_rad * MILLI)) (way) }
+                        td { (number(joint.error_steady_max_rad * MILLI)) (way) }
                         td { (number(bound.error_rad / joint.error_steady_max_rad)) }
-                        td { (number(bound.velocity_error_rad_s * MILLI)) }
-                        td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) }
+                        td { (number(bound.velocity_error_rad_s * MILLI)) (speed) }
+                        td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) (speed) }
                         td { @if holds { "yes" } @else { "no" } }
                     } @else {
                         td colspan="6" { @if claim.phi.is_none() { "no bound: φ is not known" } @else { "no bound: see above" } }

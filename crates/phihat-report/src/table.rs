@@ -1,6 +1,6 @@
 //! The figures per joint, each beside its bound.
 
-use crate::kit::MILLI;
+use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::line;
 use crate::verdict::{CLAUSES, Clause, excess, share};
@@ -25,8 +25,8 @@ pub fn tracking(metrics: &Metrics) -> Markup {
                 tbody { @for joint in &metrics.joints { tr {
                     th scope="row" { (line(&joint.name)) }
                     @for clause in &CLAUSES { (against_spec(clause, joint)) }
-                    td { (number(MILLI * joint.error_rms_rad)) }
-                    td { (number(MILLI * joint.error_max_rad)) }
+                    td { (number(MILLI * joint.error_rms_rad)) (own_unit("mrad", joint.slides)) }
+                    td { (number(MILLI * joint.error_max_rad)) (own_unit("mrad", joint.slides)) }
                 } } }
             }
         }
@@ -51,15 +51,15 @@ pub fn torque(metrics: &Metrics) -> Markup {
                 } }
                 tbody { @for joint in &metrics.joints { tr {
                     th scope="row" { (line(&joint.name)) }
-                    (against_limit(joint.tau_max_nm, joint.tau_limit_nm))
-                    (against_limit(joint.tau_step_max_nm, joint.tau_step_limit_nm))
+                    (against_limit(joint.tau_max_nm, joint.tau_limit_nm, &own_unit("N·m", joint.slides)))
+                    (against_limit(joint.tau_step_max_nm, joint.tau_step_limit_nm, &own_unit("N·m", joint.slides)))
                     (count(joint.saturated_samples, metrics.samples))
                     (count(joint.rate_limited_samples, metrics.samples))
                     td.limited[joint.limited_steady_share > 0.0] {
                         (stated(1e2 * joint.limited_steady_share))
                     }
-                    td { (number(joint.phi_max_nm)) }
-                    td { (number(joint.phi_error_steady_max_nm)) }
+                    td { (number(joint.phi_max_nm)) (own_unit("N·m", joint.slides)) }
+                    td { (number(joint.phi_error_steady_max_nm)) (own_unit("N·m", joint.slides)) }
                 } } }
             }
         }
@@ -72,30 +72,31 @@ fn unit(text: &str) -> Markup {
 
 fn against_spec(clause: &Clause, joint: &JointMetrics) -> Markup {
     let measured = (clause.measured)(joint);
+    let unit = own_unit(clause.unit, joint.slides);
     let Some(bound) = (clause.bound)(joint) else {
-        return html! { td { (number(MILLI * measured)) span.note { "no bound stated" } } };
+        return html! { td { (number(MILLI * measured)) (unit) span.note { "no bound stated" } } };
     };
     let shown = stated(MILLI * bound);
     if share(measured, bound) > 1.0 {
         return html! { td.outside {
-            (number(MILLI * measured))
+            (number(MILLI * measured)) (unit)
             span.note { "bound " (shown) ": " strong { "OUTSIDE, " (excess(measured, bound)) } }
         } };
     }
     html! { td.within {
-        (number(MILLI * measured))
+        (number(MILLI * measured)) (unit)
         span.note { "bound " (shown) ": within, " (percent(measured, bound)) }
     } }
 }
 
-fn against_limit(measured: f64, limit: Option<f64>) -> Markup {
+fn against_limit(measured: f64, limit: Option<f64>, unit: &str) -> Markup {
     let Some(limit) = limit else {
-        return html! { td { (number(measured)) span.note { "no limit" } } };
+        return html! { td { (number(measured)) (unit) span.note { "no limit" } } };
     };
     let beyond = !measured.is_finite() || measured > limit * (1.0 + 1e-9);
     let word = if beyond { "BEYOND" } else { "used" };
     html! { td.outside[beyond] {
-        (number(measured))
+        (number(measured)) (unit)
         span.note { "limit " (stated(limit)) ": " (percent(measured, limit)) " " (word) }
     } }
 }

@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 use phihat_design::Tube;
+use phihat_sim::Metrics;
 
-use crate::kit::MILLI;
+use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
 use crate::record::Record;
@@ -22,7 +23,7 @@ pub(crate) fn tube(record: &Record<'_>) -> Markup {
                 "The tube: no run of this study, from its start, leaves it, for any payload of " (mass(tube)) " at "
                 (line(&tube.payload.frame)) " and any dry friction between the levels below. Here " (run.sentence()) "."
             }
-            (beside(tube, run))
+            (beside(tube, run, record.metrics))
         }
     }
 }
@@ -33,7 +34,8 @@ fn mass(tube: &Tube) -> String {
 }
 
 /// Promised and measured, joint by joint.
-fn beside(tube: &Tube, run: &TubeRun) -> Markup {
+fn beside(tube: &Tube, run: &TubeRun, metrics: &Metrics) -> Markup {
+    let slides = |name: &str| metrics.joints.iter().any(|own| own.slides && own.name == name);
     let friction = |joint: usize| {
         let (low, high) = (tube.coulomb_nm.0.get(joint), tube.coulomb_nm.1.get(joint));
         low.zip(high).map_or("–".to_owned(), |(l, h)| format!("{} … {}", stated(*l), stated(*h)))
@@ -53,14 +55,16 @@ fn beside(tube: &Tube, run: &TubeRun) -> Markup {
                     th scope="col" { "dry friction " span.unit { "[N·m]" } }
                 } }
                 tbody { @for (i, joint) in run.kept.joints.iter().enumerate() { tr {
+                    @let slides = slides(&joint.name);
+                    @let (way, speed) = (own_unit("mrad", slides), own_unit("mrad/s", slides));
                     th scope="row" { (line(&joint.name)) }
-                    td { (number(joint.error_tube_rad * MILLI)) }
-                    td { (number(joint.error_max_rad * MILLI)) }
+                    td { (number(joint.error_tube_rad * MILLI)) (way) }
+                    td { (number(joint.error_max_rad * MILLI)) (way) }
                     td { (number(joint.error_tube_rad / joint.error_max_rad)) }
-                    td { (number(joint.velocity_error_tube_rad_s * MILLI)) }
-                    td { (number(joint.velocity_error_max_rad_s * MILLI)) }
-                    td.outside[joint.room_rad < 0.0] { (number(joint.room_rad * MILLI)) }
-                    td { (friction(i)) }
+                    td { (number(joint.velocity_error_tube_rad_s * MILLI)) (speed) }
+                    td { (number(joint.velocity_error_max_rad_s * MILLI)) (speed) }
+                    td.outside[joint.room_rad < 0.0] { (number(joint.room_rad * MILLI)) (way) }
+                    td { (friction(i)) (own_unit("N·m", slides)) }
                 } } }
             }
         }

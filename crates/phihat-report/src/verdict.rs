@@ -1,6 +1,6 @@
 //! Did it hold, and by how much: every stated bound against what was measured.
 
-use crate::kit::MILLI;
+use crate::kit::{MILLI, unit_of};
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::line;
 use crate::limited::limits_acted;
@@ -94,7 +94,7 @@ pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
         for (clause, measured, bound) in clauses(joint) {
             let share = share(measured, bound);
             if share > 1.0 {
-                phrases.push(phrase(clause, measured, bound));
+                phrases.push(phrase(clause, joint.slides, measured, bound));
             } else if worst.as_ref().is_none_or(|(w, _)| share > *w) {
                 let text = format!("{} of {}", clause.symbol, line(&joint.name));
                 worst = Some((share, format!("{text} uses {} of its bound", percent(share, 1.0))));
@@ -134,8 +134,8 @@ fn clauses(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, 
     CLAUSES.iter().filter_map(|c| (c.bound)(joint).map(|bound| (c, (c.measured)(joint), bound)))
 }
 
-fn phrase(clause: &Clause, measured: f64, bound: f64) -> String {
-    let unit = if measured.is_finite() { clause.unit } else { "" };
+fn phrase(clause: &Clause, slides: bool, measured: f64, bound: f64) -> String {
+    let unit = if measured.is_finite() { unit_of(clause.unit, slides) } else { String::new() };
     let (value, limit) = (number(MILLI * measured), stated(MILLI * bound));
     let value = format!("{value} {unit}");
     format!("{} {}, bound {limit} ({})", clause.symbol, value.trim(), excess(measured, bound))

@@ -293,6 +293,14 @@ fn bounds(basis: PhiBasis, source: &str, phi: PhiAlong) -> Phi {
     }
 }
 
+/// That the trace which φ is to be taken from, if any, can be read.
+pub(crate) fn trace_of_phi(study: &Study) -> Result<(), SessionError> {
+    match &study.design.phi {
+        PhiSource::Trace(file) => recorded(study, file).map(drop),
+        _ => Ok(()),
+    }
+}
+
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, SessionError> {
     let trace =

@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod check;
 mod coarser;
 mod design;
 mod dice;
@@ -52,6 +53,7 @@ mod watch;
 mod words;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use check::{Looked, Mistake, check};
 pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};

@@ -106,6 +106,11 @@ impl Session {
         Ok(Self { study, gains: chosen, simulation, command, warnings })
     }
 
+    /// What is said before the run.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// The gains chosen.
     pub fn into_gains(self) -> Gains {
         self.gains

@@ -1,5 +1,6 @@
 //! What a person reads first: one row of figures per joint.
 
+use phihat_model::JointKind;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,9 @@ use crate::trace::{JointTrace, Trace};
 pub struct JointMetrics {
     /// Joint name.
     pub name: String,
+    /// Whether it slides: then rad reads m, and N·m reads N.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub slides: bool,
     /// Root mean square of `e` over the steady part \[rad\].
     pub error_rms_rad: f64,
     /// Largest |e| of the whole run \[rad\].
@@ -197,6 +201,7 @@ fn unmeasured(study: &Study, i: usize) -> JointMetrics {
     let period = study.control.period_ns as f64 * 1e-9;
     JointMetrics {
         name: study.robot.joints[i].name.clone(),
+        slides: study.robot.joints[i].kind == JointKind::Prismatic,
         error_rms_rad: 0.0,
         error_max_rad: 0.0,
         error_steady_max_rad: 0.0,

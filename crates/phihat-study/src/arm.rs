@@ -3,7 +3,7 @@
 use phihat_model::{Part, Robot};
 use toml::de::DeValue;
 
-use crate::base::Base;
+use crate::base::{Base, beside};
 use crate::entries::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -47,8 +47,10 @@ impl StudyArm {
             }
             built_in(node)?
         } else {
+            let path = base.join(node.word("file")?);
             let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
-            Robot::read_part(&base.join(node.word("file")?), &part).map_err(refuse)?
+            let read = Robot::read_part(&path, &part);
+            read.map_err(|error| refuse(error).with_help(beside(&path)))?
         };
         let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let all = Joints { names: names(&robot), locked: Vec::new() };
@@ -135,7 +137,8 @@ impl StudyArm {
         }
         let names: Vec<&str> = self.robot.model.frame_names().iter().map(String::as_str).collect();
         let message = format!("the robot has no frame `{}`", clip(name));
-        Err(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))
+        node.note(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))?;
+        Ok(self.robot.tip.clone())
     }
 
     /// The frame under `key`, or the robot's tip; some joint moves it.
@@ -154,7 +157,7 @@ impl StudyArm {
         let names = model.frame_names().iter().map(String::as_str).filter(|name| moved(name));
         let message = format!("no joint moves frame `{}`: a payload there is no load", clip(name));
         let help = format!("valid: {}", names.collect::<Vec<_>>().join(", "));
-        Err(node.error(Kind::Conflict, key, message).with_help(help))
+        node.note(node.error(Kind::Conflict, key, message).with_help(help))
     }
 
     /// Refuses a position of joint `j` that is outside its limits.
@@ -174,7 +177,7 @@ impl StudyArm {
         } else {
             String::new()
         };
-        Err(node.error_at(Kind::BeyondLimits, key, (j, name), message).with_help(help))
+        node.note(node.error_at(Kind::BeyondLimits, key, (j, name), message).with_help(help))
     }
 
     /// Refuses a velocity of joint `j` that is beyond its limit.

@@ -17,3 +17,11 @@ impl Base<'_> {
         self.folder.join(name.map_or(Path::new(named), Path::new))
     }
 }
+
+/// Where a file was looked for that is not there; nothing where there is something.
+pub(crate) fn beside(path: &Path) -> String {
+    if path.exists() {
+        return String::new();
+    }
+    format!("looked for as `{}`: names are relative to the study's folder", path.display())
+}

@@ -24,14 +24,28 @@ pub(crate) fn check_table(
     span: &std::ops::Range<usize>,
     table: &DeTable<'_>,
 ) -> Result<(), StudyError> {
+    let mut helps = Vec::new();
     for (key, value) in in_file_order(table) {
-        let known =
-            section.key(key.get_ref()).ok_or_else(|| unknown(source, section, path, key))?;
-        check_value(source, &known.shape, &join(path, known.name), value)?;
+        source.found.keep(match section.key(key.get_ref()) {
+            Some(known) => check_value(source, &known.shape, &join(path, known.name), value),
+            None => {
+                let error = unknown(source, section, path, key);
+                helps.extend(error.help().map(str::to_owned));
+                Err(error)
+            }
+        })?;
     }
     let missing =
-        section.keys.iter().find(|key| key.need == Need::Required && !table.contains_key(key.name));
-    missing.map_or(Ok(()), |key| Err(missing_key(source, path, span, key)))
+        section.keys.iter().filter(|key| key.need == Need::Required && !table.contains_key(key.name));
+    for key in missing {
+        // One mistake, one error: the key is there under another name.
+        if helps.iter().any(|help| help.contains(&format!("`{}`", key.name))) {
+            source.found.is_misspelt(join(path, key.name));
+        } else {
+            source.found.note(missing_key(source, path, span, key))?;
+        }
+    }
+    Ok(())
 }
 
 fn unknown(
@@ -87,14 +101,15 @@ fn check_value(
             Shape::PerJoint(bounds, _) | Shape::NumberOrWord(bounds, _),
             DeValue::Integer(_) | DeValue::Float(_),
         ) => check_number(source, *bounds, path, value),
-        (Shape::PerJoint(bounds, _), DeValue::Array(items)) => items
-            .iter()
-            .enumerate()
-            .try_for_each(|(i, item)| check_number(source, *bounds, &format!("{path}[{i}]"), item)),
+        (Shape::PerJoint(bounds, _), DeValue::Array(items)) => {
+            let entry = |(i, item)| check_number(source, *bounds, &format!("{path}[{i}]"), item);
+            source.found.each(items.iter().enumerate().map(entry)).map(drop)
+        }
         (Shape::PerJoint(bounds, _) | Shape::SomeJoints(bounds), DeValue::Table(table)) => {
-            in_file_order(table).into_iter().try_for_each(|(name, item)| {
+            let entries = in_file_order(table).into_iter().map(|(name, item)| {
                 check_number(source, *bounds, &join(path, name.get_ref()), item)
-            })
+            });
+            source.found.each(entries).map(drop)
         }
         (&Shape::List { min, max, bounds }, DeValue::Array(_)) => {
             let each = |path: &str, item: &Value<'_>| check_number(source, bounds, path, item);
@@ -200,7 +215,7 @@ fn check_number(
     };
     let error = |message| Err(source.error(Kind::OutOfRange, &value.span(), path, message));
     if !x.is_finite() {
-        return error(format!("{x} is not a finite number"));
+        return error(format!("{x} is not a finite number: {bounds}"));
     }
     if bounds.admit(x) { Ok(()) } else { error(format!("{x} is out of range: {bounds}")) }
 }
@@ -249,7 +264,8 @@ fn check_items(
         let message = format!("{} {noun}, expected {wanted}", items.len());
         return Err(source.error(Kind::WrongLength, &value.span(), path, message));
     }
-    items.iter().enumerate().try_for_each(|(i, item)| each(&format!("{path}[{i}]"), item))
+    let entries = items.iter().enumerate().map(|(i, item)| each(&format!("{path}[{i}]"), item));
+    source.found.each(entries).map(drop)
 }
 
 fn wrong_type(
@@ -260,7 +276,12 @@ fn wrong_type(
     other: &DeValue<'_>,
 ) -> StudyError {
     let message = format!("expected {expected}, found {}", found(other));
-    source.error(Kind::WrongType, &value.span(), path, message)
+    let error = source.error(Kind::WrongType, &value.span(), path, message);
+    // A figure in quotes.
+    match other.as_str().filter(|text| text.trim().parse::<f64>().is_ok()) {
+        Some(text) => error.with_help(format!("\"{}\" without quotes", clip(text))),
+        None => error,
+    }
 }
 
 fn expected(shape: &Shape) -> String {

@@ -11,9 +11,11 @@ use crate::study::{Control, GainsRequest, LawRequest, Sensor};
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
 
-/// The sample period \[ns\] of `[loop]` for a run of `duration` \[s\].
-pub(crate) fn period_ns(top: &Node<'_>, duration: f64) -> Result<u64, StudyError> {
-    let rate = top.child("loop").number("rate_hz")?;
+/// The sample period \[ns\] of a loop at `rate` \[Hz\] for a run of `duration` \[s\].
+pub(crate) fn period_ns(
+    top: &Node<'_>,
+    (duration, rate): (f64, f64),
+) -> Result<u64, StudyError> {
     let samples = duration * rate;
     if !(1.0..=SAMPLES_MAX).contains(&samples) {
         let message =
@@ -99,7 +101,8 @@ pub(crate) fn read_sensor(
     let designed = node.text("velocity_filter_hz") == Some("design");
     if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
         let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
-        return Err(node.error(Kind::OutOfRange, "velocity_filter_hz", message));
+        let error = node.error(Kind::OutOfRange, "velocity_filter_hz", message);
+        node.note(error.with_help(format!("at most {} Hz", rate / 2.0)))?;
     }
     Ok(Sensor {
         encoder_bits: choose(node, arm, key, arm.joints.counts_or_word(node, key)?, bits)?,
@@ -128,7 +131,7 @@ fn jitter(node: &Node<'_>, rate: f64) -> Result<f64, StudyError> {
     let jitter = node.number("sample_jitter_s")?;
     if jitter * rate > 1.0 {
         let message = format!("{jitter} s is more than one period of {} s", 1.0 / rate);
-        return Err(node.error(Kind::OutOfRange, "sample_jitter_s", message));
+        node.note(node.error(Kind::OutOfRange, "sample_jitter_s", message))?;
     }
     Ok(jitter)
 }

@@ -14,7 +14,7 @@ pub(crate) fn read(
     (arm, world): (&StudyArm, &World),
     base: Base<'_>,
 ) -> Result<DesignRequest, StudyError> {
-    let joints = &arm.joints;
+    let (joints, found) = (&arm.joints, node.source.found);
     Ok(DesignRequest {
         method: match node.word("method")? {
             "paper" => DesignMethod::Paper,
@@ -22,12 +22,12 @@ pub(crate) fn read(
         },
         orders: orders(node)?,
         payload: payload_set::read(node, arm, world.payload.as_ref())?,
-        coulomb: coulomb(node, arm, world)?,
-        inertia: inertia(node, joints, base)?,
+        coulomb: found.keep(coulomb(node, arm, world))?.unwrap_or_default(),
+        inertia: found.keep(inertia(node, joints, base))?.unwrap_or(InertiaSource::Robot),
         window_margin: node.number("window_margin")?,
         modulus_min: node.number("modulus_margin_min")?,
         torque_step_max: joints.numbers_if(node, "torque_step_max_nm")?,
-        phi: phi(node, joints, base)?,
+        phi: found.keep(phi(node, joints, base))?.unwrap_or(PhiSource::Reference),
         phi_margin: node.number("phi_margin")?,
         settling_time: node.number_if("settling_time_s"),
         rise_time: node.number_if("rise_time_s"),

@@ -120,7 +120,8 @@ pub(crate) fn read(
     arm: &StudyArm,
     duration: f64,
 ) -> Result<Vec<Fault>, StudyError> {
-    top.children("fault").iter().map(|node| fault(node, arm, duration)).collect()
+    let faults = top.children("fault");
+    top.source.found.each(faults.iter().map(|node| fault(node, arm, duration)))
 }
 
 fn fault(node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Fault, StudyError> {

@@ -64,6 +64,7 @@ mod error;
 mod fault;
 mod feedforward;
 mod format;
+mod found;
 mod gains;
 mod key_parts;
 mod keys;

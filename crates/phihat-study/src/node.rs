@@ -42,8 +42,32 @@ impl<'a> Node<'a> {
     }
 
     /// The value as the file has it.
+    ///
+    /// What the first pass refused is not there; of tables, only the keys that it refused are not.
     pub(crate) fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.table?.get(key)
+        let value = self.table?.get(key)?;
+        let found = self.source.found;
+        let holds_keys = |key: &Key| {
+            matches!(key.shape, Shape::Table(_) | Shape::Tables(..) | Shape::Kinds(_))
+        };
+        let refused = found.goes_on()
+            && !self.section.key(key).is_some_and(holds_keys)
+            && found.refuses(&value.span());
+        (!refused).then_some(value)
+    }
+
+    /// Keeps an error after which the reader can go on.
+    ///
+    /// # Errors
+    ///
+    /// The error itself, where the first one is all that is asked for.
+    pub(crate) fn note(&self, error: StudyError) -> Result<(), StudyError> {
+        self.source.found.note(error)
+    }
+
+    /// Whether nothing is wrong in this table so far.
+    pub(crate) fn is_clean(&self) -> bool {
+        self.source.found.is_clean(&self.path)
     }
 
     /// The table under `key`, absent or not.

@@ -38,9 +38,10 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Payload>, S
     if !is_physical(inertia) {
         let message = "no rigid body has this inertia: a principal moment is negative or above \
                        the sum of the other two";
-        return Err(node
-            .error(Kind::OutOfRange, "inertia_kg_m2", message)
-            .with_help("the order is [xx, xy, xz, yy, yz, zz], about the centre of mass"));
+        node.note(
+            node.error(Kind::OutOfRange, "inertia_kg_m2", message)
+                .with_help("the order is [xx, xy, xz, yy, yz, zz], about the centre of mass"),
+        )?;
     }
     let (start, end) = (node.number("start_s")?, node.number_if("end_s").unwrap_or(f64::INFINITY));
     if end <= start {

@@ -96,8 +96,14 @@ impl Joints {
     ) -> Result<Option<Vec<T>>, StudyError> {
         let Some(value) = node.value(key) else { return Ok(None) };
         let values = match value.get_ref() {
+            DeValue::Array(items) if items.is_empty() => {
+                return Err(self.wrong_length(node, key, 0));
+            }
             DeValue::Array(items) if items.len() != self.count() => {
-                return Err(self.wrong_length(node, key, items.len()));
+                node.note(self.wrong_length(node, key, items.len()))?;
+                // To go on with.
+                let filled = items.iter().cycle().take(self.count());
+                filled.map(|item| read(item.get_ref())).collect()
             }
             DeValue::Array(items) => items.iter().map(|item| read(item.get_ref())).collect(),
             DeValue::Table(table) => {
@@ -108,9 +114,10 @@ impl Joints {
                     self.names.iter().find(|name| !table.contains_key(name.as_str()))
                 {
                     let message = format!("no value for joint `{absent}`");
-                    return Err(node
-                        .error(Kind::WrongLength, key, message)
-                        .with_help("a table by joint name names every joint once"));
+                    return Err(node.error(Kind::WrongLength, key, message).with_help(format!(
+                        "a table by joint name names every joint once: {}",
+                        self.names.join(", ")
+                    )));
                 }
                 self.names.iter().map(|name| read(table.get(name.as_str())?.get_ref())).collect()
             }
@@ -147,7 +154,9 @@ impl Joints {
             format!("no joint `{shown}`")
         };
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-        Err(node.error_on_name(key, name, message).with_help(did_you_mean(name, &names)))
+        node.note(node.error_on_name(key, name, message).with_help(did_you_mean(name, &names)))?;
+        // To go on with.
+        Ok(0)
     }
 }
 

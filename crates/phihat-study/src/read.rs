@@ -1,6 +1,6 @@
 //! Reading a study: caps before parsing, two passes after it.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use phihat_model::input;
@@ -11,11 +11,12 @@ use crate::arm::StudyArm;
 use crate::base::Base;
 use crate::check::check_table;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::found::Found;
 use crate::keys::STUDY;
 use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
-use crate::study::{Interface, Study};
+use crate::study::{Interface, Sensor, Study};
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
 };
@@ -34,16 +35,35 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let origin = path.display().to_string();
-        let refuse = |kind, why: String| StudyError::new(kind, Place::whole_file(&origin), "", why);
-        let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
-            ErrorKind::FileTooLarge => {
-                refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"))
-            }
-            ErrorKind::InvalidData => refuse(Kind::Syntax, "not UTF-8 text".into()),
-            _ => refuse(Kind::Unreadable, format!("the study cannot be read: {error}")),
-        })?;
+        let (text, origin) = text_of(path)?;
         Self::from_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a study, and goes on after what is wrong: that all of it can be mended at once.
+    ///
+    /// What only follows from another error is left out: where a robot cannot be read, nothing is said of values per joint.
+    ///
+    /// # Errors
+    ///
+    /// Everything that is wrong, up to 100 errors, in the order of the file.
+    pub fn check(path: &Path) -> Result<Self, Vec<StudyError>> {
+        let (text, origin) = text_of(path).map_err(|error| vec![error])?;
+        Self::check_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// As [`check`](Self::check), from text, as [`from_text`](Self::from_text) takes it.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check).
+    pub fn check_text(text: &str, origin: &str, base: &Path) -> Result<Self, Vec<StudyError>> {
+        let found = Found::all();
+        let source = Source { text, origin, found: &found };
+        let read = read_text(source, Base { folder: base, flat: false });
+        match (read, found) {
+            (Ok(study), found) if found.is_clean("") => Ok(study),
+            (read, found) => Err(found.into_errors(read.err(), origin)),
+        }
     }
 
     /// Reads a study from text.
@@ -55,7 +75,7 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_text(text: &str, origin: &str, base: &Path) -> Result<Self, StudyError> {
-        read_text(Source { text, origin }, Base { folder: base, flat: false })
+        first_error(text, origin, Base { folder: base, flat: false })
     }
 
     /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they have there.
@@ -64,15 +84,61 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_record(text: &str, origin: &str, inputs: &Path) -> Result<Self, StudyError> {
-        read_text(Source { text, origin }, Base { folder: inputs, flat: true })
+        first_error(text, origin, Base { folder: inputs, flat: true })
     }
 }
 
+fn first_error(text: &str, origin: &str, base: Base<'_>) -> Result<Study, StudyError> {
+    let found = Found::first();
+    read_text(Source { text, origin, found: &found }, base)
+}
+
+/// The text of a study's file, and what the file is called.
+fn text_of(path: &Path) -> Result<(String, String), StudyError> {
+    let origin = path.display().to_string();
+    let refuse = |kind, why: String, help: &str| {
+        StudyError::new(kind, Place::whole_file(&origin), "", why).with_help(help)
+    };
+    let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            refuse(Kind::TooLarge, format!("larger than {BYTES_MAX} bytes"), "")
+        }
+        ErrorKind::InvalidData => {
+            let why = if is_utf16(path) { "UTF-16, not UTF-8 text" } else { "not UTF-8 text" };
+            refuse(Kind::Syntax, why.to_owned(), "save it as UTF-8")
+        }
+        _ => {
+            let why = format!("the study cannot be read: {error}");
+            refuse(Kind::Unreadable, why, "a study is a TOML file, such as studies/first.toml")
+        }
+    })?;
+    let other = match text.trim_start_matches('\u{feff}').trim_start().chars().next() {
+        Some('<') => Some(("XML, such as a URDF, not a study", "name it in one: `file` in [robot]")),
+        Some('{') => Some(("JSON, not a study", "gains are given beside one: --gains FILE")),
+        None => Some(("is empty", "begin with a copy of studies/first.toml")),
+        _ => None,
+    };
+    match other {
+        Some((why, help)) => Err(refuse(Kind::Syntax, why.to_owned(), help)),
+        None => Ok((text, origin)),
+    }
+}
+
+/// Whether a file begins as UTF-16 text does.
+fn is_utf16(path: &Path) -> bool {
+    let mut mark = [0; 2];
+    let read = input::open(path).and_then(|mut file| file.read_exact(&mut mark));
+    read.is_ok() && (mark == [0xff, 0xfe] || mark == [0xfe, 0xff])
+}
+
 fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
-    let name = study_name(source.origin)?;
+    let found = source.found;
+    let name = found.keep(study_name(source.origin))?.unwrap_or_default();
     check_size(&source)?;
+    // What stands behind text that is not TOML is not known.
     let document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
     check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
+    found.first_pass_ends();
     resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
 }
 
@@ -98,27 +164,50 @@ fn inputs(
 
 /// The second pass: everything that needs the robot, or more than one key.
 fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyError> {
-    let duration = top.number("duration_s")?;
-    let period_ns = control::period_ns(top, duration)?;
-    let rate = top.child("loop").number("rate_hz")?;
+    let found = top.source.found;
+    let duration = found.keep(top.number("duration_s"))?;
+    let rate = found.keep(top.child("loop").number("rate_hz"))?;
+    let period = duration.zip(rate).map(|run| control::period_ns(top, run));
+    let period_ns = period.map_or(Ok(None), |period| found.keep(period))?;
     let arm = StudyArm::read(&top.child("robot"), base)?;
-    let run = Run { duration, rate, base };
-    let gains = stated_gains(top, &arm, rate)?;
-    let sensor = control::read_sensor(&top.child("sensor"), &arm, rate)?;
-    if sensor.velocity_filter_designed && gains.is_some() {
-        let message = "left to the design, while the study states its [gains]";
-        let node = top.child("sensor");
-        return Err(node
-            .error(Kind::Conflict, "velocity_filter_hz", message)
-            .with_help("give a cut-off, or leave the gains to `[design]`"));
+    // Where there are none, no time is beyond the end, and no frequency above half of the rate.
+    let known = (duration.unwrap_or(f64::INFINITY), rate.unwrap_or(f64::INFINITY));
+    let (duration, rate) = known;
+    let gains = found.keep(stated_gains(top, &arm, rate))?.flatten();
+    let sensor = found.keep(sensor(top, &arm, rate, gains.is_some()))?;
+    let control = control::read(&top.child("loop"), &arm, period_ns.unwrap_or_default());
+    let control = found.keep(control)?;
+    let world = found.keep(world::read(top, &arm, duration))?;
+    let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
+    found.keep(control::fits(&control, gains.as_ref(), top))?;
+    let interface = found.keep(profile::read(&top.child("profile"), &arm, rate))?;
+    if let (Some(interface), Some(_)) = (&interface, &world.held) {
+        found.keep(takes_over(top, interface))?;
     }
-    let control = control::read(&top.child("loop"), &arm, period_ns)?;
-    control::fits(&control, gains.as_ref(), top)?;
-    let world = world::read(top, &arm, duration)?;
-    let interface = profile::read(&top.child("profile"), &arm, rate)?;
-    if world.held.is_some() {
-        takes_over(top, &interface)?;
-    }
+    let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
+    let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
+    let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
+    let supervisor = &top.child("supervisor");
+    let supervisor = found.keep(supervisor::read(supervisor, &arm, (duration, control.form)))?;
+    let faults = fault::read(top, &arm, duration)?;
+    // Along a run of no known length there is nothing to look at.
+    let run = period_ns.map(|_| Run { duration, rate, base });
+    let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
+    let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
+    let inputs = inputs(top, &arm, base)?;
+    let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
+    let (
+        Some(sensor),
+        Some(interface),
+        Some(spec),
+        Some(design),
+        Some(feedforward),
+        Some(supervisor),
+        Some(reference),
+    ) = all
+    else {
+        return Err(found.last());
+    };
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -126,20 +215,37 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         sha256: sha256(top.source.text),
         seed: top.count("seed")?,
         duration,
-        spec: spec::read(&top.child("spec"), &arm.joints, duration)?,
+        spec,
         gains,
-        design: design::read(&top.child("design"), (&arm, &world), base)?,
-        feedforward: feedforward::read(top, &arm, &control)?,
-        supervisor: supervisor::read(&top.child("supervisor"), &arm, (duration, control.form))?,
+        design,
+        feedforward,
+        supervisor,
         control,
         sensor,
         world,
         interface: Box::new(interface),
-        faults: fault::read(top, &arm, duration)?,
-        reference: reference::read(&top.child("reference"), &arm, run)?,
-        inputs: inputs(top, &arm, base)?,
+        faults,
+        reference,
+        inputs,
         robot: arm.robot,
     })
+}
+
+/// `[sensor]`, whose filter is not left to the design where the study states its gains.
+fn sensor(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    rate: f64,
+    has_gains: bool,
+) -> Result<Sensor, StudyError> {
+    let node = top.child("sensor");
+    let sensor = control::read_sensor(&node, arm, rate)?;
+    if sensor.velocity_filter_designed && has_gains {
+        let message = "left to the design, while the study states its [gains]";
+        let error = node.error(Kind::Conflict, "velocity_filter_hz", message);
+        node.note(error.with_help("give a cut-off, or leave the gains to `[design]`"))?;
+    }
+    Ok(sensor)
 }
 
 /// That nothing else says with which torque the law begins.
@@ -213,11 +319,28 @@ fn check_size(source: &Source<'_>) -> Result<(), StudyError> {
 fn syntax(source: &Source<'_>, error: &toml::de::Error) -> StudyError {
     let span = error.span().unwrap_or(0..0);
     let slice = source.text.get(span.clone()).unwrap_or_default();
-    let message = match error.message() {
-        "duplicate key" => format!("duplicate key `{}`", crate::entries::clip(slice)),
-        message => format!("not TOML: {message}"),
-    };
-    source.error(Kind::Syntax, &span, "", message)
+    if error.message() == "duplicate key" {
+        let message = format!("duplicate key `{}`", crate::entries::clip(slice));
+        return source.error(Kind::Syntax, &span, "", message).with_help("keep one of them");
+    }
+    let told = source.error(Kind::Syntax, &span, "", format!("not TOML: {}", error.message()));
+    let place = source.place(&span);
+    let Some((_, value)) = place.line_text.split_once('=') else { return told };
+    let value = value.split('#').next().unwrap_or_default().trim();
+    let figure = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+    let shown = crate::entries::clip(value);
+    let comma = value.split_once(',').is_some_and(|(one, other)| figure(one) && figure(other));
+    let word = value.chars().next().is_some_and(char::is_alphabetic)
+        && !value.contains(['"', '\'', '[', '{']);
+    told.with_help(if comma {
+        format!("`{shown}`: write a decimal point")
+    } else if value.starts_with('"') && value.contains('\\') {
+        format!("in {shown} a backslash begins an escape: write `/`, or put it in single quotes")
+    } else if word {
+        format!("`{shown}`: text stands in quotes")
+    } else {
+        String::new()
+    })
 }
 
 fn sha256(text: &str) -> String {

@@ -21,17 +21,21 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
 
 fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
     let (mut t, mut q): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    let found = node.source.found;
     for node in node.children("waypoint") {
-        let time = node.number("t_s")?;
-        let position = arm.position(&node, "q_rad", "pose")?;
+        let time = found.keep(node.number("t_s"))?;
+        let position = found.keep(arm.position(&node, "q_rad", "pose"))?;
+        let (Some(time), Some(position)) = (time, position) else { continue };
         match (t.last(), q.last()) {
             (Some(&before), Some(from)) => {
                 check_order(&node, before, time)?;
-                check_leg(&node, arm, from, &position, time - before)?;
+                if node.is_clean() {
+                    check_leg(&node, arm, from, &position, time - before)?;
+                }
             }
             _ if time > 0.0 => {
                 let message = format!("the first waypoint is at {time} s, expected 0");
-                return Err(node.error(Kind::OutOfRange, "t_s", message));
+                node.note(node.error(Kind::OutOfRange, "t_s", message))?;
             }
             _ => {}
         }
@@ -46,7 +50,7 @@ fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError
         return Ok(());
     }
     let message = format!("{time} s is not after the waypoint before it, at {before} s");
-    Err(node.error(Kind::OutOfRange, "t_s", message))
+    node.note(node.error(Kind::OutOfRange, "t_s", message))
 }
 
 /// The leg's largest velocity is exact: the quintic's slope is largest in the middle.
@@ -60,8 +64,9 @@ fn check_leg(
     let key = if node.has("pose") { "pose" } else { "q_rad" };
     from.iter().zip(to).enumerate().try_for_each(|(j, (a, b))| {
         let peak = QUINTIC_SLOPE_MAX * (b - a).abs() / time;
-        arm.check_velocity(node, key, j, peak).map_err(|error| {
+        let refused = arm.check_velocity(node, key, j, peak).map_err(|error| {
             error.with_help(format!("the leg of {time} s needs more time, or a shorter way"))
-        })
+        });
+        node.source.found.keep(refused).map(drop)
     })
 }

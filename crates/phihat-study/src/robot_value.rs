@@ -34,9 +34,9 @@ pub(crate) fn choose<T: Copy>(
         Some(_) if !node.has(key) && stated.iter().all(Option::is_none) => Ok(None),
         Some(j) => {
             let message = format!("the robot states no value for joint `{}`", arm.joints.names[j]);
-            Err(node
-                .error(Kind::Robot, key, message)
-                .with_help(format!("give `{key}` here, or \"none\"")))
+            let error = node.error(Kind::Robot, key, message);
+            node.note(error.with_help(format!("give `{key}` here, or \"none\"")))?;
+            Ok(None)
         }
     }
 }

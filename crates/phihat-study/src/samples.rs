@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use phihat_model::input;
 
 use crate::arm::StudyArm;
+use crate::base::beside;
 use crate::entries::clip;
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
@@ -22,7 +23,9 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
     let path = run.base.join(name);
     let refuse =
         |why: String| node.error(Kind::Unreadable, "file", format!("`{}`: {why}", clip(name)));
-    let unreadable = |error: std::io::Error| refuse(error.to_string());
+    let unreadable = |error: std::io::Error| {
+        refuse(error.to_string()).with_help(beside(&path))
+    };
     let file = input::open(&path).map_err(unreadable)?;
     let size = file.metadata().map_err(unreadable)?.len();
     if size > BYTES_MAX {
@@ -183,7 +186,8 @@ impl<'f, R: BufRead> Table<'f, R> {
         let (mut t, mut q) = (0.0, vec![0.0; joints]);
         for (i, (cell, column)) in cells.iter().zip(columns).enumerate() {
             let x: f64 = cell.parse().map_err(|_| {
-                self.error(Kind::WrongType, i, format!("`{}` is not a number", clip(cell)))
+                let error = format!("`{}` is not a number", clip(cell));
+                self.error(Kind::WrongType, i, error).with_help("a finite number, such as 0.25")
             })?;
             if !x.is_finite() {
                 let message = format!("{x} is not a finite number");

@@ -17,9 +17,12 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
     let center = arm.position(node, "center_rad", "center")?;
     let fade_in = node.number("fade_in_s")?;
     let terms: Vec<Sine> =
-        node.children("sine").iter().map(|node| term(node, arm, run)).collect::<Result<_, _>>()?;
-    for j in 0..arm.joints.count() {
-        JointSines::new(j, &center, fade_in, &terms).check(node, arm, run.duration)?;
+        node.source.found.each(node.children("sine").iter().map(|node| term(node, arm, run)))?;
+    // What the sum does is worth a word where each of its parts is right.
+    let joints = if node.is_clean() { arm.joints.count() } else { 0 };
+    for j in 0..joints {
+        let sum = JointSines::new(j, &center, fade_in, &terms);
+        node.source.found.keep(sum.check(node, arm, run.duration))?;
     }
     Ok(Reference::Sines { center, terms, fade_in })
 }

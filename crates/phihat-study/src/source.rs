@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::error::{Place, StudyError, StudyErrorKind};
+use crate::found::Found;
 
 /// Bytes of a line kept for an error message.
 const LINE_MAX: usize = 4096;
@@ -12,6 +13,8 @@ const LINE_MAX: usize = 4096;
 pub(crate) struct Source<'a> {
     pub(crate) text: &'a str,
     pub(crate) origin: &'a str,
+    /// What is wrong with it so far.
+    pub(crate) found: &'a Found,
 }
 
 impl Source<'_> {

@@ -9,9 +9,10 @@ pub(crate) fn read(node: &Node<'_>, joints: &Joints, duration: f64) -> Result<Sp
     let settle = node.number("settle_s")?;
     if settle >= duration {
         let message = format!("{settle} s is not before the end of the run at {duration} s");
-        return Err(node
-            .error(Kind::Conflict, "settle_s", message)
-            .with_help("the bounds hold from settle_s on: make it smaller than duration_s"));
+        node.note(
+            node.error(Kind::Conflict, "settle_s", message)
+                .with_help("the bounds hold from settle_s on: make it smaller than duration_s"),
+        )?;
     }
     Ok(Spec {
         settle,

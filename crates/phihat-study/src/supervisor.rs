@@ -81,7 +81,7 @@ pub(crate) fn read(
     }
     if form == Form::Positions && node.has("start_estimator_factor") {
         let message = "a law from positions has no estimator of its own that could be slower";
-        return Err(node.error(Kind::Conflict, "start_estimator_factor", message));
+        node.note(node.error(Kind::Conflict, "start_estimator_factor", message))?;
     }
     let joints = &arm.joints;
     let some = |key: &str| joints.numbers_if(node, key);
@@ -90,7 +90,7 @@ pub(crate) fn read(
     let disturbed = node.number_if("disturbed_nm").unwrap_or(f64::INFINITY);
     if disturbed <= settled {
         let message = format!("{disturbed} N·m is not above `settled_nm`, {settled} N·m");
-        return Err(node.error(Kind::Conflict, "disturbed_nm", message));
+        node.note(node.error(Kind::Conflict, "disturbed_nm", message))?;
     }
     Ok(Some(Box::new(SupervisorRequest {
         velocity_max: limits(node, arm, "velocity_max_rad_s", velocity)?,
@@ -150,7 +150,7 @@ fn funnel(node: &Node<'_>, arm: &StudyArm) -> Result<Option<[Vec<f64>; 2]>, Stud
     {
         let (name, initial, last) = (&arm.joints.names[j], initial[j], last[j]);
         let message = format!("joint `{name}`: {initial} rad is below the final {last} rad");
-        return Err(node.error(Kind::Conflict, keys[0], message));
+        node.note(node.error(Kind::Conflict, keys[0], message))?;
     }
     Ok(funnel)
 }
@@ -183,7 +183,7 @@ fn requests(node: &Node<'_>, duration: f64) -> Result<Vec<(f64, RequestedMode)>,
         if t < last || t >= duration {
             let message =
                 format!("{t} s is not between {last} s and the end of the run, {duration} s");
-            return Err(request.error(Kind::Conflict, "t_s", message));
+            node.note(request.error(Kind::Conflict, "t_s", message))?;
         }
         let mode = match request.word("mode")? {
             "idle" => RequestedMode::Idle,

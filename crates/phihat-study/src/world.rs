@@ -17,7 +17,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Worl
     let drives = arm.robot.joints.iter().map(|joint| joint.drive_bandwidth_hz);
     let (forces, pushes): (Vec<_>, Vec<_>) =
         node.children("push").into_iter().partition(|node| node.has("force_n"));
-    let walls = node.children("wall");
+    let (walls, found) = (node.children("wall"), top.source.found);
     Ok(World {
         gravity: node.numbers("gravity_m_s2")?,
         robot_friction: node.word("friction")? == "robot",
@@ -26,16 +26,16 @@ pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Worl
         drive_bandwidth_hz: limits(&node, arm, "drive_bandwidth_hz", drives)?,
         warm_up: (node.number("friction_cold_factor")?, node.number("friction_warm_up_s")?),
         stiction: stiction(&node.child("stiction"), joints)?,
-        flexibility: flexibility(&node.child("flexibility"), arm)?,
+        flexibility: found.keep(flexibility(&node.child("flexibility"), arm))?.flatten(),
         end_stops: end_stops(&node.child("end_stops"), joints)?,
-        walls: walls.iter().map(|node| wall(node, arm)).collect::<Result<_, _>>()?,
-        forces: forces.iter().map(|node| force(node, arm, duration)).collect::<Result<_, _>>()?,
-        drive: drive(&node.child("drive"), arm)?.map(Box::new),
+        walls: found.each(walls.iter().map(|node| wall(node, arm)))?,
+        forces: found.each(forces.iter().map(|node| force(node, arm, duration)))?,
+        drive: found.keep(drive(&node.child("drive"), arm))?.flatten().map(Box::new),
         network: network(&node.child("network"))?,
-        payload: payload::read(&node.child("payload"), arm)?,
-        pushes: pushes.iter().map(|node| push(node, arm, duration)).collect::<Result<_, _>>()?,
+        payload: found.keep(payload::read(&node.child("payload"), arm))?.flatten(),
+        pushes: found.each(pushes.iter().map(|node| push(node, arm, duration)))?,
         substeps: node.small_count("substeps")?,
-        start: start(&top.child("start"), arm)?,
+        start: found.keep(start(&top.child("start"), arm))?.flatten(),
         held: held(&top.child("start"), arm)?,
     })
 }
@@ -82,7 +82,9 @@ fn begins(node: &Node<'_>, duration: f64) -> Result<f64, StudyError> {
         return Ok(start);
     }
     let message = format!("{start} s is not before the end of the run at {duration} s");
-    Err(node.error(Kind::Conflict, "start_s", message))
+    let error = node.error(Kind::Conflict, "start_s", message);
+    node.note(error.with_help("make it smaller than duration_s at the top of the file"))?;
+    Ok(start)
 }
 
 fn push(node: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Push, StudyError> {
@@ -180,6 +182,7 @@ fn start(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Start>, StudyError> {
     }
     let q = arm.position(node, "q_rad", "pose")?;
     let dq = arm.joints.numbers(node, "dq_rad_s")?;
-    dq.iter().enumerate().try_for_each(|(j, &x)| arm.check_velocity(node, "dq_rad_s", j, x))?;
+    let too_fast = dq.iter().enumerate().map(|(j, &x)| arm.check_velocity(node, "dq_rad_s", j, x));
+    node.source.found.each(too_fast)?;
     Ok(Some(Start { q, dq }))
 }

@@ -1,7 +1,6 @@
 //! The rivals at hand, and what is known of one.
 
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{ColumnConstraint, ContentArrangement, Table};
+use comfy_table::ColumnConstraint;
 use phihat_compare::{
     CompareError, DEFAULTS, Mark, NOT_TUNED, RivalRecord, UNITS, model_free_in_full,
 };
@@ -9,6 +8,7 @@ use phihat_compare::{
 use phihat_rivals::{Entry, RIVALS, rival as find};
 
 use crate::failure::Failure;
+use crate::table::Fitted;
 
 /// Columns of the tables.
 const WIDTH: u16 = 120;
@@ -33,7 +33,7 @@ pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
         let scalars = if scalars.is_empty() { DESIGNED.to_owned() } else { scalars.join(", ") };
         table.add_row([&rival.id, &rival.title, &rival.grade, &rival.needs_words, &scalars]);
     }
-    println!("{table}");
+    println!("{}", table.wrapped(WIDTH));
     println!("Free scalars: {UNITS}.");
     println!("`phihat compare --rival ID` shows one.");
     Ok(())
@@ -75,16 +75,12 @@ pub(super) fn rival(id: &str, as_json: bool) -> Result<(), Failure> {
         let range = format!("{} … {}", s.range[0], s.range[1]);
         table.add_row([&s.name, &s.unit, &s.default.to_string(), &range, &s.meaning]);
     }
-    println!("{table}");
+    println!("{}", table.wrapped(WIDTH));
     Ok(())
 }
 
-fn table<const N: usize>(header: [&str; N]) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(WIDTH);
-    table.set_header(header);
+fn table<const N: usize>(header: [&str; N]) -> Fitted {
+    let mut table = Fitted::new(header);
     // What one types is not broken.
     if let Some(column) = table.column_mut(0) {
         column.set_constraint(ColumnConstraint::ContentWidth);

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::shown::Shown;
+use crate::terminal::Page;
 
 mod list;
 mod table;
@@ -63,6 +64,8 @@ pub(crate) struct Compare {
     /// Print one JSON document in place of tables.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    page: Page,
 }
 
 const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
@@ -90,11 +93,14 @@ impl Compare {
         };
         let mut shown = Shown::resumable(BAR, self.fresh);
         if let Some(name) = &self.trace {
-            self.tell_run(&options.repeat(name, &mut shown)?);
+            let run = options.repeat(name, &mut shown)?;
+            self.tell_run(&run);
+            self.page.show(&run.folder.join("report.html"));
             return Ok(ExitCode::SUCCESS);
         }
         let answer = options.run(&mut shown)?;
         self.tell(&answer)?;
+        self.page.show(&answer.page);
         let failed =
             outcomes(&answer.comparison).any(|outcome| matches!(outcome, RunOutcome::Panicked(_)));
         Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })

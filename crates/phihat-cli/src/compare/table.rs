@@ -1,8 +1,8 @@
 //! A comparison on the terminal.
 
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ColumnConstraint};
 use phihat_compare::{Comparison, GainsKind, Row};
+use crate::table::Fitted;
 use serde_json::json;
 
 /// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.
@@ -29,14 +29,8 @@ pub(super) fn overview(comparison: &Comparison) -> String {
 }
 
 fn table(lines: &[Vec<String>]) -> String {
-    let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(WIDTH);
-    let mut lines = lines.iter();
-    if let Some(heading) = lines.next() {
-        table.set_header(heading);
-    }
+    let [heading, lines @ ..] = lines else { return String::new() };
+    let mut table = Fitted::new(heading);
     for line in lines {
         table.add_row(line);
     }
@@ -47,7 +41,7 @@ fn table(lines: &[Vec<String>]) -> String {
     for column in table.column_iter_mut().skip(4) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    table.to_string()
+    table.wrapped_or_below(WIDTH)
 }
 
 /// Columns of the table.

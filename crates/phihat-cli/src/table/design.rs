@@ -1,15 +1,14 @@
 //! Gains, what is claimed about them, and why there are none.
 
-use comfy_table::Table;
 use phihat_design::{
     Certificate, ErrorBound, Gains, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
 };
 
 use super::coupled::coupled;
-use super::{MILLI, align, plain_table};
+use super::{Fitted, MILLI, align, figure, in_unit, plain_table};
 
 /// One row of gains per joint.
-pub(crate) fn gains(gains: &Gains) -> Table {
+pub(crate) fn gains(gains: &Gains) -> Fitted {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
     let last = if seen { "g; ℓ_0 … ℓ_(m+1)" } else { "a_0 … a_(m−1)" };
     let mut table = plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last]);
@@ -23,7 +22,7 @@ pub(crate) fn gains(gains: &Gains) -> Table {
         );
         table.add_row([
             joint.name.clone(),
-            format!("{:.4}", joint.inertia_kg_m2),
+            in_unit(figure(joint.inertia_kg_m2, 4), "kg·m²", gains.slides(&joint.name)),
             format!("{:.1}", joint.kp_per_s2),
             format!("{:.2}", joint.kd_per_s),
             joint.order().to_string(),
@@ -35,7 +34,7 @@ pub(crate) fn gains(gains: &Gains) -> Table {
 }
 
 /// What is claimed, one row per joint; what is refused, below.
-pub(crate) fn certificate(certificate: &Certificate) -> String {
+pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     let mut table = plain_table([
         "joint",
         "bound |e|\nmrad",
@@ -50,7 +49,7 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
         "largest step\nmrad",
     ]);
     for (i, joint) in certificate.joints.iter().enumerate() {
-        table.add_row(row(joint, certificate.error_bound(i)));
+        table.add_row(row(joint, certificate.error_bound(i), gains.slides(&joint.name)));
     }
     align(&mut table);
     let arm = &certificate.arm;
@@ -83,7 +82,7 @@ pub(crate) fn certificate(certificate: &Certificate) -> String {
             jumps(first)
         });
     }
-    lines.extend(coupled(certificate));
+    lines.extend(coupled(certificate, gains));
     lines.extend(not_counted(&certificate.not_counted));
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
@@ -117,25 +116,31 @@ fn any_speed(certificate: &Certificate) -> String {
     )
 }
 
-fn row(joint: &JointCertificate, bound: Option<ErrorBound>) -> Vec<String> {
+fn row(joint: &JointCertificate, bound: Option<ErrorBound>, slides: bool) -> Vec<String> {
     let none = || "–".to_owned();
     let milli = |value: Option<f64>, decimals: usize| {
-        value.map_or_else(none, |v| format!("{:.*}", decimals, v * MILLI))
+        value.map_or_else(none, |v| figure(v * MILLI, decimals))
+    };
+    let own = |value: Option<f64>, decimals: usize, unit: &str| {
+        value.map_or_else(none, |v| in_unit(figure(v * MILLI, decimals), unit, slides))
     };
     let margins = joint.margins.as_ref();
     let noise = joint.noise.as_ref();
     vec![
         joint.name.clone(),
-        milli(bound.map(|b| b.error_rad), 3),
-        milli(bound.map(|b| b.velocity_error_rad_s), 1),
-        milli(joint.bounds.and_then(|b| b.integral_rad_s), 2),
+        own(bound.map(|b| b.error_rad), 3, "mrad"),
+        own(bound.map(|b| b.velocity_error_rad_s), 1, "mrad/s"),
+        own(joint.bounds.and_then(|b| b.integral_rad_s), 2, "mrad·s"),
         joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
         margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),
         margins.map_or_else(none, |m| format!("{:.0}", m.phase_deg)),
         milli(margins.map(|m| m.delay_s), 1),
         margins.map_or_else(none, |m| format!("{:.2}", m.modulus)),
-        noise.map_or_else(none, |n| format!("{:.3} / {:.3}", n.change_rms_nm, n.change_max_nm)),
-        milli(joint.step.as_ref().and_then(|s| s.step_rad), 2),
+        noise.map_or_else(none, |n| {
+            let both = [n.change_rms_nm, n.change_max_nm].map(|nm| figure(nm, 3)).join(" / ");
+            in_unit(both, "N·m", slides)
+        }),
+        own(joint.step.as_ref().and_then(|s| s.step_rad), 2, "mrad"),
     ]
 }
 

@@ -1,11 +1,12 @@
 //! Laws beside the limit of linear laws.
 
-use phihat_design::JointLimit;
+use phihat_design::Gains;
 
-use super::{MILLI, align, plain_table};
+use super::{MILLI, align, figure, in_unit, plain_table};
 
 /// One row per joint, and what the figures are not.
-pub(crate) fn limit(list: &[JointLimit]) -> String {
+pub(crate) fn limit(gains: &Gains) -> String {
+    let list = &gains.limit;
     let mut table = plain_table([
         "joint",
         "φ̇\nN·m/s",
@@ -19,17 +20,19 @@ pub(crate) fn limit(list: &[JointLimit]) -> String {
         "limit at lightest\nmrad",
     ]);
     for one in list {
+        let slides = gains.slides(&one.name);
+        let own = |value: f64, decimals, unit: &str| in_unit(figure(value, decimals), unit, slides);
         table.add_row([
             one.name.clone(),
-            format!("{:.3}", one.phi_rate_nm_s),
-            format!("{:.3}", one.phi_jump_nm),
-            format!("{:.3}", one.torque_noise_nm),
-            figure(one.limit_rad),
-            format!("{:.4}", one.own_rad * MILLI),
+            own(one.phi_rate_nm_s, 3, "N·m/s"),
+            own(one.phi_jump_nm, 3, "N·m"),
+            own(one.torque_noise_nm, 3, "N·m"),
+            in_unit(both(one.limit_rad), "mrad", slides),
+            own(one.own_rad * MILLI, 4, "mrad"),
             format!("{:.2}", one.times_limit()),
-            format!("{:.4}", one.range_rad * MILLI),
+            own(one.range_rad * MILLI, 4, "mrad"),
             format!("{:.2}", one.price_of_range()),
-            figure(one.limit_lightest_rad),
+            in_unit(both(one.limit_lightest_rad), "mrad", slides),
         ]);
     }
     align(&mut table);
@@ -42,7 +45,7 @@ pub(crate) fn limit(list: &[JointLimit]) -> String {
 }
 
 /// One figure where both ends are one at this many digits.
-fn figure((low, high): (f64, f64)) -> String {
-    let [low, high] = [low, high].map(|rad| format!("{:.4}", rad * MILLI));
+fn both((low, high): (f64, f64)) -> String {
+    let [low, high] = [low, high].map(|rad| figure(rad * MILLI, 4));
     if low == high { low } else { format!("{low} … {high}") }
 }

@@ -1,10 +1,9 @@
 //! What a run measured.
 
-use comfy_table::Table;
 use phihat_report::{TubeRun, limits_acted};
 use phihat_sim::{Divergence, JointMetrics, Metrics};
 
-use super::{MILLI, align, plain_table};
+use super::{Fitted, MILLI, align, figure, in_unit, plain_table};
 
 /// A torque held at its limit may differ from it by rounding.
 const ROUNDING: f64 = 1e-9;
@@ -86,7 +85,8 @@ impl Column {
 
     fn cell(&self, joint: &JointMetrics, shared: bool) -> String {
         let value = (self.value)(joint);
-        let figure = format!("{value:.*}", self.decimals);
+        let figure = figure(value, self.decimals);
+        let figure = in_unit(figure, self.unit, joint.slides);
         match (self.bound)(joint) {
             // NaN is no value within a bound.
             Some(bound) if value.is_nan() || value > bound * (1.0 + ROUNDING) => {
@@ -105,7 +105,7 @@ fn short(value: f64) -> String {
 }
 
 /// One row per joint. "Steady" figures are those after the start-up; a `!` marks a bound exceeded.
-pub(crate) fn metrics(metrics: &Metrics) -> Table {
+pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
     let joints = &metrics.joints;
     let shared: Vec<Option<f64>> = COLUMNS.iter().map(|c| c.shared(joints)).collect();
     let headers = COLUMNS.iter().zip(&shared).map(|(c, s)| c.header(*s));
@@ -147,7 +147,7 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
 }
 
 /// Promised and measured, joint by joint, and whether any sample left the tube.
-pub(crate) fn tube(run: &TubeRun) -> String {
+pub(crate) fn tube(run: &TubeRun, metrics: &Metrics) -> String {
     let mut table = plain_table([
         "joint",
         "max |e|\nmrad",
@@ -159,14 +159,17 @@ pub(crate) fn tube(run: &TubeRun) -> String {
     ]);
     for joint in &run.kept.joints {
         let edge = if joint.room_rad < 0.0 { " !" } else { "" };
+        let slides = metrics.joints.iter().any(|own| own.slides && own.name == joint.name);
+        let error = |rad: f64| in_unit(figure(rad * MILLI, 3), "mrad", slides);
+        let velocity = |rad_s: f64| in_unit(figure(rad_s * MILLI, 1), "mrad/s", slides);
         table.add_row([
             joint.name.clone(),
-            format!("{:.3}", joint.error_max_rad * MILLI),
-            format!("{:.3}", joint.error_tube_rad * MILLI),
+            error(joint.error_max_rad),
+            error(joint.error_tube_rad),
             format!("{:.2}", joint.error_tube_rad / joint.error_max_rad),
-            format!("{:.1}", joint.velocity_error_max_rad_s * MILLI),
-            format!("{:.1}", joint.velocity_error_tube_rad_s * MILLI),
-            format!("{:.3}{edge}", joint.room_rad * MILLI),
+            velocity(joint.velocity_error_max_rad_s),
+            velocity(joint.velocity_error_tube_rad_s),
+            format!("{}{edge}", error(joint.room_rad)),
         ]);
     }
     align(&mut table);

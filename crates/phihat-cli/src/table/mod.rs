@@ -3,35 +3,80 @@
 mod coarser;
 mod coupled;
 mod design;
+mod fitted;
 mod limit;
 mod metrics;
 mod robots;
 
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, Table};
+use phihat_report::kit::unit_of;
 
 pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
+pub(crate) use fitted::Fitted;
 pub(crate) use limit::limit;
 pub(crate) use metrics::{metrics, tube, verdict};
 pub(crate) use robots::{chains, joints, robots};
 
+/// A figure with so many decimals, and with two significant digits at least: what is small is not shown as nothing.
+pub(crate) fn figure(value: f64, decimals: usize) -> String {
+    let least = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX)) * 10.0;
+    if !value.is_finite() || value.abs() >= least || value.abs() < f64::MIN_POSITIVE {
+        return format!("{value:.decimals$}");
+    }
+    let exponent = value.abs().log10().floor();
+    if exponent < -7.0 {
+        return format!("{value:.1e}");
+    }
+    // One digit more than those before the second that counts.
+    let places = 1 + (-exponent) as usize;
+    format!("{value:.places$}")
+}
+
+/// A joint's figure: its unit stands beside it where it is not that of the heading, because it slides.
+pub(crate) fn in_unit(figure: String, turning: &str, slides: bool) -> String {
+    if slides { format!("{figure} {}", unit_of(turning, true)) } else { figure }
+}
+
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.
 const MILLI: f64 = 1e3;
 
-fn plain_table<T: Into<comfy_table::Row>>(headers: T) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY);
-    table.set_header(headers);
-    table
+fn plain_table<T: Into<comfy_table::Row>>(headers: T) -> Fitted {
+    Fitted::new(headers)
 }
 
 /// Figures to the right, names to the left, one space around.
-fn align(table: &mut Table) {
-    for column in table.column_iter_mut() {
-        column.set_padding((0, 1));
+fn align(table: &mut Fitted) {
+    table.align();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{figure, in_unit};
+
+    #[test]
+    fn what_is_small_is_not_shown_as_nothing() {
+        for (value, decimals, shown) in [
+            (12.3456, 3, "12.346"),
+            (0.123_46, 3, "0.123"),
+            (0.0123, 3, "0.012"),
+            (0.001_23, 3, "0.0012"),
+            (-0.000_996, 3, "-0.00100"),
+            (1.5e-6, 3, "0.0000015"),
+            (1.5e-9, 3, "1.5e-9"),
+            (0.0, 3, "0.000"),
+            (0.04, 1, "0.040"),
+            (0.4, 1, "0.40"),
+            (4.0, 1, "4.0"),
+            (0.0, 2, "0.00"),
+            (f64::NAN, 2, "NaN"),
+        ] {
+            assert_eq!(figure(value, decimals), shown, "{value}");
+        }
     }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
+
+    #[test]
+    fn a_joint_that_slides_has_its_own_unit() {
+        assert_eq!(in_unit("1.5".to_owned(), "mrad/s", false), "1.5");
+        assert_eq!(in_unit("1.5".to_owned(), "mrad/s", true), "1.5 mm/s");
     }
 }

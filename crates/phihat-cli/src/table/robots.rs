@@ -1,13 +1,12 @@
 //! The arms at hand.
 
-use comfy_table::Table;
 use phihat_model::input::plain;
-use phihat_model::{Chain, InertiaRange, Robot};
+use phihat_model::{Chain, InertiaRange, JointKind, Robot};
 
-use super::{align, plain_table};
+use super::{Fitted, align, figure, in_unit, plain_table};
 
 /// One row per arm.
-pub(crate) fn robots(robots: &[Robot]) -> Table {
+pub(crate) fn robots(robots: &[Robot]) -> Fitted {
     let mut table = plain_table(["name", "joints", "description"]);
     for robot in robots {
         let joints = robot.joints.len().to_string();
@@ -31,7 +30,7 @@ pub(crate) fn chains(chains: &[Chain]) -> String {
 }
 
 /// One row per joint of an arm.
-pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
+pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Fitted {
     let mut table = plain_table([
         "joint",
         "position\nrad",
@@ -45,24 +44,27 @@ pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Table {
         "encoder\nbit",
     ]);
     for (i, joint) in robot.joints.iter().enumerate() {
-        let limits = joint.position.map(|(low, high)| format!("{low:.2} … {high:.2}"));
+        let limits = joint.position;
+        let limits = limits.map(|(low, high)| format!("{} … {}", figure(low, 2), figure(high, 2)));
+        let own = |text: String, unit: &str| {
+            in_unit(text, unit, joint.kind == JointKind::Prismatic)
+        };
+        let stated = |value: Option<f64>, unit: &str| {
+            value.map_or_else(|| "–".to_owned(), |value| own(value.to_string(), unit))
+        };
         table.add_row([
             joint.name.clone(),
-            limits.unwrap_or_else(|| "–".to_owned()),
-            stated(joint.velocity_max),
-            stated(joint.torque_max),
-            stated(joint.torque_rate_max),
-            format!("{:.3}", joint.armature),
-            format!("{:.3} … {:.3}", range.min[i], range.max[i]),
-            format!("{:.3}", range.mean[i]),
-            format!("{}", joint.friction.coulomb),
+            limits.map_or_else(|| "–".to_owned(), |limits| own(limits, "rad")),
+            stated(joint.velocity_max, "rad/s"),
+            stated(joint.torque_max, "N·m"),
+            stated(joint.torque_rate_max, "N·m/s"),
+            own(figure(joint.armature, 3), "kg·m²"),
+            own(format!("{} … {}", figure(range.min[i], 3), figure(range.max[i], 3)), "kg·m²"),
+            own(figure(range.mean[i], 3), "kg·m²"),
+            own(joint.friction.coulomb.to_string(), "N·m"),
             joint.encoder_bits.map_or_else(|| "–".to_owned(), |bits| bits.to_string()),
         ]);
     }
     align(&mut table);
     table
-}
-
-fn stated(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| value.to_string())
 }

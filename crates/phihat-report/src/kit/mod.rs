@@ -14,6 +14,20 @@ const PAGE_STYLE: &str = include_str!("../../assets/page.css");
 /// From SI units to those of a page: rad to mrad, m to mm, s to ms.
 pub const MILLI: f64 = 1e3;
 
+/// A unit as it is of this joint, given as that of one that turns: where that is mrad, one that slides has mm.
+pub fn unit_of(turning: &str, slides: bool) -> String {
+    if !slides {
+        return turning.to_owned();
+    }
+    let sliding = [("kg·m²", "kg"), ("mrad", "mm"), ("rad", "m"), ("N·m", "N")];
+    sliding.iter().fold(turning.to_owned(), |unit, (turns, slides)| unit.replace(turns, slides))
+}
+
+/// What stands beside a figure of a joint: nothing where the unit of the heading is its own.
+pub fn own_unit(turning: &str, slides: bool) -> String {
+    if slides { format!("\u{a0}{}", unit_of(turning, true)) } else { String::new() }
+}
+
 /// The frame of a self-contained page: nothing is loaded from anywhere, its style and its script run by hash.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
@@ -65,4 +79,27 @@ pub(crate) fn document(title: &str, policy: &str, style: &str, body: &Markup) ->
 pub fn anchor(kind: &str, id: &str) -> String {
     let id = id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     format!("{kind}-{}", id.collect::<String>())
+}
+
+#[cfg(test)]
+mod units {
+    use super::unit_of;
+
+    #[test]
+    fn of_a_joint_that_slides() {
+        for (turning, sliding) in [
+            ("mrad", "mm"),
+            ("mrad/s", "mm/s"),
+            ("mrad·s", "mm·s"),
+            ("rad/s²", "m/s²"),
+            ("N·m", "N"),
+            ("N·m/sample", "N/sample"),
+            ("N·m·s/rad", "N·s/m"),
+            ("kg·m²", "kg"),
+            ("% steady", "% steady"),
+        ] {
+            assert_eq!(unit_of(turning, true), sliding);
+            assert_eq!(unit_of(turning, false), turning);
+        }
+    }
 }

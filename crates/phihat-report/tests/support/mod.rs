@@ -143,6 +143,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         let square: f64 = j.e[steady..].iter().map(|e| e * e).sum();
         JointMetrics {
             name: j.name.clone(),
+            slides: false,
             error_rms_rad: (square / (samples - steady).max(1) as f64).sqrt(),
             error_max_rad: peak(&j.e),
             error_steady_max_rad: peak(&j.e[steady..]),
@@ -197,6 +198,7 @@ fn gains(joints: usize) -> Gains {
         velocity_filter_hz: None,
         method: "bandwidths stated in the study".into(),
         joints: (0..joints).map(joint).collect(),
+        sliding: Vec::new(),
         certificate: None,
         trade_off: Vec::new(),
         limit: Vec::new(),

@@ -1,0 +1,130 @@
+//! A study, its files and its gains looked at, without running or designing anything: all that is wrong, at once.
+
+use std::fmt;
+use std::path::Path;
+
+use phihat_design::{DesignError, requested_gains};
+use phihat_sim::Demand;
+use phihat_study::{DesignMethod, Study, StudyError};
+use serde::Serialize;
+
+use crate::design;
+use crate::error::SessionError;
+use crate::files::read_gains;
+use crate::session::Session;
+
+/// One thing that is wrong: where, what, and what would be valid.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Mistake {
+    /// The file meant: the study, or one that it names.
+    pub file: String,
+    /// Line, from 1; `None`: the whole file.
+    pub line: Option<usize>,
+    /// Column, from 1, in characters.
+    pub column: Option<usize>,
+    /// Dotted path of the key.
+    pub key: Option<String>,
+    /// What is wrong.
+    pub message: String,
+    /// What would be valid.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for Mistake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        for place in self.line.iter().chain(&self.column) {
+            write!(f, ":{place}")?;
+        }
+        f.write_str(": ")?;
+        self.key.iter().try_for_each(|key| write!(f, "{key}: "))?;
+        f.write_str(&self.message)?;
+        self.help.iter().try_for_each(|help| write!(f, "; {help}"))
+    }
+}
+
+impl From<&StudyError> for Mistake {
+    fn from(error: &StudyError) -> Self {
+        let placed = |place: usize| (error.line() > 0).then_some(place);
+        Self {
+            file: error.file().to_owned(),
+            line: placed(error.line()),
+            column: placed(error.column()),
+            key: Some(error.key().to_owned()).filter(|key| !key.is_empty()),
+            message: error.message().to_owned(),
+            help: error.help().map(str::to_owned),
+        }
+    }
+}
+
+impl Mistake {
+    /// What keeps a study that can be read from being taken further.
+    fn of(why: &SessionError, study: &Path) -> Self {
+        let (file, text) = match why {
+            SessionError::Study(error) => return error.as_ref().into(),
+            SessionError::File { path, why } => (path.as_path(), why.to_string()),
+            SessionError::NotArmed { path, why } => (path.as_path(), format!("not armed: {why}")),
+            other => (study, other.to_string()),
+        };
+        Self {
+            file: file.display().to_string(),
+            line: None,
+            column: None,
+            key: None,
+            message: text.lines().map(str::trim).collect::<Vec<_>>().join(" "),
+            help: None,
+        }
+    }
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Looked {
+    /// The study; `None` where its file has errors.
+    pub study: Option<Box<Study>>,
+    /// All that is wrong.
+    pub errors: Vec<Mistake>,
+    /// What is read in a way that a person should know.
+    pub warnings: Vec<String>,
+}
+
+/// Looks at a study, at the files that it names (arm, reference, trace), and at its gains: those of a file, or those that it
+/// states, as they would be run. Gains that are left to the design are not designed.
+pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
+    let read = gains.map(|file| read_gains(file).map(|gains| (gains, file))).transpose();
+    let (gains, mut errors) = match read {
+        Ok(gains) => (gains, Vec::new()),
+        Err(why) => (None, vec![Mistake::of(&why, path)]),
+    };
+    let study = match Study::check(path) {
+        Ok(study) => Box::new(study),
+        Err(found) => {
+            errors.splice(..0, found.iter().map(Mistake::from));
+            return Looked { study: None, errors, warnings: Vec::new() };
+        }
+    };
+    let mut warnings = study.robot.warnings.clone();
+    let unfit = if gains.is_some() || requested_gains(&study).is_some() {
+        match Session::new(study.clone(), path, gains, false) {
+            Ok(session) => {
+                warnings = session.warnings().to_vec();
+                None
+            }
+            Err(why) => Some(why),
+        }
+    } else {
+        designable(&study, path).err()
+    };
+    errors.extend(unfit.map(|why| Mistake::of(&why, path)));
+    Looked { study: Some(study), errors, warnings }
+}
+
+/// Whether a design could begin: what it is told of the arm, of the reference and of φ.
+fn designable(study: &Study, path: &Path) -> Result<(), SessionError> {
+    if study.spec.error_bound.is_none() && study.design.method == DesignMethod::Ours {
+        return Err(SessionError::at(path, DesignError::NoSpec));
+    }
+    design::arm(study, path)?;
+    Demand::along(study).map_err(|e| SessionError::at(path, e))?;
+    design::trace_of_phi(study)
+}
