@@ -21,7 +21,7 @@ STUDY: dict[str, Any] = {
     "gains": {"bandwidth_rad_s": 20.0, "estimator_bandwidth_rad_s": 60.0, "inertia_kg_m2": INERTIA},
     "loop": {"delay_samples": 1, "torque_max_nm": 20.0},
     "sensor": {"encoder_bits": 18, "velocity": "differenced", "velocity_filter_hz": 100.0},
-    "world": {"coulomb_extra_nm": 0.1},
+    "world": {"coulomb_extra_nm": 0.1, "substeps": 2, "gravity_m_s2": [0.0, 0.0, 0.0]},
     "reference": {
         "kind": "sines",
         "center": "ready",
@@ -68,8 +68,9 @@ def test_a_controller_from_numbers_is_that_from_a_document() -> None:
     given = phihat.Controller(gains)
     rng = np.random.default_rng(7)
     for _ in range(200):
-        sample = [rng.normal(size=3) for _ in range(5)]
-        assert np.array_equal(typed.update(*sample), given.update(*sample))
+        q, dq, q_des, dq_des, ddq_des = rng.normal(size=(5, 3))
+        sample = {"q": q, "dq": dq, "q_des": q_des, "dq_des": dq_des, "ddq_des": ddq_des}
+        assert np.array_equal(typed.update(**sample), given.update(**sample))
     assert phihat.Controller(rate_hz=1013.0, **numbers).joint_names == ["joint_1", "joint_2", "joint_3"]
     with pytest.raises(phihat.GainsError, match="joint_2"):
         phihat.Controller(rate_hz=1000.0, **{**numbers, "kp": [400.0, -1.0, 400.0]})
@@ -93,8 +94,9 @@ def test_the_plant_goes_sample_by_sample_where_simulate_goes() -> None:
     assert np.allclose(times, trace.t, atol=1e-12, rtol=0) and len(times) == 2000
     assert np.array_equal(trace["q_desired"][0], with_list["q_desired"][0])
     # The world is that of the study: its dry friction is what PD cannot see.
-    free = phihat.simulate({**STUDY, "world": {"coulomb_extra_nm": 0.0}}, controller=pd)
-    assert np.abs(trace["e"][1000:]).max() > 2.0 * np.abs(free["e"][1000:]).max()
+    world = {**STUDY["world"], "coulomb_extra_nm": 1.0}
+    rough = phihat.simulate({**STUDY, "world": world}, controller=pd)
+    assert np.abs(rough["e"][1000:]).max() > 2.0 * np.abs(trace["e"][1000:]).max()
 
 
 def test_limits_of_the_study_act_on_an_own_law() -> None:
@@ -142,7 +144,7 @@ def test_an_own_law_is_a_rival_like_the_others(tmp_path: Path) -> None:
     study = tmp_path / "own.toml"
     study.write_text(
         "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 0.05\n"
-        "[design]\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"
+        "[design]\npayload_max_kg = 0.3\n[world]\nsubsteps = 4\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"
         "[reference]\nkind = \"sines\"\ncenter = \"ready\"\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n"
     )
     result = phihat.compare(

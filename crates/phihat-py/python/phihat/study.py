@@ -139,8 +139,8 @@ def compare(
     Raises:
         Error: an argument or a study cannot be used, or a result not be written.
     """
-    asked = {"studies": studies, "only": list(only), "worlds": list(worlds), "seeds": seeds}
-    asked["laws"] = [declared(law) for law in laws]
+    asked: dict[str, Any] = {"studies": studies, "laws": [declared(law) for law in laws], "only": list(only)}
+    asked |= {"worlds": list(worlds), "seeds": seeds}
     return _phihat.compare({**asked, "quick": quick, "fresh": fresh, "threads": threads, "out": out})
 
 
