@@ -93,10 +93,10 @@ def test_the_plant_goes_sample_by_sample_where_simulate_goes() -> None:
     assert np.array_equal(trace["q"], with_list["q"])
     assert np.allclose(times, trace.t, atol=1e-12, rtol=0) and len(times) == 2000
     assert np.array_equal(trace["q_desired"][0], with_list["q_desired"][0])
-    # The world is that of the study: its dry friction is what PD cannot see.
-    world = {**STUDY["world"], "coulomb_extra_nm": 1.0}
-    rough = phihat.simulate({**STUDY, "world": world}, controller=pd)
-    assert np.abs(rough["e"][1000:]).max() > 2.0 * np.abs(trace["e"][1000:]).max()
+    # The world is that of the study: what pushes there pushes here.
+    push = {"joint": "joint3", "torque_nm": 4.0, "start_s": 1.2, "duration_s": 0.3}
+    pushed = phihat.simulate({**STUDY, "world": {**STUDY["world"], "push": [push]}}, controller=pd)
+    assert np.abs(pushed["e"][1000:]).max() > 2.0 * np.abs(trace["e"][1000:]).max()
 
 
 def test_limits_of_the_study_act_on_an_own_law() -> None:
