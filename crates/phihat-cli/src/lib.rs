@@ -24,6 +24,7 @@ mod editors;
 mod export;
 mod failure;
 mod faults;
+mod identify;
 mod interrupt;
 mod png;
 mod report;
@@ -76,6 +77,7 @@ enum Verb {
     Report(report::Report),
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
+    Identify(identify::Identify),
     Check(check::Check),
     Schema(editors::Schema),
     Completions(editors::Completions),
@@ -132,6 +134,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Report(report) => report.execute(),
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
+        Verb::Identify(identify) => identify.execute(),
         Verb::Check(check) => check.execute(),
         Verb::Schema(schema) => Ok(schema.execute()),
         Verb::Completions(completions) => completions.execute(command()),

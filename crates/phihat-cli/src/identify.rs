@@ -1,0 +1,116 @@
+//! `phihat identify`: what a record of a real arm shows of its joints.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use phihat_session::{IdentifiedJoint, IdentifyOptions, files, identify};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::table;
+
+/// Find inertia and unknown torque of each joint in records of a real arm.
+///
+/// A record is a table (CSV) with a row per sample and joint: `t_s`, `joint`, `q_rad`, `tau_nm`, the torque that acted from
+/// this sample to the next; other columns are left alone, so the trace of a run serves too. Each joint has to move with two
+/// sines at least, of different frequencies, and differently from the others. Several records, in other postures and with
+/// other loads, are taken together: what is found holds for all of them.
+///
+/// An estimate, three standard errors on either side, not a proof: postures and loads that no record visits are not in it.
+/// Prints a table, and the `[[joint]]` sections of a study.
+#[derive(Debug, Args)]
+#[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
+                        phihat identify out/first/trace.csv --from 1")]
+pub(crate) struct Identify {
+    /// The records (CSV).
+    #[arg(required = true)]
+    records: Vec<PathBuf>,
+    /// Seconds left out at the beginning of each record.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    from: f64,
+    /// Width of the boxes that positions are differenced over: wider for coarser encoders, narrower for faster motions.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 10.0)]
+    width_ms: f64,
+    /// What sizes and rates of φ are multiplied by: no record holds the worst that will come.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.5)]
+    margin: f64,
+    /// Where to write the `[[joint]]` sections [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print one JSON document in place of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Identify {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        for (option, value, least, most) in [
+            ("--from", self.from, 0.0, 86_400.0),
+            ("--width-ms", self.width_ms, 0.01, 1000.0),
+            ("--margin", self.margin, 1.0, 100.0),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Err(Failure::plain(format!(
+                    "{option} {value}: {least} to {most} is valid"
+                )));
+            }
+        }
+        let options = IdentifyOptions {
+            records: self.records.clone(),
+            from: self.from,
+            width: 1e-3 * self.width_ms,
+            margin: self.margin,
+        };
+        let joints = identify(&options)?;
+        let sections = sections(&joints, self.margin);
+        if let Some(path) = &self.out {
+            files::write(path, &sections)?;
+        }
+        if self.json {
+            println!("{:#}", json!({ "joints": joints, "file": self.out }));
+            return Ok(ExitCode::SUCCESS);
+        }
+        println!("{}", table::identified(&joints));
+        println!(
+            "an estimate, not a proof: inertia ± 3 standard errors over windows of 1 s; φ for the middle of its interval, times {}",
+            self.margin
+        );
+        match &self.out {
+            Some(path) => println!("sections: {}", path.display()),
+            None => print!("\n{sections}"),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The `[[joint]]` sections of a study.
+fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
+    let mut text = format!(
+        "# By `phihat identify`: inertia ± 3 standard errors, φ times {margin}. Widen what your records do not visit: other\n\
+         # postures, other loads. Limits are those of the drive's data sheet: uncomment and fill in.\n"
+    );
+    for joint in joints {
+        // Infallible: a String takes everything.
+        let _ = write!(
+            text,
+            "\n[[joint]]\nname = {:?}\ninertia_min_kg_m2 = {}\ninertia_max_kg_m2 = {}\n\
+             phi_rate_max_nm_s = {}\nphi_jump_max_nm = {}\n# torque_max_nm = \n# velocity_max_rad_s = \n\
+             # position_min_rad = \n# position_max_rad = \n",
+            joint.name,
+            figures(joint.inertia.low_kg_m2),
+            figures(joint.inertia.high_kg_m2),
+            figures(joint.phi_rate_max_nm_s),
+            figures(joint.phi_jump_max_nm),
+        );
+    }
+    text
+}
+
+/// Four significant figures, as TOML writes a number.
+fn figures(value: f64) -> String {
+    let text = format!("{value:.3e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    format!("{rounded:?}")
+}

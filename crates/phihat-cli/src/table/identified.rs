@@ -1,0 +1,39 @@
+//! What records of a real arm show.
+
+use phihat_session::IdentifiedJoint;
+
+use super::{align, figure, plain_table};
+
+/// One row per joint.
+pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
+    let mut table = plain_table([
+        "joint",
+        "inertia\nkg·m²",
+        "standard error\nkg·m²",
+        "windows",
+        "|φ|\nN·m",
+        "φ rate\nN·m/s",
+        "φ jump\nN·m",
+        "positions seen\nrad",
+        "|q̇| seen\nrad/s",
+        "|τ| seen\nN·m",
+    ]);
+    for joint in joints {
+        let range = |low: f64, high: f64| format!("{} … {}", figure(low, 4), figure(high, 4));
+        let (inertia, (from, to)) = (&joint.inertia, joint.position_rad);
+        table.add_row([
+            joint.name.clone(),
+            range(inertia.low_kg_m2, inertia.high_kg_m2),
+            figure(inertia.standard_error_kg_m2, 5),
+            inertia.windows.to_string(),
+            figure(joint.phi_max_nm, 3),
+            figure(joint.phi_rate_max_nm_s, 2),
+            figure(joint.phi_jump_max_nm, 3),
+            format!("{from:.2} … {to:.2}"),
+            figure(joint.velocity_max_rad_s, 2),
+            figure(joint.torque_max_nm, 2),
+        ]);
+    }
+    align(&mut table);
+    format!("{table}")
+}
