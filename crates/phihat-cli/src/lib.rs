@@ -13,6 +13,7 @@ mod export;
 mod failure;
 mod faults;
 mod interrupt;
+mod new;
 mod png;
 mod report;
 mod reproduce;
@@ -50,6 +51,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    New(new::New),
     Run(run::Run),
     Design(design::Design),
     Verify(verify::Verify),
@@ -90,6 +92,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let outcome = match verb {
+        Verb::New(new) => new.execute(),
         Verb::Run(run) => run.execute(),
         Verb::Design(design) => design.execute(),
         Verb::Verify(verify) => verify.execute(),

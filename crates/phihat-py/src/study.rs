@@ -21,7 +21,9 @@ pub(crate) fn read(
         Some(path) => Study::read(path).map(Box::new),
         None => from_text(&text(py, document.unwrap_or("{}"))?, &origin),
     };
-    Ok((study.map_err(|e| failure::study(py, &e))?, origin))
+    let mut study = study.map_err(|e| failure::study(py, &e))?;
+    phihat_sim::derive_substeps(&mut study);
+    Ok((study, origin))
 }
 
 fn from_text(text: &str, origin: &Path) -> Result<Box<Study>, StudyError> {

@@ -24,7 +24,9 @@ use crate::files;
 ///
 /// [`SessionError::Study`]
 pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
-    Ok(Study::read(path).map(Box::new)?)
+    let mut study = Study::read(path).map(Box::new)?;
+    phihat_sim::derive_substeps(&mut study);
+    Ok(study)
 }
 
 /// How often the allowed error is doubled to find gains for a first simulation.

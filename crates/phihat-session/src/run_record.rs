@@ -84,6 +84,7 @@ impl RunRecord {
         let origin = folder.join("study.toml").display().to_string();
         let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
         let mut study = study?;
+        phihat_sim::derive_substeps(&mut study);
         let gains = folder.join("gains.json");
         let gains =
             Gains::from_json(&files::read(&gains)?).map_err(|e| SessionError::at(&gains, e))?;

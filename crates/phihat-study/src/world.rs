@@ -35,6 +35,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Worl
         payload: payload::read(&node.child("payload"), arm)?,
         pushes: pushes.iter().map(|node| push(node, arm, duration)).collect::<Result<_, _>>()?,
         substeps: node.small_count("substeps")?,
+        substeps_stated: node.has("substeps"),
         start: start(&top.child("start"), arm)?,
         held: held(&top.child("start"), arm)?,
     })
