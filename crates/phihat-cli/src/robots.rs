@@ -164,6 +164,8 @@ fn document(robot: &Robot, range: &InertiaRange, chains: &[Chain]) -> serde_json
             "torque_max_nm": j.torque_max,
             "torque_rate_max_nm_s": j.torque_rate_max,
             "armature_kg_m2": j.armature,
+            "armature_range_kg_m2": j.armature_range.map(|(low, high)| [low, high]),
+            "coulomb_range_nm": j.friction.coulomb_range.map(|(low, high)| [low, high]),
             "viscous_nm_s_rad": j.friction.viscous,
             "coulomb_nm": j.friction.coulomb,
             "encoder_bits": j.encoder_bits,

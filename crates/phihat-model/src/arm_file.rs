@@ -261,10 +261,10 @@ fn line(text: &mut String, words: &str) {
 impl Estimate {
     /// With two digits, the ends outwards, and a value of three between them.
     fn rounded(self) -> Self {
-        let unit = |x: f64, digits: i32| 10.0_f64.powi(x.log10().floor() as i32 - digits + 1);
-        let low = tidy((self.low / unit(self.low, 2)).floor() * unit(self.low, 2));
-        let high = tidy((self.high / unit(self.high, 2)).ceil() * unit(self.high, 2));
-        let value = tidy((self.value / unit(self.value, 3)).round() * unit(self.value, 3));
+        let unit = |x: f64, digits: f64| 10.0_f64.powf(x.log10().floor() - digits + 1.0);
+        let low = tidy((self.low / unit(self.low, 2.0)).floor() * unit(self.low, 2.0));
+        let high = tidy((self.high / unit(self.high, 2.0)).ceil() * unit(self.high, 2.0));
+        let value = tidy((self.value / unit(self.value, 3.0)).round() * unit(self.value, 3.0));
         Self { low, value: value.clamp(low, high), high }
     }
 }

@@ -41,6 +41,7 @@ mod observer;
 mod page;
 mod position_search;
 mod record;
+mod rotor;
 mod run_record;
 mod session;
 mod spec_search;

@@ -17,7 +17,6 @@ mod arm;
 mod motion;
 mod options;
 mod posture;
-mod rotor;
 mod search;
 mod text;
 

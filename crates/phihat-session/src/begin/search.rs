@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_design::{Arm, Gains, Infeasible, Outcome, Phi, TubeJoint, search};
+use phihat_design::{Arm, Gains, Infeasible, Outcome, TubeJoint};
 use phihat_model::{JointKind, Rotor};
 use phihat_sim::{Demand, derive_substeps};
 use phihat_study::Study;
@@ -10,20 +10,19 @@ use phihat_study::Study;
 use super::arm::{Chosen, READY};
 use super::motion::{Sines, short};
 use super::options::BeginOptions;
-use super::rotor::smallest_rotor;
 use super::text::{Centre, Words};
-use crate::along::{arm_along, motion_along, phi_along};
+use crate::along::arm_along;
 use crate::design::{Advice, designed_for};
 use crate::error::SessionError;
+use crate::rotor::{any_gains, lacking, one_search, smallest_rotor};
 use crate::session::Session;
 use crate::watch::Watch;
 
-/// An error that no gains keep \[rad\], to hear which one they can, and one that all stable ones keep.
+/// An error that no gains keep \[rad\], to hear which one they can.
 const IN_VAIN: f64 = 1e-7;
-const ANY: f64 = 50.0;
 
 /// What is asked for over the least that the search finds, and by how much more while the tube or a run says no.
-const MARGIN: f64 = 1.5;
+const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
 
 /// How often an error is tried.
@@ -117,14 +116,7 @@ impl<'a> Looked<'a> {
 
     /// Whether there are gains for some error.
     fn bearable(&self) -> Result<bool, SessionError> {
-        let mut study = self.study.clone();
-        ask(&mut study, ANY);
-        Ok(matches!(self.nearest(&study)?, Outcome::Designed(_)))
-    }
-
-    /// One search by bounds of joint after joint.
-    fn nearest(&self, study: &Study) -> Result<Outcome, SessionError> {
-        one_search(study, &self.path)
+        Ok(any_gains(&self.study, &self.path)?.is_some())
     }
 
     /// The smallest error that is promised and kept.
@@ -174,7 +166,7 @@ impl<'a> Looked<'a> {
     fn least(&self, watch: &mut dyn Watch) -> Result<Result<f64, String>, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, IN_VAIN);
-        let no = match self.nearest(&study)? {
+        let no = match one_search(&study, &self.path)? {
             Outcome::Infeasible(no) => no,
             _ => return Ok(Ok(IN_VAIN)),
         };
@@ -184,11 +176,8 @@ impl<'a> Looked<'a> {
             return Ok(Ok(least));
         }
         watch.step("no gains keep the arm inside the stability window: looking for the rotors that make it possible");
-        let told = smallest_rotor(&self.study, &|study| {
-            let mut study = study.clone();
-            ask(&mut study, ANY);
-            Ok(matches!(one_search(&study, &self.path)?, Outcome::Designed(_)))
-        })?;
+        let found = smallest_rotor(&self.study, &self.path)?;
+        let told = found.map(|found| lacking(&self.study, found.value));
         Ok(Err(told.unwrap_or_else(|| no.to_string())))
     }
 
@@ -276,18 +265,6 @@ fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
     let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
     let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= SETTLED_S);
     late.fold(0.0, |most, (_, (low, high))| most.max(low.abs()).max(high.abs()))
-}
-
-/// One search by bounds of joint after joint, for `φ` along the reference.
-fn one_search(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
-    let at = |why: Box<dyn std::error::Error + Send + Sync>| SessionError::at(path, why);
-    let arm = arm_along(study).map_err(|why| at(why.into()))?;
-    let demand = Demand::along(study).map_err(|why| at(why.into()))?;
-    let phi = |joint: usize, inertia: f64| -> Phi {
-        let motion = Some(motion_along(&demand, joint));
-        Phi { motion, ..phi_along(&demand, joint, inertia) }
-    };
-    search(study, &arm, &phi).map_err(|why| at(why.into()))
 }
 
 /// A motion that the drives can follow: slower until the torque along it is well inside their limits.
