@@ -1,6 +1,6 @@
 //! What a file has to be trusted for, derived again from the study it was made from.
 
-use phihat_model::{Body, Model, Workspace};
+use phihat_model::{Body, Model, Rotor, Workspace};
 use phihat_study::{InertiaSource, PhiSource, Study};
 
 use crate::check::agree::agrees;
@@ -164,16 +164,18 @@ impl Certificate {
             text("payload's frame", &searched.frame, &set.frame)?;
             for (witness, low) in [(&searched.low, true), (&searched.high, false)] {
                 witness.carries(set)?;
-                let model = loaded(study, &body(witness), &searched.frame)?;
+                let rotor = if low { Rotor::Least } else { Rotor::Most };
+                let model = loaded(study, (rotor, &body(witness)), &searched.frame)?;
                 let w = eigen_matrix(&model, &witness.q, arm)?;
                 attained(&w, witness.eigenvalue, low)?;
             }
         }
-        let mut bodies = set.heaviest();
-        bodies.push(set.lightest());
+        let heaviest = set.heaviest().into_iter().map(|body| (Rotor::Most, body));
+        let mut bodies: Vec<(Rotor, Body)> = heaviest.collect();
+        bodies.push((Rotor::Least, set.lightest()));
         let mut seen = 0;
-        for body in &bodies {
-            let model = loaded(study, body, &set.frame)?;
+        for (rotor, body) in &bodies {
+            let model = loaded(study, (*rotor, body), &set.frame)?;
             let share = POSTURES / u32::try_from(bodies.len()).unwrap_or(1);
             for k in 1..=share {
                 let w = eigen_matrix(&model, &posture(study, k), arm)?;

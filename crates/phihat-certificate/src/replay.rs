@@ -1,6 +1,6 @@
 //! Postures and payloads that a file names, looked at again in the study's arm.
 
-use phihat_model::{Body, Workspace};
+use phihat_model::{Body, Rotor, Workspace};
 use phihat_study::{PayloadSet, Study};
 
 use crate::check::agree::agrees;
@@ -32,7 +32,7 @@ impl CoupledGains {
             let same = held.is_none_or(|held| held.frame == set.frame);
             Refutation::unless(CLAIM, "payload's frame is the study's", 0.0, 1.0, same)?;
             within(CLAIM, set, &body)?;
-            let model = loaded(study, &body, &set.frame)?;
+            let model = loaded(study, (Rotor::Stated, &body), &set.frame)?;
             let mut m = vec![0.0; n * n];
             model.mass_matrix(&mut Workspace::new(&model), &witness.q_rad, &mut m);
             let claimed = witness.mass_matrix_kg_m2.iter().flatten();

@@ -1,6 +1,6 @@
 //! How a range of inertia is known: the postures where its ends were found, for anyone to look at again.
 
-use phihat_model::{Body, Robot, Workspace};
+use phihat_model::{Body, Robot, Rotor, Workspace};
 use serde::{Deserialize, Serialize};
 
 use crate::Refutation;
@@ -75,14 +75,14 @@ impl Witness {
         Self { q, mass_kg: mass, com_m: com, inertia_kg_m2: inertia, eigenvalue }
     }
 
-    /// `M̄^{-1/2} M(q) M̄^{-1/2}` at the witness, row by row.
+    /// `M̄^{-1/2} M(q) M̄^{-1/2}` at the witness, row by row, with the rotors at one place of their intervals.
     ///
     /// # Errors
     ///
     /// [`Refutation`] if the robot has other joints, or no such frame.
     pub fn matrix(
         &self,
-        robot: &Robot,
+        (robot, rotor): (&Robot, Rotor),
         frame: &str,
         nominal: &[f64],
     ) -> Result<Vec<f64>, Refutation> {
@@ -91,7 +91,7 @@ impl Witness {
         let unless = Refutation::unless;
         unless(CLAIM, "a witness has the robot's joints", self.q.len() as f64, n as f64, fits)?;
         let body = Body { mass: self.mass_kg, com: self.com_m, inertia: self.inertia_kg_m2 };
-        let loaded = robot.plant_model().with_payload_on(frame, &body);
+        let loaded = robot.plant_model_at(rotor).with_payload_on(frame, &body);
         let model = loaded.map_err(|why| Refutation {
             claim: CLAIM.to_owned(),
             inequality: why.to_string(),
@@ -116,8 +116,8 @@ impl Searched {
     ///
     /// [`Refutation`] of the first that does not show what it says.
     pub fn replay(&self, robot: &Robot, nominal: &[f64]) -> Result<(), Refutation> {
-        let low = self.low.matrix(robot, &self.frame, nominal)?;
-        let high = self.high.matrix(robot, &self.frame, nominal)?;
+        let low = self.low.matrix((robot, Rotor::Least), &self.frame, nominal)?;
+        let high = self.high.matrix((robot, Rotor::Most), &self.frame, nominal)?;
         let holds = |inequality: &str, at: f64, holds: bool| {
             Refutation::unless(CLAIM, inequality, at, at, holds)
         };

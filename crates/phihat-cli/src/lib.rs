@@ -26,6 +26,7 @@ mod failure;
 mod faults;
 mod identify;
 mod interrupt;
+mod new;
 mod png;
 mod report;
 mod reproduce;
@@ -67,6 +68,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    New(new::New),
     Run(run::Run),
     Design(design::Design),
     Verify(verify::Verify),
@@ -124,6 +126,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCode, Failure> {
     match verb {
+        Verb::New(new) => new.execute(),
         Verb::Run(run) => run.execute(),
         Verb::Design(design) => design.execute(),
         Verb::Verify(verify) => verify.execute(),

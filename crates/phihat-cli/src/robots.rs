@@ -1,10 +1,11 @@
 //! `phihat robots`: the arms at hand, and what is known of one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use phihat_model::{Chain, InertiaRange, Part, Robot};
+use phihat_session::{ArmOptions, write_arm};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -34,6 +35,15 @@ pub(crate) struct Robots {
     /// Link that the arm ends in.
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
+    /// Write the commented file of a bare URDF's arm, with estimates of what a URDF leaves out: beside the URDF, or above it.
+    #[arg(long, value_name = "ARM.toml", requires = "name")]
+    write: Option<PathBuf>,
+    /// Torque limits of the drives for that file, one for all joints or one each, separated by commas.
+    #[arg(long, value_name = "NM,…", value_delimiter = ',', requires = "write")]
+    torque_max: Vec<f64>,
+    /// Replace that file, if it is there.
+    #[arg(long, requires = "write")]
+    force: bool,
     /// Print one JSON document in place of tables.
     #[arg(long)]
     json: bool,
@@ -43,7 +53,10 @@ impl Robots {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         match &self.name {
             None => self.list()?,
-            Some(name) => self.show(name)?,
+            Some(name) => match &self.write {
+                Some(out) => self.write(name, out)?,
+                None => self.show(name)?,
+            },
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -66,6 +79,22 @@ impl Robots {
             println!("{}", table::robots(&robots));
             println!("`phihat robots NAME` shows one; a study can also name a URDF file of yours.");
         }
+        Ok(())
+    }
+
+    fn write(&self, name: &str, out: &Path) -> Result<(), Failure> {
+        let options = ArmOptions {
+            arm: name.to_owned(),
+            part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
+            torque_max_nm: self.torque_max.clone(),
+        };
+        let notes = write_arm(&options, out, self.force)?;
+        if self.json {
+            println!("{:#}", json!({ "file": out, "notes": notes }));
+            return Ok(());
+        }
+        notes.iter().for_each(|note| println!("note: {note}"));
+        println!("written: {}", out.display());
         Ok(())
     }
 
@@ -135,6 +164,8 @@ fn document(robot: &Robot, range: &InertiaRange, chains: &[Chain]) -> serde_json
             "torque_max_nm": j.torque_max,
             "torque_rate_max_nm_s": j.torque_rate_max,
             "armature_kg_m2": j.armature,
+            "armature_range_kg_m2": j.armature_range.map(|(low, high)| [low, high]),
+            "coulomb_range_nm": j.friction.coulomb_range.map(|(low, high)| [low, high]),
             "viscous_nm_s_rad": j.friction.viscous,
             "coulomb_nm": j.friction.coulomb,
             "encoder_bits": j.encoder_bits,

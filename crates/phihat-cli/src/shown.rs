@@ -1,6 +1,7 @@
 //! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_session::Watch;
@@ -25,6 +26,13 @@ impl Shown {
             bar.set_style(style);
         }
         Self { bar, words, fresh: false }
+    }
+
+    /// A spinner that says which step is being done, with how long it has been at it.
+    pub(crate) fn steps() -> Self {
+        let bar = spinner();
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar, words: String::new(), fresh: false }
     }
 
     /// A bar of this look over work that goes on from its journal, unless it is told to begin again.

@@ -21,17 +21,21 @@ type Result<T> = core::result::Result<T, RobotError>;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    name: String,
+    name: Option<String>,
+    #[serde(default)]
     description: String,
     urdf: String,
-    tip: String,
+    tip: Option<String>,
     /// Where the arm stands in a larger robot: its joints are those from here to the tip.
     base: Option<String>,
     /// Joints held fixed, each with its position.
     #[serde(default)]
     locked: BTreeMap<String, f64>,
+    #[serde(default)]
     licence: String,
-    provenance: String,
+    provenance: Option<String>,
+    /// The order of the lists; none: the URDF's.
+    #[serde(default)]
     joints: Vec<String>,
     rotor: Option<Rotor>,
     friction: Option<FrictionKeys>,
@@ -54,7 +58,9 @@ enum Each {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Rotor {
-    armature_kg_m2: Each,
+    armature_kg_m2: Option<Each>,
+    armature_min_kg_m2: Option<Each>,
+    armature_max_kg_m2: Option<Each>,
     source: Option<String>,
 }
 
@@ -63,6 +69,8 @@ struct Rotor {
 struct FrictionKeys {
     viscous_nm_s_rad: Option<Each>,
     coulomb_nm: Option<Each>,
+    coulomb_min_nm: Option<Each>,
+    coulomb_max_nm: Option<Each>,
     sigmoid_amplitude_nm: Option<Each>,
     sigmoid_steepness_s_rad: Option<Each>,
     sigmoid_offset_rad_s: Option<Each>,
@@ -74,6 +82,7 @@ struct FrictionKeys {
 struct Limits {
     torque_max_nm: Option<Each>,
     torque_rate_max_nm_s: Option<Each>,
+    velocity_max_rad_s: Option<Each>,
     source: Option<String>,
 }
 
@@ -112,7 +121,7 @@ pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathB
 /// The part of the URDF that the TOML file `text` is about.
 pub(crate) fn part(text: &str, origin: &str) -> Result<Part> {
     let file = parse(text, origin)?;
-    let tip = file.base.is_some().then_some(file.tip);
+    let tip = file.tip.filter(|_| file.base.is_some());
     Ok(Part { base: file.base, tip, joints: None, locked: file.locked })
 }
 
@@ -137,11 +146,12 @@ pub(crate) fn about_urdf(path: &Path, urdf: &Path) -> Result<Option<String>> {
 /// Adds to `robot` what the TOML file `text` says.
 pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot> {
     let file = parse(text, origin)?;
-    let order = order_of(&file.joints, &robot, origin)?;
-    let lists = Lists { order, names: &file.joints, origin };
-    if robot.model.frame(&file.tip).is_none() {
-        let why = format!("\"{}\" is not a link of the URDF", file.tip);
-        return Err(lists.error("tip", why));
+    let own: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = if file.joints.is_empty() { &own } else { &file.joints };
+    let order = order_of(names, &robot, origin)?;
+    let lists = Lists { order, names, origin };
+    if let Some(tip) = file.tip.as_ref().filter(|tip| robot.model.frame(tip).is_none()) {
+        return Err(lists.error("tip", format!("\"{tip}\" is not a link of the URDF")));
     }
     for (name, pose) in &file.poses {
         let key = format!("poses.{name}");
@@ -163,11 +173,11 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
         robot.profile = profile.name;
     }
     Ok(Robot {
-        name: file.name,
+        name: file.name.unwrap_or(robot.name),
         description: file.description,
         licence: file.licence,
-        provenance: file.provenance,
-        tip: file.tip,
+        provenance: file.provenance.unwrap_or(robot.provenance),
+        tip: file.tip.unwrap_or(robot.tip),
         ..robot
     })
 }
@@ -266,9 +276,7 @@ impl Lists<'_> {
 
     fn set_joints(&self, robot: &mut Robot, file: &File) -> Result<()> {
         if let Some(rotor) = &file.rotor {
-            let stated = Some(&rotor.armature_kg_m2);
-            let key = "rotor.armature_kg_m2";
-            self.set(robot, key, stated, Range::NotNegative, |joint, x| joint.armature = x)?;
+            self.set_rotor(robot, rotor)?;
         }
         if let Some(friction) = &file.friction {
             self.set_friction(robot, friction)?;
@@ -278,6 +286,8 @@ impl Lists<'_> {
             self.set(robot, "limits.torque_max_nm", torque, Range::Positive, |joint, x| {
                 joint.torque_max = Some(x);
             })?;
+            let (speed, key) = (limits.velocity_max_rad_s.as_ref(), "limits.velocity_max_rad_s");
+            self.set(robot, key, speed, Range::Positive, |joint, x| joint.velocity_max = Some(x))?;
             let key = "limits.torque_rate_max_nm_s";
             self.set(robot, key, rate.as_ref(), Range::Positive, |joint, x| {
                 joint.torque_rate_max = Some(x);
@@ -297,6 +307,65 @@ impl Lists<'_> {
         Ok(())
     }
 
+    /// Rotor inertia: a value, an interval, or a value in an interval; alone, an interval is simulated in its geometric
+    /// middle.
+    fn set_rotor(&self, robot: &mut Robot, rotor: &Rotor) -> Result<()> {
+        let named =
+            ["rotor.armature_min_kg_m2", "rotor.armature_kg_m2", "rotor.armature_max_kg_m2"];
+        let stated = rotor.armature_kg_m2.as_ref();
+        self.set(robot, named[1], stated, Range::NotNegative, |joint, x| joint.armature = x)?;
+        let ends = (rotor.armature_min_kg_m2.as_ref(), rotor.armature_max_kg_m2.as_ref());
+        let Some(ends) = self.ends(named, ends)? else {
+            return match stated {
+                Some(_) => Ok(()),
+                None => Err(self.error(named[1], "it is missing, or its two ends".to_owned())),
+            };
+        };
+        for (joint, (low, high)) in robot.joints.iter_mut().zip(ends) {
+            let stated = stated.map(|_| joint.armature);
+            joint.armature = self.inside(named, &joint.name, (low, stated, high))?;
+            joint.armature_range = Some((low, high));
+        }
+        Ok(())
+    }
+
+    /// Both ends of an interval per joint, in the robot's order, or none.
+    fn ends(
+        &self,
+        [first, _, second]: [&str; 3],
+        ends: (Option<&Each>, Option<&Each>),
+    ) -> Result<Option<Vec<(f64, f64)>>> {
+        let (low, high) = match ends {
+            (None, None) => return Ok(None),
+            (Some(low), Some(high)) => (low, high),
+            (Some(_), None) => return Err(self.error(second, format!("it comes with {first}"))),
+            (None, Some(_)) => return Err(self.error(first, format!("it comes with {second}"))),
+        };
+        let valid = |x: f64| x.is_finite() && x >= 0.0;
+        let low = self.each(first, low, valid, "finite and at least 0")?;
+        let high = self.each(second, high, valid, "finite and at least 0")?;
+        Ok(Some(low.into_iter().zip(high).collect()))
+    }
+
+    /// A value inside its interval: the stated one, else the geometric middle.
+    fn inside(
+        &self,
+        [first, key, second]: [&str; 3],
+        joint: &str,
+        (low, stated, high): (f64, Option<f64>, f64),
+    ) -> Result<f64> {
+        if low > high {
+            let why = format!("{low} of joint \"{joint}\" is above {second} = {high}");
+            return Err(self.error(first, why));
+        }
+        let value = stated.unwrap_or_else(|| (low * high).sqrt().clamp(low, high));
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let why = format!("{value} of joint \"{joint}\" must be from {low} to {high}");
+        Err(self.error(key, why))
+    }
+
     fn set_friction(&self, robot: &mut Robot, keys: &FrictionKeys) -> Result<()> {
         let viscous = keys.viscous_nm_s_rad.as_ref();
         self.set(robot, "friction.viscous_nm_s_rad", viscous, Range::NotNegative, |joint, x| {
@@ -306,6 +375,15 @@ impl Lists<'_> {
         self.set(robot, "friction.coulomb_nm", coulomb, Range::NotNegative, |joint, x| {
             joint.friction.coulomb = x;
         })?;
+        let ends = (keys.coulomb_min_nm.as_ref(), keys.coulomb_max_nm.as_ref());
+        let named = ["friction.coulomb_min_nm", "friction.coulomb_nm", "friction.coulomb_max_nm"];
+        if let Some(ends) = self.ends(named, ends)? {
+            for (joint, (low, high)) in robot.joints.iter_mut().zip(ends) {
+                let stated = coulomb.map(|_| joint.friction.coulomb);
+                joint.friction.coulomb = self.inside(named, &joint.name, (low, stated, high))?;
+                joint.friction.coulomb_range = Some((low, high));
+            }
+        }
         let sigmoid = [
             ("friction.sigmoid_amplitude_nm", &keys.sigmoid_amplitude_nm, Range::NotNegative),
             ("friction.sigmoid_steepness_s_rad", &keys.sigmoid_steepness_s_rad, Range::Positive),

@@ -15,14 +15,42 @@ pub struct Joint {
     pub torque_max: Option<f64>,
     /// Largest rate of torque \[N·m/s\].
     pub torque_rate_max: Option<f64>,
-    /// Reflected rotor inertia \[kg·m²\].
+    /// Reflected rotor inertia \[kg·m²\]: what a simulated plant has.
     pub armature: f64,
+    /// Interval that the rotor inertia is known to lie in \[kg·m²\], `armature` among it; `None`: it is `armature`.
+    pub armature_range: Option<(f64, f64)>,
     /// Friction between rotor and child.
     pub friction: Friction,
     /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
     pub drive_bandwidth_hz: Option<f64>,
     /// Encoder resolution \[bit\] over one turn; `None`: exact.
     pub encoder_bits: Option<u32>,
+}
+
+impl Joint {
+    /// Rotor inertia \[kg·m²\] at a place of its interval.
+    pub fn armature_at(&self, place: Rotor) -> f64 {
+        let (low, high) = self.armature_range.unwrap_or((self.armature, self.armature));
+        match place {
+            Rotor::Least => low,
+            Rotor::Stated => self.armature,
+            Rotor::Most => high,
+        }
+    }
+}
+
+/// Where in its interval every rotor inertia of an arm is.
+///
+/// `M(q) + diag(J)` grows with each `J` in the Loewner order: what holds at both ends about the largest and the
+/// smallest eigenvalue holds for every rotor between them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rotor {
+    /// At the lower end.
+    Least,
+    /// At the value that is simulated.
+    Stated,
+    /// At the upper end.
+    Most,
 }
 
 /// What a joint lets its child do.
@@ -43,6 +71,8 @@ pub struct Friction {
     pub viscous: f64,
     /// Coulomb part \[N·m\].
     pub coulomb: f64,
+    /// Interval that the Coulomb part is known to lie in \[N·m\], `coulomb` among it; `None`: none is stated.
+    pub coulomb_range: Option<(f64, f64)>,
     /// Identified smooth part.
     pub sigmoid: Option<Sigmoid>,
 }

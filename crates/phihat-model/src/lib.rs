@@ -55,12 +55,14 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::inline_always, reason = "the recursions are one loop body each; measured")]
 
+mod arm_file;
 mod body;
 mod columns;
 mod compile;
 mod description;
 mod energy;
 mod error;
+mod estimate;
 mod extras;
 mod forward_dynamics;
 mod four;
@@ -89,10 +91,11 @@ mod workspace;
 
 pub use body::Body;
 pub use error::{ModelError, NotRigid, RobotError};
+pub use estimate::{Estimate, SPEED_ASSUMED, dry_friction, rotor_inertia};
 pub use four::Quad;
 pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, Target};
-pub use joint::{Friction, Joint, JointKind, Sigmoid};
+pub use joint::{Friction, Joint, JointKind, Rotor, Sigmoid};
 pub use kinematics::Pose;
 pub use model::{FrameId, GRAVITY, Model};
 pub use part::{Chain, Part};

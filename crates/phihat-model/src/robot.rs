@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::Model;
 use crate::error::RobotError;
-use crate::joint::{Joint, JointKind};
+use crate::joint::{Joint, JointKind, Rotor};
 
 /// A robot as its files describe it.
 ///
@@ -132,6 +132,11 @@ impl Robot {
         self.model.frame(frame).is_some_and(|frame| self.model.moves(frame))
     }
 
+    /// Whether a rotor inertia is known by an interval alone.
+    pub fn has_rotor_interval(&self) -> bool {
+        self.joints.iter().any(|joint| joint.armature_range.is_some_and(|(low, high)| low < high))
+    }
+
     /// The model with the joints' rotor inertia: what a simulated plant is made of.
     ///
     /// # Panics
@@ -139,7 +144,16 @@ impl Robot {
     /// If a joint's `armature` was set to what is none, negative or not finite: a model without its rotors would pass
     /// for the arm. Files cannot do that: reading refuses such a value.
     pub fn plant_model(&self) -> Model {
-        let armature: Vec<f64> = self.joints.iter().map(|joint| joint.armature).collect();
+        self.plant_model_at(Rotor::Stated)
+    }
+
+    /// As [`plant_model`](Self::plant_model), with every rotor inertia at one place of its interval.
+    ///
+    /// # Panics
+    ///
+    /// As [`plant_model`](Self::plant_model).
+    pub fn plant_model_at(&self, place: Rotor) -> Model {
+        let armature: Vec<f64> = self.joints.iter().map(|joint| joint.armature_at(place)).collect();
         let model = self.model.clone().with_armature(&armature);
         model.unwrap_or_else(|error| unreachable!("{}: set by hand: {error}", self.name))
     }

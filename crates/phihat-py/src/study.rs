@@ -26,7 +26,9 @@ pub(crate) fn read(
         let own = document && e.file() == origin.display().to_string();
         if own { failure::study_document(py, &e) } else { failure::study(py, &e) }
     };
-    Ok((study.map_err(refuse)?, origin))
+    let mut study = study.map_err(refuse)?;
+    phihat_sim::derive_substeps(&mut study);
+    Ok((study, origin))
 }
 
 fn from_text(text: &str, origin: &Path) -> Result<Box<Study>, StudyError> {

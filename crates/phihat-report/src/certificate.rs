@@ -36,6 +36,9 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                     @match one.claims {
                         LeftOut::Bounds => "not in the bounds",
                         LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
+                        LeftOut::TubeBesideValue => {
+                            "in range, stability and bounds; tube and coupled gains are for the simulated value"
+                        }
                         LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
                     }
                 }

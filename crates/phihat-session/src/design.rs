@@ -17,6 +17,7 @@ use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
 use crate::files;
+use crate::rotor::smallest_rotor;
 
 /// Reads a study.
 ///
@@ -24,7 +25,9 @@ use crate::files;
 ///
 /// [`SessionError::Study`]
 pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
-    Ok(Study::read(path).map(Box::new)?)
+    let mut study = Study::read(path).map(Box::new)?;
+    phihat_sim::derive_substeps(&mut study);
+    Ok(study)
 }
 
 /// How often the allowed error is doubled to find gains for a first simulation.
@@ -113,6 +116,10 @@ pub fn designed_for(
         };
         if let Outcome::Infeasible(told) = estimated(study, path, &demand, &advised)? {
             *no = told;
+        }
+        // Nothing keeps the window: a rotor makes an arm's inertia more nearly constant.
+        if no.stable == 0 && study.design.inertia == InertiaSource::Robot {
+            no.alternatives.extend(smallest_rotor(study, path)?);
         }
     }
     completed(study, arm, outcome, path)

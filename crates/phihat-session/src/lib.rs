@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod begin;
 mod check;
 mod coarser;
 mod design;
@@ -43,6 +44,7 @@ mod outside;
 mod page;
 mod position_search;
 mod record;
+mod rotor;
 mod run_record;
 mod session;
 mod spec_search;
@@ -53,6 +55,7 @@ mod watch;
 mod words;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
 pub use check::{Looked, Mistake, check};
 pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;

@@ -85,6 +85,7 @@ impl RunRecord {
         let origin = folder.join("study.toml").display().to_string();
         let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
         let mut study = study?;
+        phihat_sim::derive_substeps(&mut study);
         let gains = files.contains_key(GAINS).then(|| folder.join(GAINS));
         let read = |path: &Path| -> Result<Gains, SessionError> {
             Gains::from_json(&files::read(path)?).map_err(|e| SessionError::at(path, e))

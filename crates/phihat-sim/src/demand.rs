@@ -1,6 +1,6 @@
 //! What a reference asks of the arm: the unknown dynamics `φ` along it, by inverse dynamics.
 
-use phihat_model::{Model, Workspace};
+use phihat_model::{Model, Rotor, Workspace};
 use phihat_study::Study;
 
 use crate::error::SimError;
@@ -27,7 +27,8 @@ pub struct PhiAlong {
 /// ```
 ///
 /// at every control sample after `spec.settle`, for the study's own payload, for none, and for the
-/// heaviest ones the design must bear, at the corners of the box of their centres of mass. Remark 11 of the paper.
+/// heaviest ones the design must bear, at the corners of the box of their centres of mass, and at both ends of the rotors'
+/// intervals; dry friction at its highest. Remark 11 of the paper.
 ///
 /// # Not claimed
 ///
@@ -71,12 +72,20 @@ impl Demand {
     pub fn along(study: &Study) -> Result<Self, SimError> {
         let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
         let period = study.control.period_ns as f64 * 1e-9;
-        let bare = study.robot.plant_model().with_gravity(study.world.gravity);
-        let mut cases = vec![loaded_model(study)?, bare.clone()];
+        let mut cases = vec![loaded_model(study)?];
         let set = &study.design.payload;
-        if set.mass.1 > 0.0 {
-            for body in set.heaviest() {
-                cases.push(loaded(bare.clone(), &set.frame, &body)?);
+        // Each φ_i is affine in its joint's own rotor inertia, so that its bounds are convex: their ends are at its ends.
+        let rotors: &[Rotor] = match study.robot.has_rotor_interval() {
+            true => &[Rotor::Least, Rotor::Most],
+            false => &[Rotor::Stated],
+        };
+        for rotor in rotors {
+            let bare = study.robot.plant_model_at(*rotor).with_gravity(study.world.gravity);
+            cases.push(bare.clone());
+            if set.mass.1 > 0.0 {
+                for body in set.heaviest() {
+                    cases.push(loaded(bare.clone(), &set.frame, &body)?);
+                }
             }
         }
         let times = times(study, period);
@@ -156,7 +165,8 @@ fn torques(model: &Model, study: &Study, motion: &Motion, times: &[f64]) -> Vec<
 }
 
 fn jumps(study: &Study) -> Vec<f64> {
-    let dry = frictions(study).into_iter().map(|f| f.coulomb);
+    let dry = frictions(study).into_iter().zip(&study.design.coulomb.1);
+    let dry = dry.map(|(friction, most)| friction.coulomb.max(*most));
     dry.enumerate()
         .map(|(joint, coulomb)| {
             let pushes = study.world.pushes.iter().filter(|p| p.joint == joint);

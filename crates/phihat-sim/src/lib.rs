@@ -97,4 +97,4 @@ pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};
 #[cfg(feature = "parquet")]
 pub use trace_parquet::ParquetTrace;
-pub use world::{Abort, COULOMB_VELOCITY, Friction, StopReason};
+pub use world::{Abort, COULOMB_VELOCITY, Friction, StopReason, derive_substeps};

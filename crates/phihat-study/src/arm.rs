@@ -75,6 +75,7 @@ impl StudyArm {
         if let Some(armature) = self.joints.numbers_if(node, "armature_kg_m2")? {
             for (joint, value) in self.robot.joints.iter_mut().zip(armature) {
                 joint.armature = value;
+                joint.armature_range = None;
             }
         }
         Ok(self)

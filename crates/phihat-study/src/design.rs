@@ -46,8 +46,21 @@ fn coulomb(
         |j: usize| if world.robot_friction { arm.robot.joints[j].friction.coulomb } else { 0.0 };
     let level: Vec<f64> =
         world.extra_coulomb.iter().enumerate().map(|(j, extra)| own(j) + extra).collect();
-    let low = arm.joints.numbers(node, first)?;
-    let high = arm.joints.numbers_if(node, second)?.unwrap_or_else(|| level.clone());
+    // What the arm's own file says, with what the world adds.
+    let end = |of: &dyn Fn((f64, f64)) -> f64, otherwise: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let known =
+            |j: usize| arm.robot.joints[j].friction.coulomb_range.filter(|_| world.robot_friction);
+        let extra = world.extra_coulomb.iter().enumerate();
+        extra.map(|(j, extra)| known(j).map_or(otherwise(j), |range| of(range) + extra)).collect()
+    };
+    let low = match arm.joints.numbers_if(node, first)? {
+        Some(low) => low,
+        None => end(&|range| range.0, &|_| 0.0),
+    };
+    let high = match arm.joints.numbers_if(node, second)? {
+        Some(high) => high,
+        None => end(&|range| range.1, &|j| level[j]),
+    };
     for (j, name) in arm.joints.names.iter().enumerate() {
         let refuse = |key, end: f64, valid: &str| {
             let message = format!(

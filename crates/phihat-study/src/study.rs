@@ -371,6 +371,8 @@ pub struct World {
     pub pushes: Vec<Push>,
     /// RK4 steps per control sample, ≥ 1.
     pub substeps: u32,
+    /// Whether the study states them; else as many are taken as the world needs.
+    pub substeps_stated: bool,
     /// Start position and velocity; `None`: on the reference.
     pub start: Option<Start>,
     /// What holds the arm before the law takes over; `None`: nothing.

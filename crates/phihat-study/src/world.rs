@@ -35,6 +35,7 @@ pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<Worl
         payload: found.keep(payload::read(&node.child("payload"), arm))?.flatten(),
         pushes: found.each(pushes.iter().map(|node| push(node, arm, duration)))?,
         substeps: node.small_count("substeps")?,
+        substeps_stated: node.has("substeps"),
         start: found.keep(start(&top.child("start"), arm))?.flatten(),
         held: held(&top.child("start"), arm)?,
     })

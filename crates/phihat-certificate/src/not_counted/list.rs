@@ -24,6 +24,9 @@ pub enum LeftOut {
     BoundsAndStability,
     /// Bounds from φ and the claims about the loop; the tube of the run counts it.
     AllButTube,
+    /// The tube and the coupled gains, which are for the value that is simulated; range, stability and bounds from φ hold
+    /// for all values.
+    TubeBesideValue,
 }
 
 pub(super) struct List(pub(super) Vec<NotCounted>);

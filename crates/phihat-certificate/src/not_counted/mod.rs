@@ -7,6 +7,7 @@ mod around;
 mod list;
 mod world;
 
+use phihat_model::{Robot, Rotor};
 use phihat_study::{Control, Fault, Sensor, Study};
 
 pub use list::{LeftOut, NotCounted};
@@ -28,7 +29,7 @@ impl NotCounted {
             // The certificate says for how long a run its claims are.
             duration: _,
             // In the range of inertia and in φ; its limits are the loop's, the world's and the interface's.
-            robot: _,
+            robot,
             // What is asked for.
             spec: _,
             gains: _,
@@ -46,6 +47,7 @@ impl NotCounted {
         } = study;
         let mut list = List(Vec::new());
         control_counts(control);
+        list.rotors(robot);
         list.sensor(sensor);
         list.world(world);
         list.interface(interface);
@@ -60,7 +62,7 @@ impl NotCounted {
 
     /// Whether a tube counts it.
     pub fn in_tube(&self) -> bool {
-        self.claims == LeftOut::AllButTube
+        matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue)
     }
 }
 
@@ -84,6 +86,18 @@ fn control_counts(control: &Control) {
 }
 
 impl List {
+    /// Rotor inertias that are known by intervals.
+    fn rotors(&mut self, robot: &Robot) {
+        if robot.has_rotor_interval() {
+            let ends = |place: Rotor| {
+                let all: Vec<f64> = robot.joints.iter().map(|j| j.armature_at(place)).collect();
+                text(&all)
+            };
+            let value = format!("{} to {}", ends(Rotor::Least), ends(Rotor::Most));
+            self.add("robot.armature_kg_m2", value, LeftOut::TubeBesideValue);
+        }
+    }
+
     fn sensor(&mut self, sensor: &Sensor) {
         let Sensor {
             // In the bounds.

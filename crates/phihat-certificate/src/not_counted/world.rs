@@ -19,6 +19,7 @@ impl List {
             flexibility: _,
             // How finely the simulator integrates.
             substeps: _,
+            substeps_stated: _,
             // Of the start; what was not counted of it dies out as all that is not there.
             held: _,
             warm_up,

@@ -187,6 +187,10 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     [
         (LeftOut::Bounds, "NOT counted in the bounds"),
         (LeftOut::BoundsAndStability, "NOT counted at all, neither in the bounds nor in stability"),
+        (
+            LeftOut::TubeBesideValue,
+            "counted in range, stability and bounds; tube and coupled gains are for the simulated value",
+        ),
         (LeftOut::AllButTube, "NOT counted but in a tube, where there is one"),
     ]
     .into_iter()

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
-use phihat_model::{Body, Joint, JointKind, Model, Workspace};
+use phihat_model::{Body, Joint, JointKind, Model, Rotor, Workspace};
 use phihat_study::{PayloadSet, Study};
 
 use super::error::ArmError;
@@ -50,7 +50,6 @@ impl Postures {
     /// Samples a study's robot.
     pub(super) fn of(study: &Study) -> Result<Self, ArmError> {
         let set = &study.design.payload;
-        let bare = study.robot.plant_model();
         let mut bodies = vec![set.lightest()];
         let heaviest = set.heaviest();
         let count = heaviest.len();
@@ -58,13 +57,17 @@ impl Postures {
         if count > 1 {
             bodies.push(between(set));
         }
-        let load = |body: Body| {
-            let model = bare.clone().with_payload_on(&set.frame, &body);
+        // `M(q) + diag(J)` grows with each rotor: its ends are at those of their intervals.
+        let (light, heavy) = (Rotor::Least, Rotor::Most);
+        let bare = |rotor: Rotor| study.robot.plant_model_at(rotor);
+        let load = |(at, body): (usize, Body)| {
+            let bare = bare(if at == 0 { light } else { heavy });
+            let model = bare.with_payload_on(&set.frame, &body);
             model.map(|model| Loaded { body, model }).map_err(|e| ArmError::Payload(e.to_string()))
         };
         let mut postures = Self {
             frame: set.frame.clone(),
-            payloads: bodies.into_iter().map(load).collect::<Result<_, _>>()?,
+            payloads: bodies.into_iter().enumerate().map(load).collect::<Result<_, _>>()?,
             heaviest: count,
             travel: study.robot.joints.iter().map(travel).collect(),
             slides: study.robot.joints.iter().map(|j| j.kind == JointKind::Prismatic).collect(),

@@ -38,6 +38,14 @@ impl fmt::Display for Infeasible {
             write!(f, "\n  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted)?;
         }
         for other in &self.alternatives {
+            if other.key == "robot.armature_kg_m2" {
+                write!(
+                    f,
+                    "\n  light joints have no rotor: with a {} of at least {} on every joint there are gains, of order {}",
+                    other.key, other.value, other.order
+                )?;
+                continue;
+            }
             write!(
                 f,
                 "\n  or {} = {}: then there are gains, of order {}",

@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
                 Some(error_bound),
                 study.spec.velocity_error_max.clone(),
                 study.spec.error_integral_max.clone(),
-                step_max,
+                step_max.or_else(|| noise_max(study)),
                 rate_max,
             ],
             slowest: settling.into_iter().chain(rise).largest().sqrt(),
@@ -314,6 +314,18 @@ impl<'a> Search<'a> {
         };
         front(candidates.iter().enumerate().filter_map(point).collect())
     }
+}
+
+/// Share of a torque limit that steps of the encoder may change the torque by per sample, where a study does not say.
+const NOISE: f64 = 0.1;
+
+/// The most that steps of the encoder may change the torque \[N·m\] per joint, by the drives' limits; `None`: there are none.
+fn noise_max(study: &Study) -> Option<Vec<f64>> {
+    let limit = |(i, joint): (usize, &phihat_model::Joint)| {
+        NOISE * study.limits(i).0.or(joint.torque_max).unwrap_or(f64::INFINITY)
+    };
+    let limits: Vec<f64> = study.robot.joints.iter().enumerate().map(limit).collect();
+    limits.iter().any(|limit| limit.is_finite()).then_some(limits)
 }
 
 /// Rate of torque \[N·m/s\] per joint that the study or the robot's interface allows; `None`: any on every joint.

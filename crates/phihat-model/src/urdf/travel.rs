@@ -151,7 +151,8 @@ pub(super) fn read_limits(
         torque_max,
         torque_rate_max: None,
         armature: 0.0,
-        friction: Friction { viscous, coulomb, sigmoid: None },
+        armature_range: None,
+        friction: Friction { viscous, coulomb, coulomb_range: None, sigmoid: None },
         drive_bandwidth_hz: None,
         encoder_bits: None,
     })

@@ -101,3 +101,21 @@ impl World {
         self.plant.deduct(&self.added);
     }
 }
+
+/// Most steps that a study may ask for.
+const STEPS_MAX: u32 = 1000;
+
+/// Sets the integration steps that a study's world needs, where the study states none. What is needed is told at the start
+/// of the run; a posture on the way may need half as many more. No change where the world cannot be made, which whoever
+/// makes it is told.
+pub fn derive_substeps(study: &mut Study) {
+    if study.world.substeps_stated {
+        return;
+    }
+    let Ok(motion) = Motion::new(&study.reference, &study.robot, study.duration) else { return };
+    let Ok(mut plant) = build::plant(study, &motion) else { return };
+    let (needed, _) = plant.steps_needed(study.control.period_ns as f64 * 1e-9);
+    if needed > study.world.substeps {
+        study.world.substeps = needed.saturating_add(needed.div_ceil(2)).min(STEPS_MAX);
+    }
+}

@@ -45,6 +45,13 @@ pub(super) struct Relaxed {
     /// `1/√M̄`, and `rotor/M̄`.
     scale: Vec<f64>,
     rotor: Vec<f64>,
+    /// `min rotor/M̄` with the smallest rotors of their intervals; `rotor` has the largest.
+    least_rotor: f64,
+}
+
+/// Entry by entry.
+fn over(rotor: &[f64], nominal: &[f64]) -> Vec<f64> {
+    rotor.iter().zip(nominal).map(|(r, m)| r / m).collect()
 }
 
 /// Scratch of one thread.
@@ -83,7 +90,8 @@ impl Relaxed {
             links,
             loads,
             scale: nominal.iter().map(|m| 1.0 / m.sqrt()).collect(),
-            rotor: model.armature().iter().zip(nominal).map(|(r, m)| r / m).collect(),
+            least_rotor: over(model.armature(), nominal).into_iter().least(),
+            rotor: over(heavy.first()?.model.armature(), nominal),
         })
     }
 
@@ -98,7 +106,7 @@ impl Relaxed {
 
     /// `min rotor/M̄`: no eigenvalue is below, because links add what is positive semidefinite.
     pub(super) fn least_rotor(&self) -> f64 {
-        self.rotor.iter().copied().least()
+        self.least_rotor
     }
 
     pub(super) fn scratch(&self) -> Scratch {

@@ -1,0 +1,233 @@
+//! The arm that a study is made for: chosen from a file, and completed by estimates.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use phihat_model::{Part, Robot};
+
+use super::options::{ArmOptions, BeginOptions};
+use super::posture::easy_posture;
+use crate::disk::folder_of;
+use crate::error::SessionError;
+use crate::files;
+
+/// The posture that a study moves about.
+pub(super) const READY: &str = "ready";
+
+/// How a study names its arm, and what is written of it.
+pub(super) struct Chosen {
+    pub(super) robot: Robot,
+    pub(super) part: Part,
+    /// Lines of `[robot]`.
+    pub(super) lines: Vec<String>,
+    /// The arm's own file, where it is written.
+    pub(super) written: Option<ArmFile>,
+    pub(super) notes: Vec<String>,
+    /// Whether the posture of the motion is none of the arm's own poses.
+    pub(super) posture_added: bool,
+}
+
+/// A file of an arm, its URDF beside it.
+pub(super) struct ArmFile {
+    pub(super) name: String,
+    pub(super) urdf: String,
+    /// A copy of the URDF, where it is in another folder: its name and its text.
+    pub(super) copy: Option<(String, String)>,
+    text: String,
+}
+
+impl Chosen {
+    pub(super) fn of(
+        options: &BeginOptions,
+        folder: &Path,
+        name: &str,
+    ) -> Result<Self, SessionError> {
+        let (robot, part, mut notes) = described(&options.arm)?;
+        let (lines, written, posture_added) = (Vec::new(), None, false);
+        let mut chosen = Self { robot, part, lines, written, notes: Vec::new(), posture_added };
+        if Robot::names().contains(&options.arm.arm.as_str()) && chosen.robot.files.is_empty() {
+            chosen.lines.push(format!("name = {:?}", options.arm.arm));
+        } else if let [urdf] = &chosen.robot.files[..] {
+            notes.extend(chosen.complete(&urdf.clone(), folder, name)?);
+        } else {
+            let file = Path::new(&options.arm.arm);
+            chosen.lines.push(format!("file = {}", quoted(&relative(folder, file))));
+            let part = &chosen.part;
+            let ends = [("base", &part.base), ("tip", &part.tip)];
+            let stated = ends.into_iter().filter_map(|(key, link)| Some((key, link.as_ref()?)));
+            chosen.lines.extend(stated.map(|(key, link)| format!("{key} = {}", quoted(link))));
+        }
+        chosen.notes = notes;
+        if !chosen.robot.poses.contains_key(READY) || chosen.written.is_some() {
+            let pose = easy_posture(&chosen.robot, options.payload_kg)?;
+            chosen.robot.poses.insert(READY.to_owned(), pose);
+            chosen.posture_added = true;
+        }
+        Ok(chosen)
+    }
+
+    /// Estimates what a bare URDF leaves out.
+    fn complete(
+        &mut self,
+        urdf: &Path,
+        folder: &Path,
+        name: &str,
+    ) -> Result<Vec<String>, SessionError> {
+        let text = files::read(urdf)?;
+        self.robot = self.robot.clone().estimated();
+        let beside = fs::canonicalize(folder_of(urdf)).ok() == fs::canonicalize(folder).ok();
+        let own = urdf.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let copied = format!("{name}_arm.urdf");
+        let urdf = if beside { own } else { copied };
+        let copy = (!beside).then(|| (urdf.clone(), text.clone()));
+        let file = ArmFile { name: format!("{name}_arm.toml"), urdf, copy, text };
+        self.lines.push(format!("file = {}", quoted(&file.name)));
+        let note = format!(
+            "rotor inertia, friction and encoder are estimates, as intervals, in {}: it says what to measure",
+            file.name
+        );
+        self.written = Some(file);
+        Ok(vec![note])
+    }
+
+    /// The text of the arm's own file.
+    pub(super) fn arm_text(&self) -> String {
+        let urdf = self.written.as_ref().map_or("", |file| &file.urdf);
+        self.robot.arm_file(urdf, &self.part)
+    }
+
+    /// Puts the arm's files into a folder, and tells how a study there names the arm.
+    pub(super) fn put(&self, folder: &Path) -> Result<Vec<String>, SessionError> {
+        let Some(file) = &self.written else {
+            let absolute = |line: &String| match (&self.robot.files[..], line.starts_with("file")) {
+                ([first, ..], true) => {
+                    let path = fs::canonicalize(first).unwrap_or_else(|_| first.clone());
+                    format!("file = {}", quoted(&path.display().to_string()))
+                }
+                _ => line.clone(),
+            };
+            return Ok(self.lines.iter().map(absolute).collect());
+        };
+        let put = |name: &str, text: &str| {
+            fs::write(folder.join(name), text).map_err(|why| SessionError::at(Path::new(name), why))
+        };
+        put(&file.urdf, &file.text)?;
+        put(&file.name, &self.arm_text())?;
+        Ok(self.lines.clone())
+    }
+}
+
+/// The arm that is asked for, the part of its file that it is, and what was chosen.
+///
+/// # Errors
+///
+/// [`SessionError`]: it cannot be read, or a joint has no torque limit.
+pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError> {
+    let (mut robot, part, notes) = read(options)?;
+    let n = robot.joints.len();
+    match &options.torque_max_nm[..] {
+        [] => {}
+        [one] => robot.joints.iter_mut().for_each(|joint| joint.torque_max = Some(*one)),
+        all if all.len() == n => {
+            let joints = robot.joints.iter_mut().zip(all);
+            joints.for_each(|(joint, torque)| joint.torque_max = Some(*torque));
+        }
+        all => {
+            let why = format!("--torque-max has {} values; the arm has {n} joints", all.len());
+            return Err(SessionError::other(why));
+        }
+    }
+    let without = robot.without_torque_limit();
+    if without.is_empty() {
+        return Ok((robot, part, notes));
+    }
+    let names = without.join(", ");
+    let why = format!(
+        "no torque limit is stated for {names}, and nothing can be estimated without it: --torque-max NM states one for \
+         all {n} joints, or a list with one each, as in the drives' data sheet"
+    );
+    Err(SessionError::at(Path::new(&options.arm), why))
+}
+
+/// The arm and the part of its file that it is: where none is stated, the first chain of those that could be arms.
+fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError> {
+    let path = Path::new(&options.arm);
+    let mut part = options.part.clone();
+    let refuse = |why: phihat_model::RobotError| SessionError::other(why);
+    if path.extension().is_none() && !path.is_file() {
+        if part.is_stated() {
+            let why = "--base and --tip cut an arm out of a file; built-in robots are arms already";
+            return Err(SessionError::other(why));
+        }
+        return Ok((Robot::named(&options.arm).map_err(refuse)?, part, Vec::new()));
+    }
+    let mut notes = Vec::new();
+    let chains = Robot::chains(path).map_err(refuse)?;
+    let whole = if part.is_stated() { None } else { Some(Robot::read_part(path, &part)) };
+    let alone = |robot: &Robot| match &chains[..] {
+        [] => true,
+        [first, ..] => first.joints == robot.model.joint_names() || robot.files.len() > 1,
+    };
+    if let Some(read) = whole {
+        match (read, &chains[..]) {
+            (Ok(robot), _) if alone(&robot) => return Ok((robot, part, notes)),
+            (read, []) => return Ok((read.map_err(refuse)?, part, notes)),
+            (_, [first, others @ ..]) => {
+                (part.base, part.tip) = (Some(first.base.clone()), Some(first.tip.clone()));
+                let other = others.first().map_or_else(String::new, |chain| {
+                    format!("; others, such as --base {} --tip {}", chain.base, chain.tip)
+                });
+                notes.push(format!(
+                    "the arm is the chain from {} to {} ({} joints), all else stands still{other}",
+                    first.base,
+                    first.tip,
+                    first.joints.len()
+                ));
+            }
+        }
+    }
+    Ok((Robot::read_part(path, &part).map_err(refuse)?, part, notes))
+}
+
+/// An arm with its estimates, for a file of its own: with the part that it is, its URDF's name, and what was chosen.
+pub(super) fn to_write(
+    options: &ArmOptions,
+    out: &Path,
+) -> Result<(Robot, Part, String, Vec<String>), SessionError> {
+    let (robot, part, notes) = read(options)?;
+    let [urdf] = &robot.files[..] else {
+        let why = "it has a file of its own already: a bare URDF is what a file is written for";
+        return Err(SessionError::at(Path::new(&options.arm), why));
+    };
+    let place = relative(folder_of(out), urdf);
+    if Path::new(&place).components().any(|part| !matches!(part, Component::Normal(_))) {
+        let why = format!("the URDF {} must be beside this file or below it", urdf.display());
+        return Err(SessionError::at(out, why));
+    }
+    let mut robot = robot;
+    if !options.torque_max_nm.is_empty() {
+        robot = described(options)?.0;
+    }
+    let mut robot = robot.estimated();
+    if robot.without_torque_limit().is_empty()
+        && let Ok(pose) = easy_posture(&robot, 0.0)
+    {
+        robot.poses.insert(READY.to_owned(), pose);
+    }
+    Ok((robot, part, place, notes))
+}
+
+fn quoted(word: &str) -> String {
+    toml::Value::String(word.to_owned()).to_string()
+}
+
+/// A file as it is named from a folder.
+fn relative(folder: &Path, file: &Path) -> String {
+    let whole = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let (from, to) = (whole(folder), whole(file));
+    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    let mut named = PathBuf::new();
+    from.components().skip(shared).for_each(|_| named.push(".."));
+    to.components().skip(shared).for_each(|part| named.push(part));
+    named.to_string_lossy().replace('\\', "/")
+}

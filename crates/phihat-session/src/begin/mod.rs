@@ -1,0 +1,124 @@
+//! A study that runs, made of an arm alone.
+//!
+//! # Method
+//!
+//! What the arm's description lacks is estimated, as intervals ([`phihat_model::rotor_inertia`],
+//! [`phihat_model::dry_friction`]). The arm is put where gravity is easy on it, and moved by a sine per joint that keeps well
+//! inside the limits of position, speed and torque. Then the smallest error that the design can promise is looked for, and
+//! stated with a margin; the loop is run with every rotor at both ends of its interval and between them before the study is
+//! written.
+//!
+//! # Not claimed
+//!
+//! That the estimates hold for the arm that stands in the laboratory: what to measure is said in its file. Whether the motion
+//! hits something: a description's links have no bodies here.
+
+mod arm;
+mod motion;
+mod options;
+mod posture;
+mod search;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use phihat_study::Study;
+
+pub use arm::described;
+pub use options::{ArmOptions, BeginOptions};
+
+use crate::disk::{DiskError, Whole, folder_of, make_folder};
+use crate::error::SessionError;
+use crate::watch::Watch;
+use arm::Chosen;
+use search::{Found, Looked};
+
+/// A study that was made.
+#[derive(Debug)]
+pub struct Begun {
+    /// The study file.
+    pub study: PathBuf,
+    /// Every file that was written, the study last.
+    pub files: Vec<PathBuf>,
+    /// Joints of the arm.
+    pub joints: Vec<String>,
+    /// What a reader should know: what was assumed, and what was chosen for him.
+    pub notes: Vec<String>,
+    /// The error that the study asks for \[rad, m\], one per joint.
+    pub error_max: Vec<f64>,
+    /// The largest error that was simulated \[rad, m\], over all rotors tried; `None`: there are no gains.
+    pub simulated: Option<f64>,
+    /// Why there are no gains, and what would make them possible.
+    pub infeasible: Option<String>,
+}
+
+/// Makes a study for an arm and writes it, with the arm's file beside it where the arm is a bare URDF.
+///
+/// # Errors
+///
+/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer.
+pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
+    let folder = folder_of(&options.out);
+    let name = options.study_name()?;
+    let mut chosen = Chosen::of(options, folder, &name)?;
+    let scratch = tempfile::tempdir().map_err(SessionError::other)?;
+    let looked = Looked::new(options, &mut chosen, scratch.path())?;
+    let found = looked.search(&options.out, watch)?;
+    watch.ended();
+    let text = looked.study_text(&found, &chosen);
+    let mut files = Vec::new();
+    let mut put = |name: &str, text: &str| files.push((folder.join(name), text.to_owned()));
+    if let Some(file) = &chosen.written {
+        if let Some((urdf, text)) = &file.copy {
+            put(urdf, text);
+        }
+        put(&file.name, &chosen.arm_text());
+    }
+    files.push((options.out.clone(), text));
+    let notes = chosen.notes.iter().chain(&found.notes).cloned().collect();
+    let joints = chosen.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    write(&files, options.replace)?;
+    let files = files.into_iter().map(|(path, _)| path).collect();
+    // What was written is what was looked at.
+    Study::read(&options.out)?;
+    let Found { error_max, simulated, infeasible, .. } = found;
+    Ok(Begun { study: options.out.clone(), files, joints, notes, error_max, simulated, infeasible })
+}
+
+fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {
+    let there = files.iter().find(|(path, _)| path.exists() && !replace);
+    if let Some((path, _)) = there {
+        return Err(SessionError::at(
+            path,
+            "it is there already: --force replaces it, --out names another",
+        ));
+    }
+    put(files).map_err(SessionError::from)
+}
+
+fn put(files: &[(PathBuf, String)]) -> Result<(), DiskError> {
+    if let Some((path, _)) = files.first() {
+        make_folder(folder_of(path)).map_err(|why| DiskError::untouched(path, why))?;
+    }
+    let mut whole = Whole::default();
+    for (path, text) in files {
+        whole.add(path, text.as_bytes())?;
+    }
+    whole.commit()
+}
+
+/// Writes the commented file of an arm.
+///
+/// # Errors
+///
+/// [`SessionError`]: the arm cannot be used, its URDF is not beside or below the file, or the file is there already.
+pub fn write_arm(
+    options: &ArmOptions,
+    out: &Path,
+    replace: bool,
+) -> Result<Vec<String>, SessionError> {
+    let (robot, part, urdf, notes) = arm::to_write(options, out)?;
+    write(&[(out.to_owned(), robot.arm_file(&urdf, &part))], replace)?;
+    phihat_model::Robot::read(out).map_err(|why| SessionError::at(out, why))?;
+    Ok(notes)
+}

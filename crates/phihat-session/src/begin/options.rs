@@ -1,0 +1,53 @@
+//! What a study is made from.
+
+use std::path::PathBuf;
+
+use phihat_model::Part;
+
+use crate::error::SessionError;
+
+/// Which arm.
+#[derive(Debug, Clone, Default)]
+pub struct ArmOptions {
+    /// Name of a built-in arm, or a URDF or TOML file.
+    pub arm: String,
+    /// The part of the file that is the arm; the chain that is proposed, where none is stated.
+    pub part: Part,
+    /// Torque limits \[N·m\]: one for all joints or one each, in place of those of the description; empty: those.
+    pub torque_max_nm: Vec<f64>,
+}
+
+/// What a study is made from.
+#[derive(Debug, Clone, Default)]
+pub struct BeginOptions {
+    /// Which arm.
+    pub arm: ArmOptions,
+    /// The study file to write.
+    pub out: PathBuf,
+    /// Heaviest payload \[kg\].
+    pub payload_kg: f64,
+    /// Largest error \[rad, m\]; `None`: the smallest that can be promised, with a margin.
+    pub error_max: Option<f64>,
+    /// Control samples per second.
+    pub rate_hz: Option<f64>,
+    /// Transport delay in samples.
+    pub delay_samples: Option<u32>,
+    /// Encoder resolution \[bit\]; `None`: the arm's, else an assumption.
+    pub encoder_bits: Option<u32>,
+    /// Replaces files that are there.
+    pub replace: bool,
+}
+
+impl BeginOptions {
+    /// The study's name: its file's, without `.toml`.
+    pub(super) fn study_name(&self) -> Result<String, SessionError> {
+        let stem = self.out.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let is_toml = self.out.extension().is_some_and(|extension| extension == "toml");
+        let plain = |c: char| matches!(c, 'a'..='z' | '0'..='9' | '_' | '-');
+        if is_toml && !stem.is_empty() && stem.len() <= 64 && stem.chars().all(plain) {
+            return Ok(stem.to_owned());
+        }
+        let why = "a study's file is called NAME.toml, with 1 to 64 of a-z, 0-9, _ and - in NAME";
+        Err(SessionError::at(&self.out, why))
+    }
+}

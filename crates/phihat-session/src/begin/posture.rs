@@ -1,0 +1,101 @@
+//! Where gravity is easy on an arm.
+
+use core::f64::consts::PI;
+use std::path::Path;
+
+use phihat_model::{Body, Joint, JointKind, Robot, Workspace};
+
+use crate::error::SessionError;
+
+/// Share of a torque limit that holding the arm may take, for a posture to be taken at once, and at most.
+const EASY: f64 = 0.35;
+const MOST: f64 = 0.7;
+
+/// Postures that are looked at.
+const TRIED: u32 = 400;
+
+/// Share of a joint's travel, about its middle, in which it stands.
+const INSIDE: f64 = 0.6;
+
+/// Ends of travel \[rad, m\] that a posture may use: a turn at most.
+pub(super) fn travel(joint: &Joint) -> (f64, f64) {
+    let (low, high) = joint.position.unwrap_or((-PI, PI));
+    if joint.kind != JointKind::Prismatic && high - low > 2.0 * PI {
+        let middle = if low <= 0.0 && 0.0 <= high { 0.0 } else { 0.5 * (low + high) };
+        return ((middle - PI).max(low), (middle + PI).min(high));
+    }
+    (low, high)
+}
+
+/// A posture well inside the travel at which holding the arm takes little of its torque: the middle, else one near zero, else
+/// the best of some hundred.
+pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Vec<f64>, SessionError> {
+    let body = Body { mass: payload_kg, com: [0.0; 3], inertia: [0.0; 6] };
+    let bare = robot.plant_model();
+    let model = match bare.clone().with_payload_on(&robot.tip, &body) {
+        Ok(loaded) if payload_kg > 0.0 => loaded,
+        _ => bare,
+    };
+    let mut workspace = Workspace::new(&model);
+    let ends: Vec<(f64, f64)> = robot.joints.iter().map(inside).collect();
+    let mut needed = |q: &[f64]| -> (f64, usize, f64) {
+        let mut tau = vec![0.0; q.len()];
+        model.gravity_torque(&mut workspace, q, &mut tau);
+        let mut worst = (0.0, 0, 0.0);
+        for (i, joint) in robot.joints.iter().enumerate() {
+            let share = tau[i].abs() / joint.torque_max.unwrap_or(f64::INFINITY);
+            if share > worst.0 {
+                worst = (share, i, tau[i].abs());
+            }
+        }
+        worst
+    };
+    let zero: Vec<f64> = ends.iter().map(|(low, high)| 0.0_f64.clamp(*low, *high)).collect();
+    let middle: Vec<f64> = ends.iter().map(|(low, high)| 0.5 * (low + high)).collect();
+    let mut best: Option<(f64, usize, f64, Vec<f64>)> = None;
+    for q in [middle, zero].into_iter().chain(evenly(&ends)) {
+        let (share, joint, torque) = needed(&q);
+        if best.as_ref().is_none_or(|best| share < best.0) {
+            best = Some((share, joint, torque, q));
+        }
+        if best.as_ref().is_some_and(|best| best.0 <= EASY) {
+            break;
+        }
+    }
+    match best {
+        Some((share, joint, torque, q)) if share > MOST => {
+            let joint = &robot.joints[joint];
+            let limit = joint.torque_max.unwrap_or(f64::INFINITY);
+            let file = robot.files.first().map_or(Path::new(&robot.name), |file| file);
+            let why = format!(
+                "the arm cannot hold itself: at the easiest of {TRIED} postures ({q:.2?}) gravity takes {torque:.3} N·m of joint \
+                 {}, whose limit is {limit} N·m: state the drives' limits with --torque-max, a lighter --payload, or a chain \
+                 of stronger joints with --base and --tip",
+                joint.name
+            );
+            Err(SessionError::at(file, why))
+        }
+        Some((.., q)) => Ok(q.into_iter().map(|x| (x * 1e3).round() / 1e3).collect()),
+        None => Err(SessionError::other("the arm has no joints")),
+    }
+}
+
+/// The part of a joint's travel in which it may stand.
+fn inside(joint: &Joint) -> (f64, f64) {
+    let (low, high) = travel(joint);
+    let (middle, half) = (0.5 * (low + high), 0.5 * INSIDE * (high - low));
+    (middle - half, middle + half)
+}
+
+/// Postures from the additive recurrence on square roots of primes.
+fn evenly(ends: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
+    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
+    let roots: Vec<f64> =
+        (2..u32::MAX).filter(prime).map(|p| f64::from(p).sqrt()).take(ends.len()).collect();
+    (1..=TRIED).map(move |k| {
+        let at = |(root, (low, high)): (&f64, &(f64, f64))| {
+            low + (f64::from(k) * root).fract() * (high - low)
+        };
+        roots.iter().zip(ends).map(at).collect()
+    })
+}

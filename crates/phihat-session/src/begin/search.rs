@@ -1,0 +1,360 @@
+//! The smallest error that can be promised for an arm, and the runs that show it.
+
+use std::path::{Path, PathBuf};
+
+use phihat_design::{Arm, Gains, Infeasible, Outcome, TubeJoint};
+use phihat_model::{JointKind, Rotor};
+use phihat_sim::{Demand, derive_substeps};
+use phihat_study::Study;
+
+use super::arm::{Chosen, READY};
+use super::motion::{Sines, short};
+use super::options::BeginOptions;
+use super::text::{Centre, Words};
+use crate::along::arm_along;
+use crate::design::{Advice, designed_for};
+use crate::error::SessionError;
+use crate::rotor::{any_gains, lacking, one_search, smallest_rotor};
+use crate::session::Session;
+use crate::watch::Watch;
+
+/// An error that no gains keep \[rad\], to hear which one they can.
+const IN_VAIN: f64 = 1e-7;
+
+/// What is asked for over the least that the search finds, and by how much more while the tube or a run says no.
+const MARGIN: f64 = 2.0;
+const MORE: f64 = 1.4;
+
+/// How often an error is tried.
+const ROUNDS: u32 = 6;
+
+/// Share of a torque limit that the motion may take, and how it is made slower until it does.
+const TORQUE: f64 = 0.8;
+const SLOWER: f64 = 0.6;
+const PACES: i32 = 4;
+
+/// When an arm has settled at the latest \[s\].
+const SETTLED_S: f64 = 3.0;
+
+/// A sliding joint's error \[m\] beside one of a turning joint \[rad\].
+const LENGTH: f64 = 0.3;
+
+/// Shares of a rotor's interval, in its logarithm, that are tried where the whole of it is too wide.
+const NARROWER: [f64; 3] = [0.5, 0.25, 0.0];
+
+/// What was found for an arm.
+pub(super) struct Found {
+    pub(super) error_max: Vec<f64>,
+    pub(super) simulated: Option<f64>,
+    pub(super) infeasible: Option<String>,
+    pub(super) notes: Vec<String>,
+}
+
+/// A study that is looked at, and what is known of it.
+pub(super) struct Looked<'a> {
+    options: &'a BeginOptions,
+    study: Box<Study>,
+    path: PathBuf,
+    motion: Sines,
+    notes: Vec<String>,
+}
+
+/// What became of one error that was asked for.
+enum Asked {
+    /// Gains keep it, and runs did: with the largest error of these.
+    Kept(f64),
+    /// By which factor it was exceeded, at least.
+    Beyond(f64),
+    No(Infeasible),
+}
+
+impl<'a> Looked<'a> {
+    /// Puts a study for the arm into a folder, with a motion that its drives can follow and rotors that gains can bear.
+    pub(super) fn new(
+        options: &'a BeginOptions,
+        chosen: &mut Chosen,
+        folder: &Path,
+    ) -> Result<Self, SessionError> {
+        let path = folder.join(format!("{}.toml", options.study_name()?));
+        let (study, motion) = followed(options, chosen, &path)?;
+        let mut looked = Self { options, study, path, motion, notes: Vec::new() };
+        looked.narrow(chosen)?;
+        Ok(looked)
+    }
+
+    /// Makes the intervals of the rotors narrower where no gains bear the whole of them.
+    fn narrow(&mut self, chosen: &mut Chosen) -> Result<(), SessionError> {
+        if chosen.written.is_none() || self.bearable()? {
+            return Ok(());
+        }
+        let whole = chosen.robot.clone();
+        for share in NARROWER {
+            for (joint, whole) in self.study.robot.joints.iter_mut().zip(&whole.joints) {
+                joint.armature_range = whole.armature_range.map(|(low, high)| {
+                    let toward = |end: f64| joint.armature * (end / joint.armature).powf(share);
+                    (
+                        short(toward(low), 6).min(joint.armature),
+                        short(toward(high), 6).max(joint.armature),
+                    )
+                });
+            }
+            if self.bearable()? {
+                for (joint, found) in chosen.robot.joints.iter_mut().zip(&self.study.robot.joints) {
+                    joint.armature_range = found.armature_range;
+                }
+                let width = (100.0 * share).round();
+                self.notes.push(format!(
+                    "no gains bear the whole estimated interval of the rotors: it was narrowed to {width} % of its width \
+                     about the middle. What is promised holds for rotors inside it: measure, or take the data sheet's"
+                ));
+                return Ok(());
+            }
+        }
+        self.study.robot.joints.clone_from(&whole.joints);
+        Ok(())
+    }
+
+    /// Whether there are gains for some error.
+    fn bearable(&self) -> Result<bool, SessionError> {
+        Ok(any_gains(&self.study, &self.path)?.is_some())
+    }
+
+    /// The smallest error that is promised and kept.
+    pub(super) fn search(&self, out: &Path, watch: &mut dyn Watch) -> Result<Found, SessionError> {
+        let arm = self.arm(&self.study)?;
+        watch.step("looking for the least error that gains can keep");
+        let mut error = match self.options.error_max {
+            Some(error) => error,
+            None => match self.least(watch)? {
+                Ok(least) => digits_up(MARGIN * least),
+                Err(why) => return Ok(self.infeasible(1e-2, why)),
+            },
+        };
+        let mut last = None;
+        for round in 1..=ROUNDS {
+            watch.step(&format!(
+                "try {round}: gains for an error of {:.3} mrad, and runs",
+                1e3 * error
+            ));
+            let asked = self.asked(error, &arm, out)?;
+            let fixed = self.options.error_max.is_some();
+            match asked {
+                Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
+                Asked::No(no) if fixed => return Ok(self.infeasible(error, no.to_string())),
+                Asked::Beyond(by) if fixed => {
+                    let why = format!(
+                        "gains were found, and their error goes beyond {:.3} mrad by a factor of {by:.2}",
+                        1e3 * error
+                    );
+                    return Ok(self.infeasible(error, why));
+                }
+                Asked::Beyond(by) => error = digits_up(error * by.clamp(1.1, 4.0)),
+                Asked::No(no) => {
+                    error = digits_up(error * MORE);
+                    last = Some(no);
+                }
+            }
+        }
+        let why = last.map_or_else(
+            || format!("no error up to {:.3} mrad is kept by gains and runs alike", 1e3 * error),
+            |no| no.to_string(),
+        );
+        Ok(self.infeasible(error, why))
+    }
+
+    /// The least error \[rad\] that some gains keep, by the search's own reckoning; else why there are none.
+    fn least(&self, watch: &mut dyn Watch) -> Result<Result<f64, String>, SessionError> {
+        let mut study = self.study.clone();
+        ask(&mut study, IN_VAIN);
+        let no = match one_search(&study, &self.path)? {
+            Outcome::Infeasible(no) => no,
+            _ => return Ok(Ok(IN_VAIN)),
+        };
+        let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_max_rad");
+        let possible = clause.and_then(|clause| Some(clause.possible? / clause.wanted * IN_VAIN));
+        if let Some(least) = possible {
+            return Ok(Ok(least));
+        }
+        watch.step("no gains keep the arm inside the stability window: looking for the rotors that make it possible");
+        let found = smallest_rotor(&self.study, &self.path)?;
+        let told = found.map(|found| lacking(&self.study, found.value));
+        Ok(Err(told.unwrap_or_else(|| no.to_string())))
+    }
+
+    /// Gains for an error, and runs with every rotor between and at the ends of its interval.
+    fn asked(&self, error: f64, arm: &Arm, out: &Path) -> Result<Asked, SessionError> {
+        let mut study = self.study.clone();
+        ask(&mut study, error);
+        let gains = match designed_for(&study, arm, &self.path, Advice::Clauses)? {
+            Outcome::Designed(gains) => *gains,
+            Outcome::Infeasible(no) => return Ok(Asked::No(no)),
+        };
+        let beyond = share_of_tube(&study, &gains);
+        if beyond > 1.0 {
+            return Ok(Asked::Beyond(beyond));
+        }
+        let places: &[Rotor] = match study.robot.has_rotor_interval() {
+            true => &[Rotor::Stated, Rotor::Least, Rotor::Most],
+            false => &[Rotor::Stated],
+        };
+        let mut most = 0.0_f64;
+        for place in places {
+            let mut own = study.clone();
+            for joint in &mut own.robot.joints {
+                joint.armature = joint.armature_at(*place);
+            }
+            derive_substeps(&mut own);
+            let session = match Session::new(own, out, Some((gains.clone(), out)), false) {
+                Ok(session) => session,
+                Err(SessionError::NotArmed { .. }) => return Ok(Asked::Beyond(MORE)),
+                Err(why) => return Err(why),
+            };
+            let (done, _) = session.run(|_| ());
+            if done.divergence.is_some() || done.abort.is_some() {
+                return Ok(Asked::Beyond(MORE));
+            }
+            if !done.metrics.within_spec || (*place == Rotor::Stated && !done.good()) {
+                return Ok(Asked::Beyond(MORE));
+            }
+            let errors = done.metrics.joints.iter().map(|joint| joint.error_steady_max_rad);
+            most = errors.fold(most, f64::max);
+        }
+        Ok(Asked::Kept(most))
+    }
+
+    fn arm(&self, study: &Study) -> Result<Arm, SessionError> {
+        arm_along(study).map_err(|why| SessionError::at(&self.path, why))
+    }
+
+    fn found(&self, error: f64, simulated: Option<f64>, infeasible: Option<String>) -> Found {
+        let error_max = units(&self.study).map(|unit| short(error * unit, 9)).collect();
+        Found { error_max, simulated, infeasible, notes: self.notes.clone() }
+    }
+
+    fn infeasible(&self, error: f64, why: String) -> Found {
+        self.found(error, None, Some(why))
+    }
+
+    /// The study as it is written.
+    pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
+        words(self.options, chosen, (&chosen.lines, &found.error_max), &self.motion)
+    }
+}
+
+/// How far the tube of gains goes beyond the specification; without a tube, by [`MORE`].
+fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
+    let Some(certificate) = &gains.certificate else { return MORE };
+    let Some(tube) = &certificate.tube else { return MORE };
+    let limits = study.spec.error_bound.iter().flatten();
+    let shares = tube.joints.iter().zip(limits).map(|(joint, most)| joint.error_max_rad / most);
+    let most = shares.fold(0.0_f64, f64::max);
+    // What the whole of the tube asks for after a while: an error that is kept at the end alone is no promise.
+    let late = tube.joints.iter().zip(study.spec.error_bound.iter().flatten());
+    let late = late.map(|(joint, limit)| late_error(tube.bin_s, joint) / limit);
+    let late = late.fold(most, f64::max);
+    match certificate.settle {
+        _ if most > 1.0 => most,
+        _ if !certificate.unproved.is_empty() => MORE,
+        Some(settle) if settle.settle_s > SETTLED_S => late.max(1.0 + 1e-3),
+        _ => most,
+    }
+}
+
+/// Largest error of a tube's joint \[rad, m\] after [`SETTLED_S`].
+fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
+    let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
+    let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= SETTLED_S);
+    late.fold(0.0, |most, (_, (low, high))| most.max(low.abs()).max(high.abs()))
+}
+
+/// A motion that the drives can follow: slower until the torque along it is well inside their limits.
+fn followed(
+    options: &BeginOptions,
+    chosen: &Chosen,
+    path: &Path,
+) -> Result<(Box<Study>, Sines), SessionError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let lines = chosen.put(folder)?;
+    let centre = chosen.robot.poses.get(READY).cloned().unwrap_or_default();
+    let mut worst = None;
+    for round in 0..PACES {
+        let motion = Sines::about(&chosen.robot, &centre, SLOWER.powi(round));
+        let error = vec![1e-3; chosen.robot.joints.len()];
+        let text = words(options, chosen, (&lines, &error), &motion);
+        let mut study = Box::new(Study::from_text(&text, &path.display().to_string(), folder)?);
+        derive_substeps(&mut study);
+        let demand = Demand::along(&study).map_err(|why| SessionError::at(path, why))?;
+        let shares = study.robot.joints.iter().enumerate().map(|(i, joint)| {
+            let limit = study.limits(i).0.or(joint.torque_max).unwrap_or(f64::INFINITY);
+            (demand.phi(i, 0.0).size / limit, i, limit)
+        });
+        let most =
+            shares.fold((0.0, 0, 0.0), |most, next| if next.0 > most.0 { next } else { most });
+        if most.0 <= TORQUE {
+            return Ok((study, motion));
+        }
+        worst = Some(most);
+    }
+    let (share, joint, limit) = worst.unwrap_or_default();
+    let why = format!(
+        "even a slow motion about the easiest posture takes {:.3} N·m of joint {}, whose limit is {limit} N·m: state the \
+         drives' limits with --torque-max, or a lighter --payload",
+        share * limit,
+        chosen.robot.joints[joint].name
+    );
+    Err(SessionError::at(Path::new(&options.arm.arm), why))
+}
+
+fn words(
+    options: &BeginOptions,
+    chosen: &Chosen,
+    (robot, error): (&[String], &[f64]),
+    motion: &Sines,
+) -> String {
+    let posture = chosen.robot.poses.get(READY).map_or(&[][..], Vec::as_slice);
+    let described = chosen.robot.joints.iter().all(|joint| joint.encoder_bits.is_some());
+    let encoder = match options.encoder_bits {
+        Some(bits) => bits.to_string(),
+        None if described => "\"robot\"".to_owned(),
+        None => "18  # an assumption: state yours".to_owned(),
+    };
+    // Where the arm's own file is written, it has both.
+    let own = chosen.written.is_some();
+    let named = own || !chosen.posture_added;
+    let torque: &[f64] = if own { &[] } else { &options.arm.torque_max_nm };
+    let title = format!("{}: a first run", chosen.robot.name);
+    Words {
+        title: &title,
+        robot,
+        error,
+        payload_kg: options.payload_kg,
+        rate_hz: options.rate_hz.unwrap_or(1000.0),
+        delay_samples: options.delay_samples.unwrap_or(1),
+        encoder: &encoder,
+        torque,
+        centre: if named { Centre::Pose(READY) } else { Centre::Posture(posture) },
+        motion,
+    }
+    .text()
+}
+
+/// What an error of one stands for, per joint \[rad, m\].
+fn units(study: &Study) -> impl Iterator<Item = f64> {
+    let unit = |joint: &phihat_model::Joint| match joint.kind {
+        JointKind::Prismatic => LENGTH,
+        _ => 1.0,
+    };
+    study.robot.joints.iter().map(unit)
+}
+
+/// Asks for an error.
+fn ask(study: &mut Study, error: f64) {
+    let errors = units(study).map(|unit| short(error * unit, 9).max(1e-9)).collect();
+    study.spec.error_bound = Some(errors);
+}
+
+/// Two digits, upwards.
+fn digits_up(x: f64) -> f64 {
+    let unit = 10.0_f64.powf(x.log10().floor() - 1.0);
+    short((x / unit).ceil() * unit, 9)
+}

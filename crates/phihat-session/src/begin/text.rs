@@ -1,0 +1,121 @@
+//! The text of a study.
+
+use std::fmt::Write as _;
+
+use super::motion::Sines;
+
+/// What the text of a study says.
+pub(super) struct Words<'a> {
+    pub(super) title: &'a str,
+    pub(super) robot: &'a [String],
+    pub(super) error: &'a [f64],
+    pub(super) payload_kg: f64,
+    pub(super) rate_hz: f64,
+    pub(super) delay_samples: u32,
+    /// Encoder: `"robot"`, or bits.
+    pub(super) encoder: &'a str,
+    /// Torque limits where the arm's own are replaced.
+    pub(super) torque: &'a [f64],
+    pub(super) centre: Centre<'a>,
+    pub(super) motion: &'a Sines,
+}
+
+/// The middle of the motion: a pose of the arm by its name, or a posture.
+pub(super) enum Centre<'a> {
+    Pose(&'a str),
+    Posture(&'a [f64]),
+}
+
+impl Words<'_> {
+    /// The whole study.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |words: String| {
+            let _ = writeln!(text, "{words}");
+        };
+        line(
+            "# A study made by `phihat new`: a first run of this arm, to change step by step."
+                .into(),
+        );
+        line("# `phihat run THIS FILE` designs gains, proves what can be proved, and simulates. Every key: docs/study.md.".into());
+        line(format!("title = {}", toml::Value::String(self.title.to_owned())));
+        line(format!("duration_s = {:?}", self.motion.duration));
+        line("seed = 1                      # everything random comes from this number".into());
+        line("\n# The arm. Its own file says what a URDF leaves out: rotor inertia, friction, limits, encoders.".into());
+        line("[robot]".into());
+        self.robot.iter().for_each(|words| line(words.clone()));
+        line("\n# The error you can live with, once the arm has settled; when that is, the certificate says. This is near the least".into());
+        line("# that can be promised for this arm, payload, loop and motion: ask for less and `phihat design` says what is in the way.".into());
+        line("[spec]".into());
+        line(format!("error_max_rad = {}", numbers(self.error)));
+        line("\n# What the gains must bear. No gains are stated: `phihat run` finds them.".into());
+        line("[design]".into());
+        line(format!(
+            "payload_max_kg = {:?}           # anything from nothing to this, at the tip",
+            self.payload_kg
+        ));
+        line(
+            "\n# The control loop: rate, and the samples from measuring to the torque that acts."
+                .into(),
+        );
+        line("[loop]".into());
+        line(format!("rate_hz = {:?}", self.rate_hz));
+        line(format!("delay_samples = {}", self.delay_samples));
+        if !self.torque.is_empty() {
+            line(format!("torque_max_nm = {}", numbers(self.torque)));
+        }
+        line("\n# What the controller sees: an encoder, and velocity from its differences, filtered as the design finds best.".into());
+        line("[sensor]".into());
+        line(format!("encoder_bits = {}", self.encoder));
+        line("velocity = \"differenced\"".into());
+        line("velocity_filter_hz = \"design\"".into());
+        line("\n# What the arm meets, and the controller does not know: the arm's friction, and the payload.".into());
+        line("[world]".into());
+        line("friction = \"robot\"".into());
+        if self.payload_kg > 0.0 {
+            line(format!("payload = {{ mass_kg = {:?} }}", self.payload_kg));
+        }
+        line("\n# Where the run begins: on the reference, held by the torque that keeps the arm as described still, as brakes or a".into());
+        line("# robot's own controller do. The law takes over from there.".into());
+        line("[start]".into());
+        line("torque_nm = \"gravity\"".into());
+        self.write_reference(&mut text);
+        text
+    }
+
+    fn write_reference(&self, text: &mut String) {
+        let mut line = |words: String| {
+            let _ = writeln!(text, "{words}");
+        };
+        line("\n# What the arm shall do: a sine per joint about a posture, well inside the limits of position, speed and torque. Other".into());
+        line("# kinds: \"waypoints\", \"circle\", \"curve\", \"csv\", \"hold\". What the arm might hit is not known here.".into());
+        line("[reference]".into());
+        line("kind = \"sines\"".into());
+        match &self.centre {
+            Centre::Pose(name) => {
+                line(format!("center = {}", toml::Value::String((*name).to_owned())))
+            }
+            Centre::Posture(q) => line(format!("center_rad = {}", list(q))),
+        }
+        line(format!("fade_in_s = {:?}", self.motion.fade_in));
+        line("\n[[reference.sine]]".into());
+        line(format!("amplitude_rad = {}", list(&self.motion.amplitude)));
+        line(format!("frequency_hz = {}", list(&self.motion.frequency)));
+        line(format!("phase_rad = {}", list(&self.motion.phase)));
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    let all: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
+    format!("[{}]", all.join(", "))
+}
+
+/// One number where all are the same.
+fn numbers(values: &[f64]) -> String {
+    match values {
+        [first, rest @ ..] if rest.iter().all(|x| x.to_bits() == first.to_bits()) => {
+            format!("{first:?}")
+        }
+        all => list(all),
+    }
+}

@@ -1,0 +1,120 @@
+//! The smallest rotor inertia with which there are gains, found by trying.
+
+use std::error::Error;
+use std::path::Path;
+
+use phihat_design::{Alternative, Outcome, Phi, search};
+use phihat_sim::Demand;
+use phihat_study::Study;
+
+use crate::along::{arm_along, motion_along, phi_along};
+use crate::error::SessionError;
+
+/// Rotor inertias that are tried \[kg·m²\], and how often the gap between two is halved.
+const LEAST: f64 = 1e-6;
+const MOST: f64 = 1e3;
+const STEPS: u32 = 9;
+const HALVINGS: u32 = 5;
+
+/// Largest error that is asked for where any will do \[rad, m\].
+const ANY: f64 = 50.0;
+
+/// Key of a study that states rotors.
+const KEY: &str = "robot.armature_kg_m2";
+
+/// One search by bounds of joint after joint, for `φ` along the reference.
+///
+/// # Errors
+///
+/// [`SessionError`]: the arm cannot follow its reference, or the search not begin.
+pub(crate) fn one_search(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
+    let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
+    let arm = arm_along(study).map_err(|why| at(why.into()))?;
+    let demand = Demand::along(study).map_err(|why| at(why.into()))?;
+    let phi = |joint: usize, inertia: f64| -> Phi {
+        let motion = Some(motion_along(&demand, joint));
+        Phi { motion, ..phi_along(&demand, joint, inertia) }
+    };
+    search(study, &arm, &phi).map_err(|why| at(why.into()))
+}
+
+/// The order of gains for whatever error; `None`: no law keeps the arm inside its window with the margins.
+///
+/// # Errors
+///
+/// As [`one_search`].
+pub(crate) fn any_gains(study: &Study, path: &Path) -> Result<Option<usize>, SessionError> {
+    let mut easy = study.clone();
+    easy.spec.error_bound = Some(vec![ANY; study.robot.joints.len()]);
+    (easy.spec.velocity_error_max, easy.spec.error_integral_max) = (None, None);
+    match one_search(&easy, path)? {
+        Outcome::Designed(gains) => Ok(gains.joints.first().map(|joint| joint.a.len())),
+        _ => Ok(None),
+    }
+}
+
+/// The smallest rotor inertia that, where joints have less, makes gains possible; `None` where none does.
+///
+/// # Errors
+///
+/// As [`one_search`].
+pub(crate) fn smallest_rotor(
+    study: &Study,
+    path: &Path,
+) -> Result<Option<Alternative>, SessionError> {
+    let with = |least: f64| {
+        let mut own = study.clone();
+        for joint in &mut own.robot.joints {
+            joint.armature = joint.armature.max(least);
+            joint.armature_range =
+                joint.armature_range.map(|(low, high)| (low.max(least), high.max(least)));
+        }
+        any_gains(&own, path)
+    };
+    let factor = (MOST / LEAST).powf(1.0 / f64::from(STEPS));
+    let mut before = LEAST;
+    for step in 0..=STEPS {
+        let mut value = LEAST * factor.powf(f64::from(step));
+        let Some(mut order) = with(value)? else {
+            before = value;
+            continue;
+        };
+        for _ in 0..HALVINGS {
+            let middle = (before * value).sqrt();
+            match with(middle)? {
+                Some(found) => (value, order) = (middle, found),
+                None => before = middle,
+            }
+        }
+        return rounded(value, &with, order);
+    }
+    Ok(None)
+}
+
+/// Three digits, upwards, tried once more.
+fn rounded(
+    value: f64,
+    with: &dyn Fn(f64) -> Result<Option<usize>, SessionError>,
+    order: usize,
+) -> Result<Option<Alternative>, SessionError> {
+    let unit = 10.0_f64.powf(value.log10().floor() - 2.0);
+    let up: f64 = format!("{:.6e}", (value / unit).ceil() * unit).parse().unwrap_or(value);
+    let order = with(up)?.unwrap_or(order);
+    Ok(Some(Alternative { key: KEY.to_owned(), value: up, order }))
+}
+
+/// What a rotor inertia that makes gains possible says of an arm's joints.
+pub(crate) fn lacking(study: &Study, least: f64) -> String {
+    let own =
+        |joint: &phihat_model::Joint| joint.armature_range.map_or(joint.armature, |(low, _)| low);
+    let joints = study.robot.joints.iter().filter(|joint| own(joint) < least);
+    let joints: Vec<String> =
+        joints.map(|joint| format!("{} ({:.2e})", joint.name, own(joint))).collect();
+    format!(
+        "light joints have no rotor: with a rotor inertia of at least {least:.2e} kg·m² on every joint there are gains, and \
+         these have less: {}. One constant inertia per joint must stand for the arm in every posture; a rotor, which does \
+         not change, makes it more nearly constant. State armature_kg_m2 (rotor inertia times the gear ratio squared), or a \
+         smaller payload, a faster loop, less delay",
+        joints.join(", ")
+    )
+}
