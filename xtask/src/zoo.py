@@ -267,20 +267,41 @@ class Runs:
 
     def tried(self, path: Path, part: list[str], room: Path) -> dict[str, Any]:
         study, out = room / "study.toml", room / "out"
-        code, _, errors = self.command("new", str(path), *part, "--out", str(study))
+        code, answer, errors = self.command("new", str(path), *part, "--out", str(study), "--json")
+        (room / "new.json").write_text(answer)
+        if code is None:
+            return {"outcome": "out of time", "why": None}
+        begun = document_of(answer)
+        if code == 1 and study.exists() and begun.get("infeasible"):
+            return {"outcome": "error budget", "why": str(begun["infeasible"])}
         if code != 0 or not study.exists():
-            return {"outcome": "out of time" if code is None else "no study", "why": errors.strip()}
+            return {"outcome": "no study", "why": str(begun.get("error") or errors.strip()[-400:])}
         code, answer, errors = self.command("run", str(study), "--out", str(out), "--json")
         (room / "run.json").write_text(answer)
         if code is None:
             return {"outcome": "out of time", "why": None}
-        try:
-            document = json.loads(answer)
-        except ValueError:
+        document = document_of(answer)
+        if not document:
             return {"outcome": "crashed", "why": errors.strip()[-400:]}
         gains = out / "gains.json"
         certified = gains.exists() and json.loads(gains.read_text()).get("certificate") is not None
-        return judged(document, code, certified)
+        found = judged(document, code, certified)
+        if promised := begun.get("error_max_rad"):
+            found["promised_mrad"] = float(f"{1e3 * max(promised):.2g}")
+        return found
+
+
+def document_of(answer: str) -> dict[str, Any]:
+    """The JSON document of an answer; an empty one where there is none.
+
+    >>> document_of('{"a": 1}'), document_of("thread 'main' panicked"), document_of("[]")
+    ({'a': 1}, {}, {})
+    """
+    try:
+        document = json.loads(answer)
+    except ValueError:
+        return {}
+    return document if isinstance(document, dict) else {}
 
 
 def judged(document: dict[str, Any], code: int, certified: bool) -> dict[str, Any]:
@@ -414,9 +435,10 @@ def pages(document: dict[str, Any]) -> str:
     for row in rows:
         chain = row["chain"]
         how = f"{chain['base']} → {chain['tip']}" if chain else row["loads"]
-        outcome = row["run"]["outcome"] if row.get("run") else None
-        every.append([row["package"], place(row), row["joints"], how, len(row["warnings"]), outcome])
-    parts.append("**Every file**\n\n" + table(["package", "file", "joints", "loads", "warnings", "run"], every))
+        run = row.get("run") or {}
+        cells = [row["package"], place(row), row["joints"], how, len(row["warnings"])]
+        every.append([*cells, run.get("outcome"), run.get("promised_mrad")])
+    parts.append("**Every file**\n\n" + table(["package", "file", "joints", "loads", "warnings", "run", "error promised [mrad, mm]"], every))
     return "\n".join(parts)
 
 

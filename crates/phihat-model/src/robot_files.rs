@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
+use crate::input::plain;
 use crate::robot_text::read_text;
 use crate::{Chain, Model, Part, Robot, extras, urdf};
 
@@ -155,7 +156,7 @@ impl Robot {
             profile: "ideal".to_owned(),
             poses: BTreeMap::new(),
             held: read.held,
-            warnings: read.warnings,
+            warnings: read.warnings.iter().map(|warning| plain(warning)).collect(),
             files: Vec::new(),
         };
         match toml {

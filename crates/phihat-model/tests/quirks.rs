@@ -70,6 +70,14 @@ fn a_quirk_is_read_as_what_was_meant_and_said() {
 }
 
 #[test]
+fn what_a_file_says_is_told_without_what_a_terminal_obeys() {
+    let text = tower(&["revolute"]).replacen("0.07 0 -0.69", "$(optenv a&#x7f; 0.07 0 -0.69)", 1);
+    let robot = Robot::from_text(&text, None, "bell").unwrap();
+    let [told] = &robot.warnings[..] else { panic!("{:?}", robot.warnings) };
+    assert!(told.contains(r"a\u{7f}") && !told.contains('\u{7f}'), "{told}");
+}
+
+#[test]
 fn what_stands_behind_the_end_of_a_c_string_is_no_part_of_it() {
     // Bullet's humanoid.
     let text = tower(&["revolute"]);

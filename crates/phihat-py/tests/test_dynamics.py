@@ -173,6 +173,49 @@ def test_strange_joints(tmp_path: Path) -> None:
     np.testing.assert_allclose(pose[:3, 3], data.body("b").xpos, atol=1e-12)
 
 
+def test_joints_and_bodies_without_names(tmp_path: Path) -> None:
+    """They are called by their number, and by another name where one has that already; nothing else changes."""
+    text = STRANGE
+    for name in ("a1", "b1", "a", "b"):
+        text = text.replace(f'name="{name}"', "")
+    text = text.replace('name="c1"', 'name="joint0"').replace('name="a2"', 'name="joint1"')
+    model = mujoco.MjModel.from_xml_string(text)
+    robot = describe(model, tmp_path / "unnamed.urdf")
+    assert robot.joint_names == ["joint0_", "joint1", "joint2", "joint0"]
+    assert {"body2", "body3"} <= set(robot.frame_names)
+    check_against_mujoco(robot, model)
+    part = describe(model, tmp_path / "part.urdf", joints=["joint0_", "joint2"])
+    assert part.joint_names == ["joint0_", "joint2"]
+
+
+SCENE = """
+<mujoco><worldbody>
+  <body name="stand" pos="0 0 0.3"><freejoint/><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/>
+    <body name="arm"><inertial mass="1" pos="0.1 0 0" diaginertia="0.01 0.01 0.01"/><joint name="lift" axis="0 1 0"/></body>
+  </body>
+  <body name="cupboard"><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/>
+    <body><inertial mass="1" pos="0 0.2 0" diaginertia="0.1 0.1 0.1"/><joint axis="0 0 1"/></body>
+  </body>
+</worldbody></mujoco>
+"""
+
+
+def test_a_scene_with_several_trees(tmp_path: Path) -> None:
+    model = mujoco.MjModel.from_xml_string(SCENE)
+    with pytest.raises(phihat.ArgumentError, match=r"2 bodies .*stand: lift; cupboard: joint2\); name those of the arm"):
+        describe(model, tmp_path / "scene.urdf")
+    with pytest.raises(phihat.ArgumentError, match="an arm's hang on one body"):
+        describe(model, tmp_path / "scene.urdf", joints=["lift", "joint2"])
+    with pytest.raises(phihat.ArgumentError, match="no body 'hand'; there are stand, arm"):
+        describe(model, tmp_path / "scene.urdf", joints=["lift"], tip="hand")
+    assert not (tmp_path / "scene.urdf").exists()
+    robot = describe(model, tmp_path / "scene.urdf", joints=["lift"])
+    assert robot.joint_names == ["lift"] and "cupboard" not in robot.frame_names
+    # 1 kg on 0.1 m, level: a pendulum's weight. The stand floats in the scene; here it is fixed, and that is said.
+    np.testing.assert_allclose(robot.gravity(np.zeros(1)), [-0.981], rtol=1e-12)
+    assert any("floating" in warning for warning in robot.warnings)
+
+
 def test_middle_is_inside() -> None:
     model = load("panda")
     assert ((middle(model) > model.jnt_range[:, 0]) & (middle(model) < model.jnt_range[:, 1])).all()

@@ -142,7 +142,7 @@ fn robot_element<'a, 'x>(document: &'a Document<'x>, origin: &str) -> Result<Nod
     if !root.has_tag_name("robot") {
         let tag = root.tag_name().name();
         let hint = match tag {
-            "mujoco" => " (this is MJCF: attach it in Python, `phihat.mujoco`)",
+            "mujoco" => " (this is MJCF: in Python, `phihat.mujoco.describe` writes a URDF of it)",
             "sdf" => " (this is SDF, which is not read)",
             _ => "",
         };

@@ -11,12 +11,36 @@ from numpy.typing import NDArray
 
 from .._errors import ArgumentError
 
-HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+HINGE, SLIDE, FREE = (
+    int(kind) for kind in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_FREE)
+)
+
+
+def joint_names(model: Any) -> list[str]:
+    """Names of all joints; one that has none is called ``joint`` and its number."""
+    return _named([str(model.joint(i).name) for i in range(model.njnt)], "joint")
+
+
+def body_names(model: Any) -> list[str]:
+    """Names of all bodies; one that has none is called ``body`` and its number."""
+    return _named([str(model.body(i).name) for i in range(model.nbody)], "body")
+
+
+def _named(names: list[str], what: str) -> list[str]:
+    taken, all_named = set(names), []
+    for at, name in enumerate(names):
+        if not name:
+            name = f"{what}{at}"
+            while name in taken:
+                name += "_"
+            taken.add(name)
+        all_named.append(name)
+    return all_named
 
 
 def joint_ids(model: Any, names: Sequence[str] | None) -> list[int]:
     """Joints by name, hinges and slides only; all of them if no name is given."""
-    own = [model.joint(i).name for i in range(model.njnt)]
+    own = joint_names(model)
     if names is None:
         return [i for i in range(model.njnt) if model.jnt_type[i] in (HINGE, SLIDE)]
     found = []
@@ -46,7 +70,7 @@ def motors(model: Any, joints: Sequence[int]) -> tuple[NDArray[np.int_], NDArray
     """
     ids, factors = [], []
     for joint in joints:
-        name = model.joint(joint).name
+        name = joint_names(model)[joint]
         on_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
         own = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint))
         if len(own) != 1:
