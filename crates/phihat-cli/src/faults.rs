@@ -101,8 +101,7 @@ const BAR: &str = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
 
 /// One line per fault, what each severity came to, and the totals.
 fn overview(summary: &Summary) -> String {
-    let mut table =
-        Fitted::new(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
+    let mut table = Fitted::new(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
     for fault in &summary.faults {
         let runs = || summary.runs.iter().filter(|run| run.fault == fault.name);
         let level = |severity: usize| {

@@ -23,7 +23,13 @@ pub(crate) struct Manner {
     #[arg(short, long, global = true)]
     pub(crate) quiet: bool,
     /// Colours: `auto` means on a terminal, unless NO_COLOR is set.
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", hide_possible_values = false)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_possible_values = false
+    )]
     pub(crate) color: Color,
 }
 

@@ -78,7 +78,8 @@ fn colours_are_there_where_they_are_asked_for() {
     // Nothing but colours differs.
     let plain = with(&folder, &good, &[]).out;
     let painted = with(&folder, &["--color", "always", good[0], good[1]], &[]).out;
-    let stripped = painted.replace("\u{1b}[1m", "").replace("\u{1b}[32m", "").replace("\u{1b}[0m", "");
+    let stripped =
+        painted.replace("\u{1b}[1m", "").replace("\u{1b}[32m", "").replace("\u{1b}[0m", "");
     assert_eq!(plain, stripped);
     // A document has none.
     let document = with(&folder, &["check", "nowhere.toml", "--json", "--color", "always"], &[]);
@@ -96,7 +97,11 @@ fn quiet_is_quiet_but_for_what_is_wrong_and_what_was_asked_for() {
         &["report", "out/first/trace.csv", "-q"],
     ] {
         let answer = with(&folder, arguments, &[]);
-        assert_eq!((answer.code, answer.out.as_str(), answer.err.as_str()), (0, "", ""), "{arguments:?}");
+        assert_eq!(
+            (answer.code, answer.out.as_str(), answer.err.as_str()),
+            (0, "", ""),
+            "{arguments:?}"
+        );
     }
     assert!(folder.join("out/first/report.html").exists());
     let wrong = with(&folder, &["run", "nowhere.toml", "-q"], &[]);
@@ -112,7 +117,8 @@ fn a_page_is_opened_where_that_is_asked_for() {
     let folder = folder("open");
     let (browser, seen) = (folder.join("bin/xdg-open"), folder.join("seen"));
     std::fs::create_dir_all(folder.join("bin")).unwrap();
-    let script = format!("#!/bin/sh\nprintf %s \"$1\" > {0}.part\nmv {0}.part {0}\n", seen.display());
+    let script =
+        format!("#!/bin/sh\nprintf %s \"$1\" > {0}.part\nmv {0}.part {0}\n", seen.display());
     std::fs::write(&browser, script).unwrap();
     std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o755)).unwrap();
     let path = format!("{}:/usr/bin:/bin", folder.join("bin").display());
@@ -120,7 +126,9 @@ fn a_page_is_opened_where_that_is_asked_for() {
     assert_eq!(run(&["run", "studies/first.toml"], &path).code, 0);
     assert!(!seen.exists(), "nobody asked");
     let page = "out/first/report.html";
-    for arguments in [&["report", "out/first/trace.csv", "--open"][..], &["run", "studies/first.toml", "--open"]] {
+    for arguments in
+        [&["report", "out/first/trace.csv", "--open"][..], &["run", "studies/first.toml", "--open"]]
+    {
         let opened = run(arguments, &path);
         assert_eq!((opened.code, opened.err.as_str()), (0, ""));
         // The browser is not waited for.
@@ -133,7 +141,11 @@ fn a_page_is_opened_where_that_is_asked_for() {
     }
     let nowhere = folder.join("studies").display().to_string();
     let told = run(&["report", "out/first/trace.csv", "--open"], &nowhere);
-    assert!(told.code == 0 && told.err.starts_with("warning: out/first/report.html"), "{}", told.err);
+    assert!(
+        told.code == 0 && told.err.starts_with("warning: out/first/report.html"),
+        "{}",
+        told.err
+    );
     // Verbs without a page have nothing to open.
     assert_eq!(run(&["design", "studies/first.toml", "--open"], &path).code, 2);
 }
@@ -147,8 +159,10 @@ fn editors_and_shells_are_told_what_there_is() {
     let help = with(&folder, &["--help"], &[]).out;
     let verbs = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let verbs = verbs.take_while(|line| !line.is_empty());
-    let verbs: Vec<&str> = verbs.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
-    let verbs: Vec<&str> = verbs.into_iter().filter(|verb| !verb.is_empty() && *verb != "help").collect();
+    let verbs: Vec<&str> =
+        verbs.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    let verbs: Vec<&str> =
+        verbs.into_iter().filter(|verb| !verb.is_empty() && *verb != "help").collect();
     assert!(verbs.len() >= 14, "{verbs:?}");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = with(&folder, &["completions", shell], &[]);

@@ -3,9 +3,9 @@
 use crate::coarser::coarser;
 use crate::coupled::coupled;
 use crate::figure::claim_figures;
-use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use crate::limit::limit;
 use crate::record::Record;
 use crate::tube_section::tube;

@@ -1,8 +1,8 @@
 //! The figures per joint, each beside its bound.
 
-use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use crate::verdict::{CLAUSES, Clause, excess, share};
 use maud::{Markup, html};
 use phihat_sim::{JointMetrics, Metrics};

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 use phihat_design::Tube;
 use phihat_sim::Metrics;
 
-use crate::kit::{MILLI, own_unit};
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use crate::record::Record;
 use crate::tube::TubeRun;
 

@@ -1,8 +1,8 @@
 //! Did it hold, and by how much: every stated bound against what was measured.
 
-use crate::kit::{MILLI, unit_of};
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::line;
+use crate::kit::{MILLI, unit_of};
 use crate::limited::limits_acted;
 use crate::tube::TubeRun;
 use phihat_sim::{JointMetrics, Metrics};

@@ -137,7 +137,9 @@ impl StudyArm {
         }
         let names: Vec<&str> = self.robot.model.frame_names().iter().map(String::as_str).collect();
         let message = format!("the robot has no frame `{}`", clip(name));
-        node.note(node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)))?;
+        node.note(
+            node.error(Kind::UnknownName, key, message).with_help(did_you_mean(name, &names)),
+        )?;
         Ok(self.robot.tip.clone())
     }
 

@@ -35,8 +35,10 @@ pub(crate) fn check_table(
             }
         })?;
     }
-    let missing =
-        section.keys.iter().filter(|key| key.need == Need::Required && !table.contains_key(key.name));
+    let missing = section
+        .keys
+        .iter()
+        .filter(|key| key.need == Need::Required && !table.contains_key(key.name));
     for key in missing {
         // One mistake, one error: the key is there under another name.
         if helps.iter().any(|help| help.contains(&format!("`{}`", key.name))) {

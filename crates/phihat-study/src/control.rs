@@ -12,10 +12,7 @@ use crate::study::{Control, GainsRequest, LawRequest, Sensor};
 const SAMPLES_MAX: f64 = 4e6;
 
 /// The sample period \[ns\] of a loop at `rate` \[Hz\] for a run of `duration` \[s\].
-pub(crate) fn period_ns(
-    top: &Node<'_>,
-    (duration, rate): (f64, f64),
-) -> Result<u64, StudyError> {
+pub(crate) fn period_ns(top: &Node<'_>, (duration, rate): (f64, f64)) -> Result<u64, StudyError> {
     let samples = duration * rate;
     if !(1.0..=SAMPLES_MAX).contains(&samples) {
         let message =

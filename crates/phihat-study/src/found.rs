@@ -93,9 +93,10 @@ impl Found {
     pub(crate) fn refuses(&self, span: &Range<usize>) -> bool {
         let noted = self.noted.borrow();
         let count = noted.first_pass.unwrap_or_default();
-        noted.errors[..count].iter().map(StudyError::span).any(|bad| {
-            span.start <= bad.start && bad.end <= span.end
-        })
+        noted.errors[..count]
+            .iter()
+            .map(StudyError::span)
+            .any(|bad| span.start <= bad.start && bad.end <= span.end)
     }
 
     /// Whether nothing was found at `path` or inside of it.

@@ -47,9 +47,8 @@ impl<'a> Node<'a> {
     pub(crate) fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         let value = self.table?.get(key)?;
         let found = self.source.found;
-        let holds_keys = |key: &Key| {
-            matches!(key.shape, Shape::Table(_) | Shape::Tables(..) | Shape::Kinds(_))
-        };
+        let holds_keys =
+            |key: &Key| matches!(key.shape, Shape::Table(_) | Shape::Tables(..) | Shape::Kinds(_));
         let refused = found.goes_on()
             && !self.section.key(key).is_some_and(holds_keys)
             && found.refuses(&value.span());

@@ -23,9 +23,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
     let path = run.base.join(name);
     let refuse =
         |why: String| node.error(Kind::Unreadable, "file", format!("`{}`: {why}", clip(name)));
-    let unreadable = |error: std::io::Error| {
-        refuse(error.to_string()).with_help(beside(&path))
-    };
+    let unreadable = |error: std::io::Error| refuse(error.to_string()).with_help(beside(&path));
     let file = input::open(&path).map_err(unreadable)?;
     let size = file.metadata().map_err(unreadable)?.len();
     if size > BYTES_MAX {

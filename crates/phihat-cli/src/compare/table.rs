@@ -1,8 +1,8 @@
 //! A comparison on the terminal.
 
+use crate::table::Fitted;
 use comfy_table::{CellAlignment, ColumnConstraint};
 use phihat_compare::{Comparison, GainsKind, Row};
-use crate::table::Fitted;
 use serde_json::json;
 
 /// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.

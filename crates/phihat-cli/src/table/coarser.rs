@@ -16,8 +16,7 @@ pub(crate) fn coarser(gains: &Gains) -> Option<String> {
         "largest |Δτ|\nN·m",
         "limit of torque rate",
     ]);
-    let of =
-        |figure: fn(&TubeJoint) -> f64| tube.joints.iter().map(figure).collect();
+    let of = |figure: fn(&TubeJoint) -> f64| tube.joints.iter().map(figure).collect();
     let (errors, steps): (Vec<f64>, Vec<f64>) =
         (of(|j| j.error_max_rad), of(|j| j.torque_step_max_nm));
     let joints = (gains, &tube.joints[..]);
@@ -36,7 +35,12 @@ pub(crate) fn coarser(gains: &Gains) -> Option<String> {
     Some(format!("{table}\nthe same gains; `phihat verify` checks the declared encoder only"))
 }
 
-fn row(bits: String, list: (&[f64], &[f64]), of: (&Gains, &[TubeJoint]), within: bool) -> [String; 4] {
+fn row(
+    bits: String,
+    list: (&[f64], &[f64]),
+    of: (&Gains, &[TubeJoint]),
+    within: bool,
+) -> [String; 4] {
     let acts = if within { "cannot act" } else { "can act: |e| without it" };
     let largest = |list: &[f64], unit: &str, scale: f64, decimals| {
         // Of joints that turn and of those that slide: one unit each.

@@ -38,9 +38,8 @@ pub(super) fn coupled(certificate: &Certificate, gains: &Gains) -> Option<String
 
 /// The unit of how far `moved` goes where `pushed` is pushed.
 fn unit(gains: &Gains, moved: &str, pushed: &str) -> String {
-    let [way, push] = [("mrad", moved), ("N·m", pushed)].map(|(unit, joint)| {
-        unit_of(unit, gains.slides(joint))
-    });
+    let [way, push] =
+        [("mrad", moved), ("N·m", pushed)].map(|(unit, joint)| unit_of(unit, gains.slides(joint)));
     format!("{way} per {push}")
 }
 

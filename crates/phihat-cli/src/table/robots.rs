@@ -46,9 +46,8 @@ pub(crate) fn joints(robot: &Robot, range: &InertiaRange) -> Fitted {
     for (i, joint) in robot.joints.iter().enumerate() {
         let limits = joint.position;
         let limits = limits.map(|(low, high)| format!("{} … {}", figure(low, 2), figure(high, 2)));
-        let own = |text: String, unit: &str| {
-            in_unit(text, unit, joint.kind == JointKind::Prismatic)
-        };
+        let own =
+            |text: String, unit: &str| in_unit(text, unit, joint.kind == JointKind::Prismatic);
         let stated = |value: Option<f64>, unit: &str| {
             value.map_or_else(|| "–".to_owned(), |value| own(value.to_string(), unit))
         };
