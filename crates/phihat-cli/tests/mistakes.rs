@@ -126,7 +126,7 @@ const IN_VALUES: [Mistake; 16] = [
     mistake(
         "degrees for radians",
         Own,
-        ("q_rad = [0.2, 0.4]", "q_rad = [12, 40]"),
+        ("q_rad = [0.2, 0.4]", "q_rad = [12, 0.4]"),
         "q_rad",
         &[
             "reference.q_rad[0]",
@@ -268,7 +268,7 @@ const IN_NAMES: [Mistake; 11] = [
         First,
         ("mass_kg = 0.3", "mass_kg = 0.3, frame = \"tol\""),
         "tol\"",
-        &["the robot has no frame `tol`", "did you mean", "one of"],
+        &["the robot has no frame `tol`", "did you mean `tool`?"],
     ),
     mistake(
         "unknown pose",
@@ -281,15 +281,15 @@ const IN_NAMES: [Mistake; 11] = [
         "wrong base",
         Own,
         ("file = \"arm.urdf\"", "file = \"arm.urdf\"\nbase = \"bace\"\ntip = \"tool\""),
-        "bace",
-        &["bace", "base"],
+        "file = ",
+        &["there is no link \"bace\"", "did you mean \"base\"?"],
     ),
     mistake(
         "wrong tip",
         Own,
         ("file = \"arm.urdf\"", "file = \"arm.urdf\"\ntip = \"tol\""),
-        "tol",
-        &["tol", "tool"],
+        "file = ",
+        &["there is no link \"tol\"", "did you mean \"tool\"?"],
     ),
     mistake(
         "locked joint misspelt",
@@ -431,7 +431,7 @@ const FILES: [Mistake; 8] = [
         Own,
         ("arm.urdf", "short.urdf"),
         "short.urdf",
-        &["robot.file", "short.urdf", "XML"],
+        &["robot.file", "short.urdf", "does not end"],
     ),
     mistake(
         "arm without joints",

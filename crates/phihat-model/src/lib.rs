@@ -85,6 +85,7 @@ mod robot_text;
 mod scalar;
 mod segment;
 mod trig;
+mod uncoupled;
 mod urdf;
 mod vector;
 mod workspace;

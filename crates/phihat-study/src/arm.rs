@@ -6,6 +6,7 @@ use toml::de::DeValue;
 use crate::base::{Base, beside};
 use crate::entries::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
+use crate::joint::{self, Stated};
 use crate::node::Node;
 use crate::per_joint::Joints;
 use crate::suggest::did_you_mean;
@@ -34,11 +35,31 @@ fn part(node: &Node<'_>) -> Result<Part, StudyError> {
 pub(crate) struct StudyArm {
     pub(crate) robot: Robot,
     pub(crate) joints: Joints,
+    /// What `[[joint]]` states for a design.
+    pub(crate) stated: Option<Stated>,
 }
 
 impl StudyArm {
-    /// Reads `[robot]`; files are relative to `base`.
-    pub(crate) fn read(node: &Node<'_>, base: Base<'_>) -> Result<Self, StudyError> {
+    /// Reads `[robot]`, or the joints that stand in its place; files are relative to `base`.
+    pub(crate) fn read(top: &Node<'_>, base: Base<'_>) -> Result<Self, StudyError> {
+        let (node, world) = (&top.child("robot"), top.child("world"));
+        if top.has("joint") {
+            let (robot, stated) = joint::read(top, world.word("joint_inertia")? == "low")?;
+            let names = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+            let joints = Joints { names, locked: Vec::new() };
+            return Ok(Self { robot, joints, stated: Some(stated) });
+        }
+        if !node.exists() {
+            let help = "`[robot]` with `name` or `file`, or a `[[joint]]` for each joint of an arm without a description";
+            let error = top.error(Kind::MissingKey, "robot", "missing section [robot]");
+            return Err(error.with_help(help));
+        }
+        if world.has("joint_inertia") {
+            let why = "the arm is not known by [[joint]]";
+            return Err(world
+                .error(Kind::Conflict, "joint_inertia", why)
+                .with_help("leave it out"));
+        }
         let part = part(node)?;
         let robot = if node.either("name", "file")? == "name" {
             if let Some(key) = ["base", "tip"].into_iter().find(|key| node.has(key)) {
@@ -54,7 +75,7 @@ impl StudyArm {
         };
         let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let all = Joints { names: names(&robot), locked: Vec::new() };
-        let mut arm = Self { robot, joints: all };
+        let mut arm = Self { robot, joints: all, stated: None };
         if part.is_stated() {
             // Cut out with the part: those of the arm as well as those beside it.
             arm.joints.locked = part.locked.into_keys().collect();

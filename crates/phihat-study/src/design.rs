@@ -23,11 +23,11 @@ pub(crate) fn read(
         orders: orders(node)?,
         payload: payload_set::read(node, arm, world.payload.as_ref())?,
         coulomb: found.keep(coulomb(node, arm, world))?.unwrap_or_default(),
-        inertia: found.keep(inertia(node, joints, base))?.unwrap_or(InertiaSource::Robot),
+        inertia: found.keep(inertia(node, arm, base))?.unwrap_or(InertiaSource::Robot),
         window_margin: node.number("window_margin")?,
         modulus_min: node.number("modulus_margin_min")?,
         torque_step_max: joints.numbers_if(node, "torque_step_max_nm")?,
-        phi: found.keep(phi(node, joints, base))?.unwrap_or(PhiSource::Reference),
+        phi: found.keep(phi(node, arm, base))?.unwrap_or(PhiSource::Reference),
         phi_margin: node.number("phi_margin")?,
         settling_time: node.number_if("settling_time_s"),
         rise_time: node.number_if("rise_time_s"),
@@ -80,7 +80,8 @@ fn coulomb(
     Ok((low, high))
 }
 
-fn inertia(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<InertiaSource, StudyError> {
+fn inertia(node: &Node<'_>, arm: &StudyArm, base: Base<'_>) -> Result<InertiaSource, StudyError> {
+    let joints = &arm.joints;
     let (first, second) = ("inertia_low_kg_m2", "inertia_high_kg_m2");
     let typed = pair(node, joints, first, second)?;
     if let Some((low, high)) = &typed
@@ -90,7 +91,8 @@ fn inertia(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<InertiaSo
         let joint = (j, joints.names[j].as_str());
         return Err(node.error_at(Kind::Conflict, first, joint, message));
     }
-    match (node.text("inertia_from"), typed) {
+    match (node.text("inertia_from"), typed.or_else(|| Some(arm.stated.as_ref()?.inertia.clone())))
+    {
         (None | Some("typed"), Some((low, high))) => Ok(InertiaSource::Typed { low, high }),
         (Some("typed"), None) => Err(node.missing(first)),
         (Some(word), Some(_)) => Err(unused(node, first, "inertia_from", word)),
@@ -99,9 +101,11 @@ fn inertia(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<InertiaSo
     }
 }
 
-fn phi(node: &Node<'_>, joints: &Joints, base: Base<'_>) -> Result<PhiSource, StudyError> {
+fn phi(node: &Node<'_>, arm: &StudyArm, base: Base<'_>) -> Result<PhiSource, StudyError> {
+    let joints = &arm.joints;
     let (first, second) = ("phi_rate_max_nm_s", "phi_jump_max_nm");
-    match (node.text("phi_from"), pair(node, joints, first, second)?) {
+    let typed = pair(node, joints, first, second)?;
+    match (node.text("phi_from"), typed.or_else(|| Some(arm.stated.as_ref()?.phi.clone()))) {
         (None | Some("typed"), Some((rate, jump))) => Ok(PhiSource::Typed { rate, jump }),
         (Some("typed"), None) => Err(node.missing(first)),
         (Some(word), Some(_)) => Err(unused(node, first, "phi_from", word)),

@@ -3,6 +3,7 @@
 use crate::design_keys::DESIGN;
 use crate::feedforward::FEEDFORWARD;
 use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::joint::JOINT;
 use crate::key_parts::{ROBOT_OR_NONE, TIME, per_joint, table};
 use crate::profile::PROFILE;
 use crate::reference_keys::KINDS;
@@ -41,7 +42,14 @@ pub(crate) static STUDY: Section = Section {
             need: Need::Required,
             doc: "Simulated time. At most 4,000,000 control samples.",
         },
-        table("robot", Need::Required, &ROBOT, "The arm."),
+        table("robot", Need::Optional("`[[joint]]` says what is known of it"), &ROBOT, "The arm."),
+        Key {
+            name: "joint",
+            unit: "",
+            shape: Shape::Tables(&JOINT, 32),
+            need: Need::Optional("`[robot]` describes the arm"),
+            doc: "The arm joint by joint, where there is no description of it, each a `[[joint]]`.",
+        },
         table("spec", Need::Optional("no bounds"), &SPEC, "The error you can live with."),
         table(
             "design",

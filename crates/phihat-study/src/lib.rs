@@ -66,6 +66,7 @@ mod feedforward;
 mod format;
 mod found;
 mod gains;
+mod joint;
 mod key_parts;
 mod keys;
 mod limits;

@@ -171,7 +171,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let rate = found.keep(top.child("loop").number("rate_hz"))?;
     let period = duration.zip(rate).map(|run| control::period_ns(top, run));
     let period_ns = period.map_or(Ok(None), |period| found.keep(period))?;
-    let arm = StudyArm::read(&top.child("robot"), base)?;
+    let arm = StudyArm::read(top, base)?;
     // Where there are none, no time is beyond the end, and no frequency above half of the rate.
     let known = (duration.unwrap_or(f64::INFINITY), rate.unwrap_or(f64::INFINITY));
     let (duration, rate) = known;

@@ -23,6 +23,13 @@ pub(crate) static WORLD: Section = Section {
             doc: "Whether the friction in the robot's description acts.",
         },
         Key {
+            name: "joint_inertia",
+            unit: "",
+            shape: Shape::Word(&["high", "low"]),
+            need: Need::Word("high"),
+            doc: "Which end of the inertia that `[[joint]]` states is simulated.",
+        },
+        Key {
             name: "coulomb_extra_nm",
             unit: "N·m",
             shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),

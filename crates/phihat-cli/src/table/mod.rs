@@ -19,9 +19,9 @@ pub(crate) use limit::limit;
 pub(crate) use metrics::{metrics, tube, verdict};
 pub(crate) use robots::{chains, joints, robots};
 
-/// A figure with so many decimals, and with two significant digits at least: what is small is not shown as nothing.
+/// A figure with so many decimals; one that is below the last of them with two significant digits: it is not nothing.
 pub(crate) fn figure(value: f64, decimals: usize) -> String {
-    let least = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX)) * 10.0;
+    let least = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX));
     if !value.is_finite() || value.abs() >= least || value.abs() < f64::MIN_POSITIVE {
         return format!("{value:.decimals$}");
     }
@@ -61,13 +61,14 @@ mod tests {
             (12.3456, 3, "12.346"),
             (0.123_46, 3, "0.123"),
             (0.0123, 3, "0.012"),
-            (0.001_23, 3, "0.0012"),
-            (-0.000_996, 3, "-0.00100"),
+            (0.001_23, 3, "0.001"),
+            (0.000_123, 3, "0.00012"),
+            (-0.000_5, 3, "-0.00050"),
             (1.5e-6, 3, "0.0000015"),
             (1.5e-9, 3, "1.5e-9"),
             (0.0, 3, "0.000"),
             (0.04, 1, "0.040"),
-            (0.4, 1, "0.40"),
+            (0.4, 1, "0.4"),
             (4.0, 1, "4.0"),
             (0.0, 2, "0.00"),
             (f64::NAN, 2, "NaN"),
