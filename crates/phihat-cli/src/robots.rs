@@ -93,7 +93,9 @@ impl Robots {
             println!("{:#}", json!({ "file": out, "notes": notes }));
             return Ok(());
         }
-        notes.iter().for_each(|note| println!("note: {note}"));
+        for note in &notes {
+            println!("note: {note}");
+        }
         println!("written: {}", out.display());
         Ok(())
     }

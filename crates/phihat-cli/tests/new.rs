@@ -36,11 +36,14 @@ fn urdf(effort: &str, light: bool) -> String {
             ) + &link(&format!("finger_{side}_link"), 0.01, 0.02)
         })
         .concat();
+    // A payload out there is what makes a light joint heavy.
+    let tool = "<joint name=\"flange\" type=\"fixed\"><parent link=\"fore\"/><child link=\"tool\"/><origin xyz=\"0.3 0 0\"/></joint>\n\
+                <link name=\"tool\"/>\n";
     format!(
         "<robot name=\"two\"><link name=\"base\"/>\n{joints}{}{}{}</robot>\n",
         link("upper", 3.0, 0.2),
         link("fore", fore, 0.15),
-        if light { "" } else { &fingers }
+        if light { tool } else { &fingers }
     )
 }
 

@@ -131,7 +131,7 @@ impl Robot {
             text,
             "# gravity does not turn it, apply a small torque step; torque over acceleration, less the inertia of the links, is it.",
         );
-        self.section(text, "rotor", known);
+        Self::section(text, "rotor", known);
         self.list(text, ("armature_kg_m2", known), |joint| joint.armature);
         let intervals = known && self.joints.iter().any(|joint| joint.armature_range.is_some());
         if intervals {
@@ -152,7 +152,7 @@ impl Robot {
             text,
             "# level from min to max. Measure: turn the joint slowly both ways; half the difference of the torques is it.",
         );
-        self.section(text, "friction", true);
+        Self::section(text, "friction", true);
         self.list(text, ("viscous_nm_s_rad", true), |joint| joint.friction.viscous);
         self.list(text, ("coulomb_nm", true), |joint| joint.friction.coulomb);
         if self.joints.iter().all(|joint| joint.friction.coulomb_range.is_some()) {
@@ -179,7 +179,7 @@ impl Robot {
                 ),
             );
         }
-        self.section(text, "limits", known);
+        Self::section(text, "limits", known);
         self.list(text, ("torque_max_nm", known), |joint| joint.torque_max.unwrap_or(0.0));
         let fast = known && self.joints.iter().all(|joint| joint.velocity_max.is_some());
         if !fast {
@@ -206,7 +206,7 @@ impl Robot {
             text,
             "\n# Resolution of the position that the controller reads, in bits over one turn of the joint.",
         );
-        self.section(text, "encoder", known);
+        Self::section(text, "encoder", known);
         let bits: Vec<String> = self
             .joints
             .iter()
@@ -231,7 +231,7 @@ impl Robot {
         }
     }
 
-    fn section(&self, text: &mut String, name: &str, active: bool) {
+    fn section(text: &mut String, name: &str, active: bool) {
         line(text, &format!("{}[{name}]", if active { "" } else { "# " }));
     }
 

@@ -49,7 +49,7 @@ pub(crate) fn any_gains(study: &Study, path: &Path) -> Result<Option<usize>, Ses
     (easy.spec.velocity_error_max, easy.spec.error_integral_max) = (None, None);
     match one_search(&easy, path)? {
         Outcome::Designed(gains) => Ok(gains.joints.first().map(|joint| joint.a.len())),
-        _ => Ok(None),
+        Outcome::Infeasible(_) => Ok(None),
     }
 }
 

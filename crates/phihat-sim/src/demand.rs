@@ -75,9 +75,10 @@ impl Demand {
         let mut cases = vec![loaded_model(study)?];
         let set = &study.design.payload;
         // Each φ_i is affine in its joint's own rotor inertia, so that its bounds are convex: their ends are at its ends.
-        let rotors: &[Rotor] = match study.robot.has_rotor_interval() {
-            true => &[Rotor::Least, Rotor::Most],
-            false => &[Rotor::Stated],
+        let rotors: &[Rotor] = if study.robot.has_rotor_interval() {
+            &[Rotor::Least, Rotor::Most]
+        } else {
+            &[Rotor::Stated]
         };
         for rotor in rotors {
             let bare = study.robot.plant_model_at(*rotor).with_gravity(study.world.gravity);

@@ -62,8 +62,8 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     let name = options.study_name()?;
     let mut chosen = Chosen::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
-    let looked = Looked::new(options, &mut chosen, scratch.path())?;
-    let found = looked.search(&options.out, watch)?;
+    let mut looked = Looked::new(options, &mut chosen, scratch.path())?;
+    let found = looked.search((&mut chosen, &options.out), watch)?;
     watch.ended();
     let text = looked.study_text(&found, &chosen);
     let mut files = Vec::new();

@@ -93,7 +93,7 @@ impl Words<'_> {
         line("kind = \"sines\"".into());
         match &self.centre {
             Centre::Pose(name) => {
-                line(format!("center = {}", toml::Value::String((*name).to_owned())))
+                line(format!("center = {}", toml::Value::String((*name).to_owned())));
             }
             Centre::Posture(q) => line(format!("center_rad = {}", list(q))),
         }
