@@ -12,7 +12,7 @@ use phihat_design::{
     Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
     find_moving, search, typed_inertia_holds,
 };
-use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
+use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace, overload};
 use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
@@ -75,8 +75,21 @@ pub fn designed(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
 ///
 /// # Errors
 ///
-/// As [`designed`].
+/// As [`designed`]; its motion needs more than the drives have.
 pub fn designed_for(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    advice: Advice,
+) -> Result<Outcome, SessionError> {
+    match overload(study).map_err(|e| SessionError::at(path, e))? {
+        Some(more) => Err(SessionError::at(path, more)),
+        None => found_for(study, arm, path, advice),
+    }
+}
+
+/// As [`designed_for`], of a motion that the drives are known to bear or that shall go beyond them.
+pub(crate) fn found_for(
     study: &Study,
     arm: &Arm,
     path: &Path,
@@ -136,13 +149,13 @@ fn either_form(
     let known = study.design.inertia == InertiaSource::Robot && study.spec.error_bound.is_some();
     let ahead = study.control.delay_samples <= phihat_study::AHEAD_MAX;
     if !(ours && known && ahead) {
-        return designed_for(&observer, arm, path, advice);
+        return found_for(&observer, arm, path, advice);
     }
     let positions = formed(Form::Positions);
-    let Outcome::Designed(seen) = designed_for(&positions, arm, path, Advice::Clauses)? else {
-        return designed_for(&observer, arm, path, advice);
+    let Outcome::Designed(seen) = found_for(&positions, arm, path, Advice::Clauses)? else {
+        return found_for(&observer, arm, path, advice);
     };
-    let other = match designed_for(&observer, arm, path, Advice::Clauses)? {
+    let other = match found_for(&observer, arm, path, Advice::Clauses)? {
         Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => fed,
         _ => seen,
     };

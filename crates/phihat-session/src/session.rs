@@ -65,14 +65,18 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
-    /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
+    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the motion needs more than the drives have
+    /// or the arm's inertia is not inside of the gains' window (unless `uncertified`), or the study cannot be simulated.
     pub fn new(
         mut study: Box<Study>,
         path: &Path,
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
+        let more = phihat_sim::overload(&study).map_err(|e| SessionError::at(path, e))?;
+        let more =
+            more.map(|more| if uncertified { Ok(more) } else { Err(SessionError::at(path, more)) });
+        let overload = more.transpose()?;
         let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
@@ -90,6 +94,8 @@ impl Session {
             .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
+        // Whoever runs what may not run is shown what comes of it.
+        warnings.extend(overload.map(|more| format!("run uncertified: {more}")));
         if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
             if !uncertified {
                 let (path, why) = (source.to_owned(), Box::new(why));
@@ -173,7 +179,7 @@ impl Session {
 
 /// Gains for a study that leaves them to the design.
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    match design::designed_for(study, arm, path, Advice::Changes)? {
+    match design::found_for(study, arm, path, Advice::Changes)? {
         Outcome::Designed(gains) => Ok(*gains),
         Outcome::Infeasible(no) => {
             Err(SessionError::Infeasible { path: path.to_owned(), no: Box::new(no) })

@@ -313,6 +313,15 @@ static LOOP: Section = Section {
             need: Need::Word("none"),
             doc: "Torque-rate limit of the command; `\"robot\"` takes the robot's.",
         },
+        Key {
+            name: "beyond_drives",
+            unit: "",
+            shape: Shape::Word(&["refuse", "allow"]),
+            need: Need::Word("refuse"),
+            doc: "What becomes of a motion that needs more torque than `torque_max_nm`, or more speed than the robot has, by the \
+                  robot's description, its friction and each end of the payload. `refuse`: nothing is designed or run. `allow`: \
+                  the study is about drives that saturate.",
+        },
     ],
 };
 
