@@ -65,7 +65,9 @@ fn what_cannot_be_had_is_told_with_what_can() {
         "{}",
         answer.out
     );
-    assert!(!folder.join("out").exists());
+    assert!(answer.out.contains("rad/s"), "how fast a law may be: {}", answer.out);
+    assert!(folder.join("out/strict/budget.html").is_file());
+    assert!(!folder.join("out/strict/gains.json").exists());
     let answer = phihat(&folder, &["verify", "studies/first.toml"]);
     assert_eq!(answer.code, 2);
     assert!(answer.err.contains("studies/first.toml"), "{}", answer.err);

@@ -58,7 +58,7 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judg
 }
 
 /// What of the specification each joint's tube uses; clauses that it does not keep are told.
-fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
+pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     let mut shares = vec![0.0_f64; tube.joints.len()];
     let spec = &study.spec;
     let mut clause =

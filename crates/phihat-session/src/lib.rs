@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod budget;
 mod coarser;
 mod design;
 mod dice;
@@ -50,6 +51,7 @@ mod watch;
 mod words;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use budget::{BudgetFiles, Tried, budget, write_budget};
 pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};

@@ -4,11 +4,13 @@ use phihat::Form;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
-use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
+use phihat_design::budget::Budget;
+use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requested_gains};
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
 use phihat_study::Study;
 
+use crate::budget::{BudgetFiles, Tried, budget, write_budget};
 use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
@@ -43,6 +45,25 @@ impl RunOptions {
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
         Ok((Session::new(study, &self.study, gains.transpose()?, self.uncertified)?, folder))
+    }
+
+    /// Of a study that no gains serve: what its error is spent on and which changes help, written beside where its run would be.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: the study cannot be read, or the files not be written.
+    pub fn explain(
+        &self,
+        no: &Infeasible,
+        watch: &mut dyn Watch,
+    ) -> Result<(Budget, BudgetFiles), SessionError> {
+        let study = design::read(&self.study)?;
+        let arm = design::arm(&study, &self.study)?;
+        let outcome = Outcome::Infeasible(no.clone());
+        let budget = budget(&study, &arm, &self.study, (&outcome, Tried::Changes), watch)?;
+        let default = || Path::new("out").join(&study.name);
+        let files = write_budget(&budget, &self.out.clone().unwrap_or_else(default))?;
+        Ok((budget, files))
     }
 }
 
@@ -98,8 +119,9 @@ impl Session {
         warnings.extend(overload.map(|more| format!("run uncertified: {more}")));
         if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
             if !uncertified {
+                let words = words::unstable(&study, &arm, &chosen, &why);
                 let (path, why) = (source.to_owned(), Box::new(why));
-                return Err(SessionError::NotArmed { path, why });
+                return Err(SessionError::NotArmed { path, why, words });
             }
             command += " --uncertified";
             warnings.push(format!("run uncertified: {why}"));
@@ -179,12 +201,15 @@ impl Session {
 
 /// Gains for a study that leaves them to the design.
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    match design::found_for(study, arm, path, Advice::Changes)? {
-        Outcome::Designed(gains) => Ok(*gains),
-        Outcome::Infeasible(no) => {
-            Err(SessionError::Infeasible { path: path.to_owned(), no: Box::new(no) })
+    let outcome = design::found_for(study, arm, path, Advice::Clauses)?;
+    let (no, budget) = match outcome {
+        Outcome::Designed(gains) => return Ok(*gains),
+        Outcome::Infeasible(ref no) => {
+            let budget = budget(study, arm, path, (&outcome, Tried::Nothing), &mut ())?;
+            (Box::new(no.clone()), Some(Box::new(budget)))
         }
-    }
+    };
+    Err(SessionError::Infeasible { path: path.to_owned(), no, budget })
 }
 
 fn run_info(

@@ -1,5 +1,6 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
+mod budget;
 mod coarser;
 mod coupled;
 mod design;
@@ -10,6 +11,7 @@ mod robots;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
+pub(crate) use budget::budget;
 pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
 pub(crate) use limit::limit;
