@@ -130,6 +130,9 @@ fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> Exi
     } else {
         println!("{} · {}", done.study.name, done.study.title);
         println!("{}", table::metrics(&done.metrics));
+        if let Some(tip) = table::tip(&done.metrics) {
+            println!("{tip}");
+        }
         if let Some(run) = &done.tube {
             println!("{}", table::tube(run));
         }

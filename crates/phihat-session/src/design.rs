@@ -1,5 +1,6 @@
 //! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
@@ -12,7 +13,9 @@ use phihat_design::{
     Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
     find_moving, search, typed_inertia_holds,
 };
-use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace, overload};
+use phihat_sim::{
+    Demand, Observed, PhiAlong, SimError, Simulation, Trace, error_for_tip, overload,
+};
 use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
@@ -95,6 +98,8 @@ pub(crate) fn found_for(
     path: &Path,
     advice: Advice,
 ) -> Result<Outcome, SessionError> {
+    let for_tip = with_tip(study).map_err(|e| SessionError::at(path, e))?;
+    let study = &*for_tip;
     if study.control.form_designed {
         return either_form(study, arm, path, advice);
     }
@@ -129,6 +134,16 @@ pub(crate) fn found_for(
         }
     }
     completed(study, arm, outcome, path)
+}
+
+/// The study with an error of its joints that keeps the bound on its tip, where it states one.
+pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
+    let Some(enough) = error_for_tip(study)? else { return Ok(Cow::Borrowed(study)) };
+    let mut own = study.clone();
+    let n = own.robot.joints.len();
+    let asked = own.spec.error_bound.get_or_insert_with(|| vec![f64::INFINITY; n]);
+    asked.iter_mut().for_each(|bound| *bound = bound.min(enough));
+    Ok(Cow::Owned(own))
 }
 
 /// Designs in both forms that serve the study, and takes the better one.

@@ -95,6 +95,14 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
     clause("design.torque_step_max_nm", study.design.torque_step_max.as_ref(), &steady, false);
     let limits = spec.error_integral_max.as_ref();
     clause("spec.error_integral_max_rad_s", limits, &integral, false);
+    if let Some(limit) = spec.tip_error_max {
+        let bound = tube.tip.as_ref().map_or(f64::INFINITY, |tip| tip.error_max_m);
+        if bound > limit {
+            let (limit, bound) = (1e3 * limit, 1e3 * bound);
+            unproved.push(format!("spec.tip_error_max_mm = {limit}: the tube says {bound:.4e}"));
+        }
+        shares.iter_mut().for_each(|share| *share = share.max(bound / limit));
+    }
     shares
 }
 

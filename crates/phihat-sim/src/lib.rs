@@ -73,6 +73,7 @@ mod simulation;
 mod spline;
 mod supervision;
 mod survival;
+mod tip;
 mod trace;
 mod trace_csv;
 #[cfg(feature = "parquet")]
@@ -92,6 +93,7 @@ pub use overload::{Lack, Overload, overload};
 pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Ended, Outcome, Simulation, samples};
 pub use survival::Survival;
+pub use tip::{TipMetrics, error_for_tip};
 pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};
 #[cfg(feature = "parquet")]

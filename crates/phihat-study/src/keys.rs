@@ -174,6 +174,14 @@ static SPEC: Section = Section {
             need: Need::Optional("no bound"),
             doc: "Largest |ė|.",
         },
+        Key {
+            name: "tip_error_max_mm",
+            unit: "mm",
+            shape: Shape::Number(Bounds::positive(1e4)),
+            need: Need::Optional("no bound"),
+            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an `error_max_rad` that \
+                  is enough: this over the sum of the tip's distances from all joint axes, the largest along the motion.",
+        },
     ],
 };
 

@@ -99,6 +99,8 @@ pub struct Spec {
     pub error_integral_max: Option<Vec<f64>>,
     /// Largest |ė| \[rad/s\] per joint.
     pub velocity_error_max: Option<Vec<f64>>,
+    /// Largest distance of the arm's tip from where the reference has it \[m\].
+    pub tip_error_max: Option<f64>,
 }
 
 /// `[design]`: what gains shall be found from.

@@ -15,7 +15,7 @@ pub(crate) use budget::budget;
 pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
 pub(crate) use limit::limit;
-pub(crate) use metrics::{metrics, tube, verdict};
+pub(crate) use metrics::{metrics, tip, tube, verdict};
 pub(crate) use robots::{chains, joints, robots};
 
 /// Thousandths, for reading: mrad, mrad·s, mrad/s.

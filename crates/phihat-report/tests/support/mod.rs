@@ -176,6 +176,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         limited_steady_share: 0.0,
         within_spec: joints.iter().all(holds),
         joints,
+        tip: None,
     }
 }
 

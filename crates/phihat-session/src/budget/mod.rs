@@ -13,6 +13,7 @@ use phihat_sim::Demand;
 use phihat_study::{InertiaSource, PhiSource, Study};
 
 use crate::along::phi_along;
+use crate::design::with_tip;
 use crate::error::SessionError;
 use crate::watch::Watch;
 
@@ -48,6 +49,8 @@ pub fn budget(
     (outcome, tried): (&Outcome, Tried),
     watch: &mut dyn Watch,
 ) -> Result<Budget, SessionError> {
+    let for_tip = with_tip(study).map_err(|e| SessionError::at(path, e))?;
+    let study = &*for_tip;
     let (gains, feasible, mut words) = match outcome {
         Outcome::Designed(gains) => {
             let unproved = gains.certificate.as_ref().map(|c| c.unproved.clone());
