@@ -4,6 +4,7 @@
 
 mod support;
 
+use std::collections::BTreeMap;
 use std::fs;
 
 use support::{folder, json, phihat};
@@ -40,17 +41,14 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     let trace = fs::read_to_string(folder.join("out/arm/trace.csv")).unwrap();
     let mut lines = trace.lines();
     let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let column = |name: &str| heads.iter().position(|head| *head == name);
-    let (t, e) = (column("t_ns").or(column("t_s")).unwrap(), column("e_rad").unwrap());
-    let mut sums: std::collections::BTreeMap<String, f64> = std::collections::BTreeMap::new();
+    let column = |name: &str| heads.iter().position(|head| *head == name).unwrap();
+    let (t, e) = (column("t_s"), column("e_rad"));
+    let mut sums: BTreeMap<String, f64> = BTreeMap::new();
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         *sums.entry(cells[t].to_owned()).or_default() += cells[e].parse::<f64>().unwrap();
     }
-    let seconds = |t: &str| {
-        t.parse::<f64>().unwrap() * if heads[t_is_ns(&heads)] == "t_ns" { 1e-9 } else { 1.0 }
-    };
-    let steady = sums.iter().filter(|(t, _)| seconds(t) >= 1.0);
+    let steady = sums.iter().filter(|(t, _)| t.parse::<f64>().unwrap() >= 1.0);
     let most = steady.map(|(_, sum)| sum.abs()).fold(0.0, f64::max);
     assert!((turned - most).abs() < 1e-6 * most + 1e-12, "{turned} {most}");
     // For people.
@@ -75,8 +73,4 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     *most = serde_json::json!(0.9 * bound);
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
     assert_eq!(phihat(&folder, &["verify", "forged.json"]).code, 1);
-}
-
-fn t_is_ns(heads: &[&str]) -> usize {
-    heads.iter().position(|head| *head == "t_ns" || *head == "t_s").unwrap()
 }
