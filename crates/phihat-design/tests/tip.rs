@@ -78,7 +78,7 @@ struct Arm {
 
 impl Arm {
     fn draw(random: &mut Random, n: usize) -> Self {
-        let mut vector = |size: f64, random: &mut Random| random.direction().map(|x| x * size);
+        let vector = |size: f64, random: &mut Random| random.direction().map(|x| x * size);
         let links = (0..n).map(|_| Link {
             origin: vector(0.4, random),
             axis: random.direction(),
