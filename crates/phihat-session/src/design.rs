@@ -142,7 +142,9 @@ pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
     let mut own = study.clone();
     let n = own.robot.joints.len();
     let asked = own.spec.error_bound.get_or_insert_with(|| vec![f64::INFINITY; n]);
-    asked.iter_mut().for_each(|bound| *bound = bound.min(enough));
+    for bound in asked {
+        *bound = bound.min(enough);
+    }
     Ok(Cow::Owned(own))
 }
 

@@ -101,7 +101,9 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
             let (limit, bound) = (1e3 * limit, 1e3 * bound);
             unproved.push(format!("spec.tip_error_max_mm = {limit}: the tube says {bound:.4e}"));
         }
-        shares.iter_mut().for_each(|share| *share = share.max(bound / limit));
+        for share in &mut shares {
+            *share = share.max(bound / limit);
+        }
     }
     shares
 }

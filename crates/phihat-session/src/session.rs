@@ -94,21 +94,16 @@ impl Session {
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
-        let more = phihat_sim::overload(&study).map_err(|e| SessionError::at(path, e))?;
-        let more =
-            more.map(|more| if uncertified { Ok(more) } else { Err(SessionError::at(path, more)) });
-        let overload = more.transpose()?;
+        let overload = beyond_drives(&study, path, uncertified)?;
         let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
-        let chosen = match (gains, requested_gains(&study)) {
-            (Some((given, file)), _) => {
-                command = format!("{command} --gains {}", file.display());
-                source = file;
-                given
-            }
-            (None, Some(stated)) => stated,
-            (None, None) => designed_gains(&study, &arm, path)?,
+        let chosen = if let Some((given, file)) = gains {
+            command = format!("{command} --gains {}", file.display());
+            source = file;
+            given
+        } else {
+            own_gains(&study, &arm, path)?
         };
         chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
@@ -116,15 +111,10 @@ impl Session {
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         // Whoever runs what may not run is shown what comes of it.
-        warnings.extend(overload.map(|more| format!("run uncertified: {more}")));
-        if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
-            if !uncertified {
-                let words = words::unstable(&study, &arm, &chosen, &why);
-                let (path, why) = (source.to_owned(), Box::new(why));
-                return Err(SessionError::NotArmed { path, why, words });
-            }
+        warnings.extend(overload);
+        if let Some(why) = not_armed((&study, &arm, &chosen), source, uncertified)? {
             command += " --uncertified";
-            warnings.push(format!("run uncertified: {why}"));
+            warnings.push(why);
         }
         settle(&mut study, &chosen);
         let forecast = phihat_sim::forecast(&study).map_err(|e| SessionError::at(path, e))?;
@@ -199,7 +189,44 @@ impl Session {
     }
 }
 
+/// Why gains may not run on an arm, as a warning of a run that is uncertified.
+#[inline(never)]
+fn not_armed(
+    (study, arm, gains): (&Study, &Arm, &Gains),
+    source: &Path,
+    uncertified: bool,
+) -> Result<Option<String>, SessionError> {
+    match arm_inside_window(study, arm, gains) {
+        Err(why) if !uncertified => {
+            let words = words::unstable(study, arm, gains, &why);
+            let (path, why) = (source.to_owned(), Box::new(why));
+            Err(SessionError::NotArmed { path, why, words })
+        }
+        held => Ok(held.err().map(|why| format!("run uncertified: {why}"))),
+    }
+}
+
+/// What a motion needs that the drives do not have, as a warning of a run that is uncertified.
+#[inline(never)]
+fn beyond_drives(
+    study: &Study,
+    path: &Path,
+    uncertified: bool,
+) -> Result<Option<String>, SessionError> {
+    match phihat_sim::overload(study).map_err(|e| SessionError::at(path, e))? {
+        Some(more) if !uncertified => Err(SessionError::at(path, more)),
+        more => Ok(more.map(|more| format!("run uncertified: {more}"))),
+    }
+}
+
+/// The gains that a study states, else designed ones.
+#[inline(never)]
+fn own_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
+    requested_gains(study).map_or_else(|| designed_gains(study, arm, path), Ok)
+}
+
 /// Gains for a study that leaves them to the design.
+#[inline(never)]
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
     let outcome = design::found_for(study, arm, path, Advice::Clauses)?;
     let (no, budget) = match outcome {

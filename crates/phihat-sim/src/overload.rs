@@ -19,6 +19,10 @@ const ROUNDING: f64 = 1e-6;
 const SLOWEST: f64 = 100.0;
 const DIGIT: f64 = 100.0;
 
+/// Halvings of the factor's logarithm, and hundredths that are tried beyond what was found.
+const HALVINGS: u32 = 14;
+const STEPS: u32 = 100;
+
 /// What a motion needs that a joint's drive does not have: the joint whose need is the largest share of its limit.
 ///
 /// # Law
@@ -222,19 +226,14 @@ impl Needs {
             return None;
         }
         let (mut low, mut high) = (1.0_f64, SLOWEST);
-        while high / low > 1.0 + 0.1 / DIGIT {
+        for _ in 0..HALVINGS {
             let middle = (low * high).sqrt();
             if borne(middle) { high = middle } else { low = middle }
         }
-        let mut told = (high * DIGIT).ceil() / DIGIT;
         // Needs need not fall with every step of it.
-        while !borne(told) {
-            told += 1.0 / DIGIT;
-            if told > SLOWEST {
-                return None;
-            }
-        }
-        Some(told)
+        (0..STEPS)
+            .map(|step| ((high * DIGIT).ceil() + f64::from(step)) / DIGIT)
+            .find(|told| borne(*told))
     }
 
     /// The largest share of a limit per joint, all times of the motion times a factor.

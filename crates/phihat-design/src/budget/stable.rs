@@ -6,8 +6,8 @@ use crate::JointRecord;
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel};
 
-/// How closely the factor is found, relative, and the smallest one.
-const CLOSE: f64 = 1e-3;
+/// Halvings of the last step, and the smallest factor.
+const HALVINGS: u32 = 7;
 const LEAST: f64 = 1e-3;
 
 /// Largest factor, at most 1, on the speed of a law of observer form (`K_p f²`, `K_d f`, `a_i f^{m−i}`) with which the sampled loop is
@@ -39,7 +39,7 @@ pub fn largest_stable(
             return None;
         }
     }
-    while unstable / stands > 1.0 + CLOSE {
+    for _ in 0..HALVINGS {
         let middle = (unstable * stands).sqrt();
         if stable(middle) { stands = middle } else { unstable = middle }
     }

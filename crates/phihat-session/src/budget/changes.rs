@@ -9,7 +9,6 @@ use phihat_study::{AHEAD_MAX, DesignMethod, InertiaSource, Study};
 
 use super::slower::slower;
 use crate::design::{Advice, arm, found_for};
-use crate::error::SessionError;
 use crate::judged::shares;
 use crate::watch::Watch;
 
@@ -48,11 +47,7 @@ struct Rung {
 type Ladder = Vec<Rung>;
 
 /// Changes that a user of this robot can make, tried out; those that help first.
-pub(super) fn tried(
-    study: &Study,
-    path: &Path,
-    watch: &mut dyn Watch,
-) -> Result<Vec<TriedChange>, SessionError> {
+pub(super) fn tried(study: &Study, path: &Path, watch: &mut dyn Watch) -> Vec<TriedChange> {
     let mut all = Vec::new();
     for ladder in ladders(study, path) {
         let Some(last) = ladder.last() else { continue };
@@ -73,7 +68,7 @@ pub(super) fn tried(
         all.push(told(best.0, Some(best.1)));
     }
     all.sort_by_key(|change| !change.helps);
-    Ok(all)
+    all
 }
 
 fn told(rung: &Rung, share: Option<f64>) -> TriedChange {

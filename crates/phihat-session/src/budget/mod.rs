@@ -71,7 +71,7 @@ pub fn budget(
         _ => front(study, arm, &demand),
     };
     let changes = match tried {
-        Tried::Changes if !feasible => changes::tried(study, path, watch)?,
+        Tried::Changes if !feasible => changes::tried(study, path, watch),
         _ => Vec::new(),
     };
     if gains.is_none() {

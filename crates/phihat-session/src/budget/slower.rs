@@ -10,11 +10,15 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
         Reference::Sines { terms, fade_in, .. } => {
             *fade_in *= factor;
             for term in terms {
-                term.frequency.iter_mut().for_each(|hz| *hz /= factor);
+                for hz in &mut term.frequency {
+                    *hz /= factor;
+                }
             }
         }
         Reference::Waypoints { t, .. } | Reference::Samples { t, .. } => {
-            t.iter_mut().for_each(|t| *t *= factor);
+            for t in t {
+                *t *= factor;
+            }
         }
         Reference::Cartesian { period, fade_in, .. } => {
             *period *= factor;
