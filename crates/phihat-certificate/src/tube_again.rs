@@ -42,6 +42,7 @@ impl Certificate {
     ) -> Result<Option<TubeAgain>, Refutation> {
         let Some(claimed) = &self.tube else { return Ok(None) };
         self.tube_is_of(study)?;
+        self.tip_is_of(study, reference)?;
         let own = match self.tube_again(gains, (study, reference), progress) {
             None => return Ok(None),
             Some(Ok(own)) => own,
@@ -75,6 +76,16 @@ impl Certificate {
         };
         let own = tube::derive(&inputs, progress);
         Some(own.map(|own| own.steady_from(claimed.settle_s)))
+    }
+
+    /// Checks that what the tube says of the tip is of the study's arm along its motion; see [`crate::TubeTip::is_of`].
+    ///
+    /// # Errors
+    ///
+    /// The first [`Refutation`].
+    pub fn tip_is_of(&self, study: &Study, reference: &Reference) -> Result<(), Refutation> {
+        let Some(tube) = &self.tube else { return Ok(()) };
+        tube.tip.as_ref().map_or(Ok(()), |tip| tip.is_of(study, reference, tube))
     }
 
     /// Checks that the tube is about what the study says: payloads, friction, encoders, settling time.
@@ -166,6 +177,7 @@ mod tests {
             quantum_rad: vec![0.0],
             joints: vec![joint],
             limits_silent: true,
+            tip: None,
         }
     }
 
@@ -175,6 +187,7 @@ mod tests {
             error_bound: Some(vec![2.0]),
             velocity_error_max: None,
             error_integral_max: Some(vec![2.5]),
+            tip_error_max: None,
             settle: 0.0,
             settle_stated: true,
         };

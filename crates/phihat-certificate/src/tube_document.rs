@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::TubeTip;
 use crate::extremes::{Extremes as _, larger};
 
 /// Nanoseconds of a second.
@@ -38,6 +39,9 @@ pub struct Tube {
     pub joints: Vec<TubeJoint>,
     /// No torque limit and no torque-rate limit can act anywhere along it.
     pub limits_silent: bool,
+    /// What follows for the tip of the arm; older documents have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<TubeTip>,
 }
 
 /// Bodies of which one is welded to a frame of the arm.
@@ -114,7 +118,18 @@ impl Tube {
             joint.torque_step_steady_max_nm = steps.clone().skip(first).largest();
             joint.torque_step_max_nm = steps.largest();
         }
+        let off: Vec<_> = (first..bins).filter_map(|bin| self.tip_in_bin(bin)).collect();
+        if let Some(tip) = &mut self.tip {
+            tip.error_max_m = off.iter().map(|(off, _)| *off).largest();
+            tip.angle_max_rad = off.iter().map(|(_, turned)| *turned).largest();
+        }
         self
+    }
+
+    /// By how much the tip \[m\] and its axes \[rad\] can be off in a bin; `None`: nothing is said of the tip.
+    pub fn tip_in_bin(&self, bin: usize) -> Option<(f64, f64)> {
+        let sizes: Vec<f64> = self.joints.iter().map(|joint| joint.error_at(bin)).collect();
+        self.tip.as_ref().map(|tip| tip.off(bin, &sizes))
     }
 
     /// Number of bins.

@@ -36,6 +36,7 @@ fn tube() -> Tube {
         quantum_rad: vec![0.0; 2],
         joints: vec![joint("joint1", &errors), joint("joint2", &[2e-3; 10])],
         limits_silent: true,
+        tip: None,
     }
 }
 

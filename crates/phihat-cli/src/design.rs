@@ -5,11 +5,15 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use phihat_design::budget::Budget;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, ProofProgress};
 use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
-use phihat_session::{Advice, are_of_a_run, arm, beside_limits, designed_for, files, read};
+use phihat_session::{
+    Advice, BudgetFiles, Tried, are_of_a_run, arm, beside_limits, budget, designed_for, files,
+    read, write_budget,
+};
 
 use crate::failure::Failure;
 use crate::shown::{Shown, spinner};
@@ -42,6 +46,13 @@ pub(crate) struct Design {
     /// inertia costs: takes some seconds more, and is kept in gains.json, for the report. No claim: nothing checks it.
     #[arg(long)]
     limit: bool,
+    /// Tell what the allowed error is spent on, joint by joint, and what other laws would do; written to budget.html and
+    /// budget.json beside the gains. Where there are no gains this is done anyway, with what one change would buy.
+    #[arg(long)]
+    budget: bool,
+    /// Say too what the search and its proofs looked at.
+    #[arg(long)]
+    verbose: bool,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -63,22 +74,50 @@ impl Design {
             };
         }
         let arm = arm(&study, &self.study)?;
-        match designed_for(&study, &arm, &self.study, Advice::Changes)? {
-            Outcome::Designed(mut gains) => {
+        let mut outcome = designed_for(&study, &arm, &self.study, Advice::Clauses)?;
+        let asked = self.budget || matches!(outcome, Outcome::Infeasible(_));
+        let told = if asked { Some(self.told(&study, &arm, &outcome)?) } else { None };
+        match &mut outcome {
+            Outcome::Designed(gains) => {
                 if let Some(seconds) = self.prove_range {
-                    prove_range(&mut gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
+                    prove_range(gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
                 }
                 if self.limit {
                     let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
-                    beside_limits(&study, &mut gains, &mut shown)?;
+                    beside_limits(&study, gains, &mut shown)?;
                 }
-                self.write(&study, &gains)
+                self.write(&study, gains, told.as_ref())
             }
-            Outcome::Infeasible(no) => Ok(self.refuse(&no)),
+            Outcome::Infeasible(no) => Ok(self.refuse(no, told.as_ref())),
         }
     }
 
-    fn write(&self, study: &Study, gains: &Gains) -> Result<ExitCode, Failure> {
+    /// The folder of the results.
+    fn folder(&self, study: &Study) -> PathBuf {
+        let default = || Path::new("out").join(&study.name);
+        self.out.as_ref().and_then(|file| file.parent()).map_or_else(default, Path::to_owned)
+    }
+
+    /// The error budget, and where it was written.
+    fn told(
+        &self,
+        study: &Study,
+        arm: &Arm,
+        outcome: &Outcome,
+    ) -> Result<(Budget, BudgetFiles), Failure> {
+        let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
+        let asked = (outcome, Tried::Changes);
+        let budget = budget(study, arm, &self.study, asked, &mut shown)?;
+        let files = write_budget(&budget, &self.folder(study))?;
+        Ok((budget, files))
+    }
+
+    fn write(
+        &self,
+        study: &Study,
+        gains: &Gains,
+        told: Option<&(Budget, BudgetFiles)>,
+    ) -> Result<ExitCode, Failure> {
         let default = || Path::new("out").join(&study.name).join("gains.json");
         let path = self.out.clone().unwrap_or_else(default);
         let text = gains.to_json().map_err(Failure::plain)?;
@@ -91,7 +130,11 @@ impl Design {
             );
         }
         if self.json {
-            println!("{:#}", json!({ "outcome": "designed", "file": path, "gains": gains }));
+            let mut document = json!({ "outcome": "designed", "file": path, "gains": gains });
+            if let Some((budget, _)) = told {
+                document["budget"] = json!(budget);
+            }
+            println!("{document:#}");
         } else {
             println!("{}", table::gains(gains));
             println!("{}", gains.method);
@@ -104,16 +147,33 @@ impl Design {
             if let Some(coarser) = table::coarser(gains) {
                 println!("{coarser}");
             }
+            if let Some((budget, files)) = told {
+                println!("{}", table::budget(budget));
+                println!("budget: {}", files.page.display());
+            }
             println!("gains: {}", path.display());
         }
         Ok(ExitCode::SUCCESS)
     }
 
-    fn refuse(&self, no: &Infeasible) -> ExitCode {
+    fn refuse(&self, no: &Infeasible, told: Option<&(Budget, BudgetFiles)>) -> ExitCode {
+        let page = told.map(|(_, files)| &files.page);
+        let budget = told.map(|(budget, _)| budget);
         if self.json {
-            println!("{:#}", json!({ "outcome": "infeasible", "reason": no }));
+            let document =
+                json!({ "outcome": "infeasible", "reason": no, "budget": budget, "page": page });
+            println!("{document:#}");
         } else {
             println!("{no}");
+            if self.verbose {
+                println!("{}", no.searched());
+            }
+            if let Some(budget) = budget {
+                println!("{}", table::budget(budget));
+            }
+            if let Some(page) = page {
+                println!("budget: {}", page.display());
+            }
         }
         ExitCode::from(1)
     }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_report::limits_acted;
-use phihat_session::{Done, RunOptions, stopped};
+use phihat_session::{Done, RunOptions, SessionError, stopped};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -27,6 +27,9 @@ struct RunArguments {
     /// Run gains even where the arm's inertia is not inside their window; marked in the record.
     #[arg(long)]
     uncertified: bool,
+    /// Say too what proofs say of what is refused.
+    #[arg(long)]
+    verbose: bool,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -78,7 +81,10 @@ impl RunArguments {
             out: self.out.clone(),
             uncertified: self.uncertified,
         };
-        let (session, folder) = options.open()?;
+        let (session, folder) = match options.open() {
+            Ok(opened) => opened,
+            Err(why) => return self.refused(&options, why),
+        };
         let page = shown_page.map(|_| folder.join("report.html"));
         let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
@@ -87,6 +93,26 @@ impl RunArguments {
             shown.show(page);
         }
         Ok(code)
+    }
+}
+
+impl RunArguments {
+    /// Why nothing runs: where no gains keep what is asked for, with what the error is spent on and what would help.
+    fn refused(&self, options: &RunOptions, why: SessionError) -> Result<ExitCode, Failure> {
+        if self.verbose
+            && let Some(words) = why.in_full()
+        {
+            eprintln!("{words}");
+        }
+        if let SessionError::Infeasible { no, .. } = &why {
+            let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
+            let (budget, files) = options.explain(no, &mut shown)?;
+            if !self.json {
+                println!("{}", table::budget(&budget));
+            }
+            eprintln!("budget: {}", files.page.display());
+        }
+        Err(why.into())
     }
 }
 
@@ -111,6 +137,9 @@ fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> Exi
     } else {
         println!("{} · {}", done.study.name, done.study.title);
         println!("{}", table::metrics(&done.metrics));
+        if let Some(tip) = table::tip(&done.metrics) {
+            println!("{tip}");
+        }
         if let Some(run) = &done.tube {
             println!("{}", table::tube(run, &done.metrics));
         }

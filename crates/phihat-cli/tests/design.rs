@@ -65,7 +65,9 @@ fn what_cannot_be_had_is_told_with_what_can() {
         "{}",
         answer.out
     );
-    assert!(!folder.join("out").exists());
+    assert!(answer.out.contains("rad/s"), "how fast a law may be: {}", answer.out);
+    assert!(folder.join("out/strict/budget.html").is_file());
+    assert!(!folder.join("out/strict/gains.json").exists());
     let answer = phihat(&folder, &["verify", "studies/first.toml"]);
     assert_eq!(answer.code, 2);
     assert!(answer.err.contains("studies/first.toml"), "{}", answer.err);
@@ -230,4 +232,30 @@ fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
             finer[i] = foretold;
         }
     }
+}
+
+#[test]
+fn a_motion_beyond_the_drives_is_refused_by_design_and_run_with_a_remedy() {
+    let folder = folder("overload");
+    let text = fs::read_to_string(folder.join("studies/panda_design.toml")).unwrap();
+    // Less than it takes to hold the arm up.
+    let weak = text.replace("[loop]", "[loop]\ntorque_max_nm = 5.0");
+    assert!(weak != text);
+    fs::write(folder.join("weak.toml"), &weak).unwrap();
+    for verb in ["design", "run", "simulate"] {
+        let answer = phihat(&folder, &[verb, "weak.toml"]);
+        assert_eq!(answer.code, 2, "{verb}: {}", answer.out);
+        for part in
+            ["N·m of panda_joint", "at t = ", "the drive has", "help:", "loop.beyond_drives"]
+        {
+            assert!(answer.err.contains(part), "{verb}: {part}: {}", answer.err);
+        }
+        assert!(!folder.join("out").exists(), "{verb}");
+    }
+    let failure = json(&folder, &["design", "weak.toml", "--json"]);
+    assert_eq!(failure["exit_code"], 2);
+    let meant = weak.replace("[loop]", "[loop]\nbeyond_drives = \"allow\"");
+    fs::write(folder.join("meant.toml"), meant).unwrap();
+    let answer = phihat(&folder, &["design", "meant.toml"]);
+    assert!(!answer.err.contains("beyond_drives"), "{}", answer.err);
 }

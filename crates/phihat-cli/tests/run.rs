@@ -116,10 +116,13 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
     let answer = phihat(&folder, &["run", "wild.toml"]);
     assert_eq!(answer.code, 2, "gains outside the window do not arm: {}", answer.out);
     assert!(
-        answer.err.contains("not armed") && answer.err.contains("window.low"),
+        answer.err.contains("not armed") && answer.err.contains("inertia window: "),
         "{}",
         answer.err
     );
+    assert!(!answer.err.contains("window.low"), "inequalities are for who asks: {}", answer.err);
+    let verbose = phihat(&folder, &["run", "wild.toml", "--verbose"]);
+    assert!(verbose.err.contains("window.low"), "{}", verbose.err);
     assert!(!folder.join("out/wild").exists());
     let answer = phihat(&folder, &["run", "wild.toml", "--uncertified"]);
     assert_eq!(answer.code, 1, "{}\n{}", answer.out, answer.err);

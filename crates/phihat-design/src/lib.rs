@@ -61,6 +61,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+pub mod budget;
 mod certificate;
 pub mod claims;
 mod contradiction;

@@ -1,5 +1,6 @@
 //! Errors of the Rust half as exceptions of `phihat._errors`, with what they carry.
 
+use phihat_design::budget::Budget;
 use phihat_design::{GainsError, Infeasible};
 use phihat_model::{RobotError, input};
 use phihat_session::SessionError;
@@ -103,7 +104,7 @@ pub(crate) fn gains(py: Python<'_>, error: &GainsError) -> PyErr {
 pub(crate) fn session(py: Python<'_>, error: &SessionError) -> PyErr {
     match error {
         SessionError::Study(why) => study(py, why),
-        SessionError::Infeasible { no, .. } => infeasible(py, no),
+        SessionError::Infeasible { no, budget, .. } => infeasible(py, no, budget.as_deref()),
         other => plain(py, "Error", &input::plain(&other.to_string())),
     }
 }
@@ -114,7 +115,7 @@ pub(crate) fn campaign(py: Python<'_>, error: impl core::fmt::Display) -> PyErr 
     plain(py, "Error", text.strip_prefix("error: ").unwrap_or(&text))
 }
 
-pub(crate) fn infeasible(py: Python<'_>, no: &Infeasible) -> PyErr {
+pub(crate) fn infeasible(py: Python<'_>, no: &Infeasible, budget: Option<&Budget>) -> PyErr {
     let carried = PyDict::new(py);
     let clause = |c: &phihat_design::Clause| {
         let joint = c.joint.as_ref().map_or_else(String::new, |j| format!(" (joint {j})"));
@@ -123,10 +124,11 @@ pub(crate) fn infeasible(py: Python<'_>, no: &Infeasible) -> PyErr {
     };
     let text: Vec<String> = no.clauses.iter().map(clause).collect();
     let message = format!("no gains keep every clause: {}", text.join("; "));
-    let clauses = json::to_python(py, &no.clauses);
-    clauses
-        .and_then(|clauses| carried.set_item("clauses", clauses))
-        .map_or_else(|why| why, |()| raise(py, "Infeasible", &message, &carried))
+    let fill = || {
+        carried.set_item("clauses", json::to_python(py, &no.clauses)?)?;
+        carried.set_item("budget", budget.map(|told| json::to_python(py, told)).transpose()?)
+    };
+    fill().map_or_else(|why| why, |()| raise(py, "Infeasible", &message, &carried))
 }
 
 pub(crate) fn refuted(py: Python<'_>, why: &phihat_design::claims::Refutation) -> PyErr {

@@ -8,7 +8,7 @@ use phihat_campaign::faults::FaultsOptions;
 use phihat_compare::CompareOptions;
 use phihat_design::Outcome;
 use phihat_paper::ReproduceOptions;
-use phihat_session::{Done, Session, SessionError};
+use phihat_session::{Advice, Done, Session, SessionError, Tried, budget, designed_for};
 use phihat_sim::JointTrace;
 use pyo3::prelude::*;
 
@@ -27,10 +27,20 @@ pub(crate) fn design(
     name: &str,
 ) -> PyResult<Gains> {
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
-    let outcome = py.detach(|| phihat_session::designed(&study, &origin));
-    match outcome.map_err(|e| failure::session(py, &e))? {
-        Outcome::Designed(gains) => Ok(Gains { inner: *gains }),
-        Outcome::Infeasible(no) => Err(failure::infeasible(py, &no)),
+    let designed = || {
+        let arm = phihat_session::arm(&study, &origin)?;
+        let outcome = designed_for(&study, &arm, &origin, Advice::Clauses)?;
+        let told = match &outcome {
+            Outcome::Designed(_) => None,
+            Outcome::Infeasible(_) => {
+                Some(budget(&study, &arm, &origin, (&outcome, Tried::Nothing), &mut ())?)
+            }
+        };
+        Ok((outcome, told))
+    };
+    match py.detach(designed).map_err(|e: SessionError| failure::session(py, &e))? {
+        (Outcome::Designed(gains), _) => Ok(Gains { inner: *gains }),
+        (Outcome::Infeasible(no), told) => Err(failure::infeasible(py, &no, told.as_ref())),
     }
 }
 

@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 mod band;
+mod budget;
 mod certificate;
 mod chart;
 mod coarser;
@@ -37,6 +38,7 @@ mod tube;
 mod tube_section;
 mod verdict;
 
+pub use budget::budget_page;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};
 pub use kit::sheet::Figure;

@@ -4,9 +4,9 @@ use crate::certificate::certificate;
 use crate::drawing::buckets;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
-use crate::kit::document;
-use crate::kit::number::stated;
+use crate::kit::number::{number, stated};
 use crate::kit::text::line;
+use crate::kit::{MILLI, document};
 use crate::payload::payload;
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
@@ -79,6 +79,7 @@ pub fn page(record: &Record<'_>) -> String {
             (warnings(record))
             h2 id="figures" { "Figures per joint" }
             (table::tracking(record.metrics))
+            (tip(record))
             (table::torque(record.metrics))
             (plots(record))
             (supervision(&record.drawing.course))
@@ -111,6 +112,24 @@ fn heading(record: &Record<'_>) -> Markup {
             (verdict_box(&verdict(record.metrics, record.tube)))
         }
     }
+}
+
+/// Where the tip was, in millimetres, beside its bound and its tube.
+fn tip(record: &Record<'_>) -> Markup {
+    let Some(tip) = &record.metrics.tip else { return html! {} };
+    let tube =
+        record.gains.and_then(|gains| gains.certificate.as_ref()).and_then(|all| all.tube.as_ref());
+    let tube = tube.filter(|_| record.tube.is_some()).and_then(|tube| tube.tip.as_ref());
+    let mm = |metres: f64| number(metres * MILLI);
+    html! { p {
+        "The tip (" (line(&tip.frame)) ") was at most " (mm(tip.error_steady_max_m)) " mm and "
+        (number(tip.angle_steady_max_rad.to_degrees())) "° off in the steady part, " (mm(tip.error_max_m)) " mm in the whole run"
+        @if let Some(bound) = tip.error_spec_m { "; the study allows " (mm(bound)) " mm" }
+        @if let Some(tube) = tube {
+            "; by its tube at most " (mm(tube.error_max_m)) " mm and " (number(tube.angle_max_rad.to_degrees())) "°"
+        }
+        "."
+    } }
 }
 
 fn verdict_box(verdict: &Verdict) -> Markup {

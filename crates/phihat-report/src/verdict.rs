@@ -104,6 +104,18 @@ pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
             broken.push(format!("{}: {}", line(&joint.name), phrases.join(", ")));
         }
     }
+    if let Some((tip, bound)) = metrics.tip.as_ref().and_then(|tip| Some((tip, tip.error_spec_m?)))
+    {
+        let (name, share) = (line(&tip.frame), share(tip.error_steady_max_m, bound));
+        if share > 1.0 {
+            let (value, limit) = (number(MILLI * tip.error_steady_max_m), stated(MILLI * bound));
+            let over = excess(tip.error_steady_max_m, bound);
+            broken.push(format!("tip {name}: {value} mm, bound {limit} ({over})"));
+        } else if worst.as_ref().is_none_or(|(w, _)| share > *w) {
+            let text = format!("the tip {name} uses {} of its bound", percent(share, 1.0));
+            worst = Some((share, text));
+        }
+    }
     let joints = metrics.joints.len();
     match worst {
         _ if !broken.is_empty() => Verdict::Outside { joints, broken },

@@ -63,7 +63,12 @@ impl Mistake {
         let (file, text) = match why {
             SessionError::Study(error) => return error.as_ref().into(),
             SessionError::File { path, why } => (path.as_path(), why.to_string()),
-            SessionError::NotArmed { path, why } => (path.as_path(), format!("not armed: {why}")),
+            SessionError::NotArmed { path, why, words: None } => {
+                (path.as_path(), format!("not armed: {why}"))
+            }
+            SessionError::NotArmed { path, why, words: Some(words) } => {
+                (path.as_path(), format!("not armed: {}: {words}", why.claim))
+            }
             other => (study, other.to_string()),
         };
         Self {

@@ -1,5 +1,6 @@
 //! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
@@ -12,7 +13,9 @@ use phihat_design::{
     Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
     find_moving, search, typed_inertia_holds,
 };
-use phihat_sim::{Demand, Observed, PhiAlong, Simulation, Trace};
+use phihat_sim::{
+    Demand, Observed, PhiAlong, SimError, Simulation, Trace, error_for_tip, overload,
+};
 use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
@@ -78,13 +81,28 @@ pub fn designed(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
 ///
 /// # Errors
 ///
-/// As [`designed`].
+/// As [`designed`]; its motion needs more than the drives have.
 pub fn designed_for(
     study: &Study,
     arm: &Arm,
     path: &Path,
     advice: Advice,
 ) -> Result<Outcome, SessionError> {
+    match overload(study).map_err(|e| SessionError::at(path, e))? {
+        Some(more) => Err(SessionError::at(path, more)),
+        None => found_for(study, arm, path, advice),
+    }
+}
+
+/// As [`designed_for`], of a motion that the drives are known to bear or that shall go beyond them.
+pub(crate) fn found_for(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    advice: Advice,
+) -> Result<Outcome, SessionError> {
+    let for_tip = with_tip(study).map_err(|e| SessionError::at(path, e))?;
+    let study = &*for_tip;
     if study.control.form_designed {
         return either_form(study, arm, path, advice);
     }
@@ -125,6 +143,18 @@ pub fn designed_for(
     completed(study, arm, outcome, path)
 }
 
+/// The study with an error of its joints that keeps the bound on its tip, where it states one.
+pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
+    let Some(enough) = error_for_tip(study)? else { return Ok(Cow::Borrowed(study)) };
+    let mut own = study.clone();
+    let n = own.robot.joints.len();
+    let asked = own.spec.error_bound.get_or_insert_with(|| vec![f64::INFINITY; n]);
+    for bound in asked {
+        *bound = bound.min(enough);
+    }
+    Ok(Cow::Owned(own))
+}
+
 /// Designs in both forms that serve the study, and takes the better one.
 fn either_form(
     study: &Study,
@@ -143,13 +173,13 @@ fn either_form(
     let known = study.design.inertia == InertiaSource::Robot && study.spec.error_bound.is_some();
     let ahead = study.control.delay_samples <= phihat_study::AHEAD_MAX;
     if !(ours && known && ahead) {
-        return designed_for(&observer, arm, path, advice);
+        return found_for(&observer, arm, path, advice);
     }
     let positions = formed(Form::Positions);
-    let Outcome::Designed(seen) = designed_for(&positions, arm, path, Advice::Clauses)? else {
-        return designed_for(&observer, arm, path, advice);
+    let Outcome::Designed(seen) = found_for(&positions, arm, path, Advice::Clauses)? else {
+        return found_for(&observer, arm, path, advice);
     };
-    let other = match designed_for(&observer, arm, path, Advice::Clauses)? {
+    let other = match found_for(&observer, arm, path, Advice::Clauses)? {
         Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => fed,
         _ => seen,
     };

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use phihat_design::budget::Budget;
 use phihat_design::claims::Refutation;
 use phihat_design::{GainsError, Infeasible};
 use phihat_study::StudyError;
@@ -28,6 +29,8 @@ pub enum SessionError {
         path: PathBuf,
         /// Which clauses are in the way.
         no: Box<Infeasible>,
+        /// What the error of the nearest law is spent on.
+        budget: Option<Box<Budget>>,
     },
     /// Gains may not run on this arm.
     NotArmed {
@@ -35,6 +38,8 @@ pub enum SessionError {
         path: PathBuf,
         /// What does not hold.
         why: Box<Refutation>,
+        /// The same in ordinary words, where there are some.
+        words: Option<String>,
     },
     /// A recorded run left the tube that its gains promise.
     TubeLeft {
@@ -63,6 +68,15 @@ impl SessionError {
         Self::Other(why.into())
     }
 
+    /// What a proof says of it beyond the words: one sentence.
+    pub fn in_full(&self) -> Option<String> {
+        match self {
+            Self::Infeasible { no, .. } => Some(no.searched()),
+            Self::NotArmed { why, words: Some(_), .. } => Some(why.to_string()),
+            _ => None,
+        }
+    }
+
     /// Whether the input can be used, and what it asks for does not hold.
     pub fn is_answer(&self) -> bool {
         matches!(self, Self::Infeasible { .. } | Self::TubeLeft { .. })
@@ -74,9 +88,14 @@ impl fmt::Display for SessionError {
         match self {
             Self::Study(why) => f.write_str(&why.render()),
             Self::File { path, why } => write!(f, "{}: {why}", path.display()),
-            Self::Infeasible { path, no } => write!(f, "{}: {no}", path.display()),
-            Self::NotArmed { path, why } => {
-                write!(f, "{}: not armed: {why}\n  = help: {UNCERTIFIED}", path.display())
+            Self::Infeasible { path, no, .. } => write!(f, "{}: {no}", path.display()),
+            Self::NotArmed { path, why, words } => {
+                write!(f, "{}: not armed: ", path.display())?;
+                match words {
+                    Some(words) => write!(f, "{}: {words}", why.claim)?,
+                    None => write!(f, "{why}")?,
+                }
+                write!(f, "\n  = help: {UNCERTIFIED}")
             }
             Self::TubeLeft { path, sentence } => write!(f, "{}: {sentence}", path.display()),
             Self::Disk(why) => why.fmt(f),

@@ -58,7 +58,7 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judg
 }
 
 /// What of the specification each joint's tube uses; clauses that it does not keep are told.
-fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
+pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     let mut shares = vec![0.0_f64; tube.joints.len()];
     let spec = &study.spec;
     let mut clause =
@@ -95,6 +95,16 @@ fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     clause("design.torque_step_max_nm", study.design.torque_step_max.as_ref(), &steady, false);
     let limits = spec.error_integral_max.as_ref();
     clause("spec.error_integral_max_rad_s", limits, &integral, false);
+    if let Some(limit) = spec.tip_error_max {
+        let bound = tube.tip.as_ref().map_or(f64::INFINITY, |tip| tip.error_max_m);
+        if bound > limit {
+            let (limit, bound) = (1e3 * limit, 1e3 * bound);
+            unproved.push(format!("spec.tip_error_max_mm = {limit}: the tube says {bound:.4e}"));
+        }
+        for share in &mut shares {
+            *share = share.max(bound / limit);
+        }
+    }
     shares
 }
 

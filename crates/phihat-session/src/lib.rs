@@ -25,6 +25,7 @@
 
 mod along;
 mod begin;
+mod budget;
 mod check;
 mod coarser;
 mod design;
@@ -56,6 +57,7 @@ mod words;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
 pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
+pub use budget::{BudgetFiles, Tried, budget, write_budget};
 pub use check::{Looked, Mistake, check};
 pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;

@@ -4,11 +4,13 @@ use phihat::Form;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
-use phihat_design::{Arm, Gains, Outcome, arm_inside_window, requested_gains};
+use phihat_design::budget::Budget;
+use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requested_gains};
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
 use phihat_study::Study;
 
+use crate::budget::{BudgetFiles, Tried, budget, write_budget};
 use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
@@ -44,6 +46,25 @@ impl RunOptions {
         let folder = self.out.clone().unwrap_or_else(default);
         Ok((Session::new(study, &self.study, gains.transpose()?, self.uncertified)?, folder))
     }
+
+    /// Of a study that no gains serve: what its error is spent on and which changes help, written beside where its run would be.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: the study cannot be read, or the files not be written.
+    pub fn explain(
+        &self,
+        no: &Infeasible,
+        watch: &mut dyn Watch,
+    ) -> Result<(Budget, BudgetFiles), SessionError> {
+        let study = design::read(&self.study)?;
+        let arm = design::arm(&study, &self.study)?;
+        let outcome = Outcome::Infeasible(no.clone());
+        let budget = budget(&study, &arm, &self.study, (&outcome, Tried::Changes), watch)?;
+        let default = || Path::new("out").join(&study.name);
+        let files = write_budget(&budget, &self.out.clone().unwrap_or_else(default))?;
+        Ok((budget, files))
+    }
 }
 
 /// How a line begins that says what the robot's torque interface will not bear.
@@ -65,38 +86,35 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the arm's inertia is
-    /// not inside of their window (unless `uncertified`), or the study cannot be simulated.
+    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the motion needs more than the drives have
+    /// or the arm's inertia is not inside of the gains' window (unless `uncertified`), or the study cannot be simulated.
     pub fn new(
         mut study: Box<Study>,
         path: &Path,
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
+        let overload = beyond_drives(&study, path, uncertified)?;
         let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
-        let chosen = match (gains, requested_gains(&study)) {
-            (Some((given, file)), _) => {
-                command = format!("{command} --gains {}", file.display());
-                source = file;
-                given
-            }
-            (None, Some(stated)) => stated,
-            (None, None) => designed_gains(&study, &arm, path)?,
+        let chosen = if let Some((given, file)) = gains {
+            command = format!("{command} --gains {}", file.display());
+            source = file;
+            given
+        } else {
+            own_gains(&study, &arm, path)?
         };
         chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
             .joint_gains(&design::names(&study), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
-        if let Err(why) = arm_inside_window(&study, &arm, &chosen) {
-            if !uncertified {
-                let (path, why) = (source.to_owned(), Box::new(why));
-                return Err(SessionError::NotArmed { path, why });
-            }
+        // Whoever runs what may not run is shown what comes of it.
+        warnings.extend(overload);
+        if let Some(why) = not_armed((&study, &arm, &chosen), source, uncertified)? {
             command += " --uncertified";
-            warnings.push(format!("run uncertified: {why}"));
+            warnings.push(why);
         }
         settle(&mut study, &chosen);
         let forecast = phihat_sim::forecast(&study).map_err(|e| SessionError::at(path, e))?;
@@ -181,14 +199,54 @@ impl Session {
     }
 }
 
-/// Gains for a study that leaves them to the design.
-fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    match design::designed_for(study, arm, path, Advice::Changes)? {
-        Outcome::Designed(gains) => Ok(*gains),
-        Outcome::Infeasible(no) => {
-            Err(SessionError::Infeasible { path: path.to_owned(), no: Box::new(no) })
+/// Why gains may not run on an arm, as a warning of a run that is uncertified.
+#[inline(never)]
+fn not_armed(
+    (study, arm, gains): (&Study, &Arm, &Gains),
+    source: &Path,
+    uncertified: bool,
+) -> Result<Option<String>, SessionError> {
+    match arm_inside_window(study, arm, gains) {
+        Err(why) if !uncertified => {
+            let words = words::unstable(study, arm, gains, &why);
+            let (path, why) = (source.to_owned(), Box::new(why));
+            Err(SessionError::NotArmed { path, why, words })
         }
+        held => Ok(held.err().map(|why| format!("run uncertified: {why}"))),
     }
+}
+
+/// What a motion needs that the drives do not have, as a warning of a run that is uncertified.
+#[inline(never)]
+fn beyond_drives(
+    study: &Study,
+    path: &Path,
+    uncertified: bool,
+) -> Result<Option<String>, SessionError> {
+    match phihat_sim::overload(study).map_err(|e| SessionError::at(path, e))? {
+        Some(more) if !uncertified => Err(SessionError::at(path, more)),
+        more => Ok(more.map(|more| format!("run uncertified: {more}"))),
+    }
+}
+
+/// The gains that a study states, else designed ones.
+#[inline(never)]
+fn own_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
+    requested_gains(study).map_or_else(|| designed_gains(study, arm, path), Ok)
+}
+
+/// Gains for a study that leaves them to the design.
+#[inline(never)]
+fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
+    let outcome = design::found_for(study, arm, path, Advice::Clauses)?;
+    let (no, budget) = match outcome {
+        Outcome::Designed(gains) => return Ok(*gains),
+        Outcome::Infeasible(ref no) => {
+            let budget = budget(study, arm, path, (&outcome, Tried::Nothing), &mut ())?;
+            (Box::new(no.clone()), Some(Box::new(budget)))
+        }
+    };
+    Err(SessionError::Infeasible { path: path.to_owned(), no, budget })
 }
 
 /// Where a run came from, under a law of this form.

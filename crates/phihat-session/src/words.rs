@@ -1,6 +1,10 @@
 //! What a record says in words.
 
 use phihat::VelocitySource;
+use phihat_design::budget::{largest_stable, loop_in_words};
+use phihat_design::claims::Refutation;
+use phihat_design::sampled::LoopModel;
+use phihat_design::{Arm, Gains};
 use phihat_sim::Abort;
 use phihat_study::Study;
 
@@ -11,6 +15,36 @@ pub fn stopped(abort: &Abort) -> String {
         "STOPPED by the robot ({}) at t = {:.3} s{on}: {}",
         abort.interface, abort.t, abort.reason
     )
+}
+
+/// Why gains whose window does not hold the arm are unstable, and how fast they may be; `None` of any other refusal.
+pub(crate) fn unstable(
+    study: &Study,
+    arm: &Arm,
+    gains: &Gains,
+    why: &Refutation,
+) -> Option<String> {
+    if !why.claim.contains("inertia window") {
+        return None;
+    }
+    let nominal = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let range = arm.against(nominal).ok()?;
+    let joint = gains.joints.iter().position(|joint| why.claim.contains(&joint.name)).unwrap_or(0);
+    let record = gains.joints.get(joint)?;
+    let model = LoopModel::from_study(study, joint).with_choices_of(gains, study);
+    let bandwidth = record.kp_per_s2.sqrt();
+    let (low, high) = (range.low, range.high);
+    let looped = loop_in_words(study);
+    let seen = format!("the arm's inertia is {low:.2} to {high:.2} times the nominal one");
+    Some(match largest_stable(record, &model, (low, high)) {
+        Some(share) => format!(
+            "{bandwidth:.0} rad/s is unstable {looped}, where {seen}; these gains are stable up to about {:.0} rad/s",
+            share * bandwidth
+        ),
+        None => {
+            format!("unstable {looped} at any bandwidth, where {seen}: the nominal inertia is off")
+        }
+    })
 }
 
 /// What was in the world of a run, for its page.

@@ -68,12 +68,14 @@ mod integrator;
 mod metrics;
 mod motion;
 mod observed;
+mod overload;
 mod sample;
 mod simulation;
 mod spline;
 mod stepped;
 mod supervision;
 mod survival;
+mod tip;
 mod trace;
 mod trace_csv;
 #[cfg(feature = "parquet")]
@@ -89,10 +91,12 @@ pub use integrator::{Acceleration, Rk4, integrate_adaptive};
 pub use metrics::{JointMetrics, Measured, Metrics};
 pub use motion::Motion;
 pub use observed::Observed;
+pub use overload::{Lack, Overload, overload};
 pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Ended, Outcome, Simulation, samples};
 pub use stepped::Stepped;
 pub use survival::Survival;
+pub use tip::{TipMetrics, error_for_tip};
 pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};
 #[cfg(feature = "parquet")]

@@ -4,6 +4,7 @@ use phihat_model::JointKind;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
+use crate::tip::{TipMeasured, TipMetrics};
 use crate::trace::{JointTrace, Trace};
 
 /// Figures of one joint over a run. "Steady" means: after `Spec::settle`.
@@ -71,6 +72,9 @@ pub struct Metrics {
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointMetrics>,
+    /// The tip of the arm; `None` in records of before, and where the robot names no tip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<TipMetrics>,
 }
 
 impl Metrics {
@@ -86,6 +90,7 @@ impl Metrics {
 #[derive(Debug, Clone)]
 pub struct Measured {
     metrics: Metrics,
+    tip: Option<TipMeasured>,
     sums: Vec<Sums>,
     /// Where the steady part begins \[ns\].
     settle_ns: f64,
@@ -116,8 +121,10 @@ impl Measured {
             limited_steady_share: 0.0,
             within_spec: false,
             joints,
+            tip: None,
         };
         Self {
+            tip: TipMeasured::new(study),
             sums: vec![Sums::default(); metrics.joints.len()],
             settle_ns: study.spec.settle * 1e9,
             period_ns: study.control.period_ns,
@@ -135,11 +142,15 @@ impl Measured {
         for ((metrics, sums), joint) in joints.zip(&trace.joints) {
             metrics.add(sums, joint, first);
         }
+        if let Some(tip) = &mut self.tip {
+            tip.block(trace, first);
+        }
     }
 
     /// The figures of all samples so far.
     pub fn metrics(self) -> Metrics {
-        let Self { mut metrics, sums, .. } = self;
+        let Self { mut metrics, sums, tip, .. } = self;
+        metrics.tip = tip.map(|tip| tip.metrics);
         let steady = metrics.steady_samples.max(1) as f64;
         for (joint, sums) in metrics.joints.iter_mut().zip(sums) {
             joint.error_rms_rad = (sums.squares / steady).sqrt();
@@ -149,7 +160,9 @@ impl Measured {
         metrics.limited_steady_share = shares.sum::<f64>() / metrics.joints.len().max(1) as f64;
         metrics.duration_s = metrics.samples as f64 * self.period_ns as f64 * 1e-9;
         let complete = metrics.steady_samples > 0 && metrics.samples >= self.wanted;
-        metrics.within_spec = complete && metrics.joints.iter().all(JointMetrics::within_spec);
+        let tip = metrics.tip.as_ref().is_none_or(TipMetrics::within_spec);
+        metrics.within_spec =
+            complete && tip && metrics.joints.iter().all(JointMetrics::within_spec);
         metrics
     }
 }

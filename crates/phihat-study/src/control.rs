@@ -6,7 +6,7 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::robot_value::{choose, limits};
-use crate::study::{Control, GainsRequest, LawRequest, Sensor};
+use crate::study::{Control, DrivesBeyond, GainsRequest, LawRequest, Sensor};
 
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
@@ -42,6 +42,10 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Co
         preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
+        beyond_drives: match node.word("beyond_drives")? {
+            "allow" => DrivesBeyond::Allow,
+            _ => DrivesBeyond::Refuse,
+        },
     })
 }
 

@@ -182,6 +182,14 @@ static SPEC: Section = Section {
             need: Need::Optional("no bound"),
             doc: "Largest |ė|.",
         },
+        Key {
+            name: "tip_error_max_mm",
+            unit: "mm",
+            shape: Shape::Number(Bounds::positive(1e4)),
+            need: Need::Optional("no bound"),
+            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an `error_max_rad` that \
+                  is enough: this over the sum of the tip's distances from all joint axes, the largest along the motion.",
+        },
     ],
 };
 
@@ -320,6 +328,15 @@ static LOOP: Section = Section {
             shape: Shape::PerJoint(Bounds::positive(1e9), ROBOT_OR_NONE),
             need: Need::Word("none"),
             doc: "Torque-rate limit of the command; `\"robot\"` takes the robot's.",
+        },
+        Key {
+            name: "beyond_drives",
+            unit: "",
+            shape: Shape::Word(&["refuse", "allow"]),
+            need: Need::Word("refuse"),
+            doc: "What becomes of a motion that needs more torque than `torque_max_nm`, or more speed than the robot has, by the \
+                  robot's description, its friction and each end of the payload. `refuse`: nothing is designed or run. `allow`: \
+                  the study is about drives that saturate.",
         },
     ],
 };

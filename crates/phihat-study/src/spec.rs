@@ -20,5 +20,6 @@ pub(crate) fn read(node: &Node<'_>, joints: &Joints, duration: f64) -> Result<Sp
         error_bound: joints.numbers_if(node, "error_max_rad")?,
         error_integral_max: joints.numbers_if(node, "error_integral_max_rad_s")?,
         velocity_error_max: joints.numbers_if(node, "velocity_error_max_rad_s")?,
+        tip_error_max: node.number_if("tip_error_max_mm").map(|mm| mm * 1e-3),
     })
 }

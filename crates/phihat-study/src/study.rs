@@ -99,6 +99,8 @@ pub struct Spec {
     pub error_integral_max: Option<Vec<f64>>,
     /// Largest |ė| \[rad/s\] per joint.
     pub velocity_error_max: Option<Vec<f64>>,
+    /// Largest distance of the arm's tip from where the reference has it \[m\].
+    pub tip_error_max: Option<f64>,
 }
 
 /// `[design]`: what gains shall be found from.
@@ -253,6 +255,17 @@ pub struct Control {
     pub torque_max: Option<Vec<f64>>,
     /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.
     pub torque_rate_max: Option<Vec<f64>>,
+    /// What becomes of a motion that needs more than the drives have.
+    pub beyond_drives: DrivesBeyond,
+}
+
+/// What becomes of a motion that needs more torque or speed than the drives have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrivesBeyond {
+    /// It is refused before anything is designed or run.
+    Refuse,
+    /// It is taken: the study is about drives that saturate.
+    Allow,
 }
 
 /// `[sensor]`: what the controller measures.

@@ -82,6 +82,8 @@ fn control_counts(control: &Control) {
         // can act along it, and a run says how often one did.
         torque_max: _,
         torque_rate_max: _,
+        // Whether the motion was looked at before; not what acts.
+        beyond_drives: _,
     } = control;
 }
 

@@ -245,6 +245,7 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         quantum_rad: inputs.half_steps().iter().map(|h| 2.0 * h).collect(),
         joints: (0..inputs.joints.len()).map(joint).collect(),
         limits_silent: true,
+        tip: None,
     };
     tube.steady_from(study.spec.settle)
 }

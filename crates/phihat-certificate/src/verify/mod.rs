@@ -6,6 +6,7 @@ mod arm;
 mod bounds;
 mod document;
 mod joint;
+mod tip;
 mod tube;
 
 pub use joint::RATIOS;

@@ -53,7 +53,7 @@ impl Certificate {
             reads(tube.quantum_rad[i], joint).map_err(named)?;
             within(own, joint).map_err(named)?;
         }
-        Ok(())
+        tube.tip.as_ref().map_or(Ok(()), |tip| tip.fits(tube))
     }
 
     fn payload(&self, tube: &Tube) -> Result<(), Refutation> {

@@ -84,6 +84,10 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     }
     lines.extend(coupled(certificate, gains));
     lines.extend(not_counted(&certificate.not_counted));
+    if let Some(tip) = certificate.tube.as_ref().and_then(|tube| tube.tip.as_ref()) {
+        let (most, turned) = (tip.error_max_m * MILLI, tip.angle_max_rad.to_degrees());
+        lines.push(format!("bound of the tip ({}): {most:.3} mm, {turned:.4}°", tip.frame));
+    }
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
     lines.join("\n")

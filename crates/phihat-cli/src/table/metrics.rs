@@ -119,6 +119,21 @@ pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
     table
 }
 
+/// Where the tip was, in millimetres and degrees, beside its bound.
+pub(crate) fn tip(metrics: &Metrics) -> Option<String> {
+    let tip = metrics.tip.as_ref()?;
+    let (most, turned) = (tip.error_steady_max_m * MILLI, tip.angle_steady_max_rad.to_degrees());
+    let bound = tip.error_spec_m.map(|bound| {
+        let over = if tip.within_spec() { "" } else { " !" };
+        format!(", {} allowed{over}", short(bound * MILLI))
+    });
+    Some(format!(
+        "tip {}: at most {most:.3} mm and {turned:.4}° off{}",
+        tip.frame,
+        bound.unwrap_or_default()
+    ))
+}
+
 /// One sentence.
 pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> String {
     if let Some(d) = divergence {
@@ -129,12 +144,15 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
             || j.error_integral_spec_rad_s.is_some()
             || j.velocity_error_spec_rad_s.is_some()
     });
+    let tip = metrics.tip.as_ref().filter(|tip| tip.error_spec_m.is_some());
+    let stated = stated || tip.is_some();
     let steady = format!("after the first {} s", metrics.settle_s);
     if !stated {
         return format!("the study states no bound; maxima are taken {steady}");
     }
+    let joints = metrics.joints.iter().filter(|j| !j.within_spec()).map(|j| j.name.as_str());
     let beyond: Vec<&str> =
-        metrics.joints.iter().filter(|j| !j.within_spec()).map(|j| j.name.as_str()).collect();
+        joints.chain(tip.filter(|tip| !tip.within_spec()).map(|_| "the tip")).collect();
     if metrics.within_spec {
         let within = format!("within spec on all {} joints {steady}", metrics.joints.len());
         match limits_acted(metrics) {

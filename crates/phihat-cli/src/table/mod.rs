@@ -1,5 +1,6 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
+mod budget;
 mod coarser;
 mod coupled;
 mod design;
@@ -11,12 +12,13 @@ mod robots;
 
 use phihat_report::kit::unit_of;
 
+pub(crate) use budget::budget;
 pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
 pub(crate) use fitted::Fitted;
 pub(crate) use identified::identified;
 pub(crate) use limit::limit;
-pub(crate) use metrics::{metrics, tube, verdict};
+pub(crate) use metrics::{metrics, tip, tube, verdict};
 pub(crate) use robots::{chains, joints, robots};
 
 /// A figure with so many decimals; one that is below the last of them with two significant digits: it is not nothing.

@@ -1,6 +1,7 @@
 //! Changes of the loop that would make an infeasible specification feasible.
 
 use phihat::VelocitySource;
+use phihat_certificate::extremes::smaller;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,9 @@ use crate::arm::Arm;
 /// Multiples of the loop's rate that are tried, the smallest first, and the highest rate \[Hz\].
 const MULTIPLES: [u64; 3] = [2, 4, 8];
 const HIGHEST_HZ: f64 = 20_000.0;
+
+/// The interface of drives that one has built oneself.
+const OWN_DRIVES: &str = "ideal";
 
 /// One change after which there are gains, all else being equal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,7 +48,9 @@ pub fn alternatives(
         let mut changed = study.clone();
         changed.control.period_ns = study.control.period_ns / multiple;
         let rate = 1e9 / changed.control.period_ns as f64;
-        if rate > HIGHEST_HZ || !study.control.period_ns.is_multiple_of(multiple) {
+        let most =
+            study.interface.profile.rate_max.map_or(HIGHEST_HZ, |most| smaller(most, HIGHEST_HZ));
+        if rate > most || !study.control.period_ns.is_multiple_of(multiple) {
             break;
         }
         if let Some((order, _)) = attempt(&changed)? {
@@ -52,7 +58,8 @@ pub fn alternatives(
             break;
         }
     }
-    if study.control.delay_samples > 0 {
+    // The delay of a robot's interface is what it is.
+    if study.control.delay_samples > 0 && study.interface.profile.name == OWN_DRIVES {
         let mut changed = study.clone();
         changed.control.delay_samples = 0;
         if let Some((order, _)) = attempt(&changed)? {

@@ -1,11 +1,13 @@
 //! One search for gains: the quietest law of a grid that keeps the specification, or one between its points.
 
+use phihat_certificate::extremes::Extremes as _;
+
 use super::candidate::Candidate;
 use super::error::DesignError;
 use super::refine::cost;
 use super::search::{Grid, Search};
-use super::verdict::{KEYS, Nearest};
-use crate::Gains;
+use super::verdict::{KEYS, Nearest, Verdict};
+use crate::{Gains, TradeOff};
 
 /// One search for gains.
 pub(super) struct Attempt {
@@ -13,6 +15,12 @@ pub(super) struct Attempt {
     pub(super) nearest: Nearest,
     pub(super) tried: u32,
     pub(super) stable: u32,
+    /// The front of the grid, the closest law on it.
+    pub(super) front: Vec<TradeOff>,
+    /// The law that misses the least, by its worst clause.
+    closest: Option<(f64, Candidate)>,
+    /// Largest bandwidth of the grid that keeps window and margin \[rad/s\].
+    pub(super) fastest: Option<f64>,
 }
 
 impl Attempt {
@@ -21,14 +29,17 @@ impl Attempt {
         let (mut candidates, tried) = search.candidates(grid);
         candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
         let stable = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
-        let mut found = Self { gains: None, nearest: Nearest::default(), tried, stable };
+        let fastest = candidates.iter().map(|candidate| candidate.shape.w);
+        let fastest = fastest.reduce(|a, b| if b > a { b } else { a });
+        let (nearest, front) = (Nearest::default(), Vec::new());
+        let mut found = Self { gains: None, nearest, tried, stable, front, closest: None, fastest };
         let mut verdicts = Vec::with_capacity(candidates.len());
         for candidate in &candidates {
             let verdict = search.judge(candidate);
             if verdict.within() && found.take(search, &candidates, candidate)? {
                 return Ok(found);
             }
-            found.nearest.note(&verdict);
+            found.note(candidate, &verdict);
             verdicts.push(verdict);
         }
         for clause in (0..KEYS.len()).filter(|clause| search.limit(*clause).is_some()) {
@@ -45,7 +56,7 @@ impl Attempt {
                 let (mut quietest, mut closest): (Option<Candidate>, Option<(f64, Candidate)>) =
                     (None, None);
                 search.refine(&candidates[start], clause, |candidate, verdict| {
-                    found.nearest.note(verdict);
+                    found.note(candidate, verdict);
                     if !verdict.within() {
                         return;
                     }
@@ -65,7 +76,26 @@ impl Attempt {
                 }
             }
         }
+        if let Some((_, closest)) = &found.closest {
+            let mut all = candidates;
+            let at = all.partition_point(|other| other.noise() < closest.noise());
+            all.insert(at, closest.clone());
+            found.front = search.trade_off(&all, closest);
+        }
         Ok(found)
+    }
+
+    /// The law that misses the least.
+    pub(super) fn closest(&self, search: &Search<'_>) -> Option<Box<Gains>> {
+        self.closest.as_ref().map(|(_, candidate)| Box::new(search.gains(candidate)))
+    }
+
+    fn note(&mut self, candidate: &Candidate, verdict: &Verdict) {
+        self.nearest.note(verdict);
+        let worst = verdict.shares.iter().map(|(share, _)| *share).largest();
+        if self.closest.as_ref().is_none_or(|(least, _)| worst < *least) {
+            self.closest = Some((worst, candidate.clone()));
+        }
     }
 
     /// Takes a candidate if its certificate keeps the specification too.

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::advice::Alternative;
 use super::search::Search;
 use super::verdict::{KEYS, Nearest};
+use crate::{Gains, TradeOff};
 
 /// Why no gains keep every clause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Infeasible {
     /// The clauses in the way, each with the nearest value that is possible if all others stand.
     pub clauses: Vec<Clause>,
@@ -19,16 +20,20 @@ pub struct Infeasible {
     pub tried: u32,
     /// How many of the laws, each with up to three nominal inertias, keep window and modulus margin.
     pub stable: u32,
+    /// What was found, in ordinary words.
+    #[serde(default)]
+    pub words: Vec<String>,
+    /// The front of error against torque noise of the laws that keep window and margin.
+    #[serde(default)]
+    pub front: Vec<TradeOff>,
+    /// The law that misses the least, without a certificate; no document holds it.
+    #[serde(skip)]
+    pub nearest: Option<Box<Gains>>,
 }
 
 impl fmt::Display for Infeasible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "NO GAINS keep every clause: {} laws tried, with up to three nominal inertias each; {} keep the \
-             stability window and margin",
-            self.tried, self.stable
-        )?;
+        write!(f, "NO GAINS keep what the study asks for")?;
         for clause in &self.clauses {
             let joint = clause.joint.as_ref().map_or_else(String::new, |j| format!(" on {j}"));
             let possible = clause.possible.map_or_else(
@@ -36,6 +41,9 @@ impl fmt::Display for Infeasible {
                 |value| format!("{value:.3e} is possible while all others stand"),
             );
             write!(f, "\n  {}{joint}: {:.3e} is wanted, {possible}", clause.key, clause.wanted)?;
+        }
+        for words in &self.words {
+            write!(f, "\n  {words}")?;
         }
         for other in &self.alternatives {
             if other.key == "robot.armature_kg_m2" {
@@ -53,6 +61,17 @@ impl fmt::Display for Infeasible {
             )?;
         }
         Ok(())
+    }
+}
+
+impl Infeasible {
+    /// What the search looked at: one sentence for who wants to know.
+    pub fn searched(&self) -> String {
+        format!(
+            "{} laws tried, with up to three nominal inertias each; {} keep the stability window μ with design.window_margin and \
+             |1 + L/μ| ≥ design.modulus_margin_min",
+            self.tried, self.stable
+        )
     }
 }
 

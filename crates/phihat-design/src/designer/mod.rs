@@ -116,6 +116,13 @@ pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
         return Ok(Outcome::Designed(Box::new(gains)));
     }
     let clauses = search.clauses(&attempt.nearest);
-    let (tried, stable) = (attempt.tried, attempt.stable);
-    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives: Vec::new(), tried, stable }))
+    Ok(Outcome::Infeasible(Infeasible {
+        clauses,
+        alternatives: Vec::new(),
+        tried: attempt.tried,
+        stable: attempt.stable,
+        words: vec![search.words(attempt.fastest)],
+        nearest: attempt.closest(&search),
+        front: attempt.front,
+    }))
 }

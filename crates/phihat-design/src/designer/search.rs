@@ -10,6 +10,7 @@ use super::nominal::shared_out;
 use super::verdict::{KEYS, Verdict};
 use crate::Certificate;
 use crate::TradeOff;
+use crate::budget::loop_in_words;
 use crate::certificate::{Evidence, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
 use crate::prelude::*;
@@ -41,6 +42,14 @@ pub(super) const FINE: Grid = Grid {
     ratios: &[0.7, 1.0, 1.4, 1.8, 2.4, 3.2, 4.2, 5.6, 8.0],
     reach: f64::INFINITY,
 };
+
+impl Grid {
+    /// Its largest bandwidth \[rad/s\].
+    fn fastest(&self) -> f64 {
+        let (first, factor, count) = self.bandwidths;
+        first * factor.powf(f64::from(count - 1))
+    }
+}
 
 /// Every other point of it.
 pub(super) const COARSE: Grid =
@@ -126,6 +135,26 @@ impl<'a> Search<'a> {
             (Some(rule), Some(stated)) if stated <= rule => KEYS[clause],
             (Some(_), _) => "profile.torque_rate_max_nm_s",
             (None, _) => KEYS[clause],
+        }
+    }
+
+    /// How fast a law may be on this arm, in ordinary words.
+    pub(super) fn words(&self, fastest: Option<f64>) -> String {
+        let looped = loop_in_words(self.study);
+        let ArmInertia { low, high, .. } = &self.arm;
+        let range = high / low;
+        match fastest {
+            Some(w) if w > 0.95 * FINE.fastest() => format!(
+                "{looped}, laws are stable up to {w:.0} rad/s, the fastest that were tried: stability is not in the way"
+            ),
+            Some(w) => format!(
+                "{looped}, for an inertia that changes by a factor of {range:.1}, the largest stable bandwidth is about \
+                 {w:.0} rad/s"
+            ),
+            None => format!(
+                "{looped}, no law is stable with the margins asked for on an arm whose inertia changes by a factor of \
+                 {range:.1}: the joints with the least inertia of their own decide"
+            ),
         }
     }
 
@@ -282,7 +311,7 @@ impl<'a> Search<'a> {
         Ok(verdict.within().then_some(gains))
     }
 
-    fn gains(&self, candidate: &Candidate) -> Gains {
+    pub(super) fn gains(&self, candidate: &Candidate) -> Gains {
         let names = self.study.robot.joints.iter().map(|j| j.name.as_str());
         let Candidate { shape, scale, .. } = candidate;
         let joint = |(name, nominal): (&str, &f64)| shape.record(name, nominal * scale);

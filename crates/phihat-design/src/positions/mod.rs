@@ -9,5 +9,6 @@ mod search;
 mod simplex;
 mod task;
 
+pub(crate) use response::worst_kick;
 pub(crate) use search::search;
 pub use search::{PositionEstimate, PositionSearch};

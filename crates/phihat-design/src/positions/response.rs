@@ -176,6 +176,11 @@ impl Response {
     }
 }
 
+/// Gain from kicks in position, one per sample, to `e`: the worst over inertia ratios; `None` where the loop does not forget.
+pub(crate) fn worst_kick(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<f64> {
+    Response::over(record, model, mu).map(|worst| worst.kick[0])
+}
+
 #[cfg(test)]
 mod tests {
     use super::Response;

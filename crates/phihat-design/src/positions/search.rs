@@ -170,7 +170,7 @@ impl<'a> PositionSearch<'a> {
         let (key, wanted) =
             ("design.window_margin".to_owned(), self.asked.study.design.window_margin);
         let clause = Clause { key, joint: None, wanted, possible: None };
-        Infeasible { clauses: vec![clause], alternatives: Vec::new(), tried: 0, stable: 0 }
+        Infeasible { clauses: vec![clause], ..Infeasible::default() }
     }
 
     /// Finds every claim about laws of this search.
@@ -287,7 +287,7 @@ pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome
             *share = (*share * used.powf(1.0 / POWER)).clamp(SHARES.0, SHARES.1);
         }
     }
-    Ok(Outcome::Infeasible(Infeasible { clauses, alternatives: Vec::new(), tried: 0, stable: 0 }))
+    Ok(Outcome::Infeasible(Infeasible { clauses, ..Infeasible::default() }))
 }
 
 impl core::fmt::Debug for PositionSearch<'_> {

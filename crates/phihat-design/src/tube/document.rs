@@ -8,6 +8,7 @@ use super::desired::Desired;
 use super::envelope::JointEnvelope;
 use super::refusal::TubeRefusal;
 use super::slices::find;
+use super::tip::tip_along;
 use crate::sampled::TorqueNoise;
 
 /// Bins of the sweep in one bin of the document.
@@ -30,7 +31,7 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
     let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
     let joints = gains.joints.iter().zip(&envelope.joints);
     let joints = joints.map(|(record, own)| joint(&record.name, own)).collect();
-    let tube = Tube {
+    let mut tube = Tube {
         bin_s: envelope.bin_s * COARSER as f64,
         duration_s: study.duration,
         settle_s: study.spec.settle,
@@ -40,7 +41,9 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
         quantum_rad: (0..gains.joints.len()).map(quantum).collect(),
         joints,
         limits_silent: true,
+        tip: None,
     };
+    tube.tip = tip_along(study, desired, &tube);
     Ok(tube.steady_from(study.spec.settle))
 }
 

@@ -37,6 +37,7 @@ mod sliced;
 mod slices;
 mod sweep;
 mod tensors;
+mod tip;
 mod twist;
 
 pub use desired::Desired;
@@ -44,3 +45,4 @@ pub use document::tube;
 pub use envelope::{Envelope, JointEnvelope};
 pub use refusal::TubeRefusal;
 pub use slices::find;
+pub use tip::tip_along;

@@ -69,11 +69,17 @@ class Infeasible(Error):
 
     Attributes:
         clauses: the clauses in the way, each with ``key``, ``joint``, ``wanted`` and ``possible``.
+        budget: what the error of the law that missed the least is spent on, joint by joint, and the front of error
+            against torque noise, as in budget.json; ``None`` where there is none. Which changes help is left to
+            ``phihat design``, which designs for each.
     """
 
-    def __init__(self, message: str, *, clauses: list[dict[str, Any]]) -> None:
+    def __init__(
+        self, message: str, *, clauses: list[dict[str, Any]], budget: dict[str, Any] | None = None
+    ) -> None:
         super().__init__(message)
         self.clauses = clauses
+        self.budget = budget
 
 
 class Refuted(Error):

@@ -29,7 +29,7 @@ impl Fixture {
         Record {
             run: &self.run,
             study_text: &self.study_text,
-            gains: &self.gains,
+            gains: Some(&self.gains),
             drawing: Box::leak(Box::new(Drawing::of(trace, settle_s))),
             metrics: &self.metrics,
             tube: tube.map(|tube| &*Box::leak(Box::new(tube))),
@@ -177,6 +177,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         limited_steady_share: 0.0,
         within_spec: joints.iter().all(holds),
         joints,
+        tip: None,
     }
 }
 

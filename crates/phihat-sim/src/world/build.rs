@@ -58,7 +58,7 @@ pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
 }
 
 /// The friction of the robot's description, whether or not it acts in the study.
-pub(super) fn frictions_of_robot(study: &Study) -> Vec<Friction> {
+pub(crate) fn frictions_of_robot(study: &Study) -> Vec<Friction> {
     let of = |joint: &phihat_model::Joint| {
         let own = &joint.friction;
         Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }

@@ -64,7 +64,7 @@ impl Friction {
     }
 
     /// All of it, so many times.
-    pub(super) fn times(self, factor: f64) -> Self {
+    pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             viscous: self.viscous * factor,
             coulomb: self.coulomb * factor,

@@ -19,7 +19,7 @@ mod shape;
 mod spring;
 mod stiffness;
 
-pub(crate) use build::{frictions, loaded_model};
+pub(crate) use build::{frictions, frictions_of_robot, loaded_model};
 pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
 pub(crate) use payload::loaded;

@@ -1,0 +1,9 @@
+//! What the allowed error is spent on, and what would help: plain data, and each joint's share by its own loop.
+
+mod document;
+mod own;
+mod stable;
+
+pub use document::{Budget, BudgetBasis, Cause, JointBudget, Part, TriedChange};
+pub use own::by_own_loop;
+pub use stable::{largest_stable, loop_in_words};

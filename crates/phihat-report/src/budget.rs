@@ -1,0 +1,159 @@
+//! The page of an error budget.
+
+use maud::{Markup, html};
+use phihat_design::budget::{Budget, BudgetBasis, Cause, JointBudget};
+
+use crate::kit::number::{number, percent, stated};
+use crate::kit::text::{line, prose};
+use crate::kit::{MILLI, Page};
+
+/// The self-contained page of an error budget.
+///
+/// # Example
+///
+/// ```
+/// use phihat_design::budget::Budget;
+///
+/// let text = r#"{"study": "swing", "study_sha256": "00", "feasible": false, "words": ["too fast for 45 Hz"],
+///     "basis": null, "joints": [], "front": [], "changes": []}"#;
+/// let budget: Budget = serde_json::from_str(text)?;
+/// assert!(phihat_report::budget_page(&budget).contains("too fast for 45 Hz"));
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+pub fn budget_page(budget: &Budget) -> String {
+    let title = format!("Error budget: {}", line(&budget.study));
+    let main = html! {
+        header {
+            h1 { (title) }
+            p.byline { "study " code { (line(&budget.study_sha256).chars().take(12).collect::<String>()) } }
+        }
+        (verdict(budget))
+        (joints(budget))
+        (changes(budget))
+        (front(budget))
+    };
+    Page { title: &title, style: "", script: None }.document(&main)
+}
+
+fn verdict(budget: &Budget) -> Markup {
+    let class = if budget.feasible { "verdict within" } else { "verdict outside" };
+    html! { div class=(class) {
+        p { strong { @if budget.feasible { "The gains keep every clause." } @else { "No gains are known that keep every clause." } } }
+        @if !budget.words.is_empty() { ul { @for words in &budget.words { li { (prose(words)) } } } }
+    } }
+}
+
+/// The causes that some joint has, in the order of the parts.
+fn causes(joints: &[JointBudget]) -> Vec<(Cause, bool)> {
+    let mut causes: Vec<(Cause, bool)> = Vec::new();
+    for part in joints.iter().flat_map(|joint| &joint.parts) {
+        if !causes.contains(&(part.cause, part.within)) {
+            causes.push((part.cause, part.within));
+        }
+    }
+    causes.sort_by_key(|(_, within)| *within);
+    causes
+}
+
+fn joints(budget: &Budget) -> Markup {
+    let Some(basis) = budget.basis else { return html! {} };
+    let causes = causes(&budget.joints);
+    html! {
+        h2 id="joints" { "What the allowed error is spent on" }
+        div.scroll tabindex="0" role="region" aria-label="Table: error budget per joint" { table {
+            thead { tr {
+                th scope="col" { "joint" }
+                th scope="col" { "allowed" }
+                th scope="col" { "all together" }
+                @for (cause, within) in &causes {
+                    th scope="col" { (cause.words()) @if *within { span.unit { " (within)" } } }
+                }
+            } }
+            tbody { @for joint in &budget.joints { (row(joint, &causes)) } }
+        } }
+        p { @match basis {
+            BudgetBasis::Tube => {
+                "Largest |e| after settling by tubes of the same gains: of the motion alone, and what each other cause adds to it when "
+                "it comes alone. Coupling is what is left of the whole: joints that push each other, and causes that feed each other; "
+                "less than nothing where causes are not at their worst at the same time."
+            }
+            BudgetBasis::OwnLoop => {
+                "Worst cases of each joint's own loop, added up; how joints push each other is not in here. Estimates of the search."
+            }
+        } " A cause marked “within” is in the others already: so much less would be the whole without it." }
+    }
+}
+
+fn row(joint: &JointBudget, causes: &[(Cause, bool)]) -> Markup {
+    let unit = if joint.prismatic { "mm" } else { "mrad" };
+    let cell = |value: Option<f64>| {
+        html! {
+            td { @match (value, joint.allowed_rad) {
+                (Some(value), Some(allowed)) => {
+                    (number(value * MILLI)) span.note { (percent(value, allowed)) }
+                }
+                (Some(value), None) => { (number(value * MILLI)) }
+                (None, _) => { "–" }
+            } }
+        }
+    };
+    let of = |(cause, within): (Cause, bool)| {
+        let part = joint.parts.iter().find(|part| (part.cause, part.within) == (cause, within));
+        part.map(|part| part.error_rad)
+    };
+    html! { tr {
+        th scope="row" { (line(&joint.name)) " " span.unit { "[" (unit) "]" } }
+        td { @match joint.allowed_rad { Some(allowed) => { (stated(allowed * MILLI)) } None => { "–" } } }
+        (cell(joint.total_rad))
+        @for cause in causes { (cell(of(*cause))) }
+    } }
+}
+
+fn changes(budget: &Budget) -> Markup {
+    if budget.changes.is_empty() {
+        return html! {};
+    }
+    html! {
+        h2 id="changes" { "What one change would buy" }
+        div.scroll tabindex="0" role="region" aria-label="Table: changes that were tried" { table {
+            thead { tr {
+                th scope="col" { "change" } th scope="col" { "key" } th scope="col" { "value" } th scope="col" { "then" }
+            } }
+            tbody { @for change in &budget.changes { tr {
+                th scope="row" { (line(&change.change)) }
+                td { code { (line(&change.key)) } }
+                td { code { (line(&change.value)) } }
+                td { @match (change.helps, change.error_share) {
+                    (true, Some(share)) => { "there are gains, which use " (percent(share, 1.0)) " of the allowed error" }
+                    (true, None) => { "there are gains" }
+                    (false, _) => { "still none" }
+                } }
+            } } }
+        } }
+        p { "Each was tried out by itself, all else being equal, as a study of its own; the smallest that helps is told." }
+    }
+}
+
+fn front(budget: &Budget) -> Markup {
+    if budget.front.is_empty() {
+        return html! {};
+    }
+    html! {
+        h2 id="front" { "Error against torque noise" }
+        div.scroll tabindex="0" role="region" aria-label="Table: error against torque noise" { table {
+            thead { tr {
+                th scope="col" { "torque noise " span.unit { "[N·m per sample]" } }
+                th scope="col" { "error, of the allowed one" }
+                th scope="col" { "order" }
+                th scope="col" { "bandwidth " span.unit { "[rad/s]" } }
+            } }
+            tbody { @for point in &budget.front { tr {
+                th scope="row" { (number(point.torque_noise_nm)) }
+                td { (percent(point.error_share, 1.0)) @if point.chosen { span.note { "the law of this budget" } } }
+                td { (point.order) }
+                td { (number(point.bandwidth_rad_s)) }
+            } } }
+        } }
+        p { "Laws that no other beats in both. Estimates of the search, joint by joint, not certified." }
+    }
+}

@@ -1,0 +1,283 @@
+//! Which changes would help, each tried out before it is told.
+
+use std::path::Path;
+
+use phihat::{Form, VelocitySource};
+use phihat_design::budget::TriedChange;
+use phihat_design::{Arm, Gains, Outcome};
+use phihat_study::{AHEAD_MAX, DesignMethod, InertiaSource, Study};
+
+use super::slower::slower;
+use crate::design::{Advice, arm, found_for};
+use crate::judged::shares;
+use crate::watch::Watch;
+
+/// Factors on the motion's times, the least first.
+const SLOWER: [f64; 3] = [1.5, 2.0, 4.0];
+
+/// Shares of the heaviest payload, the largest first.
+const LIGHTER: [f64; 2] = [0.5, 0.0];
+
+/// Bits that an encoder may have more, and the most that there are.
+const FINER: [u32; 2] = [1, 3];
+const BITS_MAX: u32 = 32;
+
+/// Multiples of the rate, and the highest rate \[Hz\].
+const FASTER: [u64; 2] = [2, 4];
+const HIGHEST_HZ: f64 = 20_000.0;
+
+/// Factors on the allowed step of torque.
+const LOUDER: [f64; 2] = [2.0, 5.0];
+
+/// Rotor inertia of joints whose description states none, over what the joint moves at the least.
+const ROTORS: [f64; 3] = [0.1, 0.3, 1.0];
+
+/// The interface of drives that one has built oneself: rate, encoder and rotor are one's own there.
+const OWN_DRIVES: &str = "ideal";
+
+/// One change, in words and as a study.
+struct Rung {
+    change: String,
+    key: &'static str,
+    value: String,
+    study: Study,
+}
+
+/// The changes of one kind, the smallest first: the smallest that helps is told.
+type Ladder = Vec<Rung>;
+
+/// Changes that a user of this robot can make, tried out; those that help first.
+pub(super) fn tried(study: &Study, path: &Path, watch: &mut dyn Watch) -> Vec<TriedChange> {
+    let mut all = Vec::new();
+    for ladder in ladders(study, path) {
+        let Some(last) = ladder.last() else { continue };
+        watch.step(&format!("trying: {}", last.change));
+        // What the largest change does not mend the smaller ones do not.
+        let Some(most) = shares_of(&last.study, path) else {
+            all.push(told(last, None));
+            continue;
+        };
+        let mut best = (last, most);
+        for rung in &ladder[..ladder.len() - 1] {
+            watch.step(&format!("trying: {}", rung.change));
+            if let Some(share) = shares_of(&rung.study, path) {
+                best = (rung, share);
+                break;
+            }
+        }
+        all.push(told(best.0, Some(best.1)));
+    }
+    all.sort_by_key(|change| !change.helps);
+    all
+}
+
+fn told(rung: &Rung, share: Option<f64>) -> TriedChange {
+    TriedChange {
+        change: rung.change.clone(),
+        key: rung.key.to_owned(),
+        value: rung.value.clone(),
+        helps: share.is_some(),
+        error_share: share,
+    }
+}
+
+/// What of the allowed error the gains for a changed study use; `None`: none keep every clause.
+fn shares_of(study: &Study, path: &Path) -> Option<f64> {
+    let known: Result<Arm, _> = arm(study, path);
+    let outcome = found_for(study, &known.ok()?, path, Advice::Clauses).ok()?;
+    let Outcome::Designed(gains) = outcome else { return None };
+    let gains: &Gains = &gains;
+    let certificate = gains.certificate.as_ref()?;
+    if certificate.refused().is_some() || !certificate.unproved.is_empty() {
+        return None;
+    }
+    let bounds = || {
+        let allowed = study.spec.error_bound.iter().flatten();
+        let used = certificate.joints.iter().zip(allowed);
+        used.filter_map(|(joint, allowed)| Some(joint.bounds?.error_rad / allowed))
+            .fold(0.0, f64::max)
+    };
+    let by_tube = certificate
+        .tube
+        .as_ref()
+        .map(|tube| shares(study, tube, &mut Vec::new()).into_iter().fold(0.0, f64::max));
+    Some(by_tube.unwrap_or_else(bounds))
+}
+
+fn ladders(study: &Study, path: &Path) -> Vec<Ladder> {
+    let mut all = vec![motion(study), payload(study), form(study), filter(study), noise(study)];
+    all.push(rate(study));
+    if study.interface.profile.name == OWN_DRIVES {
+        all.extend([delay(study), encoder(study), rotors(study, path)]);
+    }
+    all
+}
+
+fn changed(study: &Study, change: impl FnOnce(&mut Study)) -> Study {
+    let mut own = study.clone();
+    change(&mut own);
+    own
+}
+
+fn motion(study: &Study) -> Ladder {
+    let rung = |factor: &f64| Rung {
+        change: format!("the motion {factor} times slower"),
+        key: "reference",
+        value: format!("all times × {factor}, frequencies / {factor}"),
+        study: slower(study, *factor),
+    };
+    SLOWER.iter().map(rung).collect()
+}
+
+fn payload(study: &Study) -> Ladder {
+    let heaviest = study.design.payload.mass.1;
+    if heaviest <= 0.0 {
+        return Vec::new();
+    }
+    let rung = |share: &f64| {
+        let most = share * heaviest;
+        let lighter = |own: &mut Study| {
+            let set = &mut own.design.payload;
+            set.mass = (set.mass.0.min(most), most);
+            if let Some(payload) = own.world.payload.as_mut().filter(|p| p.mass > most) {
+                let part = most / payload.mass;
+                payload.mass = most;
+                payload.inertia.iter_mut().for_each(|entry| *entry *= part);
+            }
+            if most <= 0.0 {
+                own.world.payload = None;
+            }
+        };
+        Rung {
+            change: format!("at most {most} kg of payload in place of {heaviest} kg"),
+            key: "design.payload_max_kg",
+            value: most.to_string(),
+            study: changed(study, lighter),
+        }
+    };
+    LIGHTER.iter().map(rung).collect()
+}
+
+fn form(study: &Study) -> Ladder {
+    let control = &study.control;
+    let fits = control.delay_samples <= AHEAD_MAX
+        && study.design.inertia == InertiaSource::Robot
+        && study.design.method == DesignMethod::Ours;
+    if control.form == Form::Positions || control.form_designed || !fits {
+        return Vec::new();
+    }
+    vec![Rung {
+        change: "a law from positions".to_owned(),
+        key: "loop.form",
+        value: "\"positions\"".to_owned(),
+        study: changed(study, |own| own.control.takes(Form::Positions)),
+    }]
+}
+
+fn filter(study: &Study) -> Ladder {
+    let sensor = &study.sensor;
+    let fed =
+        study.control.form != Form::Positions && sensor.velocity == VelocitySource::Differenced;
+    if !fed || sensor.velocity_filter_designed {
+        return Vec::new();
+    }
+    let free = |own: &mut Study| {
+        own.sensor.velocity_filter_hz = None;
+        own.sensor.velocity_filter_designed = true;
+    };
+    vec![Rung {
+        change: "a velocity filter that the design chooses".to_owned(),
+        key: "sensor.velocity_filter_hz",
+        value: "\"design\"".to_owned(),
+        study: changed(study, free),
+    }]
+}
+
+fn noise(study: &Study) -> Ladder {
+    let Some(most) = &study.design.torque_step_max else { return Vec::new() };
+    let rung = |factor: &f64| {
+        let louder: Vec<f64> = most.iter().map(|most| most * factor).collect();
+        Rung {
+            change: format!("{factor} times the torque noise"),
+            key: "design.torque_step_max_nm",
+            value: format!("{louder:?}"),
+            study: changed(study, |own| own.design.torque_step_max = Some(louder)),
+        }
+    };
+    LOUDER.iter().map(rung).collect()
+}
+
+/// No faster than the robot's interface takes commands.
+fn rate(study: &Study) -> Ladder {
+    let most = study.interface.profile.rate_max.unwrap_or(HIGHEST_HZ).min(HIGHEST_HZ);
+    let period = study.control.period_ns;
+    let rung = |multiple: &u64| {
+        let hz = 1e9 / (period / multiple) as f64;
+        (hz <= most && period.is_multiple_of(*multiple)).then(|| Rung {
+            change: format!("{multiple} times the rate"),
+            key: "loop.rate_hz",
+            value: format!("{hz:?}"),
+            study: changed(study, |own| own.control.period_ns = period / multiple),
+        })
+    };
+    FASTER.iter().filter_map(rung).collect()
+}
+
+fn delay(study: &Study) -> Ladder {
+    if study.control.delay_samples == 0 {
+        return Vec::new();
+    }
+    vec![Rung {
+        change: "no delay".to_owned(),
+        key: "loop.delay_samples",
+        value: "0".to_owned(),
+        study: changed(study, |own| own.control.delay_samples = 0),
+    }]
+}
+
+fn encoder(study: &Study) -> Ladder {
+    let Some(bits) = &study.sensor.encoder_bits else { return Vec::new() };
+    let rung = |more: &u32| {
+        let finer: Vec<u32> = bits.iter().map(|bits| (bits + more).min(BITS_MAX)).collect();
+        Rung {
+            change: format!("encoders of {more} bit more"),
+            key: "sensor.encoder_bits",
+            value: format!("{finer:?}"),
+            study: changed(study, |own| own.sensor.encoder_bits = Some(finer)),
+        }
+    };
+    FINER.iter().map(rung).collect()
+}
+
+/// Where a description states no rotors: some, over the least inertia that the joint moves.
+fn rotors(study: &Study, path: &Path) -> Ladder {
+    let stated = |joint: &phihat_model::Joint| joint.armature > 0.0;
+    if study.design.inertia != InertiaSource::Robot || study.robot.joints.iter().all(stated) {
+        return Vec::new();
+    }
+    let Ok(known) = arm(study, path) else { return Vec::new() };
+    let nominal = known.nominal();
+    let rung = |share: &f64| {
+        let with = |own: &mut Study| {
+            for (joint, inertia) in own.robot.joints.iter_mut().zip(&nominal) {
+                if joint.armature <= 0.0 {
+                    joint.armature = two_digits(share * inertia);
+                }
+            }
+        };
+        let study = changed(study, with);
+        let armature: Vec<f64> = study.robot.joints.iter().map(|joint| joint.armature).collect();
+        Rung {
+            change: "rotors that the description does not state".to_owned(),
+            key: "robot.armature_kg_m2",
+            value: format!("{armature:?}"),
+            study,
+        }
+    };
+    ROTORS.iter().map(rung).collect()
+}
+
+fn two_digits(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
+    if unit > 0.0 { (value / unit).round() * unit } else { value }
+}

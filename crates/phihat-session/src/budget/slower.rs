@@ -1,0 +1,57 @@
+//! The same way in more time.
+
+use phihat_study::{Reference, Study};
+
+/// A study whose motion takes `factor` times as long: the same path, every time of the reference and the run's length times it.
+pub(super) fn slower(study: &Study, factor: f64) -> Study {
+    let mut slow = study.clone();
+    slow.duration *= factor;
+    match &mut slow.reference {
+        Reference::Sines { terms, fade_in, .. } => {
+            *fade_in *= factor;
+            for term in terms {
+                for hz in &mut term.frequency {
+                    *hz /= factor;
+                }
+            }
+        }
+        Reference::Waypoints { t, .. } | Reference::Samples { t, .. } => {
+            for t in t {
+                *t *= factor;
+            }
+        }
+        Reference::Cartesian { period, fade_in, .. } => {
+            *period *= factor;
+            *fade_in *= factor;
+        }
+    }
+    slow
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+mod tests {
+    use super::slower;
+    use phihat_sim::Motion;
+    use phihat_study::Study;
+
+    #[test]
+    fn it_passes_the_same_postures_later() {
+        let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies/");
+        for name in ["first.toml", "panda.toml", "panda_waypoints.toml", "panda_csv.toml"] {
+            let study = Study::read(format!("{base}{name}").as_ref()).unwrap();
+            let slow = slower(&study, 1.7);
+            let motions =
+                [&study, &slow].map(|s| Motion::new(&s.reference, &s.robot, s.duration).unwrap());
+            for k in 0..200 {
+                let t = study.duration * f64::from(k) / 200.0;
+                for joint in 0..study.robot.joints.len() {
+                    let [q, dq, _] = motions[0].at(joint, t);
+                    let [slow_q, slow_dq, _] = motions[1].at(joint, 1.7 * t);
+                    assert!((q - slow_q).abs() < 1e-6, "{name} {joint} {t}: {q} {slow_q}");
+                    assert!((dq - 1.7 * slow_dq).abs() < 1e-3, "{name} {joint} {t}");
+                }
+            }
+        }
+    }
+}

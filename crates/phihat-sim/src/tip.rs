@@ -1,0 +1,135 @@
+//! The tip of the arm: where it is, where the reference has it, and what joints may be off for it.
+
+use phihat_model::{FrameId, Model, Workspace};
+use phihat_study::Study;
+use serde::{Deserialize, Serialize};
+
+use crate::error::SimError;
+use crate::motion::Motion;
+use crate::trace::Trace;
+
+/// Figures of the arm's tip over a run. "Steady" means: after `Spec::settle`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TipMetrics {
+    /// The tip's frame (link).
+    pub frame: String,
+    /// Largest distance of the tip from where the reference has it, of the whole run \[m\].
+    pub error_max_m: f64,
+    /// The same of the steady part.
+    pub error_steady_max_m: f64,
+    /// The study's bound on the steady one, if it states one \[m\].
+    pub error_spec_m: Option<f64>,
+    /// Largest angle between the tip's axes and those of the reference in the steady part \[rad\].
+    pub angle_steady_max_rad: f64,
+}
+
+impl TipMetrics {
+    /// Whether the bound that the study states holds.
+    pub fn within_spec(&self) -> bool {
+        // Written so that NaN does not pass.
+        self.error_spec_m.is_none_or(|bound| self.error_steady_max_m <= bound)
+    }
+}
+
+/// Measures the tip while the record of a run goes by.
+#[derive(Debug, Clone)]
+pub(crate) struct TipMeasured {
+    model: Model,
+    frame: FrameId,
+    workspace: Workspace<f64>,
+    pub(crate) metrics: TipMetrics,
+}
+
+impl TipMeasured {
+    /// `None`: the robot's description names no such frame.
+    pub(crate) fn new(study: &Study) -> Option<Self> {
+        let model = study.robot.model.clone();
+        let frame = model.frame(&study.robot.tip)?;
+        let metrics = TipMetrics {
+            frame: study.robot.tip.clone(),
+            error_max_m: 0.0,
+            error_steady_max_m: 0.0,
+            error_spec_m: study.spec.tip_error_max,
+            angle_steady_max_rad: 0.0,
+        };
+        Some(Self { workspace: Workspace::new(&model), model, frame, metrics })
+    }
+
+    /// More samples, those from `first` on of the steady part.
+    pub(crate) fn block(&mut self, trace: &Trace, first: usize) {
+        let n = trace.joints.len();
+        let (mut q, mut wanted) = (vec![0.0; n], vec![0.0; n]);
+        for k in 0..trace.len() {
+            for (i, joint) in trace.joints.iter().enumerate() {
+                (q[i], wanted[i]) = (joint.q[k], joint.q_desired[k]);
+            }
+            let (off, turned) = self.apart(&q, &wanted);
+            raise(&mut self.metrics.error_max_m, off);
+            if k >= first {
+                raise(&mut self.metrics.error_steady_max_m, off);
+                raise(&mut self.metrics.angle_steady_max_rad, turned);
+            }
+        }
+    }
+
+    /// Distance \[m\] and angle \[rad\] between the tips of two postures.
+    fn apart(&mut self, q: &[f64], wanted: &[f64]) -> (f64, f64) {
+        let mut pose = |q: &[f64]| {
+            self.model.forward_kinematics(&mut self.workspace, q);
+            self.model.pose(&self.workspace, self.frame)
+        };
+        let (a, b) = (pose(q), pose(wanted));
+        let off: f64 = (0..3).map(|i| (a.p[i] - b.p[i]) * (a.p[i] - b.p[i])).sum();
+        // ‖A − B‖ = 2√2 |sin(θ/2)| by Frobenius: exact also for small angles.
+        let apart: f64 = (0..9)
+            .map(|i| a.r[i / 3][i % 3] - b.r[i / 3][i % 3])
+            .map(|difference| difference * difference)
+            .sum();
+        let half = (apart / 8.0).sqrt();
+        let angle = 2.0 * libm::asin(if half > 1.0 { 1.0 } else { half });
+        (off.sqrt(), angle)
+    }
+}
+
+/// Raises a largest value; NaN if there is one.
+fn raise(most: &mut f64, value: f64) {
+    let keeps = most.is_nan() || value <= *most;
+    if !keeps {
+        *most = value;
+    }
+}
+
+/// The error of every joint \[rad; m\] that keeps the study's bound on its tip, along its whole motion; `None`: it states none.
+///
+/// ```text
+/// ε = bound / max_t Σ_i ℓ_i(q_d(t))                                                                                       (1)
+/// ```
+///
+/// With `|e_i| ≤ ε` on all joints the tip is at most `Σ ℓ_i |e_i| ≤ bound` away, see
+/// `phihat_certificate::TubeTip`; `ℓ_i` are the distances of the tip from the joints' axes at the samples of the motion.
+///
+/// # Errors
+///
+/// [`SimError`]: the arm cannot follow the reference.
+pub fn error_for_tip(study: &Study) -> Result<Option<f64>, SimError> {
+    let Some(bound) = study.spec.tip_error_max else { return Ok(None) };
+    let Some(frame) = study.robot.model.frame(&study.robot.tip) else { return Ok(None) };
+    let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
+    let model = &study.robot.model;
+    let n = study.robot.joints.len();
+    let mut workspace = Workspace::new(model);
+    let mut columns = vec![0.0; 6 * n];
+    let mut most = 0.0_f64;
+    for k in 0..crate::simulation::samples(study.duration, study.control.period_ns) {
+        let t = (k * study.control.period_ns) as f64 * 1e-9;
+        let q: Vec<f64> = (0..n).map(|joint| motion.at(joint, t)[0]).collect();
+        model.jacobian(&mut workspace, &q, frame, &mut columns);
+        let lever = |i: usize| {
+            let squares = (0..3).map(|row| columns[row * n + i] * columns[row * n + i]);
+            squares.sum::<f64>().sqrt()
+        };
+        raise(&mut most, (0..n).map(lever).sum());
+    }
+    // A hair less, so that rounding does not lose it again; the tube's levers are rounded up in the fourth digit.
+    Ok((most > 0.0).then(|| bound / most / (1.0 + 2e-3)))
+}
