@@ -8,7 +8,7 @@ use phihat_study::Study;
 use super::desired::Desired;
 
 /// Significant digits of a lever arm, rounded up.
-const DIGITS: i32 = 4;
+const DIGITS: f64 = 4.0;
 
 /// What the joints' tubes say of the tip: lever arms by the Jacobian's columns, see [`TubeTip`]. Its summaries are 0 until
 /// [`Tube::steady_from`] sums them up. `None`: the robot's description names no such frame.
@@ -38,19 +38,12 @@ pub fn tip_along(study: &Study, desired: &Desired, tube: &Tube) -> Option<TubeTi
     Some(TubeTip { frame, turns, lever_m: levers, error_max_m: 0.0, angle_max_rad: 0.0 })
 }
 
-/// A size with a few digits, not smaller.
+/// A size with a few digits, not smaller; of nothing a hair.
 fn outward(size: f64) -> f64 {
     if size <= 1e-12 {
         return 1e-12;
     }
-    let power = DIGITS - 1 - exponent(size);
-    let unit = 10.0_f64.powi(power.abs());
-    let scaled = if power >= 0 { size * unit } else { size / unit };
-    let up = (scaled * (1.0 + 1e-12)).ceil();
-    if power >= 0 { up / unit } else { up * unit }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "exponents of doubles are small")]
-fn exponent(size: f64) -> i32 {
-    size.log10().floor() as i32
+    let power = (DIGITS - 1.0) - size.log10().floor();
+    let unit = 10.0_f64.powf(power);
+    (size * (1.0 + 1e-12) * unit).ceil() / unit
 }
