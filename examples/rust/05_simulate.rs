@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let html = page(&Record {
         run: &origin(&study),
         study_text: &study.text,
-        gains: &gains,
+        gains: Some(&gains),
         drawing: &Drawing::of(&run.trace, study.spec.settle),
         metrics: &metrics,
         tube: None,

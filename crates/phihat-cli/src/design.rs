@@ -46,6 +46,16 @@ pub(crate) struct Design {
     /// inertia costs: takes some seconds more, and is kept in gains.json, for the report. No claim: nothing checks it.
     #[arg(long)]
     limit: bool,
+    #[command(flatten)]
+    asked: Asked,
+    /// Print one JSON document in place of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How much is told.
+#[derive(Debug, Args)]
+struct Asked {
     /// Tell what the allowed error is spent on, joint by joint, and what other laws would do; written to budget.html and
     /// budget.json beside the gains. Where there are no gains this is done anyway, with what one change would buy.
     #[arg(long)]
@@ -53,9 +63,6 @@ pub(crate) struct Design {
     /// Say too what the search and its proofs looked at.
     #[arg(long)]
     verbose: bool,
-    /// Print one JSON document in place of the table.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -75,7 +82,7 @@ impl Design {
         }
         let arm = arm(&study, &self.study)?;
         let mut outcome = designed_for(&study, &arm, &self.study, Advice::Clauses)?;
-        let asked = self.budget || matches!(outcome, Outcome::Infeasible(_));
+        let asked = self.asked.budget || matches!(outcome, Outcome::Infeasible(_));
         let told = if asked { Some(self.told(&study, &arm, &outcome)?) } else { None };
         match &mut outcome {
             Outcome::Designed(gains) => {
@@ -165,7 +172,7 @@ impl Design {
             println!("{document:#}");
         } else {
             println!("{no}");
-            if self.verbose {
+            if self.asked.verbose {
                 println!("{}", no.searched());
             }
             if let Some(budget) = budget {

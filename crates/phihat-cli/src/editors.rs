@@ -16,7 +16,7 @@ use crate::failure::Failure;
 pub(crate) struct Schema {
     /// Nothing changes: the schema is a JSON document.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// Print what completes phihat's words in a shell.
@@ -43,11 +43,10 @@ pub(crate) struct Man {
     json: bool,
 }
 
-impl Schema {
-    pub(crate) fn execute(&self) -> ExitCode {
-        print!("{}", phihat_study::schema());
-        ExitCode::SUCCESS
-    }
+/// The schema, which is JSON anyway.
+pub(crate) fn schema() -> ExitCode {
+    print!("{}", phihat_study::schema());
+    ExitCode::SUCCESS
 }
 
 impl Completions {

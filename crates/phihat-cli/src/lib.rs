@@ -138,8 +138,8 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
         Verb::Identify(identify) => identify.execute(),
-        Verb::Check(check) => check.execute(),
-        Verb::Schema(schema) => Ok(schema.execute()),
+        Verb::Check(check) => Ok(check.execute()),
+        Verb::Schema(editors::Schema { json: _ }) => Ok(editors::schema()),
         Verb::Completions(completions) => completions.execute(command()),
         Verb::Man(man) => man.execute(command()),
     }

@@ -12,7 +12,20 @@ use support::{folder, json, phihat};
 fn examples_of_every_help_work_as_typed() {
     let folder = folder("help");
     let mut examples = 0;
-    for verb in ["", "run", "design", "verify", "export", "simulate", "report", "robots"] {
+    for verb in [
+        "",
+        "run",
+        "design",
+        "verify",
+        "export",
+        "simulate",
+        "report",
+        "robots",
+        "check",
+        "schema",
+        "completions",
+        "man",
+    ] {
         let arguments: Vec<&str> = [verb, "--help"].into_iter().filter(|a| !a.is_empty()).collect();
         let help = phihat(&folder, &arguments);
         assert_eq!(help.code, 0);
@@ -24,7 +37,7 @@ fn examples_of_every_help_work_as_typed() {
             examples += 1;
         }
     }
-    assert!(examples >= 8, "only {examples} examples found");
+    assert!(examples >= 12, "only {examples} examples found");
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn every_payload_of_the_set_is_inside() {
     light.mass_kg = 1.0;
     light.inertia_kg_m2 = [0.0; 6];
     let frame = &study.design.payload.frame;
-    let w = light.matrix(&study.robot, frame, &range.nominal_kg_m2).unwrap();
+    let w = light.matrix((&study.robot, Rotor::Stated), frame, &range.nominal_kg_m2).unwrap();
     let lighter = DMatrix::from_row_slice(7, 7, &w).symmetric_eigenvalues().max();
     assert!(lighter < range.high);
     let bare = named("panda", "");

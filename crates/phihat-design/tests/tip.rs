@@ -111,7 +111,7 @@ impl Arm {
             v(self.tool)
         );
         let mut robot = Robot::from_text(&text, None, "chain.urdf").unwrap();
-        robot.tip = "tool".to_owned();
+        "tool".clone_into(&mut robot.tip);
         robot
     }
 
@@ -186,6 +186,23 @@ fn study(robot: Robot) -> Study {
     study
 }
 
+/// The checker finds the same arm by chords, and none with shorter levers.
+fn checked(study: &Study, rows: Vec<Vec<f64>>, tube: &Tube, (joint, bin): (usize, usize)) {
+    let tip = tube.tip.as_ref().unwrap();
+    let reference = Reference { q: rows, ..Reference::default() };
+    let refused = |other: &TubeTip| other.is_of(study, &reference, tube).is_err();
+    tip.is_of(study, &reference, tube).unwrap();
+    let mut short = tip.clone();
+    short.lever_m[joint][bin] *= 0.99;
+    assert_eq!(refused(&short), tip.lever_m[joint][bin] > 1e-6, "joint {joint}, bin {bin}");
+    let mut stiff = tip.clone();
+    stiff.turns[joint] = false;
+    assert_eq!(refused(&stiff), tip.turns[joint], "joint {joint}, bin {bin}");
+    let mut other = tip.clone();
+    "base".clone_into(&mut other.frame);
+    assert!(refused(&other));
+}
+
 #[test]
 fn no_error_inside_the_tubes_takes_the_tip_beyond_its_bound() {
     let mut random = Random(7);
@@ -236,20 +253,7 @@ fn no_error_inside_the_tubes_takes_the_tip_beyond_its_bound() {
                 }
             }
         }
-        // The checker finds the same arm by chords, and none with shorter levers.
-        let reference = Reference { q: rows, ..Reference::default() };
-        tip.is_of(&study, &reference, &tube).unwrap();
-        let mut short = tip.clone();
-        let at = trial % n;
-        short.lever_m[at][trial % BINS] *= 0.99;
-        let moves = tip.lever_m[at][trial % BINS] > 1e-6;
-        assert_eq!(short.is_of(&study, &reference, &tube).is_err(), moves, "{trial}");
-        let mut stiff = tip.clone();
-        stiff.turns[at] = false;
-        assert_eq!(stiff.is_of(&study, &reference, &tube).is_err(), tip.turns[at], "{trial}");
-        let mut other = tip.clone();
-        "base".clone_into(&mut other.frame);
-        assert!(other.is_of(&study, &reference, &tube).is_err());
+        checked(&study, rows, &tube, (trial % n, trial % BINS));
     }
     println!("nearest to the bound: {nearest:.4} of it, {nearest_turn:.4} of the angle's");
     // Arms of one joint reach it, but for the fourth digit of the lever and the bin's largest one.

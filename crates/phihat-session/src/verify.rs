@@ -97,9 +97,9 @@ pub fn verify(
 }
 
 /// A record whose files, figures and tube hold.
-fn whole(folder: &Path) -> Result<(RunRecord, PathBuf), SessionError> {
+fn whole(folder: &Path) -> Result<(Box<RunRecord>, PathBuf), SessionError> {
     let trace = folder.join(TRACE);
-    let kept = RunRecord::read(&trace)?;
+    let kept = Box::new(RunRecord::read(&trace)?);
     kept.figures_hold(folder)?;
     match kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {
         Some(tube) => Err(SessionError::TubeLeft { path: trace, sentence: tube.sentence() }),

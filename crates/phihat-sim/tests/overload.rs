@@ -45,7 +45,7 @@ fn by_hand(mass: f64, slower: f64) -> (f64, f64) {
 }
 
 fn found(study: &Study) -> Overload {
-    overload(study).unwrap().expect("beyond the drive")
+    overload(study).unwrap().unwrap()
 }
 
 #[test]

@@ -26,14 +26,14 @@ pub(crate) fn check_table(
 ) -> Result<(), StudyError> {
     let mut helps = Vec::new();
     for (key, value) in in_file_order(table) {
-        source.found.keep(match section.key(key.get_ref()) {
-            Some(known) => check_value(source, &known.shape, &join(path, known.name), value),
-            None => {
-                let error = unknown(source, section, path, key);
-                helps.extend(error.help().map(str::to_owned));
-                Err(error)
-            }
-        })?;
+        let checked = if let Some(known) = section.key(key.get_ref()) {
+            check_value(source, &known.shape, &join(path, known.name), value)
+        } else {
+            let error = unknown(source, section, path, key);
+            helps.extend(error.help().map(str::to_owned));
+            Err(error)
+        };
+        source.found.keep(checked)?;
     }
     let missing = section
         .keys

@@ -173,8 +173,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let period_ns = period.map_or(Ok(None), |period| found.keep(period))?;
     let arm = StudyArm::read(top, base)?;
     // Where there are none, no time is beyond the end, and no frequency above half of the rate.
-    let known = (duration.unwrap_or(f64::INFINITY), rate.unwrap_or(f64::INFINITY));
-    let (duration, rate) = known;
+    let [duration, rate] = [duration, rate].map(|known| known.unwrap_or(f64::INFINITY));
     let gains = found.keep(stated_gains(top, &arm, rate))?.flatten();
     let sensor = found.keep(sensor(top, &arm, rate, gains.is_some()))?;
     let control = control::read(&top.child("loop"), &arm, period_ns.unwrap_or_default());
@@ -182,10 +181,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let world = found.keep(world::read(top, &arm, duration))?;
     let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
     found.keep(control::fits(&control, gains.as_ref(), top))?;
-    let interface = found.keep(profile::read(&top.child("profile"), &arm, rate))?;
-    if let (Some(interface), Some(_)) = (&interface, &world.held) {
-        found.keep(takes_over(top, interface))?;
-    }
+    let interface = found.keep(interface(top, &arm, (rate, world.held.is_some())))?;
     let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
     let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
@@ -231,6 +227,19 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         inputs,
         robot: arm.robot,
     })
+}
+
+/// `[profile]`, which does not say beside `[start]` with which torque the law begins.
+fn interface(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    (rate, held): (f64, bool),
+) -> Result<Interface, StudyError> {
+    let interface = profile::read(&top.child("profile"), arm, rate)?;
+    if held {
+        top.source.found.keep(takes_over(top, &interface))?;
+    }
+    Ok(interface)
 }
 
 /// `[sensor]`, whose filter is not left to the design where the study states its gains.

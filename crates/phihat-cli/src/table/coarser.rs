@@ -23,12 +23,11 @@ pub(crate) fn coarser(gains: &Gains) -> Option<String> {
     table.add_row(row("as declared".to_owned(), (&errors, &steps), joints, true));
     for one in &gains.coarser {
         let bits = format!("−{} bit", one.bits_fewer);
-        table.add_row(match &one.refused {
-            Some(why) => [bits, "no tube".to_owned(), String::new(), why.clone()],
-            None => {
-                let list = (&one.error_max_rad[..], &one.torque_step_max_nm[..]);
-                row(bits, list, joints, one.within_rate_limits)
-            }
+        table.add_row(if let Some(why) = &one.refused {
+            [bits, "no tube".to_owned(), String::new(), why.clone()]
+        } else {
+            let list = (&one.error_max_rad[..], &one.torque_step_max_nm[..]);
+            row(bits, list, joints, one.within_rate_limits)
         });
     }
     align(&mut table);

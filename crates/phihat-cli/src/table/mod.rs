@@ -27,13 +27,12 @@ pub(crate) fn figure(value: f64, decimals: usize) -> String {
     if !value.is_finite() || value.abs() >= least || value.abs() < f64::MIN_POSITIVE {
         return format!("{value:.decimals$}");
     }
-    let exponent = value.abs().log10().floor();
-    if exponent < -7.0 {
-        return format!("{value:.1e}");
+    let rounded = format!("{value:.1e}");
+    let exponent = rounded.split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
+    match exponent.and_then(|power| usize::try_from(-power).ok()) {
+        Some(zeros @ 0..=7) => format!("{value:.*}", zeros + 1),
+        _ => rounded,
     }
-    // One digit more than those before the second that counts.
-    let places = 1 + (-exponent) as usize;
-    format!("{value:.places$}")
 }
 
 /// A joint's figure: its unit stands beside it where it is not that of the heading, because it slides.

@@ -121,12 +121,13 @@ fn together(
             torque_max_nm: size(signals.tau),
         }
     };
-    seen.iter().map(|(smoothed, _)| one(smoothed)).reduce(IdentifiedJoint::and)
+    let all = seen.iter().map(|(smoothed, _)| one(smoothed));
+    all.reduce(|before, next| before.and(&next))
 }
 
 impl IdentifiedJoint {
     /// What holds for two records.
-    fn and(self, other: Self) -> Self {
+    fn and(self, other: &Self) -> Self {
         Self {
             phi_max_nm: larger(self.phi_max_nm, other.phi_max_nm),
             phi_rate_max_nm_s: larger(self.phi_rate_max_nm_s, other.phi_rate_max_nm_s),
