@@ -104,7 +104,8 @@ fn what_is_wrong_in_the_toml_is_named() {
         ("\"joint3\"", "\"tool_joint\"", "tool_joint"),
         ("\"joint3\"", "\"joint1\"", "joint3"),
         ("tip = \"tool\"", "tip = \"hand\"", "hand"),
-        ("name = \"x\"\n", "", "name"),
+        // Alone what is needed has to be there.
+        ("urdf = \"x.urdf\"\n", "", "urdf"),
     ] {
         let text = toml("").replace(from, to);
         let message = Robot::from_text(URDF, Some(&text), "x.toml").unwrap_err().to_string();
