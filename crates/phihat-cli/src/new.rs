@@ -61,17 +61,28 @@ pub(crate) struct New {
     json: bool,
 }
 
-fn number(text: &str, valid: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {
-    let read: Option<f64> = text.trim().parse().ok();
-    read.filter(|x| x.is_finite() && valid(*x))
-        .ok_or_else(|| format!("it must be a number {wanted}"))
+/// What a text is not.
+#[derive(Debug)]
+struct NoNumber(&'static str);
+
+impl std::fmt::Display for NoNumber {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "it must be a number {}", self.0)
+    }
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
+impl std::error::Error for NoNumber {}
+
+fn number(text: &str, valid: fn(f64) -> bool, wanted: &'static str) -> Result<f64, NoNumber> {
+    let read: Option<f64> = text.trim().parse().ok();
+    read.filter(|x| x.is_finite() && valid(*x)).ok_or(NoNumber(wanted))
+}
+
+fn not_negative(text: &str) -> Result<f64, NoNumber> {
     number(text, |x| x >= 0.0, "of 0 or more")
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn positive(text: &str) -> Result<f64, NoNumber> {
     number(text, |x| x > 0.0, "above 0")
 }
 
@@ -201,7 +212,7 @@ fn answer(question: &str) -> Result<String, Failure> {
 /// A number, or nothing; asked again until it is one of them.
 fn asked_number(
     question: &str,
-    read: impl Fn(&str) -> Result<f64, String>,
+    read: impl Fn(&str) -> Result<f64, NoNumber>,
 ) -> Result<Option<f64>, Failure> {
     loop {
         let text = answer(question)?;

@@ -26,6 +26,7 @@ fn place(name: &str) -> std::path::PathBuf {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let folder = place("exit-codes");
     let design = phihat(&folder, &["design", "designed.toml", "--out", "gains.json"]);

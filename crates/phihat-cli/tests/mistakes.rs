@@ -529,7 +529,9 @@ fn wrong(folder: &Path, (what, says): (&str, &[&str]), answer: &Answer) -> Vec<S
     hold(answer.code == 2, format!("exit code {}", answer.code));
     hold(line.starts_with("error: "), "does not begin with `error: `".to_owned());
     hold(!folder.join("out").exists(), "something was written".to_owned());
-    says.iter().for_each(|part| hold(line.contains(part), format!("`{part}` is not in")));
+    for part in says {
+        hold(line.contains(part), format!("`{part}` is not in"));
+    }
     wrong
 }
 
@@ -582,6 +584,7 @@ fn each_is_one_line_with_place_value_and_remedy() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn rows_of_a_file_are_told_with_their_line() {
     let folder = place("mistaken-rows");
     fs::write(folder.join("study.toml"), text(Samples)).unwrap();
@@ -649,6 +652,7 @@ fn rows_of_a_file_are_told_with_their_line() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn files_that_are_not_what_they_are_taken_for() {
     let folder = place("mistaken-files");
     let text = text(Own);
@@ -774,7 +778,10 @@ fn all_of_a_study_at_once_in_the_order_of_the_file() {
     for error in errors {
         let line = error["line"].as_u64().unwrap();
         let key = error["key"].as_str().unwrap().rsplit('.').next().unwrap();
-        assert!(bad.lines().nth(line as usize - 1).unwrap().contains(key), "{error}");
+        assert!(
+            bad.lines().nth(usize::try_from(line).unwrap() - 1).unwrap().contains(key),
+            "{error}"
+        );
         assert!(error["message"].is_string() && error["column"].as_u64() > Some(0), "{error}");
     }
     assert_eq!(document["studies"][1]["valid"], true);

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use phihat_design::{Arm, ArmInertia, Unproved};
-use phihat_model::{Robot, Workspace};
+use phihat_model::{Robot, Rotor, Workspace};
 use phihat_study::Study;
 
 /// A planar chain of equal links, endless joints.

@@ -9,6 +9,7 @@
 
 use std::fmt::Write as _;
 
+use phihat_certificate::TubeTip;
 use phihat_certificate::tube::Reference;
 use phihat_design::tube::{Desired, tip_along};
 use phihat_design::{PayloadSet, Tube, TubeJoint};

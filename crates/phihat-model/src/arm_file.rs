@@ -29,7 +29,7 @@ impl Robot {
     #[must_use]
     pub fn estimated(mut self) -> Self {
         let torques = self.joints.iter().filter_map(|joint| joint.torque_max);
-        let small = torques.fold(0.0, f64::max) <= SMALL_NM;
+        let small = torques.max_by(f64::total_cmp).is_none_or(|most| most <= SMALL_NM);
         let (mut rotor, mut friction, mut encoder) = (false, false, false);
         for joint in &mut self.joints {
             let Some(torque) = joint.torque_max else { continue };

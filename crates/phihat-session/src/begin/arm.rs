@@ -108,9 +108,7 @@ impl Chosen {
             };
             return Ok(self.lines.iter().map(absolute).collect());
         };
-        let put = |name: &str, text: &str| {
-            fs::write(folder.join(name), text).map_err(|why| SessionError::at(Path::new(name), why))
-        };
+        let put = |name: &str, text: &str| files::write(&folder.join(name), text);
         put(&file.urdf, &file.text)?;
         put(&file.name, &self.arm_text())?;
         Ok(self.lines.clone())

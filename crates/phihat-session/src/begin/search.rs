@@ -79,6 +79,14 @@ enum Asked {
     No(Infeasible),
 }
 
+/// What a search says of an arm before anything is asked of it.
+enum Least {
+    /// The least error that some gains keep \[rad\].
+    Error(f64),
+    /// Why there are none.
+    None(String),
+}
+
 impl<'a> Looked<'a> {
     /// Puts a study for the arm into a folder, with a motion that its drives can follow and rotors that gains can bear.
     pub(super) fn new(
@@ -176,8 +184,8 @@ impl<'a> Looked<'a> {
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(watch)? {
-                Ok(least) => digits_up(MARGIN * least),
-                Err(why) => {
+                Least::Error(least) => digits_up(MARGIN * least),
+                Least::None(why) => {
                     self.stable = false;
                     return Ok(self.infeasible(1e-2, why));
                 }
@@ -215,21 +223,21 @@ impl<'a> Looked<'a> {
     }
 
     /// The least error \[rad\] that some gains keep, by the search's own reckoning; else why there are none.
-    fn least(&self, watch: &mut dyn Watch) -> Result<Result<f64, String>, SessionError> {
+    fn least(&self, watch: &mut dyn Watch) -> Result<Least, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, IN_VAIN);
         let Outcome::Infeasible(no) = one_search(&study, &self.path)? else {
-            return Ok(Ok(IN_VAIN));
+            return Ok(Least::Error(IN_VAIN));
         };
         let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_max_rad");
         let possible = clause.and_then(|clause| Some(clause.possible? / clause.wanted * IN_VAIN));
         if let Some(least) = possible {
-            return Ok(Ok(least));
+            return Ok(Least::Error(least));
         }
         watch.step("no gains keep the arm inside the stability window: looking for the rotors that make it possible");
         let found = smallest_rotor(&self.study, &self.path)?;
         let told = found.map(|found| lacking(&self.study, found.value));
-        Ok(Err(told.unwrap_or_else(|| no.to_string())))
+        Ok(Least::None(told.unwrap_or_else(|| no.to_string())))
     }
 
     /// Gains for an error, and runs with every rotor between and at the ends of its interval.
