@@ -137,6 +137,7 @@ const CRATES: [Row; 19] = [
             "phihat-model",
             "phihat-paper",
             "phihat-report",
+            "phihat-rivals",
             "phihat-session",
             "phihat-sim",
             "phihat-study",
