@@ -48,6 +48,8 @@ pub struct RecordedJoint {
 pub struct Smoothed {
     /// Time between rows \[ns\].
     pub period_ns: u64,
+    /// Rows between two that have no sample in common.
+    reach: usize,
     joints: Vec<Joint>,
 }
 
@@ -100,7 +102,12 @@ impl Smoothed {
                 tau: mean(&change(&impulse), 3),
             }
         };
-        Some(Self { period_ns, joints: joints.iter().map(smooth).collect() })
+        Some(Self { period_ns, reach: 4 * n, joints: joints.iter().map(smooth).collect() })
+    }
+
+    /// Rows between two that have no sample in common.
+    pub fn reach(&self) -> usize {
+        self.reach
     }
 
     /// The signals, joint by joint.

@@ -8,7 +8,7 @@ use phihat_design::budget::Budget;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requested_gains};
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
-use phihat_study::Study;
+use phihat_study::{JOINT_BY_JOINT, Study};
 
 use crate::budget::{BudgetFiles, Tried, budget, write_budget};
 use crate::design::{self, Advice};
@@ -147,7 +147,8 @@ impl Session {
         watch: &mut dyn Watch,
     ) -> Result<Done, SessionError> {
         let _held = Lock::take(folder)?;
-        self.warnings.iter().filter(|w| w.starts_with(FORECAST)).for_each(|line| watch.warn(line));
+        let told = |line: &&String| line.starts_with(FORECAST) || line.starts_with(JOINT_BY_JOINT);
+        self.warnings.iter().filter(told).for_each(|line| watch.warn(line));
         let mut trace = TraceFiles::begin(folder)?;
         watch.begun(&trace.prepared);
         let all = self.simulation.samples();

@@ -6,6 +6,9 @@ use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::node::Node;
 
+/// How the warning begins that says what is simulated of an arm without a description.
+pub const JOINT_BY_JOINT: &str = "the arm is known joint by joint";
+
 /// What is stated of each joint for a design.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stated {
@@ -67,7 +70,7 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
     let (end, other, word) =
         if at_low { ("lower", "upper", "high") } else { ("upper", "lower", "low") };
     robot.warnings.push(format!(
-        "the arm is known joint by joint: what is simulated are joints that do not push each other, each with the {end} end \
+        "{JOINT_BY_JOINT}: what is simulated are joints that do not push each other, each with the {end} end \
          of its inertia and a dry friction of half of its jump; world.joint_inertia = \"{word}\" simulates the {other} end"
     ));
     Ok((robot, Stated { inertia: (low, high), phi: (rate, jump) }))

@@ -97,6 +97,7 @@ mod world_keys;
 pub use control::AHEAD_MAX;
 pub use error::{StudyError, StudyErrorKind};
 pub use fault::{Fault, FaultKind};
+pub use joint::JOINT_BY_JOINT;
 pub use manual::manual;
 pub use payload::Payload;
 pub use payload_set::PayloadSet;

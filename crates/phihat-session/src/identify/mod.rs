@@ -5,7 +5,7 @@ mod recording;
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
-use phihat_design::{InertiaEstimate, Smoothed, estimate_inertia};
+use phihat_design::{InertiaEstimate, JointSignals, Smoothed, estimate_inertia};
 use phihat_sim::Observed;
 use serde::Serialize;
 
@@ -42,7 +42,7 @@ pub struct IdentifiedJoint {
     pub phi_max_nm: f64,
     /// how fast its smooth part changes \[N·m/s\],
     pub phi_rate_max_nm_s: f64,
-    /// and how far it jumps: dry friction where the joint reverses \[N·m\].
+    /// and how far it jumps, at least by what it swings by where the joint reverses: dry friction \[N·m\].
     pub phi_jump_max_nm: f64,
     /// Positions that were seen, from and to \[rad\].
     pub position_rad: (f64, f64),
@@ -108,6 +108,7 @@ fn together(
     let one = |smoothed: &Smoothed| {
         let signals = &smoothed.signals()[joint];
         let period = smoothed.period_ns as f64 * 1e-9;
+        let rows = smoothed.reach();
         let phi = Observed::of_signals(&[(signals.tau, signals.ddq)], period).phi(0, nominal);
         let size = |values: &[f64]| values.iter().map(|value| value.abs()).largest();
         IdentifiedJoint {
@@ -115,7 +116,8 @@ fn together(
             inertia,
             phi_max_nm: margin * phi.size,
             phi_rate_max_nm_s: margin * phi.rate,
-            phi_jump_max_nm: margin * phi.jump,
+            // A filter smears what dry friction does where a joint reverses: over its length φ swings by the whole jump.
+            phi_jump_max_nm: margin * larger(phi.jump, swing(signals, nominal, rows)),
             position_rad: signals.q.iter().copied().ends(),
             velocity_max_rad_s: size(signals.dq),
             torque_max_nm: size(signals.tau),
@@ -123,6 +125,14 @@ fn together(
     };
     let all = seen.iter().map(|(smoothed, _)| one(smoothed));
     all.reduce(|before, next| before.and(&next))
+}
+
+/// How far φ moves at most over so many rows in which the joint reverses \[N·m\].
+fn swing(signals: &JointSignals<'_>, nominal: f64, rows: usize) -> f64 {
+    let phi = |k: usize| signals.tau[k] - nominal * signals.ddq[k];
+    let reverses = |k: &usize| signals.dq[*k] * signals.dq[k + rows] < 0.0;
+    let all = (0..signals.dq.len().saturating_sub(rows)).filter(reverses);
+    all.map(|k| (phi(k + rows) - phi(k)).abs()).largest()
 }
 
 impl IdentifiedJoint {

@@ -1,0 +1,186 @@
+//! An arm without a description: known joint by joint, simulated as joints that do not push each other, and identified from
+//! records. Wrong if a record's numbers did not hold what the recorded joints are, if a design from them did not hold in a
+//! run, if what is simulated were not said, or if a record that cannot be used went through.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use phihat_sim::{Observed, Trace};
+use phihat_study::Study;
+use support::{folder, json, phihat};
+
+/// Even draws from 0 to 1: a sequence of the golden ratio.
+fn share(k: u32) -> f64 {
+    (0.5 + 0.618_033_988_749_895 * f64::from(k)).fract()
+}
+
+fn between(low: f64, high: f64, k: u32) -> f64 {
+    low * (high / low).powf(share(k))
+}
+
+/// A joint's inertia \[kg·m²\] and half of its jump \[N·m\].
+type Truth = [(f64, f64); 2];
+
+/// Two joints on two sines each, under gains that nobody designed.
+fn study(truth: &Truth, k: u32, more: &str) -> String {
+    let joints: Vec<String> = ["first", "second"]
+        .iter()
+        .zip(truth)
+        .map(|(name, (inertia, coulomb))| {
+            format!(
+                "[[joint]]\nname = \"{name}\"\ninertia_min_kg_m2 = {inertia}\ninertia_max_kg_m2 = {inertia}\n\
+                 phi_rate_max_nm_s = 1e3\nphi_jump_max_nm = {}\n",
+                2.0 * coulomb
+            )
+        })
+        .collect();
+    let (slow, fast) = (between(0.2, 0.4, k + 40), between(0.9, 1.8, k + 50));
+    let bits = 16 + k % 5;
+    let inertia = [truth[0].0 * 0.8, truth[1].0 * 1.2];
+    format!(
+        "duration_s = 8.0\n{}[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 60.0\n\
+         inertia_kg_m2 = {inertia:?}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = {bits}\nvelocity = \"differenced\"\n\
+         velocity_filter_hz = 100.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n{more}\
+         [[reference.sine]]\namplitude_rad = 0.4\nfrequency_hz = [{slow}, {}]\n\
+         [[reference.sine]]\namplitude_rad = 0.1\nfrequency_hz = [{fast}, {}]\nphase_rad = [0.3, 1.1]\n",
+        joints.concat(),
+        1.3 * slow,
+        1.2 * fast,
+    )
+}
+
+/// What a jump and a rate of φ cost, as the search of bounds sees them.
+fn cost(rate: f64, jump: f64) -> f64 {
+    0.02 * rate + jump
+}
+
+#[test]
+fn records_tell_what_their_joints_are() {
+    let folder = folder("identify");
+    let (mut wide, mut least) = (0.0_f64, f64::INFINITY);
+    for k in 0..8 {
+        let truth: Truth =
+            [0, 20].map(|j| (between(0.03, 2.0, k + j), between(0.05, 2.0, k + j + 10)));
+        let text = study(&truth, k, "");
+        fs::write(folder.join("arm.toml"), &text).unwrap();
+        let run = phihat(&folder, &["run", "arm.toml"]);
+        assert!(run.code == 0 && run.err.contains("do not push each other"), "{}", run.err);
+        let told = json(&folder, &["identify", "out/arm/trace.csv", "--from", "1", "--json"]);
+        let read = Study::read(&folder.join("arm.toml")).unwrap();
+        let file = fs::File::open(folder.join("out/arm/trace.csv")).unwrap();
+        let observed = Observed::of(&Trace::read_csv(file, &read).unwrap(), 1.0);
+        for (joint, (inertia, _)) in truth.iter().enumerate() {
+            let found = &told["joints"][joint];
+            let number = |key: &str| found[key].as_f64().unwrap();
+            let end = |key: &str| found["inertia"][key].as_f64().unwrap();
+            let (low, high) = (end("low_kg_m2"), end("high_kg_m2"));
+            assert!(low <= *inertia && *inertia <= high, "{k}: {inertia} not in {low} … {high}");
+            wide = wide.max(high / low);
+            // φ as it truly was, against what the record, seen through its encoder and a filter, says of it.
+            let truly = observed.phi(joint, (low * high).sqrt());
+            let claimed = cost(number("phi_rate_max_nm_s"), number("phi_jump_max_nm"));
+            least = least.min(claimed / cost(truly.rate, truly.jump));
+        }
+    }
+    println!("inertia within a factor of {wide:.2}; φ claimed over true: {least:.2} at least");
+    assert!(wide < 5.0 && least >= 1.0, "{wide} {least}");
+}
+
+#[test]
+fn a_record_becomes_a_design_that_holds() {
+    let folder = folder("identify-design");
+    let truth: Truth = [(0.6, 0.8), (0.2, 0.4)];
+    fs::write(folder.join("arm.toml"), study(&truth, 3, "")).unwrap();
+    assert_eq!(phihat(&folder, &["run", "arm.toml"]).code, 0);
+    let identify =
+        ["identify", "out/arm/trace.csv", "--from", "1", "--margin", "2", "--out", "joints.toml"];
+    let told = phihat(&folder, &identify);
+    assert!(told.code == 0 && told.out.contains("an estimate, not a proof"), "{}", told.out);
+    let joints = fs::read_to_string(folder.join("joints.toml")).unwrap();
+    let again = |end: &str| {
+        format!(
+            "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_max_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
+             [loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n\
+             [reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.3, 0.4]\n"
+        )
+    };
+    for end in ["high", "low"] {
+        let name = format!("{end}.toml");
+        fs::write(folder.join(&name), again(end)).unwrap();
+        let run = phihat(&folder, &["run", &name]);
+        assert_eq!(run.code, 0, "{end}: {}{}", run.out, run.err);
+        let other = if end == "high" { "low" } else { "high" };
+        assert!(run.err.contains(&format!("world.joint_inertia = \"{other}\"")), "{}", run.err);
+        // Bounded joint by joint, and measured below it.
+        let read = |name: &str| -> serde_json::Value {
+            let path = folder.join("out").join(end).join(name);
+            serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+        };
+        let (gains, metrics) = (read("gains.json"), read("metrics.json"));
+        for joint in 0..2 {
+            let bound = gains["certificate"]["joints"][joint]["bounds"]["error_rad"].as_f64();
+            let measured = metrics["joints"][joint]["error_steady_max_rad"].as_f64().unwrap();
+            assert!(measured <= bound.unwrap(), "{end}, joint {joint}: {measured} {bound:?}");
+        }
+        let gains = format!("out/{end}/gains.json");
+        assert_eq!(phihat(&folder, &["verify", &gains, "--study", &name]).code, 0);
+        let export = ["export", &gains, "--format", "c-header", "--out", "law.h"];
+        assert_eq!(phihat(&folder, &export).code, 0);
+    }
+}
+
+fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {
+    let told = phihat(folder, arguments);
+    assert!(told.code == 2 && (told.out.is_empty() || arguments[0] == "check"), "{}", told.err);
+    assert_eq!(told.err.trim_end().lines().count(), 1, "{}", told.err);
+    for part in says {
+        assert!(told.err.contains(part), "`{part}` is not in {}", told.err);
+    }
+}
+
+#[test]
+fn what_cannot_be_used_is_told() {
+    let folder = folder("identify-refused");
+    let record = |name: &str, header: &str, rows: &[&str]| {
+        fs::write(folder.join(name), format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+    };
+    let header = "t_s,joint,q_rad,tau_nm";
+    record("torque.csv", "t_s,joint,q_rad,current_a", &["0,a,1,2"]);
+    refused(&folder, &["identify", "torque.csv"], &["torque.csv", "tau_nm or tau_applied_nm"]);
+    record("text.csv", header, &["0,a,1,2", "0.001,a,one,2"]);
+    refused(&folder, &["identify", "text.csv"], &["line 3", "q_rad is \"one\"", "finite number"]);
+    record("gap.csv", header, &["0,a,1,2", "0.001,a,1,2", "0.002,a,1,2", "0.013,a,1,2"]);
+    refused(&folder, &["identify", "gap.csv"], &["t_s = 0.002", "0.01", "cut the record there"]);
+    record("short.csv", header, &["0,a,1,2", "0.001,a,1,2", "0.002,a,1,2"]);
+    refused(&folder, &["identify", "short.csv"], &["too short", "0.04 s"]);
+    record("uneven.csv", header, &["0,a,1,2", "0,b,1,2", "0.001,a,1,2"]);
+    refused(&folder, &["identify", "uneven.csv"], &["joint b has 1 rows and joint a has 2"]);
+    refused(&folder, &["identify", "short.csv", "--margin", "0.5"], &["--margin 0.5", "1 to 100"]);
+    let still: Vec<String> =
+        (0..9000).map(|k| format!("{},a,1.0,2.0", f64::from(k) * 1e-3)).collect();
+    let still: Vec<&str> = still.iter().map(String::as_str).collect();
+    record("still.csv", header, &still);
+    refused(&folder, &["identify", "still.csv"], &["joint a", "more than one frequency"]);
+    // In a study.
+    let text = study(&[(0.6, 0.8), (0.2, 0.4)], 3, "");
+    let mistake = |from: &str, to: &str, says: &[&str]| {
+        assert!(text.contains(from));
+        fs::write(folder.join("arm.toml"), text.replacen(from, to, 1)).unwrap();
+        refused(&folder, &["check", "arm.toml"], says);
+    };
+    let first = "inertia_min_kg_m2 = 0.6";
+    mistake(first, "inertia_min_kg_m2 = 0.7", &["joint[0].inertia_min_kg_m2", "0.7", "is above"]);
+    mistake("\"second\"", "\"first\"", &["joint[1].name", "another"]);
+    mistake("phi_jump_max_nm = 1.6\n", "", &["joint[0].phi_jump_max_nm", "missing key"]);
+    mistake("[spec]", "[robot]\nname = \"panda\"\n[spec]", &["robot", "keep one of them"]);
+    mistake(
+        "[spec]",
+        "[world]\npayload = { mass_kg = 1.0 }\n[spec]",
+        &["world.payload", "inertia"],
+    );
+    let ends = "phi_jump_max_nm = 1.6\nposition_min_rad = -1.0\n";
+    mistake("phi_jump_max_nm = 1.6\n", ends, &["joint[0].position_max_rad", "missing key"]);
+}
