@@ -57,6 +57,11 @@ fn shrunk(gains: &Value, by: f64) -> Value {
             }
         }
     }
+    // What is said of the tip follows from the joints.
+    let tip = &mut gains["certificate"]["tube"]["tip"];
+    for key in ["error_max_m", "angle_max_rad"] {
+        tip[key] = json!(by * tip[key].as_f64().unwrap());
+    }
     gains
 }
 

@@ -397,7 +397,9 @@ fn missing_keys_are_reported_at_their_section() {
     }
     let no_gains = with_line(12, "[spec.gains]");
     check(&no_gains, (12, "spec.gains", UnknownKey, "`gains` belongs to the top of the file"));
-    check("duration_s = 1.0\n", (1, "robot", MissingKey, "missing section [robot]"));
+    check("duration_s = 1.0\n", (1, "reference", MissingKey, "missing section [reference]"));
+    let no_arm = "duration_s = 1.0\n[reference]\nkind = 'hold'\nq_rad = 0.0\n";
+    check(no_arm, (1, "robot", MissingKey, "missing section [robot]"));
     check("", (1, "duration_s", MissingKey, "missing key"));
 }
 

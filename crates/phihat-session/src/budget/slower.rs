@@ -47,7 +47,8 @@ mod tests {
                 for joint in 0..study.robot.joints.len() {
                     let [q, dq, _] = motions[0].at(joint, t);
                     let [slow_q, slow_dq, _] = motions[1].at(joint, 1.7 * t);
-                    assert!((q - slow_q).abs() < 1e-6, "{name} {joint} {t}: {q} {slow_q}");
+                    // Inverse kinematics stops at its tolerance.
+                    assert!((q - slow_q).abs() < 1e-5, "{name} {joint} {t}: {q} {slow_q}");
                     assert!((dq - 1.7 * slow_dq).abs() < 1e-3, "{name} {joint} {t}");
                 }
             }
