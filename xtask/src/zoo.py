@@ -360,7 +360,7 @@ def run_all(rows: list[dict[str, Any]], paths: list[Path], runs: Runs, jobs: int
 
 
 def table(head: list[str], rows: list[list[Any]]) -> str:
-    cell = lambda text: str("–" if text is None else text).replace("|", "\\|").replace("\n", " ")
+    cell = lambda text: str("–" if text is None else text).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell(c) for c in row) + " |" for row in lines) + "\n"
 

@@ -154,7 +154,11 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
     let beyond: Vec<&str> =
         joints.chain(tip.filter(|tip| !tip.within_spec()).map(|_| "the tip")).collect();
     if metrics.within_spec {
-        let within = format!("within spec on all {} joints {steady}", metrics.joints.len());
+        let on = match metrics.joints.len() {
+            1 => String::new(),
+            joints => format!(" on all {joints} joints"),
+        };
+        let within = format!("within spec{on} {steady}");
         match limits_acted(metrics) {
             Some(limited) => format!("{within}, BUT {limited}"),
             None => within,

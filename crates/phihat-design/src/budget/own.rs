@@ -54,7 +54,10 @@ pub fn by_own_loop(
             let prompt = LoopModel { delay_samples: 0, ..model };
             if let Some(spent) = Spent::of(record, &prompt, (low, high)) {
                 let error_rad = all - total(&spent.parts(record, &prompt, &phi, quantum));
-                parts.push(Part { cause: Cause::Delay, error_rad, within: true });
+                // A law that is made for a delay may be the worse one without it: then nothing is known of its cost.
+                if error_rad > 0.0 {
+                    parts.push(Part { cause: Cause::Delay, error_rad, within: true });
+                }
             }
         }
         JointBudget {

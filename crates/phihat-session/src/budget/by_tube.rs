@@ -46,7 +46,9 @@ pub(super) fn parts(study: &Study, gains: &Gains) -> Result<Option<Vec<JointBudg
     }
     let joint = |i: usize| {
         let mut parts = vec![Part { cause: Cause::Motion, error_rad: motion[i], within: false }];
-        parts.extend(added.iter().map(|(cause, within, errors)| Part {
+        // A law that is made for a delay may be the worse one without it: then nothing is known of its cost.
+        let known = added.iter().filter(|(_, within, errors)| !*within || errors[i] > 0.0);
+        parts.extend(known.map(|(cause, within, errors)| Part {
             cause: *cause,
             error_rad: errors[i],
             within: *within,
