@@ -121,7 +121,7 @@ def test_impossible_is_told_with_clauses() -> None:
     assert any(clause["possible"] and clause["possible"] > 1e-9 for clause in caught.value.clauses)
     # What the error of the nearest law is spent on: parts that are not within others add up.
     budget = caught.value.budget
-    assert not budget["feasible"] and budget["front"]
+    assert budget is not None and not budget["feasible"] and budget["front"]
     for joint in budget["joints"]:
         parts = sum(part["error_rad"] for part in joint["parts"] if not part["within"])
         assert parts == pytest.approx(joint["total_rad"])
