@@ -122,7 +122,7 @@ def test_studies(tmp_path: Path) -> None:
     with pytest.raises(phihat.StudyError, match="unknown key; did you mean `seed`") as caught:
         phihat.simulate(broken)
     assert (caught.value.line, caught.value.field) == (2, "seeed")
-    with pytest.raises(phihat.StudyError, match="robot"):
+    with pytest.raises(phihat.StudyError, match="reference"):
         phihat.simulate({"duration_s": 1.0})
     with pytest.raises(phihat.ArgumentError, match="a path or a dictionary"):
         phihat.simulate(3)  # type: ignore[arg-type]

@@ -25,8 +25,10 @@ class _CoupledGains(TypedDict):
 __all__ = [
     "Controller",
     "Gains",
+    "Plant",
     "PositionGains",
     "Robot",
+    "Sample",
     "Supervisor",
     "Trace",
     "design",
