@@ -47,10 +47,13 @@ impl Plant {
         let inertia = stated.map(|batch| batch.at(0).to_vec());
         let begun = py.detach(|| OutsideRun::new(study, &origin, inertia, command));
         let run = begun.map_err(|e| failure::session(py, &e))?;
-        let control = &run.study().control;
+        let study = run.study();
+        let limits: Vec<Option<f64>> = (0..joint_names.len()).map(|i| study.limits(i).0).collect();
+        let limited = limits.iter().any(Option::is_some);
         Ok(Self {
-            period: control.period_ns as f64 * 1e-9,
-            torque_max: control.torque_max.clone(),
+            period: study.control.period_ns as f64 * 1e-9,
+            torque_max: limited
+                .then(|| limits.iter().map(|most| most.unwrap_or(f64::INFINITY)).collect()),
             inertia: run.inertia.clone(),
             joint_names,
             run: Mutex::new(Some(run)),

@@ -170,3 +170,13 @@ def test_an_own_law_is_a_rival_like_the_others(tmp_path: Path) -> None:
     taken = type("L", (PdPlus,), {"name": "pd"})
     with pytest.raises(phihat.Error, match="another name"):
         phihat.compare(study, laws=[taken], out=tmp_path / "d")
+
+
+def test_a_plant_tells_what_the_robot_clamps() -> None:
+    """A robot's own interface clamps below what the study's loop does: a law is told the smaller of the two."""
+    gains = {**STUDY["gains"], "inertia_kg_m2": 0.2}
+    panda: dict[str, Any] = {**STUDY, "robot": {"name": "panda"}, "gains": gains}
+    panda["loop"] = {"delay_samples": 1, "torque_max_nm": 50.0}
+    panda["reference"] = {**STUDY["reference"], "sine": [{"amplitude_rad": 0.02, "frequency_hz": 0.5}]}
+    panda["profile"] = {"name": "franka"}
+    assert np.array_equal(phihat.Plant(panda).torque_max, [50.0] * 4 + [12.0] * 3)

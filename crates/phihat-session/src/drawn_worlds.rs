@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::Dice;
+use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{JointRun, Left, Refutation, Tube};
 use phihat_design::Gains;
 use phihat_sim::{SimError, Simulation, Trace};
@@ -130,7 +131,7 @@ fn held(tube: &Tube, trace: &Trace) -> (Option<Left>, Vec<f64>) {
             let (Some(low), Some(high)) = ends else { return 0.0 };
             (e - 0.5 * (low + high)).abs() / (0.5 * (high - low)).max(1e-300)
         };
-        trace.t_ns.iter().zip(run.e).map(share).fold(0.0, f64::max)
+        trace.t_ns.iter().zip(run.e).map(share).largest()
     });
     (left, used.collect())
 }

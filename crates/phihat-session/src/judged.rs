@@ -1,5 +1,6 @@
 //! What the tube of gains says of a specification.
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, TubeRefusal, tube};
 use phihat_design::{Gains, Settle, Tube};
 use phihat_study::Study;
@@ -53,7 +54,7 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judg
     certificate.settle = Some(settle);
     certificate.tube_refused = None;
     certificate.tube = Some(tube);
-    let used = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
+    let used = shares.iter().copied().largest();
     if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }
 }
 
@@ -134,8 +135,8 @@ impl Merit {
         let errors = shares(study, tube, &mut Vec::new());
         Self {
             kept: certificate.unproved.is_empty(),
-            error: errors.into_iter().fold(0.0, f64::max),
-            noise: noise.fold(0.0, f64::max),
+            error: errors.into_iter().largest(),
+            noise: noise.largest(),
         }
     }
 

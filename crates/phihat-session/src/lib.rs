@@ -30,6 +30,7 @@ mod check;
 mod coarser;
 mod design;
 mod dice;
+mod digits;
 pub mod disk;
 mod drawn_worlds;
 mod edit;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
@@ -61,7 +62,7 @@ pub(crate) fn by_positions(
         search.certify(&mut gains).map_err(refused)?;
         let desired = told(&gains)?;
         let judged = judge(&free, &mut gains, &desired);
-        let loudest = shares.iter().copied().fold(0.0, f64::max);
+        let loudest = shares.iter().copied().largest();
         let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
         let rank = Rank { armed, ..rank };
@@ -174,7 +175,7 @@ fn next(
         limit.map_or(steady, |limit| steady.max(joint.torque_step_max_nm / limit))
     };
     let steps: Vec<f64> = (0..shares.len()).map(step).collect();
-    let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
+    let most = |list: &[f64]| list.iter().copied().largest();
     let (error, loudest) = (most(errors), most(&steps));
     let rank = Rank { armed: true, error, loudest, noise };
     // All joints get stiffer where one has too much error, as far as each has room: they push each other.

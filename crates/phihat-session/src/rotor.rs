@@ -3,11 +3,12 @@
 use std::error::Error;
 use std::path::Path;
 
-use phihat_design::{Alternative, Outcome, Phi, search};
+use phihat_design::{Alternative, Outcome, search};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
-use crate::along::{arm_along, motion_along, phi_along};
+use crate::along::{arm_along, phi_along};
+use crate::digits;
 use crate::error::SessionError;
 
 /// Rotor inertias that are tried \[kg·m²\], and how often the gap between two is halved.
@@ -31,10 +32,7 @@ pub(crate) fn one_search(study: &Study, path: &Path) -> Result<Outcome, SessionE
     let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
     let arm = arm_along(study).map_err(|why| at(why.into()))?;
     let demand = Demand::along(study).map_err(|why| at(why.into()))?;
-    let phi = |joint: usize, inertia: f64| -> Phi {
-        let motion = Some(motion_along(&demand, joint));
-        Phi { motion, ..phi_along(&demand, joint, inertia) }
-    };
+    let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
     search(study, &arm, &phi).map_err(|why| at(why.into()))
 }
 
@@ -97,8 +95,7 @@ fn rounded(
     with: &dyn Fn(f64) -> Result<Option<usize>, SessionError>,
     order: usize,
 ) -> Result<Option<Alternative>, SessionError> {
-    let unit = 10.0_f64.powf(value.log10().floor() - 2.0);
-    let up: f64 = format!("{:.6e}", (value / unit).ceil() * unit).parse().unwrap_or(value);
+    let up = digits::up(value, 3);
     let order = with(up)?.unwrap_or(order);
     Ok(Some(Alternative { key: KEY.to_owned(), value: up, order }))
 }

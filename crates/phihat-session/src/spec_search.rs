@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::Desired;
 use phihat_design::{ArmBasis, Gains, JointRecord, Outcome};
 use phihat_sim::Motion;
@@ -138,7 +139,7 @@ impl Found {
         let (first, itself) = (self.seen.len() == 1 && !self.hard, vec![1.0 / FIRST]);
         match judged {
             Judged::Kept(shares) => {
-                let used = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
+                let used = shares.iter().copied().largest();
                 self.kept = Some(gains);
                 // The search was stricter than it had to be: less torque noise may do.
                 let worth = used < ENOUGH && !relaxed && !self.hard;
@@ -147,7 +148,7 @@ impl Found {
             _ if relaxed => None,
             Judged::Beyond(shares) => {
                 self.hard = true;
-                let worst = shares.iter().fold(0.0_f64, |m, share| m.max(*share));
+                let worst = shares.iter().copied().largest();
                 if self.closest.as_ref().is_none_or(|(least, _)| worst < *least) {
                     self.closest = Some((worst, gains));
                 }

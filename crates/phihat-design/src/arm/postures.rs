@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
-use phihat_model::{Body, Joint, JointKind, Model, Rotor, Workspace};
+use phihat_model::{Body, Joint, JointKind, Model, Rotor, Workspace, evenly};
 use phihat_study::{PayloadSet, Study};
 
 use super::error::ArmError;
@@ -77,7 +77,7 @@ impl Postures {
             speeds: study.robot.joints.iter().map(|joint| joint.velocity_max).collect(),
         };
         let last = postures.payloads.len() - 1;
-        for q in evenly(&postures.travel) {
+        for q in evenly(&postures.travel, SAMPLES) {
             postures.light.push(postures.tried(&q, 0)?);
             postures.heavy.push(postures.tried(&q, last)?);
         }
@@ -139,22 +139,6 @@ fn travel(joint: &Joint) -> (f64, f64) {
         _ if high - low > 2.0 * PI => (0.5 * (low + high) - PI, 0.5 * (low + high) + PI),
         _ => (low, high),
     }
-}
-
-/// Postures from the additive recurrence on square roots of primes: even, and the same every time.
-fn evenly(travel: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
-    let roots: Vec<f64> = primes().map(f64::sqrt).take(travel.len()).collect();
-    (1..=SAMPLES).map(move |k| {
-        let at = |(root, (low, high)): (&f64, &(f64, f64))| {
-            low + (f64::from(k) * root).fract() * (high - low)
-        };
-        roots.iter().zip(travel).map(at).collect()
-    })
-}
-
-fn primes() -> impl Iterator<Item = f64> {
-    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
-    (2..u32::MAX).filter(prime).map(f64::from)
 }
 
 /// `M̄^{-1/2} M M̄^{-1/2}`.

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use phihat_certificate::{FrozenPayload, FrozenPosture, Matrix};
-use phihat_model::{Body, Model, Workspace};
+use phihat_model::{Body, Model, Workspace, evenly};
 use phihat_study::Study;
 
 use crate::arm::ArmError;
@@ -89,23 +89,10 @@ impl<'a> Postures<'a> {
 
     /// So many postures inside the joint limits, even and the same every time, each with every payload.
     pub fn spread(&self, count: u32) -> Vec<FrozenPosture> {
-        (1..=count).flat_map(|k| self.at(&self.spread_at(k), &format!("posture {k}"))).collect()
-    }
-
-    /// The additive recurrence on square roots of primes.
-    fn spread_at(&self, k: u32) -> Vec<f64> {
-        // As many as an arm has joints.
-        const PRIMES: [f64; 32] = [
-            2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0,
-            53.0, 59.0, 61.0, 67.0, 71.0, 73.0, 79.0, 83.0, 89.0, 97.0, 101.0, 103.0, 107.0, 109.0,
-            113.0, 127.0, 131.0,
-        ];
-        let joint = |(i, joint): (usize, &phihat_model::Joint)| {
-            let (low, high) = joint.position.unwrap_or((-PI, PI));
-            let share = (f64::from(k) * PRIMES[i % PRIMES.len()].sqrt()).fract();
-            low + share * (high - low)
-        };
-        self.study.robot.joints.iter().enumerate().map(joint).collect()
+        let ends = self.study.robot.joints.iter().map(|joint| joint.position.unwrap_or((-PI, PI)));
+        let ends: Vec<(f64, f64)> = ends.collect();
+        let all = evenly(&ends, count).zip(1..);
+        all.flat_map(|(q, k): (Vec<f64>, u32)| self.at(&q, &format!("posture {k}"))).collect()
     }
 }
 

@@ -44,5 +44,6 @@ pub use desired::Desired;
 pub use document::tube;
 pub use envelope::{Envelope, JointEnvelope};
 pub use refusal::TubeRefusal;
+pub use scene::modelled;
 pub use slices::find;
 pub use tip::tip_along;

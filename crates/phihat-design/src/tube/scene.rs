@@ -264,7 +264,11 @@ fn edges(study: &Study, period: f64) -> Vec<Edge> {
 
 /// That a study has nothing which the linear loop lacks: what forbids the loop model, what is not counted in a tube, and
 /// what stands around the law or behind it.
-fn modelled(study: &Study) -> Result<(), TubeRefusal> {
+///
+/// # Errors
+///
+/// [`TubeRefusal::Unsupported`] names the key.
+pub fn modelled(study: &Study) -> Result<(), TubeRefusal> {
     let forbidden = missing(study).first().map(|(key, _)| (*key).to_owned());
     let left_out = || NotCounted::of(study).into_iter().find(|one| !one.in_tube());
     let profile = &study.interface.profile;

@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use phihat_model::{Joint, JointKind, Robot};
 
 use super::posture::travel;
+use crate::digits;
 
 /// Frequencies \[Hz\], one joint after the other: no two joints in step.
 const FREQUENCIES: [f64; 8] = [0.10, 0.15, 0.20, 0.12, 0.25, 0.30, 0.18, 0.22];
@@ -39,7 +40,7 @@ impl Sines {
             .iter()
             .cycle()
             .take(robot.joints.len())
-            .map(|hz| short(hz * pace, 3))
+            .map(|hz| digits::places(hz * pace, 3))
             .collect();
         let joints = robot.joints.iter().zip(centre).zip(&frequency);
         let amplitude = joints.map(|((joint, at), hz)| amplitude(joint, *at, (*hz, fade_in)));
@@ -57,12 +58,5 @@ fn amplitude(joint: &Joint, at: f64, (hz, fade_in): (f64, f64)) -> f64 {
         .velocity_max
         .map_or(f64::INFINITY, |limit| SPEED * limit / (STEEPEST / fade_in + TAU * hz));
     let most = own.min(SHARE * (high - low)).min(room).min(speed);
-    // Two digits, downwards.
-    let unit = 10.0_f64.powf(most.max(1e-6).log10().floor() - 1.0);
-    short((most / unit).floor() * unit, 6)
-}
-
-/// A number of few digits.
-pub(super) fn short(x: f64, digits: usize) -> f64 {
-    format!("{x:.digits$}").parse().unwrap_or(x)
+    digits::places(digits::down(most.max(0.0), 2), 6)
 }

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use std::path::Path;
 
-use phihat_model::{Body, Joint, JointKind, Robot, Workspace};
+use phihat_model::{Body, Joint, JointKind, Robot, Workspace, evenly};
 
 use crate::error::SessionError;
 
@@ -53,7 +53,7 @@ pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Vec<f64>, S
     let zero: Vec<f64> = ends.iter().map(|(low, high)| 0.0_f64.clamp(*low, *high)).collect();
     let middle: Vec<f64> = ends.iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let mut best: Option<(f64, usize, f64, Vec<f64>)> = None;
-    for q in [middle, zero].into_iter().chain(evenly(&ends)) {
+    for q in [middle, zero].into_iter().chain(evenly(&ends, TRIED)) {
         let (share, joint, torque) = needed(&q);
         if best.as_ref().is_none_or(|best| share < best.0) {
             best = Some((share, joint, torque, q));
@@ -85,17 +85,4 @@ fn inside(joint: &Joint) -> (f64, f64) {
     let (low, high) = travel(joint);
     let (middle, half) = (0.5 * (low + high), 0.5 * INSIDE * (high - low));
     (middle - half, middle + half)
-}
-
-/// Postures from the additive recurrence on square roots of primes.
-fn evenly(ends: &[(f64, f64)]) -> impl Iterator<Item = Vec<f64>> {
-    let prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
-    let roots: Vec<f64> =
-        (2..u32::MAX).filter(prime).map(|p| f64::from(p).sqrt()).take(ends.len()).collect();
-    (1..=TRIED).map(move |k| {
-        let at = |(root, (low, high)): (&f64, &(f64, f64))| {
-            low + (f64::from(k) * root).fract() * (high - low)
-        };
-        roots.iter().zip(ends).map(at).collect()
-    })
 }

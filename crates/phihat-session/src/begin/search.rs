@@ -2,17 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
+use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_design::tube::modelled;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, TubeJoint};
 use phihat_model::{JointKind, Profile, Robot, Rotor};
 use phihat_sim::{Demand, derive_substeps};
 use phihat_study::Study;
 
 use super::arm::{Chosen, READY};
-use super::motion::{Sines, short};
+use super::motion::Sines;
 use super::options::BeginOptions;
 use super::text::{Centre, Words};
 use crate::along::arm_along;
 use crate::design::{Advice, designed_for};
+use crate::digits;
 use crate::error::SessionError;
 use crate::rotor::{any_gains, lacking, one_search, smallest_rotor};
 use crate::session::Session;
@@ -44,9 +47,6 @@ const LENGTH: f64 = 0.3;
 
 /// Shares of a rotor's interval, in its logarithm, that are tried where the whole of it is too wide.
 const NARROWER: [f64; 3] = [0.5, 0.25, 0.0];
-
-/// What a tube's refusal says of a study that has more than its loop.
-const UNCOUNTED: &str = "is not in the loop that a tube is about";
 
 /// The same of dry friction.
 const NARROW_FRICTION: f64 = 0.4;
@@ -112,8 +112,8 @@ impl<'a> Looked<'a> {
                 joint.armature_range = whole.armature_range.map(|(low, high)| {
                     let toward = |end: f64| joint.armature * (end / joint.armature).powf(share);
                     (
-                        short(toward(low), 6).min(joint.armature),
-                        short(toward(high), 6).max(joint.armature),
+                        digits::places(toward(low), 6).min(joint.armature),
+                        digits::places(toward(high), 6).max(joint.armature),
                     )
                 });
             }
@@ -151,7 +151,7 @@ impl<'a> Looked<'a> {
         watch.step("the whole interval of dry friction is too wide: looking at a narrower one");
         for (joint, own) in self.study.robot.joints.iter_mut().zip(&mut chosen.robot.joints) {
             let value = own.friction.coulomb;
-            let toward = |end: f64| short(value * (end / value).powf(NARROW_FRICTION), 6);
+            let toward = |end: f64| digits::places(value * (end / value).powf(NARROW_FRICTION), 6);
             let range = own.friction.coulomb_range.filter(|_| value > 0.0);
             own.friction.coulomb_range =
                 range.map(|(low, high)| (toward(low).min(value), toward(high).max(value)));
@@ -184,7 +184,7 @@ impl<'a> Looked<'a> {
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(watch)? {
-                Least::Error(least) => digits_up(MARGIN * least),
+                Least::Error(least) => two_digits(MARGIN * least),
                 Least::None(why) => {
                     self.stable = false;
                     return Ok(self.infeasible(1e-2, why));
@@ -206,11 +206,11 @@ impl<'a> Looked<'a> {
                     return Ok(self.infeasible(error, why));
                 }
                 Asked::Beyond(why, by) => {
-                    error = digits_up(error * by.clamp(1.1, 4.0));
+                    error = two_digits(error * by.clamp(1.1, 4.0));
                     last = Some(why);
                 }
                 Asked::No(no) => {
-                    error = digits_up(error * MORE);
+                    error = two_digits(error * MORE);
                     last = Some(no.to_string());
                 }
             }
@@ -249,7 +249,7 @@ impl<'a> Looked<'a> {
             Outcome::Infeasible(no) => return Ok(Asked::No(no)),
         };
         let beyond = share_of_tube(&study, &gains);
-        if beyond > 1.0 {
+        if beyond.is_nan() || beyond > 1.0 {
             let refused = gains.certificate.as_ref().and_then(|c| c.tube_refused.clone());
             let why = refused.unwrap_or_else(|| format!("the tube goes beyond it by {beyond:.2}"));
             return Ok(Asked::Beyond(why, beyond));
@@ -284,7 +284,7 @@ impl<'a> Looked<'a> {
                 return Ok(Asked::Beyond(why, MORE));
             }
             let errors = done.metrics.joints.iter().map(|joint| joint.error_steady_max_rad);
-            most = errors.fold(most, f64::max);
+            most = larger(most, errors.largest());
         }
         Ok(Asked::Kept(most))
     }
@@ -294,7 +294,7 @@ impl<'a> Looked<'a> {
     }
 
     fn found(&self, error: f64, simulated: Option<f64>, infeasible: Option<String>) -> Found {
-        let error_max = units(&self.study).map(|unit| short(error * unit, 9)).collect();
+        let error_max = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
         Found { error_max, simulated, infeasible, notes: self.notes.clone() }
     }
 
@@ -313,18 +313,17 @@ fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
     let Some(certificate) = &gains.certificate else { return MORE };
     let Some(tube) = &certificate.tube else {
         // What no tube is about, whatever the gains: the runs show.
-        let beside = certificate.tube_refused.as_ref().is_some_and(|why| why.contains(UNCOUNTED));
-        return if beside { 1.0 } else { MORE };
+        return if modelled(study).is_err() { 1.0 } else { MORE };
     };
     let limits = study.spec.error_bound.iter().flatten();
     let shares = tube.joints.iter().zip(limits).map(|(joint, most)| joint.error_max_rad / most);
-    let most = shares.fold(0.0_f64, f64::max);
+    let most = shares.largest();
     // What the whole of the tube asks for after a while: an error that is kept at the end alone is no promise.
     let late = tube.joints.iter().zip(study.spec.error_bound.iter().flatten());
     let late = late.map(|(joint, limit)| late_error(tube.bin_s, joint) / limit);
-    let late = late.fold(most, f64::max);
+    let late = larger(most, late.largest());
     match certificate.settle {
-        _ if most > 1.0 => most,
+        _ if most.is_nan() || most > 1.0 => most,
         _ if !certificate.unproved.is_empty() => MORE,
         Some(settle) if settle.settle_s > SETTLED_S => late.max(1.0 + 1e-3),
         _ => most,
@@ -335,7 +334,7 @@ fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
 fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
     let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
     let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= SETTLED_S);
-    late.fold(0.0, |most, (_, (low, high))| most.max(low.abs()).max(high.abs()))
+    late.map(|(_, (low, high))| larger(low.abs(), high.abs())).largest()
 }
 
 /// A motion that the drives can follow: slower until the torque along it is well inside their limits.
@@ -359,8 +358,8 @@ fn followed(
             let limit = study.limits(i).0.or(joint.torque_max).unwrap_or(f64::INFINITY);
             (demand.phi(i, 0.0).size / limit, i, limit)
         });
-        let most =
-            shares.fold((0.0, 0, 0.0), |most, next| if next.0 > most.0 { next } else { most });
+        let none = (0.0, 0, 0.0);
+        let most = shares.fold(none, |most, next| if next.0 <= most.0 { most } else { next });
         if most.0 <= TORQUE {
             return Ok((study, motion));
         }
@@ -428,12 +427,11 @@ fn units(study: &Study) -> impl Iterator<Item = f64> {
 
 /// Asks for an error.
 fn ask(study: &mut Study, error: f64) {
-    let errors = units(study).map(|unit| short(error * unit, 9).max(1e-9)).collect();
+    let errors = units(study).map(|unit| digits::places(error * unit, 9).max(1e-9)).collect();
     study.spec.error_bound = Some(errors);
 }
 
-/// Two digits, upwards.
-fn digits_up(x: f64) -> f64 {
-    let unit = 10.0_f64.powf(x.log10().floor() - 1.0);
-    short((x / unit).ceil() * unit, 9)
+/// An error as it is written.
+fn two_digits(error: f64) -> f64 {
+    digits::places(digits::up(error, 2), 9)
 }

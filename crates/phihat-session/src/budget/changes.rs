@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use phihat::{Form, VelocitySource};
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::TriedChange;
 use phihat_design::{Arm, Gains, Outcome};
 use phihat_study::{AHEAD_MAX, DesignMethod, InertiaSource, Study};
 
 use super::slower::slower;
 use crate::design::{Advice, arm, found_for};
+use crate::digits;
 use crate::judged::shares;
 use crate::watch::Watch;
 
@@ -94,13 +96,12 @@ fn shares_of(study: &Study, path: &Path) -> Option<f64> {
     let bounds = || {
         let allowed = study.spec.error_bound.iter().flatten();
         let used = certificate.joints.iter().zip(allowed);
-        used.filter_map(|(joint, allowed)| Some(joint.bounds?.error_rad / allowed))
-            .fold(0.0, f64::max)
+        used.filter_map(|(joint, allowed)| Some(joint.bounds?.error_rad / allowed)).largest()
     };
     let by_tube = certificate
         .tube
         .as_ref()
-        .map(|tube| shares(study, tube, &mut Vec::new()).into_iter().fold(0.0, f64::max));
+        .map(|tube| shares(study, tube, &mut Vec::new()).into_iter().largest());
     Some(by_tube.unwrap_or_else(bounds))
 }
 
@@ -261,7 +262,7 @@ fn rotors(study: &Study, path: &Path) -> Ladder {
         let with = |own: &mut Study| {
             for (joint, inertia) in own.robot.joints.iter_mut().zip(&nominal) {
                 if joint.armature <= 0.0 {
-                    joint.armature = two_digits(share * inertia);
+                    joint.armature = digits::nearest(share * inertia, 2);
                 }
             }
         };
@@ -275,9 +276,4 @@ fn rotors(study: &Study, path: &Path) -> Ladder {
         }
     };
     ROTORS.iter().map(rung).collect()
-}
-
-fn two_digits(value: f64) -> f64 {
-    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
-    if unit > 0.0 { (value / unit).round() * unit } else { value }
 }

@@ -7,6 +7,7 @@ mod slower;
 
 use std::path::Path;
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::{Budget, BudgetBasis, JointBudget, by_own_loop};
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch, TradeOff};
 use phihat_sim::Demand;
@@ -133,8 +134,8 @@ fn front(study: &Study, arm: &Arm, demand: &Demand) -> Vec<TradeOff> {
         let used = estimates.iter().zip(&allowed).map(|(own, error)| own.error_rad / error);
         let first = &gains.joints[0];
         front.push(TradeOff {
-            error_share: used.fold(0.0, f64::max),
-            torque_noise_nm: estimates.iter().map(|own| own.noise_nm).fold(0.0, f64::max),
+            error_share: used.largest(),
+            torque_noise_nm: estimates.iter().map(|own| own.noise_nm).largest(),
             order: first.order(),
             bandwidth_rad_s: first.kp_per_s2.sqrt(),
             chosen: false,

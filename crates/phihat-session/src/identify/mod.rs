@@ -65,7 +65,8 @@ pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, Sessi
             same_joints(path, first, &smoothed)?;
         }
         let found = estimate_inertia(&smoothed.signals(), smoothed.period_ns);
-        seen.push((smoothed.clone(), found.map_err(|e| SessionError::at(path, e))?));
+        let found = found.map_err(|e| SessionError::at(path, e))?;
+        seen.push((smoothed, found));
     }
     let joints = seen.first().map_or(0, |(_, found)| found.len());
     Ok((0..joints).filter_map(|joint| together(&seen, joint, options.margin)).collect())
