@@ -6,6 +6,7 @@
 mod arrows;
 mod attack;
 mod bench;
+mod binaries;
 mod bindings;
 mod bless;
 mod book;

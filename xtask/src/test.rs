@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::shell::{cargo, command, root};
-use crate::{attack, bindings, bless, book, instructions, mutants, rules, twice};
+use crate::{attack, binaries, bindings, bless, book, instructions, mutants, rules, twice};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
@@ -20,9 +20,7 @@ const STEPS: [Step; 22] = [
             ["clippy", "-p", "phihat", "--lib", "--quiet", "--", "-Dclippy::incompatible_msrv"];
         cargo(root, &core)
     }),
-    ("Rust, command-line and report tests, and benches briefly", |root| {
-        cargo(root, &["test", "--workspace", "--all-targets", "--no-fail-fast"])
-    }),
+    ("Rust, command-line and report tests, and benches briefly", binaries::run),
     ("traces as Parquet", |root| {
         cargo(root, &["test", "-p", "phihat-sim", "--features", "parquet", "--test", "parquet"])
     }),

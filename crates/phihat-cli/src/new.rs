@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Part, Robot};
+use phihat_report::kit::{MILLI, unit_of};
 use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
 
@@ -179,14 +181,20 @@ impl New {
             println!("no gains keep it: {why}");
             return;
         }
-        let most = begun.error_max.iter().fold(0.0_f64, |most, error| most.max(*error));
-        let seen = begun.simulated.unwrap_or(0.0);
-        println!(
-            "{} joints; an error of {:.3} mrad is promised, {:.3} mrad was the largest simulated",
-            begun.joints.len(),
-            1e3 * most,
-            1e3 * seen
-        );
+        let seen = begun.simulated.as_deref().unwrap_or_default();
+        let of = |slides: bool| {
+            let most = |list: &[f64]| {
+                let own = begun.slides.iter().zip(list).filter(|(own, _)| **own == slides);
+                MILLI * own.map(|(_, error)| *error).largest()
+            };
+            let unit = unit_of("mrad", slides);
+            begun.slides.contains(&slides).then(|| {
+                let (asked, seen) = (most(&begun.error_max), most(seen));
+                format!("an error of {asked:.3} {unit} is promised, {seen:.3} {unit} was the largest simulated")
+            })
+        };
+        let told: Vec<String> = [false, true].into_iter().filter_map(of).collect();
+        println!("{} joints; {}", begun.joints.len(), told.join("; where they slide, "));
         println!("next: phihat run {}", begun.study.display());
     }
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use phihat_certificate::tube::JointBeside;
 use phihat_certificate::{Statement, TubeAgain, Verified};
-use phihat_session::{Checked, DrawnRuns, Stage, WORLDS, verify};
+use phihat_report::kit::unit_of;
+use phihat_session::{Checked, Stage, Verification, WORLDS, verify};
 use phihat_sim::Metrics;
 use serde_json::json;
 
@@ -78,7 +79,7 @@ impl Verify {
                 println!("RECORD\n  {words}");
             }
             match claims {
-                Ok(verified) => println!("{}", blocks(verified, found.runs.as_ref())),
+                Ok(verified) => println!("{}", blocks(verified, &found)),
                 Err(why) => println!("REFUSED: {why}"),
             }
         }
@@ -106,7 +107,7 @@ fn record_words(metrics: &Metrics) -> String {
 }
 
 /// The three blocks, and what a study says of the second.
-fn blocks(verified: &Verified, runs: Option<&DrawnRuns>) -> String {
+fn blocks(verified: &Verified, found: &Verification) -> String {
     let line = |one: &Statement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
@@ -124,7 +125,7 @@ fn blocks(verified: &Verified, runs: Option<&DrawnRuns>) -> String {
             .push(block("OF THAT, AGAINST THE STUDY", verified.derived.iter().map(line).collect()));
     }
     if let Some(tube) = &verified.tube {
-        blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, runs)));
+        blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, found)));
     }
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
@@ -134,7 +135,7 @@ fn blocks(verified: &Verified, runs: Option<&DrawnRuns>) -> String {
 }
 
 /// What the second derivation and the drawn worlds say of the tube.
-fn again_lines(tube: &TubeAgain, runs: Option<&DrawnRuns>) -> Vec<String> {
+fn again_lines(tube: &TubeAgain, found: &Verification) -> Vec<String> {
     let joint = |own: &JointBeside| {
         let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
         let rest = if own.confirmed() {
@@ -145,7 +146,8 @@ fn again_lines(tube: &TubeAgain, runs: Option<&DrawnRuns>) -> Vec<String> {
                 own.tighter
             )
         };
-        format!("  {}: |e| ≤ {:.4} mrad claimed, {:.4} derived{rest}", own.name, ends[0], ends[1])
+        let unit = unit_of("mrad", found.sliding.contains(&own.name));
+        format!("  {}: |e| ≤ {:.4} {unit} claimed, {:.4} derived{rest}", own.name, ends[0], ends[1])
     };
     let mut lines: Vec<String> = tube.joints.iter().map(joint).collect();
     lines.extend(tube.on_trust.iter().map(|why| {
@@ -156,7 +158,7 @@ fn again_lines(tube: &TubeAgain, runs: Option<&DrawnRuns>) -> Vec<String> {
             format!("  {clause}; that it is kept rests on the first derivation only")
         }),
     );
-    lines.extend(runs.map(|kept| {
+    lines.extend(found.runs.as_ref().map(|kept| {
         format!("  {} worlds drawn from the study's scope were run: none left the tube", kept.runs)
     }));
     lines

@@ -195,6 +195,16 @@ fn joints_that_slide_are_told_of_in_millimetres_and_newtons() {
     let cells: Vec<&str> =
         page.split("<tr>").filter(|row| row.contains("<th scope=\"row\">rail</th>")).collect();
     assert!(cells.iter().any(|row| row.contains("mm/s")), "{cells:?}");
+    for label in ["error e [mm]", "error e [mrad]", "torque τ [N]", "torque τ [N·m]"] {
+        assert!(page.contains(&format!("\"y_label\":\"{label}\"")), "no axis of {label}");
+    }
+    let told = phihat(&folder, &["verify", "out/rail/gains.json", "--study", "rail.toml"]);
+    let own: Vec<&str> = told.out.lines().filter(|line| line.starts_with("  rail: ")).collect();
+    assert!(own.iter().any(|line| line.contains(" m")), "{}{}", told.out, told.err);
+    for line in own {
+        let turns = [" rad", "mrad", "N·m", "kg·m²"].iter().find(|unit| line.contains(**unit));
+        assert!(turns.is_none(), "{line}");
+    }
     // Out of spec, in its unit.
     let tight = CART_STUDY.replace("[1e-3, 2e-2]", "[1e-6, 2e-2]");
     fs::write(folder.join("tight.toml"), tight).unwrap();

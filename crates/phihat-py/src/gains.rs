@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use maud::html;
 use phihat_design::export::{Target, export};
 use phihat_design::{JointCertificate, JointRecord};
 use phihat_model::input;
+use phihat_report::kit::number::number;
+use phihat_report::kit::{MILLI, unit_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -231,5 +234,36 @@ impl Gains {
         let certified = if self.inner.certificate.is_some() { ", certified" } else { "" };
         let (n, rate) = (self.inner.joints.len(), self.inner.rate_hz);
         format!("Gains({n} joints, {rate} Hz{certified})")
+    }
+
+    /// What notebooks show: the law of every joint, and what is promised of it.
+    fn _repr_html_(&self) -> String {
+        let certificate = self.inner.certificate.as_ref();
+        let rows = self.inner.joints.iter().enumerate().map(|(i, joint)| {
+            let slides = self.inner.slides(&joint.name);
+            let bound = certificate.and_then(|certificate| certificate.error_bound(i));
+            let error = bound.map(|bound| {
+                format!("{} {}", number(MILLI * bound.error_rad), unit_of("mrad", slides))
+            });
+            let inertia = format!("{} {}", number(joint.inertia_kg_m2), unit_of("kg·m²", slides));
+            (&joint.name, inertia, joint, error)
+        });
+        html! {
+            p { (self.__repr__()) }
+            table {
+                tr { @for head in ["joint", "M̄", "K_p [1/s²]", "K_d [1/s]", "m", "|e| promised"] { th { (head) } } }
+                @for (name, inertia, joint, error) in rows {
+                    tr {
+                        td { (name) }
+                        td { (inertia) }
+                        td { (number(joint.kp_per_s2)) }
+                        td { (number(joint.kd_per_s)) }
+                        td { (joint.order()) }
+                        td { (error.as_deref().unwrap_or("–")) }
+                    }
+                }
+            }
+        }
+        .into_string()
     }
 }

@@ -180,3 +180,22 @@ def test_a_plant_tells_what_the_robot_clamps() -> None:
     panda["reference"] = {**STUDY["reference"], "sine": [{"amplitude_rad": 0.02, "frequency_hz": 0.5}]}
     panda["profile"] = {"name": "franka"}
     assert np.array_equal(phihat.Plant(panda).torque_max, [50.0] * 4 + [12.0] * 3)
+
+
+def test_notebooks_show_figures_and_no_markup_of_a_users() -> None:
+    """Names come from files of other people."""
+    for trace in (phihat.simulate(STUDY), phihat.simulate(STUDY, controller=pd)):
+        shown = trace._repr_html_()
+        assert shown.count("<tr>") == 4 and " mrad</td>" in shown and "0.000" not in shown
+    gains = phihat.simulate(STUDY).gains._repr_html_()
+    assert gains.count("<tr>") == 4 and "kg·m²" in gains and "400" in gains
+    named = {
+        **STUDY,
+        "joint": [{"name": "a<i>", "inertia_min_kg_m2": 0.2, "inertia_max_kg_m2": 0.4, "phi_rate_max_nm_s": 1.0, "phi_jump_max_nm": 0.1}],
+        "gains": {**STUDY["gains"], "inertia_kg_m2": 0.3},
+        "reference": {"kind": "sines", "center_rad": [0.0], "sine": [{"amplitude_rad": 0.2, "frequency_hz": 0.5}]},
+        "world": {},
+    }
+    del named["robot"]
+    trace = phihat.simulate(named)
+    assert "a&lt;i&gt;" in trace._repr_html_() and "<i>" not in trace._repr_html_() + trace.gains._repr_html_()

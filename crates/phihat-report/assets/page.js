@@ -142,7 +142,7 @@
       return widened(span(ends));
     };
     const curves = chart.curves.map((curve, i) => ({
-      label: `${curve.label} [${curve.unit}]`, stroke: ink(`--curve-${i}`), width: 1.6,
+      label: `${curve.label} [${panel.units[i]}]`, stroke: ink(`--curve-${i}`), width: 1.6,
       dash: curve.dashed ? [7, 4] : undefined, value: (u, v) => show(v), points: { size: 4 },
     }));
     const u = new uPlot({
@@ -152,7 +152,7 @@
         drag: { x: true, y: false }, y: false,
       },
       scales: { x: { time: false }, y: { range } },
-      axes: [axis(chart.x_label, 44), { ...axis(chart.y_label), size: ySize }],
+      axes: [axis(panel.x_label, 44), { ...axis(panel.y_label), size: ySize }],
       series: [{ label: "t [s]", value: (u, v) => show(v) }, ...curves],
       hooks: {
         drawAxes: [(u) => drawTimeBounds(u, chart, panel)],
@@ -206,7 +206,7 @@
       width: host.clientWidth, height: 250, legend: { show: false },
       cursor: { drag: { x: true, y: true, uni: 20 }, points: { show: false } },
       scales: { x: { time: false, range: full(xs) }, y: { range: full(ys) } },
-      axes: [axis(chart.x_label, 44), { ...axis(chart.y_label), size: ySize }],
+      axes: [axis(panel.x_label, 44), { ...axis(panel.y_label), size: ySize }],
       series: [{}, { show: true, points: { show: false } }],
       hooks: { draw: [(u) => drawOrbit(u, panel)] },
     }, [xs, [null, null]], host);
@@ -230,7 +230,7 @@
       if (t != null && panel.t.length && t <= panel.t.at(-1)) k = nearest(panel.t, t);
       const [e, de] = k < 0 ? [null, null] : [panel.y[0][k], panel.y[1][k]];
       dot.hidden = e == null || de == null;
-      readout.textContent = dot.hidden ? "" : `t ${show(panel.t[k])} s   e ${show(e)} mrad   ė ${show(de)} mrad/s`;
+      readout.textContent = dot.hidden ? "" : `t ${show(panel.t[k])} s   e ${show(e)} ${panel.units[0]}   ė ${show(de)} ${panel.units[1]}`;
       if (dot.hidden) continue;
       dot.style.left = `${u.valToPos(e, "x")}px`;
       dot.style.top = `${u.valToPos(de, "y")}px`;
@@ -251,7 +251,7 @@
     const tube = panel.tube ? "shaded: its tube; " : "";
     if (panel.bound == null) return chart.bound_label ? `${span}${tube}no ${chart.bound_label} stated` : "";
     const when = chart.bound_after_settle && !chart.phase ? ` from ${show(data.settle_s)} s on` : "";
-    const unit = chart.curves[0].unit;
+    const [unit] = panel.units;
     return `${span}${tube}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
   }
 

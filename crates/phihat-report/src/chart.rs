@@ -10,6 +10,8 @@ use phihat_design::Tube;
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     pub joint: String,
+    /// Whether it slides: then mrad reads mm.
+    pub slides: bool,
     pub drawn: Drawn,
     pub bound: Option<f64>,
     /// The tube that the first curve is in.
@@ -44,11 +46,13 @@ pub(crate) fn charts(run: &Seen<'_>) -> Vec<Chart> {
 
 fn chart(run: &Seen<'_>, kind: &'static Kind, drawn: Vec<Drawn>) -> Chart {
     let panel = |((j, name), drawn): ((usize, &String), Drawn)| {
-        let bound = run.metrics.joints.get(j).and_then(kind.bound.of);
+        let own = run.metrics.joints.get(j);
+        let bound = own.and_then(kind.bound.of);
         let band = |tube: &Tube, ends| Some(Band::of(tube, tube.joints.get(j)?, ends, kind.scale));
         let tube = run.tube.zip(kind.tube);
         Panel {
             joint: crate::kit::text::line(name),
+            slides: own.is_some_and(|own| own.slides),
             drawn,
             bound: bound.map(|bound| kind.scale * bound),
             tube: tube.and_then(|(tube, ends)| band(tube, ends)),

@@ -3,6 +3,7 @@
 use crate::chart::{Chart, Panel, charts};
 use crate::kind::{Curve, Plane};
 use crate::kit::number::rounded;
+use crate::kit::unit_of;
 use crate::record::Record;
 use crate::verdict::worst_joint;
 use serde::Serialize;
@@ -22,8 +23,6 @@ struct Payload<'a> {
 struct ChartData {
     stem: &'static str,
     title: &'static str,
-    x_label: &'static str,
-    y_label: &'static str,
     phase: bool,
     bound_label: &'static str,
     bound_after_settle: bool,
@@ -34,12 +33,15 @@ struct ChartData {
 #[derive(Serialize)]
 struct CurveData {
     label: &'static str,
-    unit: &'static str,
     dashed: bool,
 }
 
 #[derive(Serialize)]
 struct PanelData {
+    x_label: String,
+    y_label: String,
+    /// One per curve.
+    units: Vec<String>,
     bound: Option<f64>,
     /// Steps of the tube: times (one more), least, largest.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,19 +70,21 @@ fn chart_data(chart: &Chart) -> ChartData {
     let panel = |panel: &Panel| {
         let rows = &panel.drawn.page;
         let take = |c: usize| rows.iter().map(|row| rounded(row.y[c])).collect();
+        let own = |unit: &str| unit_of(unit, panel.slides);
         PanelData {
+            x_label: own(kind.x_label),
+            y_label: own(kind.y_label),
+            units: kind.curves.iter().map(|curve| own(curve.unit)).collect(),
             bound: panel.bound.map(rounded),
             tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
             t: rows.iter().map(|row| (row.t * 1e9).round() / 1e9).collect(),
             y: (0..kind.curves.len()).map(take).collect(),
         }
     };
-    let curve = |c: &Curve| CurveData { label: c.label, unit: c.unit, dashed: c.dashed };
+    let curve = |c: &Curve| CurveData { label: c.label, dashed: c.dashed };
     ChartData {
         stem: kind.stem,
         title: chart.title(),
-        x_label: kind.x_label,
-        y_label: kind.y_label,
         phase: kind.plane == Plane::Phase,
         bound_label: kind.bound.label,
         bound_after_settle: kind.bound.after_settle,

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
+use crate::kit::unit_of;
 
 /// A run against its tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -15,6 +16,9 @@ pub struct TubeRun {
     pub kept: TubeKept,
     /// Why the tube is no promise for this run; `None`: it is one.
     pub no_promise: Option<String>,
+    /// Whether the joint that left slides.
+    #[serde(skip)]
+    pub slides: bool,
 }
 
 /// A run that is held against the tube that its gains carry, as its record goes by.
@@ -65,7 +69,9 @@ impl<'a> TubeSeen<'a> {
             None => left_out(certificate),
         };
         let no_promise = self.gains.certificate.as_ref().and_then(why);
-        TubeRun { kept: self.watch.kept(self.tube), no_promise }
+        let kept = self.watch.kept(self.tube);
+        let slides = kept.left.as_ref().is_some_and(|left| self.gains.slides(&left.joint));
+        TubeRun { kept, no_promise, slides }
     }
 }
 
@@ -85,18 +91,26 @@ impl TubeRun {
                 format!("inside the tube, which is no promise for this run: {}", line(why))
             }
             (Some(left), None) => {
-                format!("the certificate is broken: please report. {}", left_words(left))
+                format!(
+                    "the certificate is broken: please report. {}",
+                    left_words(left, self.slides)
+                )
             }
             (Some(left), Some(why)) => {
-                format!("{}; it is no promise for this run: {}", left_words(left), line(why))
+                format!(
+                    "{}; it is no promise for this run: {}",
+                    left_words(left, self.slides),
+                    line(why)
+                )
             }
         }
     }
 }
 
 /// "joint2 left the tube at t = 0.25 s: e = 4.1 mrad, beyond 3.9 mrad"
-fn left_words(left: &Left) -> String {
+fn left_words(left: &Left, slides: bool) -> String {
     let (symbol, unit, si) = left.quantity.words();
+    let unit = unit_of(unit, slides);
     let (value, bound) = (number(left.value / si), number(left.bound / si));
     let t = stated(left.t_s);
     format!(

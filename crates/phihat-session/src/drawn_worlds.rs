@@ -3,9 +3,10 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::Dice;
-use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_certificate::{JointRun, Left, Refutation, Tube};
 use phihat_design::Gains;
+use phihat_report::kit::unit_of;
 use phihat_sim::{SimError, Simulation, Trace};
 use phihat_study::{Payload, PayloadSet, Study};
 use serde::Serialize;
@@ -74,13 +75,14 @@ pub(crate) fn runs(
         if let Some(left) = left {
             return Ok(Err(refuted(at, &worlds[at], &left)));
         }
-        used.iter_mut().zip(shares).for_each(|(most, share)| *most = f64::max(*most, share));
+        used.iter_mut().zip(shares).for_each(|(most, share)| *most = larger(*most, share));
     }
     Ok(Ok(DrawnRuns { runs: WORLDS, used }))
 }
 
 fn refuted(at: usize, world: &Study, left: &Left) -> Refutation {
     let (symbol, unit, scale) = left.quantity.words();
+    let unit = unit_of(unit, world.robot.sliding().contains(&left.joint));
     let mass = world.world.payload.as_ref().map_or(0.0, |payload| payload.mass);
     let (own, bound) = (left.value / scale, left.bound / scale);
     Refutation {

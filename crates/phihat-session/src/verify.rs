@@ -47,6 +47,8 @@ pub struct Verification {
     pub claims: Option<Result<Verified, Refutation>>,
     /// DrawnRuns in worlds drawn from the study's scope.
     pub runs: Option<DrawnRuns>,
+    /// Names of the joints that slide.
+    pub sliding: Vec<String>,
 }
 
 /// Checks every claim about a set of gains; with a study, derives again what the file alone has to be trusted for.
@@ -71,7 +73,8 @@ pub fn verify(
             let (kept, path) = whole(folder)?;
             let (record, sum) = (Some(kept.seen.metrics), &kept.study.sha256);
             let Some(gains) = kept.gains else {
-                return Ok(Verification { record, claims: None, runs: None });
+                let sliding = kept.study.robot.sliding();
+                return Ok(Verification { record, claims: None, runs: None, sliding });
             };
             let own = gains.study_sha256 == *sum;
             (gains, own.then_some(kept.study), record, path)
@@ -79,7 +82,8 @@ pub fn verify(
     };
     let Some(certificate) = &gains.certificate else {
         if record.is_some() {
-            return Ok(Verification { record, claims: None, runs: None });
+            let sliding = gains.sliding;
+            return Ok(Verification { record, claims: None, runs: None, sliding });
         }
         return Err(SessionError::at(&path, "these gains carry no certificate"));
     };
@@ -93,7 +97,24 @@ pub fn verify(
         }
         (claims, _) => claims,
     };
-    Ok(Verification { record, claims: Some(claims), runs })
+    let claims = claims.map(|mut verified| {
+        in_own_units(&mut verified, &gains);
+        verified
+    });
+    Ok(Verification { record, claims: Some(claims), runs, sliding: gains.sliding })
+}
+
+/// Says what is said of joints that slide in metres and newtons.
+fn in_own_units(verified: &mut Verified, gains: &Gains) {
+    let said = [&mut verified.proved, &mut verified.trusted, &mut verified.derived];
+    for one in said.into_iter().flatten() {
+        if one.joint.as_ref().is_some_and(|joint| gains.slides(joint)) {
+            let pairs =
+                [("rad/(rad/s²)", "m/(m/s²)"), (" rad", " m"), ("kg·m²", "kg"), ("N·m", "N")];
+            let own = |value: String, (turns, slides)| value.replace(turns, slides);
+            one.value = pairs.into_iter().fold(std::mem::take(&mut one.value), own);
+        }
+    }
 }
 
 /// A record whose files, figures and tube hold.

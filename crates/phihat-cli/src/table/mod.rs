@@ -10,7 +10,7 @@ mod limit;
 mod metrics;
 mod robots;
 
-use phihat_report::kit::unit_of;
+use phihat_report::kit::{MILLI, unit_of};
 
 pub(crate) use budget::budget;
 pub(crate) use coarser::coarser;
@@ -39,9 +39,6 @@ pub(crate) fn figure(value: f64, decimals: usize) -> String {
 pub(crate) fn in_unit(figure: String, turning: &str, slides: bool) -> String {
     if slides { format!("{figure} {}", unit_of(turning, true)) } else { figure }
 }
-
-/// Thousandths, for reading: mrad, mrad·s, mrad/s.
-const MILLI: f64 = 1e3;
 
 fn plain_table<T: Into<comfy_table::Row>>(headers: T) -> Fitted {
     Fitted::new(headers)

@@ -17,7 +17,7 @@ pub(crate) struct Answer {
 
 /// A fresh folder that sees the project's studies as `studies/`.
 pub(crate) fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }

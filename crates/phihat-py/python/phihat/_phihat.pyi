@@ -317,6 +317,9 @@ class Gains:
     def error_bound(self) -> list[float] | None:
         """Certified bound on ``|e|`` of each joint [rad]; ``None`` if not certified."""
 
+    def _repr_html_(self) -> str:
+        """What notebooks show: the law of every joint, and what is promised of it."""
+
     @property
     def coupled(self) -> _CoupledGains | None:
         """How far a push on one joint moves every joint, at frozen postures; ``None`` if nothing is claimed.

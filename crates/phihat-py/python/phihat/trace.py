@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -183,13 +185,37 @@ class Trace:
         self._record.write_report(os.fspath(path))
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{joint['name']}</td><td>{1e3 * joint['error_steady_max_rad']:.3f}</td>"
-            f"<td>{joint['tau_max_nm']:.1f}</td></tr>"
-            for joint in self.metrics["joints"]
-        )
-        head = "<tr><th>joint</th><th>max |e| [mrad]</th><th>peak |τ| [N·m]</th></tr>"
-        return f"<p>{self!r}</p><table>{head}{rows}</table>"
+        """What notebooks show: the figures that a run is judged by, beside what was asked and promised."""
+        promised: Sequence[float | None] = [None] * len(self.joint_names)
+        try:
+            promised = self.gains.error_bound or promised
+        except Error:
+            # Another controller drove the run, which promises nothing.
+            pass
+        cells = []
+        for joint, bound in zip(self.metrics["joints"], promised, strict=True):
+            unit = "mm" if joint["slides"] else "mrad"
+            errors = (joint["error_spec_rad"], bound, joint["error_steady_max_rad"])
+            row = [escape(joint["name"]), *(f"{_digits(1e3, error)} {unit}" if error else "–" for error in errors)]
+            force = "N" if joint["slides"] else "N·m"
+            cells.append([*row, f"{_digits(1.0, joint['tau_max_nm'])} {force}"])
+        return f"<p>{escape(repr(self))}</p>" + _table(["joint", "|e| asked", "promised", "largest", "peak |τ|"], cells)
+
+
+def _digits(scale: float, value: float) -> str:
+    """Three significant digits, never 0.000.
+
+    >>> _digits(1e3, 1.2345e-4), _digits(1.0, 87.0), _digits(1e3, 5e-9)
+    ('0.123', '87', '5e-06')
+    """
+    return f"{scale * value:.3g}"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def line(tag: str, cells: Sequence[str]) -> str:
+        return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>"
+
+    return f"<table>{line('th', head)}{''.join(line('td', row) for row in rows)}</table>"
 
 
 def _optional(module: str, extra: str) -> Any:

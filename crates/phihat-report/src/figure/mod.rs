@@ -168,6 +168,7 @@ fn paint(
         let ink = Ink {
             kind: chart.kind,
             name: short(&panel.joint, 40),
+            slides: panel.slides,
             t: rows.iter().map(|row| row.t).collect(),
             curves: (0..chart.kind.curves.len()).map(curve).collect(),
             bound: panel.bound,

@@ -6,6 +6,7 @@ use crate::band::Band;
 use crate::kind::{Kind, Plane};
 use crate::kit::number::{number, tick};
 use crate::kit::sheet::{Area, DrawError, TEXT, extent};
+use crate::kit::unit_of;
 use plotters::chart::ChartContext;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -19,6 +20,7 @@ const BOUND_REACH: f64 = 10.0;
 pub(super) struct Ink<'a> {
     pub kind: &'a Kind,
     pub name: String,
+    pub slides: bool,
     pub t: Vec<f64>,
     pub curves: Vec<Vec<f64>>,
     pub bound: Option<f64>,
@@ -49,8 +51,8 @@ pub(super) fn draw_panel(ink: &Ink<'_>, area: &Area<'_>) -> Result<(), DrawError
         .y_label_formatter(&|v| tick(*v, y.end - y.start))
         .label_style(("sans-serif", TEXT))
         .axis_desc_style(("sans-serif", TEXT))
-        .x_desc(ink.kind.x_label)
-        .y_desc(ink.kind.y_label)
+        .x_desc(unit_of(ink.kind.x_label, ink.slides))
+        .y_desc(unit_of(ink.kind.y_label, ink.slides))
         .draw()?;
     draw_tube(ink, &mut plane, &x)?;
     draw_bounds(ink, &mut plane, &x, &y)?;

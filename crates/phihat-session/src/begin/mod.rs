@@ -22,6 +22,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
+use phihat_model::JointKind;
 use phihat_study::Study;
 
 pub use arm::described;
@@ -42,12 +43,14 @@ pub struct Begun {
     pub files: Vec<PathBuf>,
     /// Joints of the arm.
     pub joints: Vec<String>,
+    /// Whether each of them slides.
+    pub slides: Vec<bool>,
     /// What a reader should know: what was assumed, and what was chosen for him.
     pub notes: Vec<String>,
     /// The error that the study asks for \[rad, m\], one per joint.
     pub error_max: Vec<f64>,
-    /// The largest error that was simulated \[rad, m\], over all rotors tried; `None`: there are no gains.
-    pub simulated: Option<f64>,
+    /// The largest errors that were simulated \[rad, m\], one per joint, over all rotors tried; `None`: there are no gains.
+    pub simulated: Option<Vec<f64>>,
     /// Why there are no gains, and what would make them possible.
     pub infeasible: Option<String>,
 }
@@ -76,13 +79,16 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     }
     files.push((options.out.clone(), text));
     let notes = chosen.notes.iter().chain(&found.notes).cloned().collect();
-    let joints = chosen.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let joints = chosen.robot.joints.iter();
+    let (joints, slides) =
+        joints.map(|joint| (joint.name.clone(), joint.kind == JointKind::Prismatic)).unzip();
     write(&files, options.replace)?;
     let files = files.into_iter().map(|(path, _)| path).collect();
     // What was written is what was looked at.
     Study::read(&options.out)?;
     let Found { error_max, simulated, infeasible, .. } = found;
-    Ok(Begun { study: options.out.clone(), files, joints, notes, error_max, simulated, infeasible })
+    let study = options.out.clone();
+    Ok(Begun { study, files, joints, slides, notes, error_max, simulated, infeasible })
 }
 
 fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {

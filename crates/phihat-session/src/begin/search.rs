@@ -1,12 +1,13 @@
 //! The smallest error that can be promised for an arm, and the runs that show it.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_design::tube::modelled;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, TubeJoint};
 use phihat_model::{JointKind, Profile, Robot, Rotor};
-use phihat_sim::{Demand, derive_substeps};
+use phihat_sim::{Demand, SimError, derive_substeps};
 use phihat_study::Study;
 
 use super::arm::{Chosen, READY};
@@ -54,7 +55,7 @@ const NARROW_FRICTION: f64 = 0.4;
 /// What was found for an arm.
 pub(super) struct Found {
     pub(super) error_max: Vec<f64>,
-    pub(super) simulated: Option<f64>,
+    pub(super) simulated: Option<Vec<f64>>,
     pub(super) infeasible: Option<String>,
     pub(super) notes: Vec<String>,
 }
@@ -72,10 +73,12 @@ pub(super) struct Looked<'a> {
 
 /// What became of one error that was asked for.
 enum Asked {
-    /// Gains keep it, and runs did: with the largest error of these.
-    Kept(f64),
+    /// Gains keep it, and runs did: with the largest error of these, per joint.
+    Kept(Vec<f64>),
     /// Why it is not kept, and by which factor it was exceeded, at least.
     Beyond(String, f64),
+    /// Why no error can be simulated.
+    Never(String),
     No(Infeasible),
 }
 
@@ -199,6 +202,7 @@ impl<'a> Looked<'a> {
             ));
             match self.asked(error, &arm, out)? {
                 Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
+                Asked::Never(why) => return Ok(self.infeasible(error, why)),
                 Asked::No(no) if fixed.is_some() => {
                     return Ok(self.infeasible(error, no.to_string()));
                 }
@@ -259,7 +263,7 @@ impl<'a> Looked<'a> {
         } else {
             &[Rotor::Stated]
         };
-        let mut most = 0.0_f64;
+        let mut most = vec![0.0; study.robot.joints.len()];
         for place in places {
             let mut own = study.clone();
             for joint in &mut own.robot.joints {
@@ -270,6 +274,9 @@ impl<'a> Looked<'a> {
                 Ok(session) => session,
                 Err(SessionError::NotArmed { why, .. }) => {
                     return Ok(Asked::Beyond(why.to_string(), MORE));
+                }
+                Err(SessionError::Other(why)) if too_stiff(&*why) => {
+                    return Ok(Asked::Never(format!("rotors at {place:?}: {why}")));
                 }
                 Err(why) => return Err(why),
             };
@@ -283,8 +290,9 @@ impl<'a> Looked<'a> {
                 let why = format!("a run with rotors at {place:?} was {}", done.verdict());
                 return Ok(Asked::Beyond(why, MORE));
             }
-            let errors = done.metrics.joints.iter().map(|joint| joint.error_steady_max_rad);
-            most = larger(most, errors.largest());
+            for (most, joint) in most.iter_mut().zip(&done.metrics.joints) {
+                *most = larger(*most, joint.error_steady_max_rad);
+            }
         }
         Ok(Asked::Kept(most))
     }
@@ -293,7 +301,7 @@ impl<'a> Looked<'a> {
         arm_along(study).map_err(|why| SessionError::at(&self.path, why))
     }
 
-    fn found(&self, error: f64, simulated: Option<f64>, infeasible: Option<String>) -> Found {
+    fn found(&self, error: f64, simulated: Option<Vec<f64>>, infeasible: Option<String>) -> Found {
         let error_max = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
         Found { error_max, simulated, infeasible, notes: self.notes.clone() }
     }
@@ -306,6 +314,11 @@ impl<'a> Looked<'a> {
     pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
         words(self.options, chosen, (&chosen.lines, &found.error_max), &self.motion)
     }
+}
+
+/// Whether an arm needs more steps of integration than a study may ask for: no gains mend that.
+fn too_stiff(why: &(dyn Error + 'static)) -> bool {
+    matches!(why.downcast_ref(), Some(SimError::TooStiff { .. }))
 }
 
 /// How far the tube of gains goes beyond the specification; without a tube, by [`MORE`].
