@@ -103,7 +103,7 @@ impl ServeOptions {
         fits(&study, self.cycles).map_err(|why| SessionError::at(&self.study, why))?;
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
-        let model = with_velocity_limits(&study)?;
+        let model = description(&study)?;
         let side = RobotSide::new(rules(&study), model);
         let world = ServedWorld::new(study, &self.study, folder, self.cycles)?;
         let host = Host::listen(self.listen, self.port, self.pace, side);
@@ -191,13 +191,42 @@ fn rules(study: &Study) -> Rules {
     }
 }
 
-/// The arm's URDF, with the element on each joint that libfranka reads from a robot's description: the speed that is safe at a distance `d` from
-/// an end of travel is `−offset + √(2 d deceleration)`. Here it is 100 rad/s everywhere: no such rule acts.
-fn with_velocity_limits(study: &Study) -> Result<String, SessionError> {
+/// What libfranka reads of each joint beside its `<limit>`: the speed that is safe at a distance `d` from an end of travel is
+/// `−offset + √(2 d deceleration)`. Here it is 100 rad/s everywhere: no such rule acts.
+const SPEED_BY_POSITION: &str =
+    "<position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/>";
+
+/// The arm's URDF as a robot would hand it out: libfranka knows joints by names that hold `joint1` to `joint7`, so the arm's are called
+/// so, and no other is.
+fn description(study: &Study) -> Result<String, SessionError> {
     let urdf = study.robot.urdf().map_err(SessionError::other)?;
-    let element =
-        "<position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/>";
-    Ok(urdf.replace("</joint>", &format!("{element}</joint>")))
+    let arm = &study.robot.name;
+    let mut whole = String::with_capacity(urdf.len() + 1024);
+    for (n, piece) in urdf.split_inclusive("</joint>").enumerate() {
+        let Some((before, name, after)) = joint_of(piece) else {
+            whole.push_str(piece);
+            continue;
+        };
+        let place = study.robot.joints.iter().position(|joint| joint.name == name);
+        let Some(place) = place else {
+            whole.extend([before, arm, "_fixed", &n.to_string(), after]);
+            continue;
+        };
+        let body = after.strip_suffix("</joint>").unwrap_or(after);
+        let number = (place + 1).to_string();
+        whole.extend([before, arm, "_joint", &number, body, SPEED_BY_POSITION, "</joint>"]);
+    }
+    Ok(whole)
+}
+
+/// Text before the name of the joint that ends a piece of a URDF, the name, and the text after it.
+fn joint_of(piece: &str) -> Option<(&str, &str, &str)> {
+    let begun = piece.rfind("<joint").filter(|_| piece.ends_with("</joint>"))?;
+    let name = begun + piece.get(begun..)?.find("name=")? + "name=".len();
+    let quote = piece.get(name..)?.chars().next()?;
+    let (before, rest) = piece.split_at_checked(name + quote.len_utf8())?;
+    let (name, _) = rest.split_once(quote)?;
+    Some((before, name, rest.get(name.len()..)?))
 }
 
 impl ServedWorld {
