@@ -74,6 +74,7 @@ impl FciError {
     }
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "an error's fields are lent")]
 fn shown(reasons: &Faults) -> String {
     if reasons.is_empty() { String::new() } else { format!(": {reasons}") }
 }

@@ -225,11 +225,10 @@ impl StateBytes {
         put(&mut self.bytes, tail + 2, &said.errors.write());
         put(&mut self.bytes, tail + 43, &said.reflex_reason.write());
         put(&mut self.bytes, tail + 84, &[said.mode as u8]);
+        let rate = said.success_rate;
         match self.protocol {
-            Protocol::V5 => put(&mut self.bytes, tail + 85, &said.success_rate.to_le_bytes()),
-            Protocol::V10 => {
-                put(&mut self.bytes, tail + 85, &single(said.success_rate).to_le_bytes())
-            }
+            Protocol::V5 => put(&mut self.bytes, tail + 85, &rate.to_le_bytes()),
+            Protocol::V10 => put(&mut self.bytes, tail + 85, &single(rate).to_le_bytes()),
         }
         &self.bytes
     }

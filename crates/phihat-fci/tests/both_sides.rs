@@ -20,6 +20,9 @@ const RULES: Rules = Rules {
     losses_max: Some(20),
 };
 
+/// What makes a robot stop.
+type Provoke = fn(&mut Client);
+
 /// A robot that serves so many motions; what became of its world.
 fn robot(
     rules: Rules,
@@ -76,7 +79,7 @@ fn every_reflex_is_told_and_recovery_leads_out_of_it() {
         let (address, served) = robot(RULES, 30_000, u64::MAX, 3);
         let mut client = Client::connect(&address, protocol).unwrap();
         // A jump of more than 1 N·m, of a first torque; then speed.
-        let provoked: [(Reflex, fn(&mut Client)); 2] = [
+        let provoked: [(Reflex, Provoke); 2] = [
             (Reflex::TorqueJump, |client| {
                 cycles(client, 10);
                 let id = client.receive().unwrap().id;

@@ -90,12 +90,11 @@ fn a_state_is_read_from_where_the_headers_have_it() {
                 let value = (10 * k + joint) as f64 / 8.0;
                 let width = if protocol == Protocol::V5 { 8 } else { 4 };
                 let at = place(protocol, name) + width * joint;
+                #[expect(clippy::cast_possible_truncation, reason = "eighths are exact")]
+                let single = (value as f32).to_le_bytes();
                 match protocol {
                     Protocol::V5 => bytes[at..at + 8].copy_from_slice(&value.to_le_bytes()),
-                    #[expect(clippy::cast_possible_truncation, reason = "eighths are exact")]
-                    Protocol::V10 => {
-                        bytes[at..at + 4].copy_from_slice(&(value as f32).to_le_bytes())
-                    }
+                    Protocol::V10 => bytes[at..at + 4].copy_from_slice(&single),
                 }
             }
         }
