@@ -196,7 +196,7 @@ fn a_reflex_by_the_profile_leaves_its_record_and_recovery_leads_on() {
         let state = client.receive().unwrap();
         assert!(state.mode == RobotMode::Reflex && state.errors.has(Reflex::TorqueJump));
         // The robot holds its own weight, and shows it.
-        assert!(state.tau_j[1].abs() > 5.0 && state.tau_j_d[1].to_bits() == 0.0_f64.to_bits());
+        assert!(state.tau_j[3].abs() > 5.0 && state.tau_j_d[3].to_bits() == 0.0_f64.to_bits());
         let motion = served.motion();
         assert_eq!(motion["motion"], "reflex: controller_torque_discontinuity");
         assert_eq!((&motion["cycles"], &motion["verdict"]), (&29.into(), &"stopped".into()));

@@ -44,8 +44,12 @@ velocity_filter_hz = 100.0
 friction = "robot"
 payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
 [reference]
-kind = "hold"
+kind = "sines"
 center = "ready"
+[[reference.sine]]
+amplitude_rad = 0.05
+frequency_hz = 0.1
+phase_rad = 0.0
 """
 
 
