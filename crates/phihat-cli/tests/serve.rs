@@ -212,7 +212,7 @@ fn a_reflex_by_the_profile_leaves_its_record_and_recovery_leads_on() {
         client.start_torque().unwrap();
         for _ in 0..101 {
             let state = client.receive().unwrap();
-            client.send_torque(state.id, &[0.5e-3; 7]).unwrap();
+            client.send_torque(state.id, &[0.0; 7]).unwrap();
         }
         let motion = served.motion();
         assert_eq!(
