@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type Row = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 19] = [
+const CRATES: [Row; 20] = [
     (
         "phihat",
         &[],
@@ -48,6 +48,11 @@ const CRATES: [Row; 19] = [
         "other laws, one file each. What a rival needs is in its types, and it is handed only that",
     ),
     (
+        "phihat-fci",
+        &[],
+        "the Franka Control Interface for torque control: codec, client, and the robot's side as a state machine with sockets around it. It knows no arm and no study",
+    ),
+    (
         "phihat-report",
         &["phihat-design", "phihat-sim"],
         "the drawing kit (`kit`) and the page of a run: a pure function of recorded data, which runs nothing and does no I/O. It cannot see the paper or a rival",
@@ -58,6 +63,7 @@ const CRATES: [Row; 19] = [
             "phihat",
             "phihat-certificate",
             "phihat-design",
+            "phihat-fci",
             "phihat-model",
             "phihat-report",
             "phihat-sim",
@@ -116,6 +122,7 @@ const CRATES: [Row; 19] = [
             "phihat-certificate",
             "phihat-compare",
             "phihat-design",
+            "phihat-fci",
             "phihat-model",
             "phihat-paper",
             "phihat-report",
@@ -164,6 +171,7 @@ const CRATES: [Row; 19] = [
             "phihat",
             "phihat-campaign",
             "phihat-certificate",
+            "phihat-fci",
             "phihat-model",
             "phihat-sim",
             "phihat-study",
@@ -188,7 +196,7 @@ const CRATES: [Row; 19] = [
 ];
 
 /// The crates that go to a registry.
-pub(crate) const PUBLISHED: [&str; 13] = [
+pub(crate) const PUBLISHED: [&str; 14] = [
     "phihat",
     "phihat-model",
     "phihat-study",
@@ -196,6 +204,7 @@ pub(crate) const PUBLISHED: [&str; 13] = [
     "phihat-design",
     "phihat-sim",
     "phihat-rivals",
+    "phihat-fci",
     "phihat-report",
     "phihat-session",
     "phihat-campaign",

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::book;
-use crate::shell::command;
+use crate::shell::{cargo, command};
 
 /// What every C and C++ program here is compiled with.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
@@ -68,6 +68,8 @@ pub(crate) fn c(root: &Path) -> Result<(), String> {
 /// Builds the wheel into an environment of its own, then checks types, tests and examples.
 pub(crate) fn python(root: &Path) -> Result<(), String> {
     let python = environment(root)?;
+    // What other people's clients talk to.
+    cargo(root, &["build", "--release", "--quiet", "--package", "phihat-cli"])?;
     let package = root.join("crates/phihat-py");
     let wheels = root.join("target/wheels");
     if wheels.exists() {

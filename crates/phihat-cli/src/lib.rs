@@ -32,6 +32,7 @@ mod report;
 mod reproduce;
 mod robots;
 mod run;
+mod serve;
 mod shown;
 mod table;
 mod terminal;
@@ -74,6 +75,7 @@ enum Verb {
     Verify(verify::Verify),
     Export(export::Export),
     Simulate(run::Simulate),
+    Serve(serve::Serve),
     Faults(faults::Faults),
     Compare(compare::Compare),
     Report(report::Report),
@@ -132,6 +134,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Verify(verify) => verify.execute(),
         Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
+        Verb::Serve(serve) => serve.execute(),
         Verb::Faults(faults) => faults.execute(),
         Verb::Compare(compare) => compare.execute(),
         Verb::Report(report) => report.execute(),

@@ -21,6 +21,12 @@ impl<'a> Choices<'a> {
         self.byte().unwrap_or(0)
     }
 
+    /// Those that are left.
+    #[must_use]
+    pub fn rest(&self) -> &'a [u8] {
+        self.0.as_slice()
+    }
+
     /// Whether there is none left.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -8,6 +8,7 @@
 
 mod choices;
 mod drawn;
+mod interface;
 mod mutate;
 mod readers;
 mod samples;
@@ -17,6 +18,7 @@ use std::path::{Path, PathBuf};
 
 pub use choices::Choices;
 pub use drawn::drawn;
+pub use interface::fci;
 pub use mutate::mutated;
 pub use readers::{gains, journal, reference_csv, robot_file, study, trace, urdf};
 pub use samples::{law, supervisor};

@@ -64,3 +64,4 @@ target!(journal, "crates/phihat-fuzz/corpus/journal", ".jsonl");
 target!(reference_csv, "studies", ".csv");
 target!(law);
 target!(supervisor);
+target!(fci);

@@ -122,6 +122,26 @@ impl Robot {
         Self::assemble(urdf, &Part::default(), &format!("{name}.urdf"), toml)
     }
 
+    /// The text of the URDF that it was read from.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]: it was made from text that nobody kept, or its file cannot be read any more.
+    pub fn urdf(&self) -> Result<String, RobotError> {
+        let is_urdf =
+            |path: &&PathBuf| path.extension().is_none_or(|extension| extension != "toml");
+        if let Some(path) = self.files.iter().find(is_urdf) {
+            return read_text(path);
+        }
+        let kept = ARMS.iter().find(|(name, ..)| *name == self.name);
+        let kept = kept.map(|(_, urdf, _)| (*urdf).to_owned());
+        kept.ok_or_else(|| RobotError::Value {
+            origin: self.name.clone(),
+            key: "urdf".to_owned(),
+            why: "this arm was made from text that was not kept".to_owned(),
+        })
+    }
+
     /// Names of the arms that come with the crate.
     pub fn names() -> &'static [&'static str] {
         NAMES

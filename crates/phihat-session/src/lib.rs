@@ -1,7 +1,8 @@
 //! A study taken through gains, a closed loop and its record.
 //!
 //! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a folder;
-//! [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under somebody else's controller. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
+//! [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under somebody else's controller,
+//! [`Serve`] its world behind a robot's interface. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
 //! package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
@@ -48,6 +49,7 @@ mod position_search;
 mod record;
 mod rotor;
 mod run_record;
+mod served;
 mod session;
 mod spec_search;
 mod told;
@@ -75,6 +77,7 @@ pub use outside::OutsideRun;
 pub use page::write_report;
 pub use record::Done;
 pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};
+pub use served::{Serve, ServeOptions, ServeWatch, ServedMotion};
 pub use session::{RunOptions, Session};
 pub use typed_phi::typed_phi_holds;
 pub use verify::{Checked, Stage, Verification, verify};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_design::requested_gains;
-use phihat_sim::{Stepped, Trace};
+use phihat_sim::{Abort, Stepped, Trace};
 use phihat_study::Study;
 
 use crate::design;
@@ -59,6 +59,29 @@ impl OutsideRun {
         Ok(Self { study, command, warnings, inertia, run })
     }
 
+    /// Begins a run behind a robot's interface that somebody else keeps the rules of: limits of the study's controller, and what its
+    /// profile stops on, do not act here. What the profile adds, clamps and filters does.
+    ///
+    /// # Errors
+    ///
+    /// As of [`new`](Self::new).
+    pub fn served(study: Box<Study>, path: &Path, command: String) -> Result<Self, SessionError> {
+        let mut bare = study.clone();
+        (bare.control.torque_max, bare.control.torque_rate_max) = (None, None);
+        bare.interface.kept = false;
+        let profile = &mut bare.interface.profile;
+        (profile.torque_rate_max, profile.first_torque_max) = (None, None);
+        profile.losses_max = None;
+        let mut new = Self::new(bare, path, None, command)?;
+        // What is recorded is the study as it was given.
+        let (filter, designed) =
+            (new.study.sensor.velocity_filter_hz, new.study.sensor.velocity_filter_designed);
+        new.study = study;
+        new.study.sensor.velocity_filter_hz = filter;
+        new.study.sensor.velocity_filter_designed = designed;
+        Ok(new)
+    }
+
     /// The study.
     pub fn study(&self) -> &Study {
         &self.study
@@ -66,11 +89,15 @@ impl OutsideRun {
 
     /// The record of a run that is over, with every signal of every joint; `None`: samples are still to come.
     pub fn end(self) -> Option<(Done, Trace)> {
+        self.run.is_over().then(|| self.stop(None, Vec::new()))
+    }
+
+    /// The record of a run as far as it came: what stopped it, if the robot did, and what is to be said of it.
+    pub fn stop(self, abort: Option<Abort>, more: Vec<String>) -> (Done, Trace) {
         let Self { study, command, mut warnings, run, .. } = self;
-        if !run.is_over() {
-            return None;
-        }
-        let (trace, ended) = run.end();
+        let (trace, mut ended) = run.end();
+        ended.abort = ended.abort.or(abort);
+        warnings.extend(more);
         warnings.extend(ended.abort.as_ref().map(words::stopped));
         let mut seen = RunObserver::new(&study, None);
         seen.block(&trace);
@@ -79,6 +106,6 @@ impl OutsideRun {
         let run = run_info(&study, OUTSIDE, (command, warnings), divergence.as_ref());
         let abort = ended.abort;
         let done = Done { study, gains: None, run, drawing, metrics, tube, divergence, abort };
-        Some((done, trace))
+        (done, trace)
     }
 }

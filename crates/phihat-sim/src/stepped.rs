@@ -55,6 +55,8 @@ pub struct Stepped {
     trace: Trace,
     integrals: Vec<Integral>,
     divergence: Option<Divergence>,
+    /// Whether the last message of the sensors arrived.
+    fresh: bool,
 }
 
 impl Stepped {
@@ -66,8 +68,9 @@ impl Stepped {
     pub fn new(study: &Study, inertia: &[f64]) -> Result<Self, SimError> {
         let run = Simulation::open(study, inertia)?;
         let (trace, integrals) = run.record_for(run.samples());
-        let mut new = Self { run, k: 0, trace, integrals, divergence: None };
+        let mut new = Self { run, k: 0, trace, integrals, divergence: None, fresh: true };
         new.sense();
+        new.fresh = true;
         Ok(new)
     }
 
@@ -79,6 +82,22 @@ impl Stepped {
     /// What was sensed last, one entry per joint.
     pub fn sensed(&self) -> &[Measurement<f64>] {
         &self.run.world.sample().joints
+    }
+
+    /// Whether that message is a new one, and not the one before because it got lost.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    /// The torque \[N·m\] of every joint that the robot accepted last, without what it adds.
+    pub fn accepted(&self) -> &[f64] {
+        &self.run.world.path.sent
+    }
+
+    /// Whether the torque of this sample will get lost on its way, whatever is told.
+    pub fn loses_torque(&mut self) -> bool {
+        let t = self.t();
+        !self.run.world.path.arrives(self.k, t)
     }
 
     /// What the arm shall do at that sample, one entry per joint.
@@ -121,7 +140,9 @@ impl Stepped {
     }
 
     fn sense(&mut self) {
+        let before = self.run.world.sample().sequence;
         self.run.world.sense(self.k, self.k * self.run.period_ns);
+        self.fresh = self.run.world.sample().sequence != before;
         let t = self.t();
         self.run.control.refer(t);
     }

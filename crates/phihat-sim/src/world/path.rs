@@ -14,12 +14,14 @@ pub(crate) struct CommandPath {
     delays: Vec<Delay<f64>>,
     loss: Option<Loss>,
     stops: Vec<Fault>,
+    /// Whether the command of this sample gets through, once that was asked.
+    drawn: Option<(u64, bool)>,
     firmware: Option<Firmware>,
     /// Set once the robot has stopped.
     pub(crate) abort: Option<Abort>,
     arrived: Vec<f64>,
     /// What was last sent and got through.
-    pub(super) sent: Vec<f64>,
+    pub(crate) sent: Vec<f64>,
     /// What the drives are told over the current interval \[N·m\].
     pub(crate) told: Vec<f64>,
     /// Largest of it so far, and largest change from one sample to the next \[N·m\].
@@ -38,6 +40,7 @@ impl CommandPath {
             delays: vec![delay; zero.len()],
             loss: Loss::new(study.world.network.command, &study.faults, kinds, study.seed),
             stops: study.faults.iter().filter(stop).cloned().collect(),
+            drawn: None,
             firmware: Firmware::new(study),
             abort: None,
             sent: zero.clone(),
@@ -64,11 +67,21 @@ impl CommandPath {
         !self.stops.iter().any(|stop| stop.active(t))
     }
 
-    /// Takes the command of sample `k`; leaves `told`.
-    pub(super) fn pass(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
-        // The first command opens the session: it is sent until it arrives.
+    /// Whether the command of sample `k`, at time `t` \[s\], gets through. The first one opens the session: it is sent until it
+    /// arrives.
+    pub(crate) fn arrives(&mut self, k: u64, t: f64) -> bool {
+        if let Some((_, arrives)) = self.drawn.filter(|(at, _)| *at == k) {
+            return arrives;
+        }
         let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t)) && k > 0;
         let arrives = !lost && self.controller_runs(t);
+        self.drawn = Some((k, arrives));
+        arrives
+    }
+
+    /// Takes the command of sample `k`; leaves `told`.
+    pub(super) fn pass(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
+        let arrives = self.arrives(k, t);
         match &mut self.firmware {
             _ if self.abort.is_some() => {}
             None if arrives => {

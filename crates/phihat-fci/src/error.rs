@@ -1,0 +1,80 @@
+//! Why a robot cannot be talked to.
+
+use std::borrow::Cow;
+use std::io;
+
+use thiserror::Error;
+
+use crate::fault::Faults;
+
+/// Why a robot cannot be talked to, or a message not be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FciError {
+    /// The system's network.
+    #[error("{what}: {why}")]
+    Network {
+        /// What was tried.
+        what: Cow<'static, str>,
+        /// What the system says.
+        why: io::Error,
+    },
+    /// No state for as long as libfranka waits.
+    #[error("the robot sent no state for 1 s")]
+    Silent,
+    /// The robot does not speak the version asked for.
+    #[error("the robot speaks version {robot} of the interface, asked for was version {asked}")]
+    Version {
+        /// The robot's.
+        robot: u16,
+        /// That of this client.
+        asked: u16,
+    },
+    /// The robot refused a request.
+    #[error("the robot refused {request} (status {status}){}", shown(.reasons))]
+    Refused {
+        /// The request's name.
+        request: &'static str,
+        /// What stood in its answer.
+        status: u8,
+        /// What it last stopped for.
+        reasons: Faults,
+    },
+    /// The robot ended a motion by itself.
+    #[error("the robot ended the motion (status {status}){}", shown(.reasons))]
+    Aborted {
+        /// What stood in its answer.
+        status: u8,
+        /// What for.
+        reasons: Faults,
+    },
+    /// A message that is none.
+    #[error("{what} of {found}; valid: {valid}")]
+    Message {
+        /// Which one, and what of it.
+        what: &'static str,
+        /// The figure found.
+        found: u64,
+        /// What it may be.
+        valid: String,
+    },
+    /// The robot did not do what follows by the interface.
+    #[error("the robot did not {0} within 1000 states")]
+    Stuck(&'static str),
+}
+
+impl FciError {
+    pub(crate) fn network(what: impl Into<Cow<'static, str>>) -> impl FnOnce(io::Error) -> Self {
+        let what = what.into();
+        |why| Self::Network { what, why }
+    }
+
+    pub(crate) fn message(what: &'static str, found: usize, valid: impl Into<String>) -> Self {
+        Self::Message { what, found: found as u64, valid: valid.into() }
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "an error's fields are lent")]
+fn shown(reasons: &Faults) -> String {
+    if reasons.is_empty() { String::new() } else { format!(": {reasons}") }
+}

@@ -1,0 +1,432 @@
+//! A study's world behind the Franka Control Interface.
+
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+
+use phihat_fci::{
+    Ending, Event, FciError, Host, JOINTS, NO_POSE, Pace, Packets, Reflex, RobotSide, Rules,
+    Sensed, World,
+};
+use phihat_model::{FrameId, JointKind, Model, Workspace};
+use phihat_sim::{Abort, StopReason};
+use phihat_study::Study;
+use thiserror::Error;
+
+use crate::design;
+use crate::error::SessionError;
+use crate::outside::OutsideRun;
+use crate::page::write_report;
+use crate::record::Done;
+
+/// What serving a study is told.
+#[derive(Debug, Clone)]
+pub struct ServeOptions {
+    /// The study file (TOML).
+    pub study: PathBuf,
+    /// Folder for the results; `None`: `out/STUDY`.
+    pub out: Option<PathBuf>,
+    /// Address that is listened on.
+    pub listen: IpAddr,
+    /// Port that is listened on; 0: any that is free.
+    pub port: u16,
+    /// Who makes time go on.
+    pub pace: Pace,
+    /// Cycles of motion after which serving ends; `None`: never.
+    pub cycles: Option<u64>,
+}
+
+/// Who looks on while a study is served.
+pub trait ServeWatch {
+    /// A client comes, goes, or is sent away.
+    fn event(&mut self, event: Event);
+
+    /// A motion has ended. Without a record: no command ever acted.
+    fn motion(&mut self, motion: &ServedMotion);
+}
+
+/// A motion of a client's.
+#[derive(Debug)]
+pub struct ServedMotion {
+    /// How it ended.
+    pub ending: Ending,
+    /// Cycles that the world went on.
+    pub cycles: u64,
+    /// What became of the packets since serving began.
+    pub packets: Packets,
+    /// The record, and its page.
+    pub record: Option<(Box<Done>, PathBuf)>,
+}
+
+/// A study that is listened for clients of.
+#[derive(Debug)]
+pub struct Serve {
+    host: Host,
+    world: ServedWorld,
+}
+
+/// The world of a study, begun anew by each motion.
+#[derive(Debug)]
+struct ServedWorld {
+    study: Box<Study>,
+    path: PathBuf,
+    folder: PathBuf,
+    command: String,
+    /// The world of the motion; `None`: it was taken for its record.
+    run: Option<OutsideRun>,
+    robot: RobotGeometry,
+    sensed: Sensed,
+    stepped: u64,
+    left: Option<u64>,
+    done: bool,
+    /// The record of the motion before, on its way to the disk.
+    writing: Option<JoinHandle<Result<ServedMotion, SessionError>>>,
+}
+
+/// What the robot knows of its arm: gravity's torque and where its hand is.
+#[derive(Debug)]
+struct RobotGeometry {
+    model: Model,
+    workspace: Workspace<f64>,
+    tip: Option<FrameId>,
+    adds_gravity: bool,
+}
+
+impl ServeOptions {
+    /// Reads and checks everything, and listens.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: the study cannot be simulated, is of no arm that the interface knows, or the port cannot be listened on.
+    pub fn open(&self) -> Result<Serve, SessionError> {
+        let study = design::read(&self.study)?;
+        fits(&study, self.cycles).map_err(|why| SessionError::at(&self.study, why))?;
+        let default = || Path::new("out").join(&study.name);
+        let folder = self.out.clone().unwrap_or_else(default);
+        let model = description(&study)?;
+        let side = RobotSide::new(rules(&study), model);
+        let world = ServedWorld::new(study, &self.study, folder, self.cycles)?;
+        let host = Host::listen(self.listen, self.port, self.pace, side);
+        Ok(Serve { host: host.map_err(SessionError::other)?, world })
+    }
+}
+
+impl Serve {
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.host.address()
+    }
+
+    /// The study that is served.
+    pub fn study(&self) -> &Study {
+        &self.world.study
+    }
+
+    /// Folder for the results.
+    pub fn folder(&self) -> &Path {
+        &self.world.folder
+    }
+
+    /// Serves until the cycles that were asked for are over. Each motion leaves its record, with its page, in place of the one before.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: a record cannot be written.
+    pub fn run(&mut self, watch: &mut dyn ServeWatch) -> Result<(), SessionError> {
+        let mut watched = Watched { world: &mut self.world, watch, failure: None };
+        self.host.serve(&mut watched)?;
+        watched.failure.map_or(Ok(()), Err)
+    }
+}
+
+/// Why a study is not served.
+#[derive(Debug, Error)]
+enum Unserved {
+    #[error(
+        "robot {robot} has {joints} joints; the Franka Control Interface knows arms of {JOINTS}"
+    )]
+    Joints { robot: String, joints: usize },
+    #[error("{0} slides; the Franka Control Interface knows joints that turn")]
+    Slides(String),
+    #[error("loop.rate_hz = {0}; the Franka Control Interface runs at 1000")]
+    Rate(f64),
+    #[error("{cycles} cycles; its motion has {samples}, so 1 to {samples} is valid")]
+    Cycles { cycles: u64, samples: u64 },
+}
+
+/// Whether a study is of an arm that the interface knows.
+fn fits(study: &Study, cycles: Option<u64>) -> Result<(), Unserved> {
+    let joints = study.robot.joints.len();
+    if joints != JOINTS {
+        return Err(Unserved::Joints { robot: study.robot.name.clone(), joints });
+    }
+    if let Some(joint) = study.robot.joints.iter().find(|j| j.kind == JointKind::Prismatic) {
+        return Err(Unserved::Slides(joint.name.clone()));
+    }
+    if study.control.period_ns != 1_000_000 {
+        return Err(Unserved::Rate(1e9 / study.control.period_ns as f64));
+    }
+    let samples = phihat_sim::samples(study.duration, study.control.period_ns);
+    match cycles {
+        Some(cycles) if !(1..=samples).contains(&cycles) => {
+            Err(Unserved::Cycles { cycles, samples })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What the robot stops on: what the study's profile says, and the arm's own limits of speed.
+fn rules(study: &Study) -> Rules {
+    let profile = &study.interface.profile;
+    let period = study.control.period_ns as f64 * 1e-9;
+    let mut velocity_max = [f64::INFINITY; JOINTS];
+    for (most, joint) in velocity_max.iter_mut().zip(&study.robot.joints) {
+        *most = joint.velocity_max.unwrap_or(f64::INFINITY);
+    }
+    Rules {
+        torque_step_max: profile.torque_rate_max.map(|rate| rate * period),
+        first_torque_max: profile.first_torque_max,
+        velocity_max,
+        losses_max: profile.losses_max,
+    }
+}
+
+/// What libfranka reads of each joint beside its `<limit>`: the speed that is safe at a distance `d` from an end of travel is
+/// `−offset + √(2 d deceleration)`. Here it is 100 rad/s everywhere: no such rule acts.
+const SPEED_BY_POSITION: &str =
+    "<position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/>";
+
+/// The arm's URDF as a robot would hand it out: libfranka knows joints by names that hold `joint1` to `joint7`, so the arm's are called
+/// so, and no other is.
+fn description(study: &Study) -> Result<String, SessionError> {
+    let urdf = study.robot.urdf().map_err(SessionError::other)?;
+    let arm = &study.robot.name;
+    let mut whole = String::with_capacity(urdf.len() + 1024);
+    for (n, piece) in urdf.split_inclusive("</joint>").enumerate() {
+        let Some((before, name, after)) = joint_of(piece) else {
+            whole.push_str(piece);
+            continue;
+        };
+        let place = study.robot.joints.iter().position(|joint| joint.name == name);
+        let Some(place) = place else {
+            whole.extend([before, arm, "_fixed", &n.to_string(), after]);
+            continue;
+        };
+        let body = after.strip_suffix("</joint>").unwrap_or(after);
+        let number = (place + 1).to_string();
+        whole.extend([before, arm, "_joint", &number, body, SPEED_BY_POSITION, "</joint>"]);
+    }
+    Ok(whole)
+}
+
+/// Text before the name of the joint that ends a piece of a URDF, the name, and the text after it.
+fn joint_of(piece: &str) -> Option<(&str, &str, &str)> {
+    let begun = piece.rfind("<joint").filter(|_| piece.ends_with("</joint>"))?;
+    let name = begun + piece.get(begun..)?.find("name=")? + "name=".len();
+    let quote = piece.get(name..)?.chars().next()?;
+    let (before, rest) = piece.split_at_checked(name + quote.len_utf8())?;
+    let (name, _) = rest.split_once(quote)?;
+    Some((before, name, rest.get(name.len()..)?))
+}
+
+impl ServedWorld {
+    fn new(
+        study: Box<Study>,
+        path: &Path,
+        folder: PathBuf,
+        cycles: Option<u64>,
+    ) -> Result<Self, SessionError> {
+        let command = format!("phihat serve {} --fci", path.display());
+        let run = OutsideRun::served(study.clone(), path, command.clone())?;
+        let model = study.robot.plant_model().with_gravity(study.world.gravity);
+        let robot = RobotGeometry {
+            workspace: Workspace::new(&model),
+            tip: model.frame(&study.robot.tip),
+            model,
+            adds_gravity: study.interface.profile.adds_gravity,
+        };
+        let (path, done) = (path.to_owned(), false);
+        let (run, sensed) = (Some(run), Sensed::default());
+        Ok(Self {
+            study,
+            path,
+            folder,
+            command,
+            run,
+            robot,
+            sensed,
+            stepped: 0,
+            left: cycles,
+            done,
+            writing: None,
+        })
+    }
+
+    fn begin(&mut self) -> Result<(), SessionError> {
+        let (study, command) = (self.study.clone(), self.command.clone());
+        self.run = Some(OutsideRun::served(study, &self.path, command)?);
+        self.stepped = 0;
+        Ok(())
+    }
+
+    fn sensed(&mut self) -> Sensed {
+        let Some(OutsideRun { run, .. }) = &self.run else {
+            // Between motions something holds the arm where it is.
+            let rest = [0.0; JOINTS];
+            self.sensed = Sensed { dq: rest, tau_j_d: rest, arrives: true, ..self.sensed };
+            return self.sensed;
+        };
+        let sensed = run.sensed();
+        for (i, joint) in sensed.iter().enumerate().take(JOINTS) {
+            self.sensed.q[i] = joint.q;
+            self.sensed.dq[i] = joint.dq;
+            self.sensed.tau_j[i] = joint.tau_applied;
+            self.sensed.tau_j_d[i] = run.accepted().get(i).copied().unwrap_or_default();
+        }
+        self.sensed.arrives = run.is_fresh();
+        self.robot.complete(&mut self.sensed);
+        self.sensed
+    }
+
+    fn step(&mut self, torque: &[f64; JOINTS]) {
+        if let Some(OutsideRun { run, .. }) = &mut self.run {
+            // As many as joints: that was looked at first.
+            let _ = run.step(torque);
+            self.stepped += 1;
+            self.left = self.left.map(|left| left.saturating_sub(1));
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.left == Some(0) || self.run.as_ref().is_none_or(|run| run.run.is_over())
+    }
+
+    /// Begins to write the record of a motion.
+    fn ended(&mut self, ending: Ending, packets: Packets) {
+        self.done = self.left == Some(0);
+        let (run, cycles) = (self.run.take().filter(|_| self.stepped > 0), self.stepped);
+        let folder = self.folder.clone();
+        let write = move || {
+            let mut motion = ServedMotion { ending, cycles, packets, record: None };
+            motion.record = run.map(|run| record(run, ending, &folder)).transpose()?;
+            Ok(motion)
+        };
+        self.writing = Some(std::thread::spawn(write));
+    }
+}
+
+/// Leaves the record of a motion, with its page.
+fn record(
+    run: OutsideRun,
+    ending: Ending,
+    folder: &Path,
+) -> Result<(Box<Done>, PathBuf), SessionError> {
+    let t = run.run.t();
+    let interface = run.study().interface.profile.name.clone();
+    let reason = match ending {
+        Ending::Reflex(reflex) => Some(StopReason::Reflex(reflex.name())),
+        Ending::Disconnected => Some(StopReason::Reflex(Reflex::Communication.name())),
+        Ending::Finished | Ending::Stopped | Ending::Over => None,
+    };
+    let abort = reason.map(|reason| Abort { t, interface, joint: None, reason });
+    let more = match ending {
+        _ if run.run.is_over() => Vec::new(),
+        ending => vec![format!("the motion ended at t = {t} s: {ending}")],
+    };
+    let (done, trace) = run.stop(abort, more);
+    done.write(&trace, folder)?;
+    let page = write_report(&done.record(), &folder.join("report.html"))?;
+    Ok((Box::new(done), page))
+}
+
+impl RobotGeometry {
+    /// Adds what the robot computes from its joints.
+    fn complete(&mut self, sensed: &mut Sensed) {
+        if self.adds_gravity {
+            let mut gravity = [0.0; JOINTS];
+            self.model.gravity_torque(&mut self.workspace, &sensed.q, &mut gravity);
+            for (tau, gravity) in sensed.tau_j.iter_mut().zip(gravity) {
+                *tau += gravity;
+            }
+        }
+        let Some(tip) = self.tip else { return };
+        self.model.forward_kinematics(&mut self.workspace, &sensed.q);
+        let pose = self.model.pose(&self.workspace, tip);
+        sensed.pose = NO_POSE;
+        for column in 0..3 {
+            for row in 0..3 {
+                sensed.pose[4 * column + row] = pose.r[row][column];
+            }
+            sensed.pose[12 + column] = pose.p[column];
+        }
+    }
+}
+
+/// The world, and who looks on.
+struct Watched<'a> {
+    world: &'a mut ServedWorld,
+    watch: &'a mut dyn ServeWatch,
+    failure: Option<SessionError>,
+}
+
+impl Watched<'_> {
+    /// Tells of a motion whose record is written, or is about to be.
+    fn keep(&mut self, writing: JoinHandle<Result<ServedMotion, SessionError>>) {
+        match writing.join() {
+            Ok(Ok(motion)) => self.watch.motion(&motion),
+            Ok(Err(why)) => self.failure = Some(why),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    }
+}
+
+impl World for Watched<'_> {
+    type Error = SessionError;
+
+    fn begin(&mut self) -> Result<(), SessionError> {
+        self.world.begin()
+    }
+
+    fn sensed(&mut self) -> Sensed {
+        self.world.sensed()
+    }
+
+    fn loses_command(&mut self) -> bool {
+        self.world.run.as_mut().is_some_and(|run| run.run.loses_torque())
+    }
+
+    fn step(&mut self, torque: &[f64; JOINTS]) {
+        self.world.step(torque);
+    }
+
+    fn is_over(&self) -> bool {
+        self.world.is_over()
+    }
+
+    fn ended(&mut self, ending: Ending, packets: Packets) -> Result<(), SessionError> {
+        // One record after the other.
+        if let Some(writing) = self.world.writing.take() {
+            self.keep(writing);
+        }
+        self.world.ended(ending, packets);
+        Ok(())
+    }
+
+    fn is_done(&mut self) -> bool {
+        let written = |writing: &mut JoinHandle<_>| writing.is_finished();
+        if let Some(writing) = self.world.writing.take_if(written) {
+            self.keep(writing);
+        }
+        self.world.writing.is_none() && (self.world.done || self.failure.is_some())
+    }
+
+    fn told(&mut self, event: Event) {
+        self.watch.event(event);
+    }
+}
+
+impl From<FciError> for SessionError {
+    fn from(why: FciError) -> Self {
+        Self::other(why)
+    }
+}
