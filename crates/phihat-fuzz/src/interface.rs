@@ -79,7 +79,7 @@ fn cycle(
         finished: false,
     };
     let mut packet = told.to_bytes(protocol);
-    if choice % 4 == 0 {
+    if choice.is_multiple_of(4) {
         let at = 300 % (packet.len() - piece.len());
         packet[at..at + piece.len()].copy_from_slice(piece);
     }
