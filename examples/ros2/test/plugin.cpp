@@ -269,8 +269,8 @@ void record(const std::string & folder, const std::string & name)
   CHECK(robot.plugin->on_deactivate({}) == CallbackReturn::SUCCESS);
   CHECK(robot.effort[0] <= 0.0 && robot.effort[0] >= 0.0);
   CHECK(robot.update(1000000) == return_type::ERROR);
-  // What was latched is gone with the next activation, which starts like the first: with an arm at rest.
-  robot.velocity = {0.0, 0.0};
+  // What was latched is gone with the next activation, which starts like the first: with an arm at rest in its range.
+  robot.position = robot.velocity = {0.0, 0.0};
   CHECK(robot.activate() == CallbackReturn::SUCCESS);
   CHECK(robot.update(1000000) == return_type::OK);
   CHECK(value(robot.diagnosis(), "mode") == "armed");
