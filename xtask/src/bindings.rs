@@ -62,6 +62,44 @@ pub(crate) fn c(root: &Path) -> Result<(), String> {
             ["--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"];
         command(root, "valgrind", &[&valgrind[..], &[&plain], arguments].concat())?;
     }
+    ros2(root, &library)
+}
+
+/// The ros2_control plugin, compiled against stand-ins for the headers of two releases, on records of the Rust supervisor.
+fn ros2(root: &Path, library: &str) -> Result<(), String> {
+    let records = root.join("target/ros2").display().to_string();
+    let status = Command::new("cargo")
+        .args(["run", "--quiet", "--package", "phihat", "--example", "ros2_record", "--", &records])
+        .env("CARGO_TARGET_DIR", root.join("target/c"))
+        .env("RUSTFLAGS", "")
+        .current_dir(root)
+        .status()
+        .map_err(|e| e.to_string())?;
+    if !status.success() {
+        return Err("what the plugin is held against cannot be made".to_owned());
+    }
+    let build = |release: &str| {
+        let program = root.join("target/c").join(release).display().to_string();
+        let (define, package) =
+            (format!("-DPHIHAT_DOUBLE_{release}"), "examples/ros2/phihat_controller");
+        let mut all = vec!["-std=c++17", &define, "-Iexamples/ros2/doubles"];
+        all.extend(WARNINGS);
+        let include = format!("-I{package}/include");
+        all.extend(["-Icrates/phihat-c/include", &include, "examples/ros2/test/plugin.cpp"]);
+        let sources = ["gains_file", "json", "phihat_controller"]
+            .map(|name| format!("{package}/src/{name}.cpp"));
+        all.extend(sources.iter().map(String::as_str));
+        all.extend([library, "-lm", "-lpthread", "-ldl", "-o", &program]);
+        command(root, "c++", &all).map(|()| program)
+    };
+    // Side by side: headers of the standard library are most of the time.
+    let programs = std::thread::scope(|scope| {
+        let both = ["HUMBLE", "JAZZY"].map(|release| scope.spawn(move || build(release)));
+        both.map(|one| one.join().map_err(|_| "a compiler's thread ended".to_owned()))
+    });
+    for program in programs {
+        command(root, &program??, &[&records])?;
+    }
     Ok(())
 }
 

@@ -1,0 +1,1 @@
+#include "../ros_doubles.hpp"
