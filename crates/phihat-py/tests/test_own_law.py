@@ -179,7 +179,8 @@ def test_a_plant_tells_what_the_robot_clamps() -> None:
     panda["loop"] = {"delay_samples": 1, "torque_max_nm": 50.0}
     panda["reference"] = {**STUDY["reference"], "sine": [{"amplitude_rad": 0.02, "frequency_hz": 0.5}]}
     panda["profile"] = {"name": "franka"}
-    assert np.array_equal(phihat.Plant(panda).torque_max, [50.0] * 4 + [12.0] * 3)
+    most = phihat.Plant(panda).torque_max
+    assert most is not None and np.array_equal(most, [50.0] * 4 + [12.0] * 3)
 
 
 def test_notebooks_show_figures_and_no_markup_of_a_users() -> None:
