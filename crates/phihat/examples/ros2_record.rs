@@ -138,10 +138,9 @@ fn motion(from: f64, joint: usize, t: f64) -> Reference<f64> {
 fn request(mode: Mode, wanted: bool) -> ModeRequest {
     match mode {
         Mode::Idle => ModeRequest::Arm,
-        Mode::Armed => ModeRequest::Hold,
         Mode::SafeStop => ModeRequest::Stop,
         Mode::Holding | Mode::Tracking if wanted => ModeRequest::Track,
-        Mode::Holding | Mode::Tracking => ModeRequest::Hold,
+        Mode::Armed | Mode::Holding | Mode::Tracking => ModeRequest::Hold,
     }
 }
 
@@ -162,6 +161,27 @@ struct Seen {
     modes: Vec<Mode>,
     worst: f64,
     fault: Option<Fault>,
+}
+
+/// A line of a record.
+fn row(text: &mut String, k: u64, numbers: impl Iterator<Item = f64>, (mode, fault): (&str, &str)) {
+    let _ = write!(text, "{} {} {}", period(k), u8::from(comes(k)), u8::from(wanted(k)));
+    for number in numbers {
+        let _ = write!(text, " {:016x}", number.to_bits());
+    }
+    let _ = writeln!(text, " {mode} {fault}");
+}
+
+/// The arm over a period \[ns\], a tenth of it at a time; brakes hold it.
+fn go_on((q, dq): (&mut [f64; 2], &mut [f64; 2]), tau: [f64; 2], period_ns: u64, held: bool) {
+    let step = period_ns as f64 * 1e-10;
+    for _ in 0..10 {
+        let ddq = accelerations(*q, *dq, tau);
+        for i in 0..2 {
+            dq[i] = if held { 0.0 } else { dq[i] + step * ddq[i] };
+            q[i] += step * dq[i];
+        }
+    }
 }
 
 fn record(positions: bool) -> Result<(String, Seen), Box<dyn Error>> {
@@ -215,25 +235,14 @@ fn record(positions: bool) -> Result<(String, Seen), Box<dyn Error>> {
             seen.worst = seen.worst.max(error(0)).max(error(1));
         }
         seen.fault = answer.report.fault.map(|(fault, _)| fault);
-        let _ = write!(text, "{} {} {}", period(k), u8::from(comes(k)), u8::from(wanted(k)));
         let measured = (0..2).flat_map(|i| [q[i], dq[i]]);
         let asked = references.iter().flat_map(|r| [r.q, r.dq, r.ddq]);
         let answered = answer.commands.iter().flat_map(|c| [c.tau, c.phi_hat]);
-        for number in measured.chain(asked).chain(answered) {
-            let _ = write!(text, " {:016x}", number.to_bits());
-        }
-        let _ = writeln!(text, " {} {}", mode.name(), seen.fault.map_or("none", Fault::name));
+        let fault = seen.fault.map_or("none", Fault::name);
+        row(&mut text, k, measured.chain(asked).chain(answered), (mode.name(), fault));
         sent.push_front(answer.commands.map(|command| command.tau));
         sent.truncate(delay + 1);
-        // A tenth of the period at a time; where the brakes are wanted they hold.
-        let step = period(k) as f64 * 1e-10;
-        for _ in 0..10 {
-            let ddq = accelerations(q, dq, sent[delay]);
-            for i in 0..2 {
-                dq[i] = if mode == Mode::Idle { 0.0 } else { dq[i] + step * ddq[i] };
-                q[i] += step * dq[i];
-            }
-        }
+        go_on((&mut q, &mut dq), sent[delay], period(k), mode == Mode::Idle);
     }
     Ok((text, seen))
 }
