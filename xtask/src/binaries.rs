@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -21,6 +22,7 @@ struct Binary {
 
 /// Builds all tests of the workspace, benches and examples, and runs as many binaries at a time as there are cores.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
+    let began = Instant::now();
     let told = ["test", "--workspace", "--all-targets", "--no-run"];
     let built = Command::new("cargo")
         .args(told)
@@ -36,6 +38,7 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
         String::from_utf8_lossy(&built.stdout).lines().filter_map(binary).collect();
     all.sort_by_key(|one| !LONG.contains(&one.target.as_str()));
     let count = all.len();
+    println!("{count} test binaries built in {:.0} s", began.elapsed().as_secs_f64());
     let failed = side_by_side(all)?;
     if failed.is_empty() {
         println!("{count} test binaries ok");
@@ -66,6 +69,7 @@ fn side_by_side(all: Vec<Binary>) -> Result<Vec<String>, String> {
         loop {
             let next = todo.lock().map_err(|_| held)?.pop_front();
             let Some(one) = next else { return Ok(()) };
+            let began = Instant::now();
             let done = Command::new(&one.file)
                 .current_dir(&one.package)
                 .env("CARGO_MANIFEST_DIR", &one.package)
@@ -75,7 +79,7 @@ fn side_by_side(all: Vec<Binary>) -> Result<Vec<String>, String> {
             if !done.status.success() {
                 failed.push(one.target.clone());
             }
-            tell(&one, &done).map_err(|e| e.to_string())?;
+            tell(&one, &done, began.elapsed()).map_err(|e| e.to_string())?;
         }
     };
     std::thread::scope(|scope| {
@@ -85,11 +89,11 @@ fn side_by_side(all: Vec<Binary>) -> Result<Vec<String>, String> {
     failed.into_inner().map_err(|_| held.to_owned())
 }
 
-/// What a binary printed, whole.
-fn tell(one: &Binary, done: &Output) -> std::io::Result<()> {
+/// What a binary printed, whole, and how long it took.
+fn tell(one: &Binary, done: &Output, took: Duration) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let name = one.package.file_name().unwrap_or_default().to_string_lossy();
-    writeln!(out, "\n   {} of {name}", one.target)?;
+    writeln!(out, "\n   {} of {name}, {:.1} s", one.target, took.as_secs_f64())?;
     out.write_all(&done.stdout)?;
     out.write_all(&done.stderr)
 }

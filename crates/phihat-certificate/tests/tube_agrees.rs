@@ -4,7 +4,7 @@
 
 mod support;
 
-use phihat_certificate::tube::{Inputs, Reference, derive};
+use phihat_certificate::tube::{Inputs, Reference, TIGHTER, derive};
 use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
@@ -241,7 +241,7 @@ fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
             assert_eq!(joint.confirmed(), times < 1.5);
         }
     }
-    assert!(narrowed(1.0 / 99.0).is_ok() && narrowed(1.0 / 101.0).is_err());
+    assert!(narrowed(0.99 / TIGHTER).is_err() && narrowed(1.01 / TIGHTER).is_ok());
     // And by each figure alone.
     let figures: [fn(&mut TubeJoint) -> &mut f64; 4] = [
         |j| &mut j.error_max_rad,

@@ -258,13 +258,14 @@ fn what_ros_cannot_run_is_refused() {
     assert!(export(&wild, Target::CHeader).unwrap_err().to_string().contains("kd"));
 }
 
-/// Writes a program beside a header, compiles it, runs it, and gives what it prints.
+/// Writes a program beside a header, compiles it with the controller's own header in reach, runs it, and gives what it prints.
 fn run_c(folder: &Path, compiler: &str, standard: &str, source: &str) -> String {
     let file = folder.join(if compiler == "cc" { "main.c" } else { "main.cpp" });
     let program = folder.join(format!("main-{compiler}"));
     fs::write(&file, source).unwrap();
     let output = Command::new(compiler)
-        .args([standard, "-Wall", "-Wextra", "-Werror", "-pedantic", "-o"])
+        .args([standard, "-Wall", "-Wextra", "-Werror", "-pedantic"])
+        .args(["-I", concat!(env!("CARGO_MANIFEST_DIR"), "/../phihat-c/include"), "-o"])
         .args([&program, &file])
         .arg("-lm")
         .output()
@@ -277,6 +278,7 @@ fn run_c(folder: &Path, compiler: &str, standard: &str, source: &str) -> String 
 const LAW: &str = r#"
 #include <stdio.h>
 #include <math.h>
+#include "phihat.h"
 #include "gains.h"
 static double signal(int k, double seed) {
     double t = k * 1e-3;
@@ -285,7 +287,7 @@ static double signal(int k, double seed) {
 int main(void) {
     int i, j, k;
     for (i = 0; i < PHIHAT_JOINTS; i++) {
-        double phi[PHIHAT_ORDER_MAX + 1] = {0.0}, last = 0.0, applied = 0.0, T = PHIHAT_PERIOD_S;
+        double phi[PHIHAT_A_MAX + 1] = {0.0}, last = 0.0, applied = 0.0, T = PHIHAT_PERIOD_S;
         int m = phihat_order[i];
         double M = phihat_inertia_kg_m2[i];
         for (k = 0; k < 500; k++) {

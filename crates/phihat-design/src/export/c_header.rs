@@ -18,7 +18,7 @@ pub(super) fn text(gains: &Gains) -> String {
     text += "#ifndef PHIHAT_GAINS_H\n#define PHIHAT_GAINS_H\n\n";
     let _ = write!(
         text,
-        "#define PHIHAT_JOINTS {}\n/* Highest order m of an estimator. */\n#define PHIHAT_ORDER_MAX {order}\n\
+        "#define PHIHAT_JOINTS {}\n/* Most coefficients a_i of an estimator: the highest order m. */\n#define PHIHAT_A_MAX {order}\n\
          /* Sample period T [s]. */\n#define PHIHAT_PERIOD_S {}\n\n/* In the order of every array below. */\n",
         gains.joints.len(),
         exact(period(gains)),
@@ -98,8 +98,7 @@ fn observers(gains: &Gains) -> String {
         "\n/* Most states of an observer: order + 2. */\n#define PHIHAT_STATES_MAX {states}\n"
     );
     let what = "Correction l_0 .. l_(m+1), l_i in [1/s^i].";
-    text + &table("correction", what, states, &rows)
-        .replace("PHIHAT_ORDER_MAX", "PHIHAT_STATES_MAX")
+    text + &table("correction", what, states, &rows).replace("PHIHAT_A_MAX", "PHIHAT_STATES_MAX")
 }
 
 fn array(name: &str, what: &str, values: &[f64]) -> String {
@@ -118,7 +117,7 @@ fn table(name: &str, what: &str, order: usize, rows: &[Vec<f64>]) -> String {
     };
     let rows: String = rows.iter().map(row).collect();
     format!(
-        "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_ORDER_MAX] = {{\n{rows}}};\n"
+        "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_A_MAX] = {{\n{rows}}};\n"
     )
 }
 
