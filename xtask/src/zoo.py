@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -214,7 +215,7 @@ def examine(files: list[tuple[str, Path]], program: str) -> list[dict[str, Any]]
 class Runs:
     """`phihat new` and `phihat run` on each file; what was found is kept and not done again."""
 
-    def __init__(self, folder: Path, program: str, timeout: float, fresh: bool) -> None:
+    def __init__(self, folder: Path, program: str, timeout: int, fresh: bool) -> None:
         self.folder, self.program, self.timeout = folder / "runs", program, timeout
         self.made_by, self.lock = digest(Path(program))[:16], threading.Lock()
         self.journal = self.folder / "journal.jsonl"
@@ -231,24 +232,25 @@ class Runs:
                     continue
 
     def command(self, *words: str) -> tuple[int | None, str, str]:
-        """Exit code (none: it ran past its time), standard output, errors."""
-        process = subprocess.Popen(
-            [self.program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        """Exit code (none: it used up its time), standard output, errors. Time is the processor's: what else runs does not count."""
+        limit = (self.timeout, self.timeout)
+        process = subprocess.run(
+            [self.program, *words],
+            capture_output=True,
+            text=True,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit),
         )
-        try:
-            out, errors = process.communicate(timeout=self.timeout)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.communicate()
+        if process.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
             return None, "", ""
-        return process.returncode, out, errors
+        return process.returncode, process.stdout, process.stderr
 
     def outcome(self, path: Path, row: dict[str, Any]) -> dict[str, Any]:
         chain = row["chain"]
         part = ["--base", chain["base"], "--tip", chain["tip"]] if chain else []
         key = f"{row['package']} {row['file']} {digest(path)[:16]} {self.made_by} {' '.join(part)}"
-        if key in self.known:
-            return self.known[key]
+        # What ran out of less time than there is now is tried again.
+        if (known := self.known.get(key)) is not None and known.get("after_s", self.timeout) >= self.timeout:
+            return known
         room = self.folder / hashlib.sha256(f"{row['package']} {row['file']}".encode()).hexdigest()[:12]
         shutil.rmtree(room, ignore_errors=True)
         room.mkdir()
@@ -259,18 +261,19 @@ class Runs:
         found["why"] = told or None
         if found["outcome"] in GOOD:
             shutil.rmtree(room)
-        # What ran out of time may have been a slow machine: it is tried again.
-        if found["outcome"] != "out of time":
-            with self.lock, self.journal.open("a") as file:
-                file.write(json.dumps({"id": key, "outcome": found}) + "\n")
+        with self.lock, self.journal.open("a") as file:
+            file.write(json.dumps({"id": key, "outcome": found}) + "\n")
         return found
+
+    def cut(self) -> dict[str, Any]:
+        return {"outcome": "out of time", "why": f"{self.timeout} s of the processor were not enough", "after_s": self.timeout}
 
     def tried(self, path: Path, part: list[str], room: Path) -> dict[str, Any]:
         study, out = room / "study.toml", room / "out"
         code, answer, errors = self.command("new", str(path), *part, "--out", str(study), "--json")
         (room / "new.json").write_text(answer)
         if code is None:
-            return {"outcome": "out of time", "why": None}
+            return self.cut()
         begun = document_of(answer)
         if code == 1 and study.exists() and begun.get("infeasible"):
             return {"outcome": "error budget", "why": str(begun["infeasible"])}
@@ -279,7 +282,7 @@ class Runs:
         code, answer, errors = self.command("run", str(study), "--out", str(out), "--json")
         (room / "run.json").write_text(answer)
         if code is None:
-            return {"outcome": "out of time", "why": None}
+            return self.cut()
         document = document_of(answer)
         if not document:
             return {"outcome": "crashed", "why": errors.strip()[-400:]}
@@ -492,7 +495,7 @@ def main() -> int:
     parser.add_argument("--docs", type=Path)
     parser.add_argument("--only")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--timeout", type=float, default=900.0)
+    parser.add_argument("--timeout", type=int, default=900)
     parser.add_argument("--fresh", action="store_true")
     told = parser.parse_args()
     folder = told.folder.resolve()
