@@ -5,10 +5,10 @@ mod support;
 
 use std::fs;
 
-use support::{folder, json, phihat};
+use support::{folder, json, phihat, swing};
 
 #[test]
-fn designed_gains_are_verified_and_keep_their_bound_in_the_loop() {
+fn designed_gains_are_verified_keep_their_bound_in_the_loop_and_are_refused_once_forged() {
     let folder = folder("design");
     let answer = json(&folder, &["design", "studies/panda_design.toml", "--json"]);
     assert_eq!(answer["outcome"], "designed");
@@ -25,38 +25,31 @@ fn designed_gains_are_verified_and_keep_their_bound_in_the_loop() {
         let measured = joint["error_steady_max_rad"].as_f64().unwrap();
         assert!(measured <= bound && bound <= 1e-3, "{}: {measured} {bound}", joint["name"]);
     }
+    // Half of it is refused, with the inequality.
+    let mut forged = answer["gains"].clone();
+    let bound = &mut forged["certificate"]["tube"]["joints"][6]["error_max_rad"];
+    *bound = (0.5 * bound.as_f64().unwrap()).into();
+    fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
+    let refused = phihat(&folder, &["verify", "forged.json"]);
+    assert_eq!(refused.code, 1);
+    assert!(refused.out.contains("REFUSED: panda_joint7: tube"), "{}", refused.out);
 }
 
 #[test]
 fn a_study_without_gains_is_designed_on_the_way() {
     let folder = folder("design-run");
-    let answer = phihat(&folder, &["run", "studies/panda_design.toml"]);
+    fs::write(folder.join("swing.toml"), swing(1.0)).unwrap();
+    let answer = phihat(&folder, &["run", "swing.toml"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
-    let gains = fs::read_to_string(folder.join("out/panda_design/gains.json")).unwrap();
+    let gains = fs::read_to_string(folder.join("out/swing/gains.json")).unwrap();
     assert!(gains.contains("certificate"));
-}
-
-#[test]
-fn a_forged_certificate_is_refused_with_the_inequality() {
-    let folder = folder("forged");
-    assert_eq!(phihat(&folder, &["design", "studies/panda_design.toml"]).code, 0);
-    let path = folder.join("out/panda_design/gains.json");
-    let mut gains: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
-    let bound = &mut gains["certificate"]["tube"]["joints"][6]["error_max_rad"];
-    *bound = serde_json::json!(bound.as_f64().unwrap() * 0.5);
-    fs::write(&path, gains.to_string()).unwrap();
-    let answer = phihat(&folder, &["verify", "out/panda_design/gains.json"]);
-    assert_eq!(answer.code, 1);
-    assert!(answer.out.contains("REFUSED: panda_joint7: tube"), "{}", answer.out);
 }
 
 #[test]
 fn what_cannot_be_had_is_told_with_what_can() {
     let folder = folder("infeasible");
-    let text = fs::read_to_string(folder.join("studies/panda_design.toml")).unwrap();
-    let strict = text.replace("error_max_rad = 1e-3", "error_max_rad = 1e-5");
-    assert!(strict != text);
+    let strict = swing(1.0).replace("error_max_rad = 4e-3", "error_max_rad = 1e-6");
+    assert!(strict != swing(1.0));
     fs::write(folder.join("strict.toml"), strict).unwrap();
     let answer = phihat(&folder, &["design", "strict.toml"]);
     assert_eq!(answer.code, 1, "{}", answer.err);
@@ -237,17 +230,14 @@ fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
 #[test]
 fn a_motion_beyond_the_drives_is_refused_by_design_and_run_with_a_remedy() {
     let folder = folder("overload");
-    let text = fs::read_to_string(folder.join("studies/panda_design.toml")).unwrap();
     // Less than it takes to hold the arm up.
-    let weak = text.replace("[loop]", "[loop]\ntorque_max_nm = 5.0");
-    assert!(weak != text);
+    let weak = swing(1.0).replace("[loop]", "[loop]\ntorque_max_nm = 0.5");
+    assert!(weak != swing(1.0));
     fs::write(folder.join("weak.toml"), &weak).unwrap();
     for verb in ["design", "run", "simulate"] {
         let answer = phihat(&folder, &[verb, "weak.toml"]);
         assert_eq!(answer.code, 2, "{verb}: {}", answer.out);
-        for part in
-            ["N·m of panda_joint", "at t = ", "the drive has", "help:", "loop.beyond_drives"]
-        {
+        for part in ["N·m of joint1", "at t = ", "the drive has", "help:", "loop.beyond_drives"] {
             assert!(answer.err.contains(part), "{verb}: {part}: {}", answer.err);
         }
         assert!(!folder.join("out").exists(), "{verb}");

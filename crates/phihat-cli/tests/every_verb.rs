@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{folder, phihat};
+use support::{folder, phihat, swing};
 
 /// A study that has answers of every kind, and what is made of it.
 fn place(name: &str) -> std::path::PathBuf {
@@ -18,10 +18,8 @@ fn place(name: &str) -> std::path::PathBuf {
     write("good.toml", &first);
     write("tight.toml", &first.replace("error_max_rad = 2e-3", "error_max_rad = 1e-7"));
     write("bad.toml", &first.replace("rate_hz", "rate_khz"));
-    let table = fs::read_to_string(folder.join("studies/table1.toml")).unwrap();
-    write("designed.toml", &table);
-    let bound = table.lines().find(|line| line.starts_with("error_max_rad")).unwrap();
-    write("impossible.toml", &table.replace(bound, "error_max_rad = 1e-9"));
+    write("designed.toml", &swing(1.0));
+    write("impossible.toml", &swing(1.0).replace("error_max_rad = 4e-3", "error_max_rad = 1e-9"));
     folder
 }
 

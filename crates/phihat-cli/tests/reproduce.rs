@@ -104,7 +104,7 @@ fn a_bad_argument_is_one_error_and_leaves_nothing() {
 fn a_part_is_chosen_by_what_is_in_it_and_help_lists_the_parts() {
     let folder = folder("reproduce-part");
     for text in ["Table 1", "table1-model-free"] {
-        let document = json(&folder, &["reproduce", "--only", text, "--json"]);
+        let document = json(&folder, &["reproduce", "--quick", "--only", text, "--json"]);
         let statements = document["statements"].as_array().unwrap();
         assert!(!statements.is_empty());
         assert!(
