@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type Row = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 20] = [
+const CRATES: [Row; 21] = [
     (
         "phihat",
         &[],
@@ -72,6 +72,11 @@ const CRATES: [Row; 20] = [
         "a study taken through gains, closed loop and record, and a record read back and checked; `disk`, the one way to the disk. Every shell is made of it",
     ),
     (
+        "phihat-drive",
+        &["phihat", "phihat-design", "phihat-session", "phihat-sim", "phihat-study"],
+        "one loop for every robot behind a link, the checks before it, and how well a machine keeps time. It cannot see a protocol: a robot is its facts",
+    ),
+    (
         "phihat-campaign",
         &[
             "phihat",
@@ -122,6 +127,7 @@ const CRATES: [Row; 20] = [
             "phihat-certificate",
             "phihat-compare",
             "phihat-design",
+            "phihat-drive",
             "phihat-fci",
             "phihat-model",
             "phihat-paper",
@@ -196,7 +202,7 @@ const CRATES: [Row; 20] = [
 ];
 
 /// The crates that go to a registry.
-pub(crate) const PUBLISHED: [&str; 14] = [
+pub(crate) const PUBLISHED: [&str; 15] = [
     "phihat",
     "phihat-model",
     "phihat-study",
@@ -207,6 +213,7 @@ pub(crate) const PUBLISHED: [&str; 14] = [
     "phihat-fci",
     "phihat-report",
     "phihat-session",
+    "phihat-drive",
     "phihat-campaign",
     "phihat-compare",
     "phihat-paper",

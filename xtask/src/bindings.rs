@@ -2,7 +2,7 @@
 //! package built, installed, and tested, with the book's Python.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::book;
@@ -137,12 +137,41 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
         &["-m", "mypy", "--strict", "--no-error-summary", "python", "tests"],
     )?;
     command(&package, &python, &["-m", "mypy.stubtest", "phihat._phihat"])?;
-    command(&package, &python, &["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "tests"])?;
+    let logs = logs(root)?;
+    let status = Command::new(&python)
+        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "tests"])
+        .env("PHIHAT_LOGS", &logs)
+        .current_dir(&package)
+        .status()
+        .map_err(|e| e.to_string())?;
+    if !status.success() {
+        return Err("tests of the Python package fail".to_owned());
+    }
     for example in files(&root.join("examples/python"), "py")? {
         println!("{example}");
         command(root, &python, &[&example])?;
     }
     book::python(root, &python)
+}
+
+/// Studies whose logs other people's readers look at: one without a supervisor, and one with.
+const LOGGED: [&str; 2] = ["first", "estop_restart"];
+
+/// Runs of studies, with their logs, in a folder.
+fn logs(root: &Path) -> Result<PathBuf, String> {
+    let folder = root.join("target/logs");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(|e| e.to_string())?;
+    }
+    for name in LOGGED {
+        let study = format!("studies/{name}.toml");
+        let out = folder.join(name).display().to_string();
+        let log = folder.join(format!("{name}.mcap")).display().to_string();
+        let build = ["run", "--quiet", "-p", "phihat-session", "--features", "mcap"];
+        let line = [&build[..], &["--example", "log", "--", &study, &out, &log]].concat();
+        crate::shell::cargo(root, &line)?;
+    }
+    Ok(folder)
 }
 
 /// Python with all that the tests need, in `target/python`; made again when the list changes.

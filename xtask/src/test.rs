@@ -10,7 +10,7 @@ use crate::{attack, binaries, bindings, bless, book, instructions, mutants, rule
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 22] = [
+const STEPS: [Step; 23] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
@@ -24,8 +24,13 @@ const STEPS: [Step; 22] = [
     ("traces as Parquet", |root| {
         cargo(root, &["test", "-p", "phihat-sim", "--features", "parquet", "--test", "parquet"])
     }),
+    ("logs as MCAP", |root| {
+        cargo(root, &["test", "-p", "phihat-sim", "--features", "mcap", "--test", "mcap"])
+    }),
     ("figures as PNG", |root| {
-        cargo(root, &["test", "-p", "phihat-cli", "--features", "png", "--lib", "png"])
+        // With all that is not built by default, so that it builds.
+        let features = ["--features", "png,mcap,parquet", "--lib", "png"];
+        cargo(root, &[&["test", "-p", "phihat-cli"][..], &features].concat())
     }),
     ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
     ("documentation", documentation),

@@ -18,6 +18,8 @@ struct Work {
     words: String,
     /// Files that are worth nothing unless they are finished.
     unfinished: Vec<PathBuf>,
+    /// Whether it can be asked to come to an end by itself; then the next Ctrl-C ends the program.
+    asked: Option<&'static AtomicBool>,
 }
 
 static AT_WORK: Mutex<Option<Work>> = Mutex::new(None);
@@ -34,16 +36,29 @@ pub(crate) fn is_ours() {
 /// the program.
 ///
 /// In another program, and where the system takes no handler, Ctrl-C does what it does there.
-pub(crate) fn removes(bar: &ProgressBar, words: String, unfinished: Vec<PathBuf>) {
+///
+/// Work that can be `asked` to stop is asked by the first Ctrl-C, and ends by itself.
+pub(crate) fn removes(
+    bar: &ProgressBar,
+    words: String,
+    unfinished: Vec<PathBuf>,
+    asked: Option<&'static AtomicBool>,
+) {
     if !COMMAND.load(Ordering::Relaxed) {
         return;
     }
     *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) =
-        Some(Work { bar: bar.clone(), words, unfinished });
+        Some(Work { bar: bar.clone(), words, unfinished, asked });
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| {
             match &*AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
-                Some(Work { bar, words, unfinished }) => {
+                Some(Work { bar, asked: Some(asked), .. })
+                    if !asked.swap(true, Ordering::Relaxed) =>
+                {
+                    bar.suspend(|| eprintln!("interrupted: the arm is being stopped, then the record is written; once more ends at once, without a record"));
+                    return;
+                }
+                Some(Work { bar, words, unfinished, .. }) => {
                     for path in unfinished {
                         discard(path);
                     }

@@ -20,6 +20,7 @@ macro_rules! eprintln {
 mod check;
 mod compare;
 mod design;
+mod drive;
 mod editors;
 mod export;
 mod failure;
@@ -28,6 +29,7 @@ mod identify;
 mod interrupt;
 mod new;
 mod png;
+mod realtime;
 mod report;
 mod reproduce;
 mod robots;
@@ -75,6 +77,8 @@ enum Verb {
     Verify(verify::Verify),
     Export(export::Export),
     Simulate(run::Simulate),
+    Drive(drive::Drive),
+    Realtime(realtime::Realtime),
     Serve(serve::Serve),
     Faults(faults::Faults),
     Compare(compare::Compare),
@@ -134,6 +138,8 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Verify(verify) => verify.execute(),
         Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
+        Verb::Drive(drive) => drive.execute(),
+        Verb::Realtime(realtime) => realtime.execute(),
         Verb::Serve(serve) => serve.execute(),
         Verb::Faults(faults) => faults.execute(),
         Verb::Compare(compare) => compare.execute(),

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_report::limits_acted;
-use phihat_session::{Done, RunOptions, SessionError, stopped};
+use phihat_session::{Done, RunOptions, SessionError, files, log_layout, stopped};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -27,6 +27,12 @@ struct RunArguments {
     /// Run gains even where the arm's inertia is not inside their window; marked in the record.
     #[arg(long)]
     uncertified: bool,
+    /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
+    /// Write how Foxglove or Lichtblick shows that log.
+    #[arg(long, value_name = "FILE", requires = "mcap")]
+    layout: Option<PathBuf>,
     /// Say too what proofs say of what is refused.
     #[arg(long)]
     verbose: bool,
@@ -80,6 +86,7 @@ impl RunArguments {
             gains: self.gains.clone(),
             out: self.out.clone(),
             uncertified: self.uncertified,
+            log: self.mcap.clone(),
         };
         let (session, folder) = match options.open() {
             Ok(opened) => opened,
@@ -88,6 +95,7 @@ impl RunArguments {
         let page = shown_page.map(|_| folder.join("report.html"));
         let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
+        write_layout(self.layout.as_deref(), &done)?;
         let code = tell(&done, self.json, &folder, page.as_deref());
         if let (Some(shown), Some(page)) = (shown_page, &page) {
             shown.show(page);
@@ -118,39 +126,54 @@ impl RunArguments {
 
 /// Tells what came out; the exit code says whether it is within spec.
 fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
+    if as_json {
+        println!("{:#}", document(done, folder, report));
+    } else {
+        show(done, folder, report);
+    }
+    if done.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
+}
+
+/// Writes how a viewer shows the log, where that was asked for.
+pub(crate) fn write_layout(layout: Option<&Path>, done: &Done) -> Result<(), Failure> {
+    let Some(path) = layout else { return Ok(()) };
+    Ok(files::write(path, &format!("{:#}\n", log_layout(&done.study)))?)
+}
+
+/// What a run came to, as one document.
+pub(crate) fn document(done: &Done, folder: &Path, report: Option<&Path>) -> serde_json::Value {
     let diverged = done.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
     let stopped_at = done.abort.as_ref().map(
         |a| json!({ "t_s": a.t, "interface": a.interface, "joint": a.joint, "reason": a.reason.to_string() }),
     );
-    if as_json {
-        let document = json!({
-            "study": done.study.name,
-            "folder": folder,
-            "report": report,
-            "diverged": diverged,
-            "stopped": stopped_at,
-            "verdict": done.verdict(),
-            "limited": limits_acted(&done.metrics),
-            "metrics": done.figures(),
-        });
-        println!("{document:#}");
-    } else {
-        println!("{} · {}", done.study.name, done.study.title);
-        println!("{}", table::metrics(&done.metrics));
-        if let Some(tip) = table::tip(&done.metrics) {
-            println!("{tip}");
-        }
-        if let Some(run) = &done.tube {
-            println!("{}", table::tube(run, &done.metrics));
-        }
-        match &done.abort {
-            Some(abort) => println!("{}", stopped(abort)),
-            None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
-        }
-        match report {
-            Some(page) => println!("report: {}", page.display()),
-            None => println!("trace: {}", folder.join("trace.csv").display()),
-        }
+    json!({
+        "study": done.study.name,
+        "folder": folder,
+        "report": report,
+        "diverged": diverged,
+        "stopped": stopped_at,
+        "verdict": done.verdict(),
+        "limited": limits_acted(&done.metrics),
+        "metrics": done.figures(),
+    })
+}
+
+/// What a run came to, as tables.
+pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
+    println!("{} · {}", done.study.name, done.study.title);
+    println!("{}", table::metrics(&done.metrics));
+    if let Some(tip) = table::tip(&done.metrics) {
+        println!("{tip}");
     }
-    if done.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
+    if let Some(run) = &done.tube {
+        println!("{}", table::tube(run, &done.metrics));
+    }
+    match &done.abort {
+        Some(abort) => println!("{}", stopped(abort)),
+        None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
+    }
+    match report {
+        Some(page) => println!("report: {}", page.display()),
+        None => println!("trace: {}", folder.join("trace.csv").display()),
+    }
 }

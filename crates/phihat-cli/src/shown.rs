@@ -1,6 +1,7 @@
 //! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -16,6 +17,8 @@ pub(crate) struct Shown {
     words: String,
     /// Whether the command was told to begin again.
     fresh: bool,
+    /// What Ctrl-C asks to stop, where that can be asked.
+    asked: Option<&'static AtomicBool>,
 }
 
 impl Shown {
@@ -25,14 +28,19 @@ impl Shown {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        Self { bar, words, fresh: false }
+        Self { bar, words, fresh: false, asked: None }
     }
 
     /// A spinner that says which step is being done, with how long it has been at it.
     pub(crate) fn steps() -> Self {
         let bar = spinner();
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, words: String::new(), fresh: false }
+        Self { bar, words: String::new(), fresh: false, asked: None }
+    }
+
+    /// A bar of this look over work that can be asked to stop.
+    pub(crate) fn stoppable(template: &str, words: String, asked: &'static AtomicBool) -> Self {
+        Self { asked: Some(asked), ..Self::bar(template, words) }
     }
 
     /// A bar of this look over work that goes on from its journal, unless it is told to begin again.
@@ -64,7 +72,8 @@ impl Watch for Shown {
     }
 
     fn begun(&mut self, unfinished: &[PathBuf]) {
-        interrupt::removes(&self.bar, self.words.clone(), unfinished.to_owned());
+        let (words, unfinished) = (self.words.clone(), unfinished.to_owned());
+        interrupt::removes(&self.bar, words, unfinished, self.asked);
     }
 
     fn ended(&mut self) {

@@ -33,7 +33,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 39] = [
+    let cases: [(&[&str], i32); 43] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -42,6 +42,10 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["simulate", "good.toml"], 0),
         (&["simulate", "tight.toml"], 1),
         (&["simulate", "nowhere.toml"], 2),
+        (&["drive", "good.toml"], 2),
+        (&["drive", "good.toml", "--accept", "certificate"], 0),
+        (&["drive", "tight.toml", "--accept", "certificate"], 1),
+        (&["realtime", "--seconds", "0.02"], 0),
         (&["design", "designed.toml"], 0),
         (&["design", "impossible.toml"], 1),
         (&["design", "bad.toml"], 2),

@@ -17,6 +17,8 @@ pub(crate) const GAINS: &str = "gains.json";
 pub(crate) const OUTSIDE: &str = "outside";
 /// The folder of files that the study names.
 pub(crate) const INPUTS: &str = "inputs";
+/// What drove a run that was not simulated in one go: link, checks before the start, losses, timing.
+pub(crate) const DRIVE: &str = "drive.json";
 /// What a record may have.
 pub(crate) const PARQUET: &str = "trace.parquet";
 

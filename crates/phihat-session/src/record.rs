@@ -13,7 +13,8 @@ use serde_json::json;
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{GAINS, INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::layout::{DRIVE, GAINS, INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::log::Log;
 use crate::observer::figures;
 use crate::page::{add_page, remove_page};
 
@@ -49,6 +50,7 @@ pub(crate) struct TraceFiles {
     parquet: phihat_sim::ParquetTrace<Piece>,
     #[cfg(feature = "parquet")]
     parquet_path: PathBuf,
+    log: Option<Log>,
 }
 
 impl TraceFiles {
@@ -75,18 +77,35 @@ impl TraceFiles {
             parquet,
             #[cfg(feature = "parquet")]
             parquet_path,
+            log: None,
         })
+    }
+
+    /// The same with a log beside the record.
+    pub(crate) fn logged(
+        mut self,
+        log: &Path,
+        study: &Study,
+        gains: &Gains,
+    ) -> Result<Self, SessionError> {
+        let log = Log::begin(log, study, gains)?;
+        self.prepared.push(log.prepared_at().to_owned());
+        self.log = Some(log);
+        Ok(self)
     }
 
     pub(crate) fn block(&mut self, trace: &Trace) -> Result<(), DiskError> {
         self.csv.block(trace).map_err(|why| DiskError::untouched(&self.csv_path, why))?;
         #[cfg(feature = "parquet")]
         self.parquet.block(trace).map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
-        Ok(())
+        self.log.iter_mut().try_for_each(|log| log.block(trace))
     }
 
     /// The files, ready to be moved in, and the SHA-256 of each by its name.
     fn end(self) -> Result<(Whole, BTreeMap<String, String>), DiskError> {
+        if let Some(log) = self.log {
+            log.end()?;
+        }
         let mut whole = self.whole;
         let mut files = BTreeMap::new();
         let csv = self.csv.finish().map_err(|why| DiskError::untouched(&self.csv_path, why))?;
@@ -127,15 +146,16 @@ impl Done {
         let _held = Lock::take(folder)?;
         let mut files = TraceFiles::begin(folder)?;
         files.block(trace)?;
-        self.leave(files, folder, None)
+        self.leave(files, folder, None, None)
     }
 
-    /// Writes the record into a folder that is locked, with a page, the trace being on its way.
+    /// Writes the record into a folder that is locked, with a page, the trace being on its way; `drive` says what drove it.
     pub(crate) fn leave(
         &self,
         trace: TraceFiles,
         folder: &Path,
         page: Option<&Path>,
+        drive: Option<&serde_json::Value>,
     ) -> Result<(), SessionError> {
         let at = |name: &str| folder.join(name);
         let pretty = |value: &serde_json::Value| format!("{value:#}\n").into_bytes();
@@ -145,6 +165,7 @@ impl Done {
             ("study.toml", Some(self.study.text.clone().into_bytes())),
             (GAINS, gains.map(String::into_bytes)),
             ("metrics.json", Some(pretty(&self.figures()))),
+            (DRIVE, drive.map(pretty)),
         ];
         for (name, bytes) in own {
             let Some(bytes) = bytes else {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use phihat_design::budget::Budget;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requested_gains};
 use phihat_report::RunInfo;
-use phihat_sim::{BLOCK, Divergence, Simulation, Trace};
+use phihat_sim::{BLOCK, Divergence, Ended, Simulation, Trace};
 use phihat_study::{JOINT_BY_JOINT, Study};
 
 use crate::budget::{BudgetFiles, Tried, budget, write_budget};
@@ -15,6 +15,7 @@ use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
 use crate::files::read_gains;
+use crate::log::Log;
 use crate::observer::{RunFigures, RunObserver, settle};
 use crate::record::{Done, TraceFiles};
 use crate::watch::Watch;
@@ -31,6 +32,8 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Runs gains even where they may not run on this arm; marked in the record.
     pub uncertified: bool,
+    /// A log of the run for ROS tools and viewers (MCAP), beside the record; see [`LOGS`](crate::LOGS).
+    pub log: Option<PathBuf>,
 }
 
 impl RunOptions {
@@ -40,11 +43,16 @@ impl RunOptions {
     ///
     /// [`SessionError`], as of [`Session::new`].
     pub fn open(&self) -> Result<(Session, PathBuf), SessionError> {
+        if let Some(log) = &self.log {
+            Log::offered(log)?;
+        }
         let study = design::read(&self.study)?;
         let gains = self.gains.as_deref().map(|file| read_gains(file).map(|gains| (gains, file)));
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
-        Ok((Session::new(study, &self.study, gains.transpose()?, self.uncertified)?, folder))
+        let mut session = Session::new(study, &self.study, gains.transpose()?, self.uncertified)?;
+        session.log.clone_from(&self.log);
+        Ok((session, folder))
     }
 
     /// Of a study that no gains serve: what its error is spent on and which changes help, written beside where its run would be.
@@ -73,11 +81,13 @@ const FORECAST: &str = "forecast:";
 /// A study and its gains, ready to run.
 #[derive(Debug)]
 pub struct Session {
-    study: Box<Study>,
-    gains: Gains,
-    simulation: Box<Simulation>,
-    command: String,
-    warnings: Vec<String>,
+    pub(crate) study: Box<Study>,
+    pub(crate) gains: Gains,
+    pub(crate) simulation: Box<Simulation>,
+    pub(crate) command: String,
+    pub(crate) warnings: Vec<String>,
+    /// Where a log is asked for.
+    pub(crate) log: Option<PathBuf>,
 }
 
 impl Session {
@@ -121,7 +131,7 @@ impl Session {
         warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;
         let simulation = Box::new(simulation);
-        Ok(Self { study, gains: chosen, simulation, command, warnings })
+        Ok(Self { study, gains: chosen, simulation, command, warnings, log: None })
     }
 
     /// What is said before the run.
@@ -147,9 +157,8 @@ impl Session {
         watch: &mut dyn Watch,
     ) -> Result<Done, SessionError> {
         let _held = Lock::take(folder)?;
-        let told = |line: &&String| line.starts_with(FORECAST) || line.starts_with(JOINT_BY_JOINT);
-        self.warnings.iter().filter(told).for_each(|line| watch.warn(line));
-        let mut trace = TraceFiles::begin(folder)?;
+        self.warn(watch);
+        let mut trace = self.files(folder)?;
         watch.begun(&trace.prepared);
         let all = self.simulation.samples();
         let done = self.stream(
@@ -159,8 +168,23 @@ impl Session {
         );
         watch.ended();
         let done = done?;
-        done.leave(trace, folder, page)?;
+        done.leave(trace, folder, page, None)?;
         Ok(done)
+    }
+
+    /// Says before a run what the robot's torque interface will not bear, and what else is worth knowing before.
+    pub(crate) fn warn(&self, watch: &mut dyn Watch) {
+        let told = |line: &&String| line.starts_with(FORECAST) || line.starts_with(JOINT_BY_JOINT);
+        self.warnings.iter().filter(told).for_each(|line| watch.warn(line));
+    }
+
+    /// The files of the record on their way, in a folder that is locked.
+    pub(crate) fn files(&self, folder: &Path) -> Result<TraceFiles, SessionError> {
+        let files = TraceFiles::begin(folder)?;
+        match &self.log {
+            Some(log) => files.logged(log, &self.study, &self.gains),
+            None => Ok(files),
+        }
     }
 
     /// Runs the loop; `progress` is told how many samples are done. With every signal of every joint.
@@ -181,23 +205,34 @@ impl Session {
         progress: impl FnMut(u64),
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Done, E> {
-        let Self { study, gains, simulation, command, mut warnings } = self;
+        let Self { study, gains, simulation, command, warnings, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));
         let ended = simulation.stream(block, progress, |block| {
             seen.block(block);
             each(block)
         })?;
-        let RunFigures { metrics, drawing, tube } = seen.finish(&study.sha256);
-        warnings.extend(ended.abort.as_ref().map(words::stopped));
-        let form = match study.control.form {
-            Form::Observer => "observer",
-            Form::Literal => "literal",
-            Form::Positions => "positions",
-        };
-        let run = run_info(&study, form, (command, warnings), ended.divergence.as_ref());
-        let (divergence, abort) = (ended.divergence, ended.abort);
-        Ok(Done { study, gains: Some(gains), run, drawing, metrics, tube, divergence, abort })
+        let figures = seen.finish(&study.sha256);
+        Ok(finished((study, gains), figures, ended, (command, warnings)))
     }
+}
+
+/// A run of phihat's law that ended so.
+pub(crate) fn finished(
+    (study, gains): (Box<Study>, Gains),
+    figures: RunFigures,
+    ended: Ended,
+    (command, mut warnings): (String, Vec<String>),
+) -> Done {
+    let RunFigures { metrics, drawing, tube } = figures;
+    warnings.extend(ended.abort.as_ref().map(words::stopped));
+    let form = match study.control.form {
+        Form::Observer => "observer",
+        Form::Literal => "literal",
+        Form::Positions => "positions",
+    };
+    let run = run_info(&study, form, (command, warnings), ended.divergence.as_ref());
+    let (divergence, abort) = (ended.divergence, ended.abort);
+    Done { study, gains: Some(gains), run, drawing, metrics, tube, divergence, abort }
 }
 
 /// Why gains may not run on an arm, as a warning of a run that is uncertified.

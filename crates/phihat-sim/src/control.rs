@@ -11,9 +11,18 @@ use crate::motion::Motion;
 use crate::sample::Sample;
 use crate::supervision::Supervised;
 
-/// What computes torques, with its limits, and the reference it follows. It knows of the world what a [`Sample`] says.
+/// What computes torques, with its limits, and the reference it follows. It knows of the world what a [`Sample`] says: whether
+/// that is simulated or a robot, it cannot tell.
+///
+/// # Real time
+///
+/// [`step`](Self::step) does not allocate, lock or ask for the time, under phihat's law.
+///
+/// # Example
+///
+/// See [`Simulation::apart`](crate::Simulation::apart).
 #[derive(Debug)]
-pub(crate) struct ControlSide {
+pub struct ControlSide {
     brain: Brain,
     /// Nominal inertia \[kg·m²\] per joint.
     inertia: Vec<f64>,
@@ -126,9 +135,35 @@ impl ControlSide {
         self
     }
 
+    /// From here on a safe stop is asked for, whatever the study asks; `false`: there is no supervisor that could be asked.
+    pub fn stop(&mut self) -> bool {
+        match &mut self.brain {
+            Brain::Supervised(supervised) => {
+                supervised.stopping = true;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether there is a supervisor around the law.
+    pub fn is_supervised(&self) -> bool {
+        matches!(self.brain, Brain::Supervised(_))
+    }
+
+    /// What the arm was to do at the last sample, one entry per joint.
+    pub fn references(&self) -> &[Reference<f64>] {
+        &self.references
+    }
+
+    /// The torques of the last sample, one entry per joint.
+    pub fn commands(&self) -> &[Command<f64>] {
+        &self.commands
+    }
+
     /// One control sample at time `t` \[s\]; leaves `references` and `commands`. A controller that does
     /// not run leaves the commands as they are.
-    pub(crate) fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
+    pub fn step(&mut self, t: f64, sample: &Sample, runs: bool) {
         let supervised = matches!(self.brain, Brain::Supervised(_));
         if !supervised {
             self.refer(t);
@@ -185,7 +220,7 @@ impl ControlSide {
     }
 
     /// What the supervisor did at the last sample.
-    pub(crate) fn report(&self) -> Option<&Report> {
+    pub fn report(&self) -> Option<&Report> {
         match &self.brain {
             Brain::Supervised(supervised) => Some(&supervised.report),
             _ => None,
@@ -193,7 +228,7 @@ impl ControlSide {
     }
 
     /// Nominal inertia of a joint \[kg·m²\].
-    pub(crate) fn inertia(&self, joint: usize) -> f64 {
+    pub fn inertia(&self, joint: usize) -> f64 {
         self.inertia[joint]
     }
 }

@@ -27,6 +27,7 @@ pub struct FeedForward {
     /// From a sample to the instant that it is about \[s\].
     ahead: f64,
     jets: [Vec<f64>; 3],
+    rest: Vec<f64>,
     /// What is known \[N·m\].
     torque: Vec<f64>,
 }
@@ -51,6 +52,7 @@ impl FeedForward {
             coulomb: own.coulomb.clone(),
             ahead: if study.control.preview { middle } else { 0.0 },
             jets: [zero.clone(), zero.clone(), zero.clone()],
+            rest: zero.clone(),
             torque: zero,
         }))
     }
@@ -77,8 +79,7 @@ impl FeedForward {
         match self.known {
             Known::Nothing => {}
             Known::Gravity => {
-                let rest = vec![0.0; q.len()];
-                self.model.bias(&mut self.workspace, q, &rest, &mut self.torque);
+                self.model.bias(&mut self.workspace, q, &self.rest, &mut self.torque);
             }
             Known::InverseDynamics => {
                 self.model.inverse_dynamics(&mut self.workspace, q, dq, ddq, &mut self.torque);

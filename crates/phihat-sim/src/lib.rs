@@ -2,7 +2,7 @@
 //!
 //! [`Simulation`] takes a study and gains, and leaves a [`Trace`] and [`Metrics`]. It sees neither the
 //! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`], or takes the
-//! loop sample by sample as [`Stepped`].
+//! loop sample by sample as [`Stepped`]; [`Simulation::apart`] hands out both sides of the loop.
 //!
 //! # Example
 //!
@@ -56,6 +56,7 @@
 //! [`Trace`] for the record, [`Metrics`] for the figures, [`Demand`] and [`Observed`] for what a design may know of φ.
 #![forbid(unsafe_code)]
 
+mod apart;
 mod control;
 mod curve;
 mod demand;
@@ -69,6 +70,7 @@ mod metrics;
 mod motion;
 mod observed;
 mod overload;
+mod rows;
 mod sample;
 mod simulation;
 mod spline;
@@ -78,10 +80,14 @@ mod survival;
 mod tip;
 mod trace;
 mod trace_csv;
+#[cfg(feature = "mcap")]
+mod trace_mcap;
 #[cfg(feature = "parquet")]
 mod trace_parquet;
 mod world;
 
+pub use apart::{Sensed, WorldSide};
+pub use control::ControlSide;
 pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};
 pub use error::{OutOfReach, SimError};
@@ -92,6 +98,7 @@ pub use metrics::{JointMetrics, Measured, Metrics};
 pub use motion::Motion;
 pub use observed::Observed;
 pub use overload::{Lack, Overload, overload};
+pub use rows::{Acted, Row, Rows};
 pub use sample::Sample;
 pub use simulation::{DIVERGED, Divergence, Ended, Outcome, Simulation, samples};
 pub use stepped::Stepped;
@@ -99,6 +106,8 @@ pub use survival::Survival;
 pub use tip::{TipMetrics, error_for_tip};
 pub use trace::{JointTrace, Supervision, Trace};
 pub use trace_csv::{BLOCK, TraceError, TraceWriter};
+#[cfg(feature = "mcap")]
+pub use trace_mcap::McapTrace;
 #[cfg(feature = "parquet")]
 pub use trace_parquet::ParquetTrace;
 pub use world::{Abort, COULOMB_VELOCITY, Friction, StopReason, derive_substeps};

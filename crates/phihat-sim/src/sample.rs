@@ -16,3 +16,18 @@ pub struct Sample {
     /// The command that the robot accepted last, one entry per joint \[N·m\]: its echo, before any delay.
     pub accepted: Vec<f64>,
 }
+
+impl Sample {
+    /// The sample before the first, of so many joints.
+    pub fn of(joints: usize) -> Self {
+        let zero = vec![0.0; joints];
+        Self { joints: vec![Measurement::default(); joints], accepted: zero, ..Self::default() }
+    }
+
+    /// Takes over another sample of as many joints, in the room that there is.
+    pub fn take(&mut self, other: &Self) {
+        (self.sequence, self.t_ns) = (other.sequence, other.t_ns);
+        self.joints.clone_from(&other.joints);
+        self.accepted.clone_from(&other.accepted);
+    }
+}

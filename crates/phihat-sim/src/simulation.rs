@@ -104,7 +104,7 @@ pub struct Ended {
 pub struct Simulation {
     pub(crate) control: ControlSide,
     pub(crate) world: Box<World>,
-    names: Vec<String>,
+    pub(crate) names: Vec<String>,
     pub(crate) period_ns: u64,
     samples: u64,
 }
@@ -248,22 +248,18 @@ impl Simulation {
         trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
         self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
         self.record(trace, integrals);
-        self.diverged().map(|joint| Divergence { t, joint: self.names[joint].clone() })
+        diverged(&self.world, &self.names, t)
     }
 
     /// How it ended.
     pub(crate) fn ended(self, divergence: Option<Divergence>) -> Ended {
-        let path = self.world.path;
-        let (told_max, told_step_max) = (path.told_max, path.step_max);
-        Ended { divergence, abort: path.abort, told_max, told_step_max }
+        ended(*self.world, divergence)
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.
     fn record(&self, trace: &mut Trace, integrals: &mut [Integral]) {
-        let plant = &self.world.plant;
         for (i, measurement) in self.world.sample().joints.iter().enumerate() {
-            let phi = plant.tau_start[i] - self.control.inertia(i) * plant.ddq[i];
-            let acted = (plant.ddq[i], plant.tau_mean[i], phi);
+            let acted = self.world.acted(i, self.control.inertia(i));
             let told = (&self.control.references[i], &self.control.commands[i]);
             trace.answer(i, &mut integrals[i], measurement, told, acted);
         }
@@ -271,12 +267,22 @@ impl Simulation {
             trace.supervision.get_or_insert_default().push(report);
         }
     }
+}
 
-    fn diverged(&self) -> Option<usize> {
-        let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
-        let plant = &self.world.plant;
-        (0..self.names.len()).find(|&i| beyond(plant.q[i]) || beyond(plant.dq[i]))
-    }
+/// How a world ended.
+pub(crate) fn ended(world: World, divergence: Option<Divergence>) -> Ended {
+    let path = world.path;
+    let (told_max, told_step_max) = (path.told_max, path.step_max);
+    Ended { divergence, abort: path.abort, told_max, told_step_max }
+}
+
+/// How the arm diverged in the sample of time `t` \[s\], if it did.
+pub(crate) fn diverged(world: &World, names: &[String], t: f64) -> Option<Divergence> {
+    let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
+    let plant = &world.plant;
+    let mut joints = names.iter().zip(&plant.q).zip(&plant.dq);
+    let left = joints.find(|((_, q), dq)| beyond(**q) || beyond(**dq));
+    left.map(|((name, _), _)| Divergence { t, joint: name.clone() })
 }
 
 /// Samples of a run of a duration \[s\] at a period \[ns\]: every `kT` that lies before the end.

@@ -22,6 +22,8 @@ pub(crate) struct Supervised {
     /// Time on the reference's clock \[ns\]: it runs while the arm tracks.
     motion_ns: u64,
     asked: Vec<Reference<f64>>,
+    /// Whether a safe stop is asked for, whatever the study asks.
+    pub(crate) stopping: bool,
     pub(crate) report: Report,
 }
 
@@ -57,6 +59,7 @@ impl Supervised {
             period_ns: study.control.period_ns,
             motion_ns: 0,
             asked: vec![Reference::default(); gains.len()],
+            stopping: false,
             report: Report::default(),
         })
     }
@@ -106,6 +109,9 @@ impl Supervised {
 
     /// What is asked for at time `t`: by default to arm, to hold and to track, one sample each.
     fn wanted(&self, t: f64) -> ModeRequest {
+        if self.stopping {
+            return ModeRequest::Stop;
+        }
         if self.requests.is_empty() {
             return match self.state.0.mode() {
                 Mode::Idle => ModeRequest::Arm,

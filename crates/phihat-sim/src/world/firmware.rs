@@ -53,6 +53,9 @@ pub enum StopReason {
         /// How many stop the robot.
         most: u32,
     },
+    /// What a robot that is not simulated said.
+    #[error("{0}")]
+    Robot(&'static str),
     /// A reflex of a robot that was served to somebody, by the name that its interface has for it.
     #[error("{0}")]
     Reflex(&'static str),

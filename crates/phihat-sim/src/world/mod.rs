@@ -86,6 +86,14 @@ impl World {
         &self.sensing.sample
     }
 
+    /// Acceleration of a joint at the start of the last interval \[rad/s²\], mean torque over it, and `φ` about a nominal
+    /// inertia \[N·m\].
+    pub(crate) fn acted(&self, joint: usize, inertia: f64) -> (f64, f64, f64) {
+        let plant = &self.plant;
+        let phi = plant.tau_start[joint] - inertia * plant.ddq[joint];
+        (plant.ddq[joint], plant.tau_mean[joint], phi)
+    }
+
     /// Takes the torque asked for at sample `k`, time `t` \[s\], and goes on to the next sample.
     pub(crate) fn advance(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         self.path.pass(k, t, torque);

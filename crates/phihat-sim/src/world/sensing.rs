@@ -123,9 +123,13 @@ impl Sensing {
                         message.joints.clone_from(&self.fresh.joints);
                     }
                 }
-                way.push_back(self.fresh.clone());
-                if let Some(arrived) = way.pop_front().filter(|_| !lost) {
-                    self.sample = arrived;
+                // The oldest arrives, or is lost; its room serves the freshest.
+                if let Some(mut room) = way.pop_front() {
+                    if !lost {
+                        core::mem::swap(&mut self.sample, &mut room);
+                    }
+                    core::mem::swap(&mut self.fresh, &mut room);
+                    way.push_back(room);
                 }
             }
         }

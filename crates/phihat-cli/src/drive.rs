@@ -1,0 +1,169 @@
+//! `phihat drive`: a study's law in closed loop on whatever is at the other end of a link.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use phihat_drive::{
+    Check, CheckName, DriveError, DriveOptions, Driven, End, On, Prepared, State, prepare,
+};
+use phihat_session::{Leave, RunOptions};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::run::{document, show, write_layout};
+use crate::shown::Shown;
+use crate::terminal::Page;
+
+/// Drive an arm: checks first, then start, hold, track and finish, and the record of it.
+///
+/// At the other end is phihat's own world, in lock-step (`--on sim`: the trace is that of `phihat run`, bit for bit) or by this
+/// machine's clock (`--real-time`). Before anything moves, each of these has to pass, or to be accepted by its name: certificate,
+/// window, motion, profile, supervisor, real-time, rehearsal. Ctrl-C is a safe stop; the record is written all the same.
+///
+/// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  phihat drive studies/first.toml --on sim --accept certificate")]
+pub(crate) struct Drive {
+    /// The study file (TOML).
+    study: PathBuf,
+    /// Use these gains (a gains.json) in place of those the study states.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
+    /// What is at the other end: `sim`, phihat's own world.
+    #[arg(long, value_name = "LINK", default_value = "sim")]
+    on: String,
+    /// Keep to this machine's clock.
+    #[arg(long)]
+    real_time: bool,
+    /// Go on in spite of a check that does not pass; recorded. May be given several times.
+    #[arg(long, value_name = "CHECK")]
+    accept: Vec<String>,
+    /// Run the control thread on this processor.
+    #[arg(long, value_name = "NUMBER", requires = "real_time")]
+    processor: Option<usize>,
+    /// Folder for the results [default: out/STUDY].
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
+    /// Write how Foxglove or Lichtblick shows that log.
+    #[arg(long, value_name = "FILE", requires = "mcap")]
+    layout: Option<PathBuf>,
+    #[command(flatten)]
+    page: Page,
+    /// Print one JSON document in place of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+const BAR: &str = "driving {wide_bar} {percent:>3} % · {elapsed} of about {duration}";
+const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
+
+/// What Ctrl-C sets.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+impl Drive {
+    pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        let prepared = prepare(&self.options()?)?;
+        if prepared.is_refused() {
+            return Ok(self.refused(&prepared));
+        }
+        if !self.json {
+            println!("{}", lines(&prepared.checks));
+        }
+        let folder = prepared.folder.clone();
+        let page = folder.join("report.html");
+        let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
+        let leave = Leave { folder: &folder, page: Some(&page) };
+        let driven = prepared.drive(leave, &mut shown, &STOP)?;
+        write_layout(self.layout.as_deref(), &driven.done)?;
+        if self.json {
+            let mut all = document(&driven.done, &folder, Some(&page));
+            all["drive"] = driven.document.clone();
+            println!("{all:#}");
+        } else {
+            show(&driven.done, &folder, Some(&page));
+            println!("{}", told(&driven));
+        }
+        self.page.show(&page);
+        Ok(if driven.good() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    fn options(&self) -> Result<DriveOptions, Failure> {
+        let on = match (self.on.as_str(), self.real_time) {
+            ("sim", false) => On::Sim,
+            ("sim", true) => On::SimRealTime,
+            (other, _) => {
+                return Err(Failure::plain(format!("--on {other}: `sim` is valid")));
+            }
+        };
+        let accept = self.accept.iter().map(|word| {
+            CheckName::of(word).ok_or_else(|| {
+                let all: Vec<_> = CheckName::ALL.iter().map(|check| check.word()).collect();
+                let all = all.join(", ");
+                Failure::plain(format!("--accept {word}: there is no such check; there are {all}"))
+            })
+        });
+        let run = RunOptions {
+            study: self.study.clone(),
+            gains: self.gains.clone(),
+            out: self.out.clone(),
+            uncertified: false,
+            log: self.mcap.clone(),
+        };
+        let accept = accept.collect::<Result<_, _>>()?;
+        Ok(DriveOptions { run, on, accept, processor: self.processor, recover: false })
+    }
+
+    /// Tells why nothing moves.
+    fn refused(&self, prepared: &Prepared) -> ExitCode {
+        let why = DriveError::Refused(prepared.checks.clone()).to_string();
+        if self.json {
+            let all = json!({ "error": why, "exit_code": 2, "checks": prepared.checks });
+            println!("{all:#}");
+        }
+        eprintln!("{}\nerror: {why}", lines(&prepared.checks));
+        ExitCode::from(2)
+    }
+}
+
+/// A line per check.
+fn lines(checks: &[Check]) -> String {
+    let line = |check: &Check| {
+        let word = match check.state {
+            State::Passed => "passed",
+            State::Failed => "REFUSED:",
+            State::Accepted => "accepted",
+            State::NotAsked => "not asked",
+        };
+        let valid =
+            check.valid.as_ref().map_or_else(String::new, |valid| format!("; valid: {valid}"));
+        format!("{word:<9} {}: {}{valid}", check.name.word(), check.found)
+    };
+    checks.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What only a drive has.
+fn told(driven: &Driven) -> String {
+    let mut lines: Vec<String> =
+        driven.facts.iter().map(|(label, value)| format!("{label}: {value}")).collect();
+    match driven.tally.end {
+        End::Complete => {}
+        End::Asked => lines.push("STOPPED by a person; the record ends there".to_owned()),
+        End::Fault(why) => lines.push(format!("STOPPED: {why}")),
+        End::Over | End::Unread => lines.push("the drive ended before the study did".to_owned()),
+    }
+    lines.join("\n")
+}
+
+impl From<DriveError> for Failure {
+    fn from(why: DriveError) -> Self {
+        match why {
+            DriveError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}

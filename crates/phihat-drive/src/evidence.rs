@@ -1,0 +1,140 @@
+//! From the tape to the record: rows in their order, and what only a drive has.
+
+use std::thread;
+use std::time::Duration;
+
+use phihat_session::{SessionError, Take};
+use phihat_sim::{Acted, BLOCK, Row, Rows};
+
+use crate::tape::{Cycle, Reader};
+use crate::timing::Timing;
+
+/// How long the reader rests where there is nothing to read.
+const REST: Duration = Duration::from_millis(1);
+
+/// The record on its way from a tape.
+///
+/// A robot knows its torque after the fact, and its acceleration not at all. For one that is not simulated
+///
+/// ```text
+/// q, q̇ as measured,   τ_k = τ told by sample k + 1,   q̈_k = (q̇_{k+1} − q̇_k)/T,   φ_k = τ_k − M̄ q̈_k
+/// ```
+///
+/// so the record is one sample behind; at the last one the command stands for the torque, and the acceleration before it stays.
+#[derive(Debug)]
+pub struct Evidence {
+    rows: Rows,
+    /// Nominal inertia per joint \[kg·m²\].
+    inertia: Vec<f64>,
+    period: f64,
+    /// A sample whose torque and acceleration are not known yet.
+    held: Option<(Cycle, Vec<Row>)>,
+    /// How the loop kept its time.
+    pub timing: Timing,
+    /// What stopped the arm, each once, with its time \[s\].
+    pub faults: Vec<(f64, &'static str)>,
+}
+
+impl Evidence {
+    /// Of joints with these names and nominal inertias \[kg·m²\], at this period \[ns\].
+    pub fn new(names: &[String], inertia: Vec<f64>, period_ns: u64) -> Self {
+        Self {
+            rows: Rows::new(names, period_ns, BLOCK as u64),
+            inertia,
+            period: period_ns as f64 * 1e-9,
+            held: None,
+            timing: Timing::default(),
+            faults: Vec::new(),
+        }
+    }
+
+    /// Reads until nobody writes any more; hands the record over in blocks. `seen` is told how many samples were read.
+    ///
+    /// # Errors
+    ///
+    /// What `take` says; the reader is gone then, and the loop ends.
+    pub fn read(
+        &mut self,
+        mut reader: Reader,
+        take: &mut Take<'_>,
+        mut seen: impl FnMut(u64),
+    ) -> Result<(), SessionError> {
+        let (mut rows, mut count) = (Vec::new(), 0);
+        loop {
+            // Asked before the last look: what is written afterwards would be missed else.
+            let ended = reader.is_ended();
+            let before = count;
+            while let Some(cycle) = reader.next(&mut rows) {
+                count += 1;
+                self.push(cycle, &rows);
+                if self.rows.trace().len() >= BLOCK {
+                    self.hand_over(take)?;
+                    seen(count);
+                }
+            }
+            if count == before {
+                if ended {
+                    break;
+                }
+                thread::sleep(REST);
+            }
+        }
+        self.close();
+        seen(count);
+        if self.rows.trace().is_empty() { Ok(()) } else { self.hand_over(take) }
+    }
+
+    fn hand_over(&mut self, take: &mut Take<'_>) -> Result<(), SessionError> {
+        take(self.rows.trace())?;
+        self.rows.clear();
+        Ok(())
+    }
+
+    /// Takes the next sample.
+    pub fn push(&mut self, cycle: Cycle, rows: &[Row]) {
+        self.timing.add(cycle.late_ns, cycle.took_ns);
+        if let Some((fault, _)) = cycle.report.and_then(|report| report.fault) {
+            let last = self.faults.last().map(|(_, name)| *name);
+            if last != Some(fault.name()) {
+                self.faults.push((cycle.t_ns as f64 * 1e-9, fault.name()));
+            }
+        }
+        if cycle.known {
+            self.rows.push(cycle.t_ns, rows, cycle.report.as_ref());
+            return;
+        }
+        let (before, mut held) = self.held.take().unzip();
+        if let (Some(before), Some(held)) = (before, &mut held) {
+            for ((row, next), inertia) in held.iter_mut().zip(rows).zip(&self.inertia) {
+                let ddq = (next.measurement.dq - row.measurement.dq) / self.period;
+                row.acted = as_measured(row, next.measurement.tau_applied, ddq, *inertia);
+            }
+            self.rows.push(before.t_ns, held, before.report.as_ref());
+        }
+        // What the last acceleration was, should there be no next sample.
+        let mut room = held.unwrap_or_default();
+        let ddq = |i: usize| room.get(i).map_or(0.0, |row: &Row| row.acted.ddq);
+        let with = |(i, row): (usize, &Row)| Row {
+            acted: Acted { ddq: ddq(i), ..Acted::default() },
+            ..*row
+        };
+        let next: Vec<Row> = rows.iter().enumerate().map(with).collect();
+        room = next;
+        self.held = Some((cycle, room));
+    }
+
+    /// The last sample, whose torque nobody told.
+    fn close(&mut self) {
+        let Some((cycle, mut rows)) = self.held.take() else { return };
+        for (row, inertia) in rows.iter_mut().zip(&self.inertia) {
+            row.acted = as_measured(row, row.command.tau, row.acted.ddq, *inertia);
+        }
+        self.rows.push(cycle.t_ns, &rows, cycle.report.as_ref());
+    }
+}
+
+/// What a joint did, from what was measured of it.
+fn as_measured(row: &Row, tau: f64, ddq: f64, inertia: f64) -> Acted {
+    let (q, dq) = (row.measurement.q, row.measurement.dq);
+    Acted { q, dq, ddq, tau, phi: tau - inertia * ddq }
+}

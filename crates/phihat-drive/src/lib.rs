@@ -1,0 +1,74 @@
+//! One loop for every robot: wait for a sample, bind its joints, supervise, send, record.
+//!
+//! What is at the other end is a [`Link`]: it says by [`Facts`] who owns the clock, what the robot adds to a torque and on what
+//! it stops, and the study's `[profile]` is held against them before anything moves. [`SimLink`] is phihat's own world, in
+//! lock-step or in real time; in lock-step a drive leaves the trace of `phihat run`, bit for bit.
+//!
+//! [`prepare`] looks at everything that can be looked at beforehand and refuses by default; [`Prepared::drive`] runs the loop on a
+//! thread of its own and leaves trace, report and verdict as a simulation does, with what only a drive has: losses, timing, and
+//! why it ended. [`Machine`] measures how well this machine keeps time.
+//!
+//! # Example
+//!
+//! ```no_run
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use phihat_drive::{CheckName, DriveOptions, prepare};
+//! use phihat_session::{Leave, RunOptions};
+//!
+//! let run = RunOptions { study: "studies/first.toml".into(), ..RunOptions::default() };
+//! // Its gains are stated, not designed: they carry no certificate.
+//! let options = DriveOptions { run, accept: vec![CheckName::Certificate], ..DriveOptions::default() };
+//! let prepared = prepare(&options)?;
+//! let leave = Leave { folder: "out/first".as_ref(), page: None };
+//! let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false))?;
+//! println!("{}", driven.done.verdict());
+//! # Ok::<(), phihat_drive::DriveError>(())
+//! ```
+//!
+//! # Real time
+//!
+//! The control thread does not allocate, lock, or call the system but for what its link does; the record goes through a ring to
+//! the thread that writes.
+//!
+//! # Not claimed
+//!
+//! This is research software, not a safety function. It does not replace an emergency stop.
+#![forbid(unsafe_code)]
+
+mod cycles;
+mod error;
+mod evidence;
+mod facts;
+mod finding;
+mod link;
+mod machine;
+mod order;
+mod preflight;
+mod prepared;
+mod sim;
+mod tape;
+mod timing;
+
+#[cfg(not(target_os = "linux"))]
+mod elsewhere;
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(not(target_os = "linux"))]
+use elsewhere as system;
+#[cfg(target_os = "linux")]
+use linux as system;
+
+pub use cycles::{Desk, End, Plan, Tally, cycles};
+pub use error::DriveError;
+pub use evidence::Evidence;
+pub use facts::{Adds, Clock, Facts, Mismatch, Stops, Tells};
+pub use finding::{Finding, SystemError, is_preempt_rt};
+pub use link::{Link, LinkFault, Wait};
+pub use machine::{Machine, MachineOptions};
+pub use order::{Order, OrderError};
+pub use preflight::{Check, CheckName, State};
+pub use prepared::{DriveOptions, Driven, On, Prepared, prepare};
+pub use sim::SimLink;
+pub use tape::{Arrival, Cycle, Reader, Tape, ring};
+pub use timing::{Percentiles, Timing};

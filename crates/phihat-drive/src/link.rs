@@ -1,0 +1,130 @@
+//! The seam between the loop and a robot.
+
+use phihat_sim::{Acted, Ended, Sample};
+use thiserror::Error;
+
+use crate::facts::Facts;
+
+/// What came of waiting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wait {
+    /// A sample, measured at this time \[ns\] since the start.
+    Fresh {
+        /// When.
+        t_ns: u64,
+    },
+    /// The sample of this time \[ns\] did not come: what there was before stays.
+    Lost {
+        /// When.
+        t_ns: u64,
+    },
+    /// The controller does not run at this sample: a simulated fault, which no robot has.
+    Skipped {
+        /// When.
+        t_ns: u64,
+    },
+    /// The robot stopped, or is gone.
+    Fault(LinkFault),
+    /// There is nothing more to come.
+    Over,
+}
+
+/// Why a link does not go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LinkFault {
+    /// The robot stopped by itself.
+    #[error("the robot stopped: {0}")]
+    Stopped(&'static str),
+    /// Nothing came for so long that the robot is taken for gone.
+    #[error("nothing came from the robot for {0} ms")]
+    Silent(u32),
+    /// The connection broke.
+    #[error("the connection broke: {0}")]
+    Broken(&'static str),
+    /// The robot does not take torques now.
+    #[error("the robot does not take torques: {0}")]
+    NotReady(&'static str),
+    /// There is nothing to recover from, or no way to.
+    #[error("there is no recovery over this link")]
+    NoRecovery,
+}
+
+impl LinkFault {
+    /// The reason in the robot's words.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Stopped(reason) | Self::Broken(reason) | Self::NotReady(reason) => reason,
+            Self::Silent(_) => "silence",
+            Self::NoRecovery => "no recovery",
+        }
+    }
+}
+
+/// A robot, or what stands for one.
+///
+/// The loop calls [`start`](Self::start) once, then [`wait`](Self::wait) and [`send`](Self::send) in turn, and
+/// [`finish`](Self::finish) at the end. Time and sequence of a sample are the link's to say: by the robot's own numbers, where it
+/// has them. Each [`Wait::Fresh`], [`Wait::Lost`] or [`Wait::Skipped`] is one period after the one before it: a gap in the
+/// robot's numbers is told as so many lost samples, before the one that came.
+///
+/// # Real time
+///
+/// `wait`, `send` and `acted` do not allocate; the loop does nothing else that could block.
+pub trait Link {
+    /// What is true of the other end; it does not change.
+    fn facts(&self) -> &Facts;
+
+    /// Brings the robot to where it takes torques.
+    ///
+    /// # Errors
+    ///
+    /// [`LinkFault`]: it is stopped, gone or busy.
+    fn start(&mut self) -> Result<(), LinkFault>;
+
+    /// Waits for the next sample, which goes into `sample`, in the order of the link's joints. What is lost leaves it as it is.
+    fn wait(&mut self, sample: &mut Sample) -> Wait;
+
+    /// Sends a torque \[N·m\] per joint, in the order of the link's joints, as the answer to the last sample. What goes wrong
+    /// is told by the next [`wait`](Self::wait).
+    fn send(&mut self, tau: &[f64]);
+
+    /// What a joint (in the order of the link) truly did at the sample that was answered last, with `φ` about a nominal
+    /// inertia \[kg·m²\]; `None`: this is not a simulation.
+    fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
+        let _ = (joint, inertia);
+        None
+    }
+
+    /// Ends the motion with this torque \[N·m\] as the last one.
+    ///
+    /// # Errors
+    ///
+    /// [`LinkFault`]: the robot does not say that it ended.
+    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault>;
+
+    /// Brings a robot that stopped back to where it can be started again.
+    ///
+    /// # Errors
+    ///
+    /// [`LinkFault`]: it does not come back.
+    fn recover(&mut self) -> Result<(), LinkFault>;
+
+    /// The time on this machine's clock \[ns\], from any origin; `None`: time is counted.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
+    /// How late the last [`wait`](Self::wait) returned \[ns\]; `None`: this machine's clock says nothing about that.
+    fn late_ns(&self) -> Option<u64> {
+        None
+    }
+
+    /// How a simulated world ended; `None`: this is not a simulation.
+    fn into_ended(self) -> Option<Ended>
+    where
+        Self: Sized,
+    {
+        None
+    }
+}

@@ -1,0 +1,214 @@
+//! What is looked at before anything moves. A check that does not pass refuses, unless a person accepted it by name.
+
+use phihat_design::{Gains, arm_inside_window};
+use phihat_session::{Done, SessionError, arm};
+use phihat_sim::overload;
+use phihat_study::Study;
+use serde::Serialize;
+use std::path::Path;
+
+use crate::facts::{Clock, Facts};
+use crate::finding::Finding;
+use crate::machine::Machine;
+
+/// A check, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CheckName {
+    /// The gains carry a certificate, and every claim in it that the file can show holds.
+    Certificate,
+    /// The arm's inertia lies inside the window of the gains.
+    Window,
+    /// The motion needs no more than the drives have.
+    Motion,
+    /// The study's `[profile]` says of the robot what is true of the link.
+    Profile,
+    /// A supervisor is around the law.
+    Supervisor,
+    /// This machine keeps time.
+    RealTime,
+    /// The same gains and motion, simulated, keep what the study asks for.
+    Rehearsal,
+}
+
+impl CheckName {
+    /// All checks, in their order.
+    pub const ALL: [Self; 7] = [
+        Self::Certificate,
+        Self::Window,
+        Self::Motion,
+        Self::Profile,
+        Self::Supervisor,
+        Self::RealTime,
+        Self::Rehearsal,
+    ];
+
+    /// The word for it on a command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Certificate => "certificate",
+            Self::Window => "window",
+            Self::Motion => "motion",
+            Self::Profile => "profile",
+            Self::Supervisor => "supervisor",
+            Self::RealTime => "real-time",
+            Self::Rehearsal => "rehearsal",
+        }
+    }
+
+    /// The check of this word.
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|check| check.word() == word)
+    }
+}
+
+/// What came of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum State {
+    /// It holds.
+    Passed,
+    /// It does not hold.
+    Failed,
+    /// It does not hold, and a person goes on in spite of it.
+    Accepted,
+    /// It is not asked of this link.
+    NotAsked,
+}
+
+/// A check and what came of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Check {
+    /// Which.
+    pub name: CheckName,
+    /// What came of it.
+    pub state: State,
+    /// What was found.
+    pub found: String,
+    /// What would be valid; `None`: it holds.
+    pub valid: Option<String>,
+}
+
+impl Check {
+    fn passed(name: CheckName, found: impl Into<String>) -> Self {
+        Self { name, state: State::Passed, found: found.into(), valid: None }
+    }
+
+    fn not_asked(name: CheckName, found: impl Into<String>) -> Self {
+        Self { state: State::NotAsked, ..Self::passed(name, found) }
+    }
+
+    fn failed(name: CheckName, found: impl Into<String>, valid: impl Into<String>) -> Self {
+        let (found, valid) = (found.into(), Some(valid.into()));
+        Self { name, state: State::Failed, found, valid }
+    }
+
+    /// The same, where a person may have accepted it.
+    #[must_use]
+    pub fn unless(self, accepted: &[CheckName]) -> Self {
+        let gone_on = self.state == State::Failed && accepted.contains(&self.name);
+        if gone_on { Self { state: State::Accepted, ..self } } else { self }
+    }
+
+    /// Whether nothing may move.
+    pub fn refuses(&self) -> bool {
+        self.state == State::Failed
+    }
+}
+
+/// Whether the gains carry a certificate whose claims hold as far as the file can show.
+pub(crate) fn certificate(study: &Study, gains: &Gains) -> Check {
+    let name = CheckName::Certificate;
+    let Some(certificate) = &gains.certificate else {
+        let valid = "gains that `phihat design` leaves, by --gains FILE";
+        return Check::failed(name, "these gains carry no certificate", valid);
+    };
+    match certificate.verified(gains) {
+        Err(why) => Check::failed(name, why.to_string(), "gains that `phihat verify` accepts"),
+        Ok(_) if gains.study_sha256 == study.sha256 => {
+            Check::passed(name, "every claim that the file can show holds")
+        }
+        Ok(_) => Check::passed(
+            name,
+            "every claim that the file can show holds; it is about another study, so its tube says nothing of this motion",
+        ),
+    }
+}
+
+/// Whether the window of the gains holds this arm.
+pub(crate) fn window(study: &Study, path: &Path, gains: &Gains) -> Result<Check, SessionError> {
+    let arm = arm(study, path)?;
+    Ok(match arm_inside_window(study, &arm, gains) {
+        Ok(_) => Check::passed(CheckName::Window, "the arm's inertia lies inside"),
+        Err(why) => {
+            let valid = "gains that were designed for this arm: `phihat design`";
+            Check::failed(CheckName::Window, why.to_string(), valid)
+        }
+    })
+}
+
+/// Whether the drives bear the motion.
+pub(crate) fn motion(study: &Study, path: &Path) -> Result<Check, SessionError> {
+    let name = CheckName::Motion;
+    Ok(match overload(study).map_err(|e| SessionError::at(path, e))? {
+        None => Check::passed(name, "it needs no more than the drives have"),
+        Some(more) => Check::failed(name, more.to_string(), "a slower or smaller motion"),
+    })
+}
+
+/// Whether the study says of the robot what is true of the link.
+pub(crate) fn profile(study: &Study, facts: &Facts) -> Check {
+    let name = CheckName::Profile;
+    let found = facts.against(study);
+    if found.is_empty() {
+        let words = format!("`{}` is what {} does", study.interface.profile.name, facts.name);
+        return Check::passed(name, words);
+    }
+    let words: Vec<String> = found.iter().map(ToString::to_string).collect();
+    let valid: Vec<String> = found.into_iter().map(|wrong| wrong.valid).collect();
+    Check::failed(name, words.join("; "), valid.join("; "))
+}
+
+/// Whether there is a supervisor, where there is something to supervise.
+pub(crate) fn supervisor(study: &Study, facts: &Facts) -> Check {
+    let name = CheckName::Supervisor;
+    match (study.supervisor.is_some(), facts.tells.truth) {
+        (true, _) => Check::passed(name, "it is around the law"),
+        (false, true) => Check::not_asked(name, "of a simulated arm"),
+        (false, false) => Check::failed(
+            name,
+            "nothing guards samples, limits and modes",
+            "a section [supervisor] in the study",
+        ),
+    }
+}
+
+/// Whether this machine keeps time, where it has to.
+pub(crate) fn real_time(facts: &Facts) -> Check {
+    let name = CheckName::RealTime;
+    if facts.clock == Clock::LockStep {
+        return Check::not_asked(name, "in lock-step");
+    }
+    let found = match Machine::look() {
+        Err(why) => return Check::failed(name, why.to_string(), "Linux with PREEMPT_RT"),
+        Ok(found) => found,
+    };
+    let bad: Vec<&Finding> = found.iter().filter(|finding| !finding.good).collect();
+    if bad.is_empty() {
+        return Check::passed(name, "kernel, scheduling, memory and frequency are set for it");
+    }
+    let words: Vec<String> = bad.iter().map(|f| format!("{}: {}", f.what, f.found)).collect();
+    let valid: Vec<&str> = bad.iter().filter_map(|f| f.change.as_deref()).collect();
+    Check::failed(name, words.join("; "), valid.join("; "))
+}
+
+/// Whether a simulation of the same gains and motion keeps what the study asks for; `None`: the drive is that simulation.
+pub(crate) fn rehearsal(done: Option<&Done>) -> Check {
+    let name = CheckName::Rehearsal;
+    let Some(done) = done else { return Check::not_asked(name, "of a simulation in lock-step") };
+    if done.good() {
+        return Check::passed(name, format!("simulated: {}", done.verdict()));
+    }
+    let valid = "a study that `phihat run` ends within spec";
+    Check::failed(name, format!("simulated: {}", done.verdict()), valid)
+}

@@ -1,0 +1,333 @@
+//! From a study to a drive: checks, loop, record.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+
+use phihat_session::{Done, Leave, RunOptions, Session, SessionError, Take, Watch};
+use phihat_sim::{Abort, ControlSide, Ended, StopReason};
+use phihat_study::Study;
+use serde_json::{Value, json};
+
+use crate::cycles::{Desk, End, Plan, Tally, cycles};
+use crate::error::DriveError;
+use crate::evidence::Evidence;
+use crate::facts::{Clock, Facts};
+use crate::finding::Finding;
+use crate::link::{Link, LinkFault};
+use crate::order::Order;
+use crate::preflight::{self, Check, CheckName, State};
+use crate::sim::SimLink;
+use crate::system;
+use crate::tape::ring;
+
+/// What is at the other end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum On {
+    /// phihat's own world, in lock-step.
+    #[default]
+    Sim,
+    /// The same by this machine's clock.
+    SimRealTime,
+}
+
+impl On {
+    /// The words for it on a command line.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Sim => "--on sim",
+            Self::SimRealTime => "--on sim --real-time",
+        }
+    }
+}
+
+/// What a drive is told.
+#[derive(Debug, Clone, Default)]
+pub struct DriveOptions {
+    /// Study, gains, folder and log, as a simulation is told; `uncertified` is not looked at: what may be gone past is in
+    /// `accept`.
+    pub run: RunOptions,
+    /// What is at the other end.
+    pub on: On,
+    /// Checks that a person goes on in spite of.
+    pub accept: Vec<CheckName>,
+    /// The processor of the control thread; `None`: as the system likes.
+    pub processor: Option<usize>,
+    /// Whether a robot that stopped is brought back afterwards.
+    pub recover: bool,
+}
+
+/// A drive whose checks are done.
+#[derive(Debug)]
+pub struct Prepared {
+    session: Session,
+    /// The folder that the options name.
+    pub folder: PathBuf,
+    /// What came of the checks.
+    pub checks: Vec<Check>,
+    options: DriveOptions,
+}
+
+/// A drive that is over.
+#[derive(Debug)]
+pub struct Driven {
+    /// Its record, as of a simulation.
+    pub done: Done,
+    /// What came of the loop.
+    pub tally: Tally,
+    /// `drive.json` of the record.
+    pub document: Value,
+    /// Lines about the drive: label, and value with its unit.
+    pub facts: Vec<(String, String)>,
+}
+
+impl Driven {
+    /// Whether it came to its end, kept every bound, and no promise about it is broken.
+    pub fn good(&self) -> bool {
+        self.done.good() && self.tally.end == End::Complete && self.tally.finished.is_ok()
+    }
+}
+
+/// Looks at study, gains, link and machine; nothing moves and nothing is written.
+///
+/// # Errors
+///
+/// [`DriveError`]: the study or the gains cannot be used. That a check does not pass is in [`Prepared::checks`].
+pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
+    // What may be gone past is decided by the checks below.
+    let run = RunOptions { uncertified: true, ..options.run.clone() };
+    let (session, folder) = run.open()?;
+    let path = &options.run.study;
+    let facts = facts_of(session.study(), options.on);
+    let (study, gains) = (session.study(), session.gains());
+    let rehearsed = (facts.clock != Clock::LockStep).then(|| rehearse(&session, options));
+    let rehearsed = rehearsed.transpose()?;
+    let checks = [
+        preflight::certificate(study, gains),
+        preflight::window(study, path, gains)?,
+        preflight::motion(study, path)?,
+        preflight::profile(study, &facts),
+        preflight::supervisor(study, &facts),
+        preflight::real_time(&facts),
+        preflight::rehearsal(rehearsed.as_ref()),
+    ];
+    let checks = checks.into_iter().map(|check| check.unless(&options.accept)).collect();
+    Ok(Prepared { session, folder, checks, options: options.clone() })
+}
+
+/// The same gains and motion in lock-step; nothing is written.
+fn rehearse(session: &Session, options: &DriveOptions) -> Result<Done, SessionError> {
+    let path = &options.run.study;
+    let gains = (session.gains().clone(), options.run.gains.as_deref().unwrap_or(path));
+    let study = phihat_session::read(path)?;
+    Ok(Session::new(study, path, Some(gains), true)?.run(|_| ()).0)
+}
+
+/// What is true of the link, before it is opened.
+fn facts_of(study: &Study, on: On) -> Facts {
+    let clock = match on {
+        On::Sim => Clock::LockStep,
+        On::SimRealTime => Clock::Host,
+    };
+    SimLink::facts_of(study, clock)
+}
+
+impl Prepared {
+    /// Whether a check does not pass and was not accepted.
+    pub fn is_refused(&self) -> bool {
+        self.checks.iter().any(Check::refuses)
+    }
+
+    /// What is said before the drive.
+    pub fn warnings(&self) -> &[String] {
+        self.session.warnings()
+    }
+
+    /// Drives: start, hold, track, finish; leaves the record. `stop` is set by whoever wants the arm to stop: a safe stop, after
+    /// which the record is written.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError::Refused`] where a check does not pass; the link cannot be started, or a file not be written.
+    pub fn drive(
+        self,
+        leave: Leave<'_>,
+        watch: &mut dyn Watch,
+        stop: &AtomicBool,
+    ) -> Result<Driven, DriveError> {
+        if self.is_refused() {
+            return Err(DriveError::Refused(self.checks));
+        }
+        let Self { session, checks, options, .. } = self;
+        let study = session.study().clone();
+        let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let command = command(&options);
+        let mut kept = None;
+        let done = session.driven(leave, command, watch, |(control, world), watch, take| {
+            let samples = world.samples();
+            let way = Way { checks: &checks, options: &options, stop, names: &names, samples };
+            let driven = match options.on {
+                On::Sim => way.drive(SimLink::lock_step(&study, world), control, watch, take),
+                On::SimRealTime => {
+                    way.drive(SimLink::real_time(&study, world)?, control, watch, take)
+                }
+            };
+            let (driven, tally) = driven?;
+            kept = Some((tally, driven.document.clone(), driven.facts.clone()));
+            Ok::<_, DriveError>(driven)
+        })?;
+        let (tally, document, facts) = kept.ok_or(DriveError::Control)?;
+        Ok(Driven { done, tally, document, facts })
+    }
+}
+
+/// The command that makes the record again.
+fn command(options: &DriveOptions) -> String {
+    let mut words = format!("phihat drive {}", options.run.study.display());
+    if let Some(gains) = &options.run.gains {
+        words += &format!(" --gains {}", gains.display());
+    }
+    words += &format!(" {}", options.on.words());
+    for check in &options.accept {
+        words += &format!(" --accept {}", check.word());
+    }
+    words
+}
+
+/// What the way of a drive needs to know beside its link.
+struct Way<'a> {
+    checks: &'a [Check],
+    options: &'a DriveOptions,
+    stop: &'a AtomicBool,
+    names: &'a [String],
+    samples: u64,
+}
+
+/// Samples that the ring holds: seconds for a writer that was held up.
+const RING: usize = 16_384;
+
+/// How long an arm may take to stand after the study's end \[ns\].
+const STOP_NS: u64 = 5_000_000_000;
+
+impl Way<'_> {
+    /// Runs the loop on a thread of its own, and hands its record over on this one.
+    fn drive<L: Link + Send>(
+        &self,
+        mut link: L,
+        control: ControlSide,
+        watch: &mut dyn Watch,
+        take: &mut Take<'_>,
+    ) -> Result<(phihat_session::Driven, Tally), DriveError> {
+        let facts = link.facts().clone();
+        let names = self.names;
+        let order = Order::new(names, facts.joints.as_deref(), facts.width)?;
+        let inertia = (0..names.len()).map(|i| control.inertia(i)).collect();
+        let mut evidence = Evidence::new(names, inertia, facts.period_ns);
+        if let Err(why) = link.start() {
+            if !self.options.recover {
+                return Err(DriveError::Start(why));
+            }
+            link.recover().and_then(|()| link.start()).map_err(DriveError::Start)?;
+        }
+        let patient = facts.clock == Clock::LockStep;
+        let (mut tape, reader) = ring(names.len(), RING, patient);
+        let mut desk = Desk::new(order, names.len());
+        let stop_samples = STOP_NS / facts.period_ns.max(1);
+        let plan = Plan { samples: self.samples, stop_samples, stop: self.stop };
+        // Threads inherit their place from the one that starts them: only the control thread changes its own.
+        let control_thread = move || {
+            let mut control = control;
+            let given = if patient { Vec::new() } else { system::enter(self.options.processor) };
+            let tally = cycles(&mut link, &mut control, &mut tape, &mut desk, &plan);
+            (link, tally, given)
+        };
+        let (read, ran) = thread::scope(|scope| {
+            let ran = scope.spawn(control_thread);
+            let seen = |count| watch.progress(count, self.samples);
+            (evidence.read(reader, take, seen), ran.join())
+        });
+        let (mut link, tally, given) = ran.map_err(|_| DriveError::Control)?;
+        read?;
+        let recovered = match tally.end {
+            End::Fault(_) if self.options.recover => Some(link.recover()),
+            _ => None,
+        };
+        let ended = link.into_ended().unwrap_or_else(|| ended(&facts, &tally));
+        Ok((self.told((facts, given), (&tally, recovered), &evidence, ended), tally))
+    }
+
+    /// What the record says of the drive.
+    fn told(
+        &self,
+        (link, given): (Facts, Vec<Finding>),
+        (tally, recovered): (&Tally, Option<Result<(), LinkFault>>),
+        evidence: &Evidence,
+        ended: Ended,
+    ) -> phihat_session::Driven {
+        let (late, took) = (evidence.timing.late(), evidence.timing.took());
+        let fault = match tally.end {
+            End::Fault(why) => Some(why.to_string()),
+            _ => None,
+        };
+        let recovered = recovered.map(|done| done.is_ok());
+        let faults: Vec<Value> =
+            evidence.faults.iter().map(|(t, name)| json!({ "t_s": t, "fault": name })).collect();
+        let document = json!({
+            "on": self.options.on.words(),
+            "link": link,
+            "checks": self.checks,
+            "settings": given,
+            "end": tally.end.word(),
+            "fault": fault,
+            "recovered": recovered,
+            "finished": tally.finished.is_ok(),
+            "samples": tally.cycles,
+            "lost": tally.lost,
+            "stop_samples": tally.stopping,
+            "supervisor_faults": faults,
+            "timing": { "wake_up_late": late, "controller": took },
+        });
+        let accepted = self.checks.iter().filter(|check| check.state == State::Accepted);
+        let warnings = accepted
+            .map(|check| format!("driven in spite of {}: {}", check.name.word(), check.found))
+            .chain(given.iter().filter(|given| !given.good).map(|given| {
+                format!("driven without what was asked of the system: {}", given.found)
+            }))
+            .chain((tally.end == End::Asked).then(|| "stopped by a person".to_owned()))
+            .chain(fault.map(|why| format!("the link ended the drive: {why}")))
+            .collect();
+        let mut facts = vec![
+            ("driven".to_owned(), self.options.on.words().to_owned()),
+            ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
+        ];
+        for (label, times) in [("woke late", late), ("controller took", took)] {
+            facts.extend(times.map(|times| {
+                let (p50, p99, max) = (times.p50_us, times.p99_us, times.max_us);
+                let words = format!("median {p50:.0} µs, 99 % {p99:.0} µs, largest {max:.0} µs");
+                (label.to_owned(), words)
+            }));
+        }
+        facts.extend(
+            evidence
+                .faults
+                .iter()
+                .map(|(t, name)| ("supervisor".to_owned(), format!("{name} at t = {t:.3} s"))),
+        );
+        phihat_session::Driven { ended, facts, warnings, document }
+    }
+}
+
+/// How a drive ended that was not simulated.
+fn ended(facts: &Facts, tally: &Tally) -> Ended {
+    let t = (tally.cycles * facts.period_ns) as f64 * 1e-9;
+    let abort = match tally.end {
+        End::Fault(why) => Some(Abort {
+            t,
+            interface: facts.name.clone(),
+            joint: None,
+            reason: StopReason::Robot(why.reason()),
+        }),
+        _ => None,
+    };
+    Ended { divergence: None, abort, told_max: Vec::new(), told_step_max: Vec::new() }
+}

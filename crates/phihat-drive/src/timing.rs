@@ -1,0 +1,120 @@
+//! How late the loop woke, and how long it took, in memory that does not grow.
+
+use serde::Serialize;
+
+/// Width of a bin \[ns\] and how many there are: what is beyond counts in the last, and its greatest is kept.
+const BIN_NS: u64 = 1_000;
+const BINS: usize = 20_000;
+
+/// Times of one kind.
+#[derive(Debug, Clone)]
+struct Times {
+    bins: Vec<u64>,
+    count: u64,
+    most_ns: u64,
+}
+
+impl Times {
+    fn new() -> Self {
+        Self { bins: vec![0; BINS], count: 0, most_ns: 0 }
+    }
+
+    fn add(&mut self, ns: u64) {
+        let bin = usize::try_from(ns / BIN_NS).unwrap_or(usize::MAX).min(BINS - 1);
+        self.bins[bin] += 1;
+        self.count += 1;
+        self.most_ns = self.most_ns.max(ns);
+    }
+
+    /// The upper edge of the bin in which this share of all lies \[µs\], never above the greatest.
+    fn percentile(&self, share: f64) -> f64 {
+        let wanted = share * self.count as f64;
+        let mut seen = 0;
+        for (bin, count) in self.bins.iter().enumerate() {
+            seen += count;
+            if seen as f64 >= wanted {
+                let edge = ((bin as u64 + 1) * BIN_NS).min(self.most_ns);
+                let beyond = bin + 1 == BINS;
+                return 1e-3 * (if beyond { self.most_ns } else { edge }) as f64;
+            }
+        }
+        1e-3 * self.most_ns as f64
+    }
+
+    fn percentiles(&self) -> Option<Percentiles> {
+        (self.count > 0).then(|| Percentiles {
+            count: self.count,
+            p50_us: self.percentile(0.5),
+            p99_us: self.percentile(0.99),
+            max_us: 1e-3 * self.most_ns as f64,
+        })
+    }
+}
+
+/// What of a kind of times a person looks at \[µs\]; percentiles to the next whole microsecond.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Percentiles {
+    /// How many there are.
+    pub count: u64,
+    /// Half of all are at most this.
+    pub p50_us: f64,
+    /// 99 % of all are at most this.
+    pub p99_us: f64,
+    /// The greatest.
+    pub max_us: f64,
+}
+
+/// Times of a loop: how late it woke, and how long the controller took.
+#[derive(Debug, Clone)]
+pub struct Timing {
+    late: Times,
+    took: Times,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self { late: Times::new(), took: Times::new() }
+    }
+}
+
+impl Timing {
+    /// Counts one cycle \[ns\]; `None`: no clock said so.
+    pub fn add(&mut self, late_ns: Option<u64>, took_ns: Option<u64>) {
+        late_ns.into_iter().for_each(|ns| self.late.add(ns));
+        took_ns.into_iter().for_each(|ns| self.took.add(ns));
+    }
+
+    /// How late the loop woke; `None`: time was counted.
+    pub fn late(&self) -> Option<Percentiles> {
+        self.late.percentiles()
+    }
+
+    /// How long the controller took, from a sample to its torque.
+    pub fn took(&self) -> Option<Percentiles> {
+        self.took.percentiles()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+mod tests {
+    use super::Timing;
+
+    /// Against the sorted list itself.
+    #[test]
+    fn percentiles_are_those_of_the_sorted_list() {
+        let mut timing = Timing::default();
+        let mut all: Vec<u64> = (0..5000_u64).map(|k| (k * k * 7919) % 3_000_000).collect();
+        all.push(90_000_000);
+        all.iter().for_each(|ns| timing.add(Some(*ns), None));
+        all.sort_unstable();
+        let found = timing.late().unwrap();
+        for (share, value) in [(0.5, found.p50_us), (0.99, found.p99_us)] {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+            let exact = all[(share * all.len() as f64).ceil() as usize - 1] as f64 * 1e-3;
+            assert!(value >= exact && value <= exact + 1.0, "{share}: {value} and {exact} µs");
+        }
+        assert!((found.max_us - 90_000.0).abs() < 1e-9);
+        assert_eq!(timing.took(), None);
+    }
+}

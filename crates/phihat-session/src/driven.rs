@@ -1,0 +1,85 @@
+//! A session whose loop somebody else runs: sample by sample, on whatever is at the other end of a link.
+
+use std::path::Path;
+
+use phihat_design::Gains;
+use phihat_sim::{ControlSide, Ended, Trace, WorldSide};
+use phihat_study::Study;
+use serde_json::Value;
+
+use crate::disk::Lock;
+use crate::error::SessionError;
+use crate::observer::RunObserver;
+use crate::record::Done;
+use crate::session::{Session, finished};
+use crate::watch::Watch;
+
+/// Where a record goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Leave<'a> {
+    /// Its folder.
+    pub folder: &'a Path,
+    /// Its page, if it is to have one.
+    pub page: Option<&'a Path>,
+}
+
+/// How a loop that somebody else ran came to its end.
+#[derive(Debug)]
+pub struct Driven {
+    /// Divergence or stop.
+    pub ended: Ended,
+    /// Lines of the page about what drove it: label, and value with its unit.
+    pub facts: Vec<(String, String)>,
+    /// What a reader must know before believing the figures.
+    pub warnings: Vec<String>,
+    /// `drive.json` of the record.
+    pub document: Value,
+}
+
+/// Takes the next samples of a record.
+pub type Take<'a> = dyn FnMut(&Trace) -> Result<(), SessionError> + 'a;
+
+impl Session {
+    /// The study.
+    pub fn study(&self) -> &Study {
+        &self.study
+    }
+
+    /// The gains chosen.
+    pub fn gains(&self) -> &Gains {
+        &self.gains
+    }
+
+    /// Hands both sides of the loop to `drive`, which runs it and hands back the record block by block; leaves record and
+    /// page as [`simulate`](Self::simulate) does. `command` says in the record what drove it.
+    ///
+    /// # Errors
+    ///
+    /// What `drive` says; another process is at work in the folder, or a file cannot be written.
+    pub fn driven<E: From<SessionError>>(
+        self,
+        leave: Leave<'_>,
+        command: String,
+        watch: &mut dyn Watch,
+        drive: impl FnOnce((ControlSide, WorldSide), &mut dyn Watch, &mut Take<'_>) -> Result<Driven, E>,
+    ) -> Result<Done, E> {
+        let _held = Lock::take(leave.folder).map_err(SessionError::from)?;
+        self.warn(watch);
+        let mut files = self.files(leave.folder)?;
+        watch.begun(&files.prepared);
+        let Self { study, gains, simulation, mut warnings, .. } = self;
+        let mut seen = RunObserver::new(&study, Some(&gains));
+        let driven = drive(simulation.apart(), watch, &mut |block: &Trace| {
+            seen.block(block);
+            Ok(files.block(block)?)
+        });
+        watch.ended();
+        let driven = driven?;
+        let figures = seen.finish(&study.sha256);
+        warnings.extend(driven.warnings);
+        let mut done = finished((study, gains), figures, driven.ended, (command, warnings));
+        done.run.world.extend(driven.facts);
+        done.leave(files, leave.folder, leave.page, Some(&driven.document))?;
+        Ok(done)
+    }
+}
