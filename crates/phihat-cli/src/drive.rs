@@ -19,8 +19,9 @@ use crate::terminal::Page;
 /// Drive an arm: checks first, then start, hold, track and finish, and the record of it.
 ///
 /// At the other end is phihat's own world, in lock-step (`--on sim`: the trace is that of `phihat run`, bit for bit) or by this
-/// machine's clock (`--real-time`). Before anything moves, each of these has to pass, or to be accepted by its name: certificate,
-/// window, motion, profile, supervisor, real-time, rehearsal. Ctrl-C is a safe stop; the record is written all the same.
+/// machine's clock (`--real-time`); or a Franka (`--on fci://HOST`), or whatever speaks its interface, such as `phihat serve`. Before
+/// anything moves, each of these has to pass, or to be accepted by its name: certificate, window, motion, profile, supervisor,
+/// robot, description, real-time, rehearsal. Ctrl-C is a safe stop; the record is written all the same.
 ///
 /// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended.
 #[derive(Debug, Args)]
@@ -31,7 +32,7 @@ pub(crate) struct Drive {
     /// Use these gains (a gains.json) in place of those the study states.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
-    /// What is at the other end: `sim`, phihat's own world.
+    /// What is at the other end: `sim`, phihat's own world, or a Franka: `fci://HOST`, with `:PORT` and `?protocol=5` if need be.
     #[arg(long, value_name = "LINK", default_value = "sim")]
     on: String,
     /// Keep to this machine's clock.
@@ -43,6 +44,9 @@ pub(crate) struct Drive {
     /// Run the control thread on this processor.
     #[arg(long, value_name = "NUMBER", requires = "real_time")]
     processor: Option<usize>,
+    /// Bring a robot back that stopped by itself, before the drive and after it.
+    #[arg(long)]
+    recover: bool,
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
@@ -93,13 +97,7 @@ impl Drive {
     }
 
     fn options(&self) -> Result<DriveOptions, Failure> {
-        let on = match (self.on.as_str(), self.real_time) {
-            ("sim", false) => On::Sim,
-            ("sim", true) => On::SimRealTime,
-            (other, _) => {
-                return Err(Failure::plain(format!("--on {other}: `sim` is valid")));
-            }
-        };
+        let on = On::of(&self.on, self.real_time).map_err(Failure::plain)?;
         let accept = self.accept.iter().map(|word| {
             CheckName::of(word).ok_or_else(|| {
                 let all: Vec<_> = CheckName::ALL.iter().map(|check| check.word()).collect();
@@ -115,7 +113,7 @@ impl Drive {
             log: self.mcap.clone(),
         };
         let accept = accept.collect::<Result<_, _>>()?;
-        Ok(DriveOptions { run, on, accept, processor: self.processor, recover: false })
+        Ok(DriveOptions { run, on, accept, processor: self.processor, recover: self.recover })
     }
 
     /// Tells why nothing moves.

@@ -1,5 +1,7 @@
 //! Why a drive does not happen.
 
+use phihat_fci::FciError;
+use phihat_model::RobotError;
 use phihat_session::SessionError;
 use phihat_sim::SimError;
 use thiserror::Error;
@@ -22,6 +24,17 @@ pub enum DriveError {
     /// The joints of the link are not those of the study.
     #[error(transparent)]
     Order(#[from] OrderError),
+    /// The robot cannot be talked to.
+    #[error("{at}: {why}")]
+    Robot {
+        /// Where it was looked for.
+        at: String,
+        /// What came of it.
+        why: FciError,
+    },
+    /// What is known of the robot cannot be read.
+    #[error(transparent)]
+    Profile(#[from] RobotError),
     /// The link cannot be started.
     #[error("the link cannot be started: {0}")]
     Start(LinkFault),

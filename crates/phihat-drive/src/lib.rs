@@ -37,12 +37,15 @@
 #![forbid(unsafe_code)]
 
 mod cycles;
+mod described;
 mod error;
 mod evidence;
 mod facts;
 mod finding;
+mod franka;
 mod link;
 mod machine;
+mod on;
 mod order;
 mod preflight;
 mod prepared;
@@ -64,11 +67,13 @@ pub use error::DriveError;
 pub use evidence::Evidence;
 pub use facts::{Adds, Clock, Facts, Mismatch, Stops, Tells};
 pub use finding::{Finding, SystemError, is_preempt_rt};
+pub use franka::{FrankaAddress, FrankaLink};
 pub use link::{Link, LinkFault, Wait};
 pub use machine::{Machine, MachineOptions};
+pub use on::{On, OnError};
 pub use order::{Order, OrderError};
 pub use preflight::{Check, CheckName, State};
-pub use prepared::{DriveOptions, Driven, On, Prepared, prepare};
+pub use prepared::{DriveOptions, Driven, Prepared, prepare};
 pub use sim::SimLink;
 pub use tape::{Arrival, Cycle, Reader, Tape, ring};
 pub use timing::{Percentiles, Timing};

@@ -1,5 +1,7 @@
 //! The seam between the loop and a robot.
 
+use std::io::ErrorKind;
+
 use phihat_sim::{Acted, Ended, Sample};
 use thiserror::Error;
 
@@ -41,7 +43,10 @@ pub enum LinkFault {
     Silent(u32),
     /// The connection broke.
     #[error("the connection broke: {0}")]
-    Broken(&'static str),
+    Broken(ErrorKind),
+    /// What came is none of the robot's messages.
+    #[error("the robot sent {0}")]
+    Garbled(&'static str),
     /// The robot does not take torques now.
     #[error("the robot does not take torques: {0}")]
     NotReady(&'static str),
@@ -54,8 +59,9 @@ impl LinkFault {
     /// The reason in the robot's words.
     pub fn reason(self) -> &'static str {
         match self {
-            Self::Stopped(reason) | Self::Broken(reason) | Self::NotReady(reason) => reason,
+            Self::Stopped(reason) | Self::Garbled(reason) | Self::NotReady(reason) => reason,
             Self::Silent(_) => "silence",
+            Self::Broken(_) => "broken connection",
             Self::NoRecovery => "no recovery",
         }
     }

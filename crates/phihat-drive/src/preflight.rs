@@ -1,14 +1,19 @@
 //! What is looked at before anything moves. A check that does not pass refuses, unless a person accepted it by name.
 
-use phihat_design::{Gains, arm_inside_window};
-use phihat_session::{Done, SessionError, arm};
-use phihat_sim::overload;
-use phihat_study::Study;
-use serde::Serialize;
 use std::path::Path;
 
+use phihat_design::{Gains, arm_inside_window};
+use phihat_fci::{Protocol, RobotMode};
+use phihat_model::Joint;
+use phihat_session::{Done, SessionError, arm};
+use phihat_sim::{Motion, SimError, overload};
+use phihat_study::Study;
+use serde::Serialize;
+
+use crate::described::apart;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
+use crate::franka::FrankaLink;
 use crate::machine::Machine;
 
 /// A check, by name.
@@ -25,6 +30,10 @@ pub enum CheckName {
     Profile,
     /// A supervisor is around the law.
     Supervisor,
+    /// The robot takes torques, and stands where the motion begins.
+    Robot,
+    /// The robot's own description is of the arm that the study is about.
+    Description,
     /// This machine keeps time.
     RealTime,
     /// The same gains and motion, simulated, keep what the study asks for.
@@ -33,12 +42,14 @@ pub enum CheckName {
 
 impl CheckName {
     /// All checks, in their order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Certificate,
         Self::Window,
         Self::Motion,
         Self::Profile,
         Self::Supervisor,
+        Self::Robot,
+        Self::Description,
         Self::RealTime,
         Self::Rehearsal,
     ];
@@ -51,6 +62,8 @@ impl CheckName {
             Self::Motion => "motion",
             Self::Profile => "profile",
             Self::Supervisor => "supervisor",
+            Self::Robot => "robot",
+            Self::Description => "description",
             Self::RealTime => "real-time",
             Self::Rehearsal => "rehearsal",
         }
@@ -180,6 +193,71 @@ pub(crate) fn supervisor(study: &Study, facts: &Facts) -> Check {
             "nothing guards samples, limits and modes",
             "a section [supervisor] in the study",
         ),
+    }
+}
+
+/// How far a robot may stand from where the motion begins \[rad\], where no supervisor says otherwise.
+const START_MAX: f64 = 0.05;
+
+/// Whether a robot takes torques, and stands where the motion begins; `recovers`: it is brought back first, if it stopped.
+pub(crate) fn robot(
+    study: &Study,
+    link: Option<&FrankaLink>,
+    recovers: bool,
+) -> Result<Check, SimError> {
+    let name = CheckName::Robot;
+    let Some(state) = link.and_then(FrankaLink::state) else {
+        return Ok(Check::not_asked(name, "of a simulated arm"));
+    };
+    let stopped = state.mode == RobotMode::Reflex && recovers;
+    if state.mode != RobotMode::Idle && !stopped {
+        let found = match (state.mode, state.reflex_reason.is_empty()) {
+            (RobotMode::Reflex, false) => format!("it stopped by itself: {}", state.reflex_reason),
+            (mode, _) => format!("its mode is {mode:?}"),
+        };
+        return Ok(Check::failed(name, found, "a robot that is idle; `--recover` leads out of a reflex"));
+    }
+    let most = study.supervisor.as_ref().map_or(START_MAX, |asked| asked.start_mismatch_max);
+    let motion = Motion::of(study)?;
+    let off = study.robot.joints.iter().zip(state.q).enumerate().map(|(i, (joint, q))| {
+        let [wanted, ..] = motion.told(i, 0.0);
+        (joint, q, wanted)
+    });
+    let far: Vec<_> = off.filter(|(_, q, wanted)| !((q - wanted).abs() <= most)).collect();
+    if far.is_empty() {
+        let found = format!("it is idle, each joint within {most} rad of where the motion begins");
+        return Ok(Check::passed(name, found));
+    }
+    let words = |(joint, q, wanted): &(&Joint, f64, f64)| {
+        format!("{} stands at {q:.3} rad, the motion begins at {wanted:.3}", joint.name)
+    };
+    let found = far.iter().map(words).collect::<Vec<_>>().join("; ");
+    Ok(Check::failed(name, found, format!("within {most} rad: move the arm there by hand first")))
+}
+
+/// By how much the inertia of two descriptions of one arm may differ: what rounding and a flange make, and a certificate's window holds.
+const INERTIA_APART_MAX: f64 = 0.05;
+
+/// Whether the description that a robot hands out is of the arm that the study is about.
+pub(crate) fn description(study: &Study, link: Option<&mut FrankaLink>) -> Check {
+    let name = CheckName::Description;
+    let Some(link) = link else { return Check::not_asked(name, "of a simulated arm") };
+    if link.protocol() == Protocol::V5 {
+        return Check::not_asked(name, "of a robot of version 5, which hands out none");
+    }
+    let valid = "a study about this arm, made of its description by `phihat new`";
+    let told = match link.description() {
+        Ok(told) => told,
+        Err(why) => return Check::failed(name, why.to_string(), valid),
+    };
+    match apart(study, &told) {
+        Err(why) => Check::failed(name, why.to_string(), valid),
+        Ok((low, high)) => {
+            let found =
+                format!("the robot's inertia is {low:.3} … {high:.3} times that of `{}`", study.robot.name);
+            let alike = low >= 1.0 - INERTIA_APART_MAX && high <= 1.0 + INERTIA_APART_MAX;
+            if alike { Check::passed(name, found) } else { Check::failed(name, found, valid) }
+        }
     }
 }
 

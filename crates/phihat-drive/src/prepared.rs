@@ -14,32 +14,14 @@ use crate::error::DriveError;
 use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
+use crate::franka::FrankaLink;
 use crate::link::{Link, LinkFault};
+use crate::on::On;
 use crate::order::Order;
 use crate::preflight::{self, Check, CheckName, State};
 use crate::sim::SimLink;
 use crate::system;
 use crate::tape::ring;
-
-/// What is at the other end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum On {
-    /// phihat's own world, in lock-step.
-    #[default]
-    Sim,
-    /// The same by this machine's clock.
-    SimRealTime,
-}
-
-impl On {
-    /// The words for it on a command line.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Sim => "--on sim",
-            Self::SimRealTime => "--on sim --real-time",
-        }
-    }
-}
 
 /// What a drive is told.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +35,7 @@ pub struct DriveOptions {
     pub accept: Vec<CheckName>,
     /// The processor of the control thread; `None`: as the system likes.
     pub processor: Option<usize>,
-    /// Whether a robot that stopped is brought back afterwards.
+    /// Whether a robot that stopped by itself is brought back, before the drive and after it.
     pub recover: bool,
 }
 
@@ -66,6 +48,8 @@ pub struct Prepared {
     /// What came of the checks.
     pub checks: Vec<Check>,
     options: DriveOptions,
+    /// A robot that is connected, and stands.
+    robot: Option<FrankaLink>,
 }
 
 /// A drive that is over.
@@ -88,18 +72,19 @@ impl Driven {
     }
 }
 
-/// Looks at study, gains, link and machine; nothing moves and nothing is written.
+/// Looks at study, gains, link and machine; nothing moves and nothing is written. A robot is connected to, and asked what it is.
 ///
 /// # Errors
 ///
-/// [`DriveError`]: the study or the gains cannot be used. That a check does not pass is in [`Prepared::checks`].
+/// [`DriveError`]: the study or the gains cannot be used, or no robot answers. That a check does not pass is in [`Prepared::checks`].
 pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
     // What may be gone past is decided by the checks below.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
     let (session, folder) = run.open()?;
     let path = &options.run.study;
-    let facts = facts_of(session.study(), options.on);
     let (study, gains) = (session.study(), session.gains());
+    let facts = options.on.facts(study)?;
+    let mut robot = connected(&options.on, &facts, study)?;
     let rehearsed = (facts.clock != Clock::LockStep).then(|| rehearse(&session, options));
     let rehearsed = rehearsed.transpose()?;
     let checks = [
@@ -108,11 +93,20 @@ pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
         preflight::motion(study, path)?,
         preflight::profile(study, &facts),
         preflight::supervisor(study, &facts),
+        preflight::robot(study, robot.as_ref(), options.recover)?,
+        preflight::description(study, robot.as_mut()),
         preflight::real_time(&facts),
         preflight::rehearsal(rehearsed.as_ref()),
     ];
     let checks = checks.into_iter().map(|check| check.unless(&options.accept)).collect();
-    Ok(Prepared { session, folder, checks, options: options.clone() })
+    Ok(Prepared { session, folder, checks, options: options.clone(), robot })
+}
+
+/// A robot, where there is one at the other end.
+fn connected(on: &On, facts: &Facts, study: &Study) -> Result<Option<FrankaLink>, DriveError> {
+    let On::Franka(address) = on else { return Ok(None) };
+    let link = FrankaLink::connect(address, facts.clone(), study);
+    link.map(Some).map_err(|why| DriveError::Robot { at: on.words(), why })
 }
 
 /// The same gains and motion in lock-step; nothing is written.
@@ -120,16 +114,7 @@ fn rehearse(session: &Session, options: &DriveOptions) -> Result<Done, SessionEr
     let path = &options.run.study;
     let gains = (session.gains().clone(), options.run.gains.as_deref().unwrap_or(path));
     let study = phihat_session::read(path)?;
-    Ok(Session::new(study, path, Some(gains), true)?.run(|_| ()).0)
-}
-
-/// What is true of the link, before it is opened.
-fn facts_of(study: &Study, on: On) -> Facts {
-    let clock = match on {
-        On::Sim => Clock::LockStep,
-        On::SimRealTime => Clock::Host,
-    };
-    SimLink::facts_of(study, clock)
+    Ok(Session::new(study, path, Some(gains), true)?.rehearse())
 }
 
 impl Prepared {
@@ -158,7 +143,7 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, options, .. } = self;
+        let Self { session, checks, options, robot, .. } = self;
         let study = session.study().clone();
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let command = command(&options);
@@ -166,11 +151,12 @@ impl Prepared {
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
             let way = Way { checks: &checks, options: &options, stop, names: &names, samples };
-            let driven = match options.on {
-                On::Sim => way.drive(SimLink::lock_step(&study, world), control, watch, take),
-                On::SimRealTime => {
+            let driven = match (robot, &options.on) {
+                (Some(robot), _) => way.drive(robot, control, watch, take),
+                (None, On::SimRealTime) => {
                     way.drive(SimLink::real_time(&study, world)?, control, watch, take)
                 }
+                (None, _) => way.drive(SimLink::lock_step(&study, world), control, watch, take),
             };
             let (driven, tally) = driven?;
             kept = Some((tally, driven.document.clone(), driven.facts.clone()));
@@ -297,7 +283,7 @@ impl Way<'_> {
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
             .collect();
         let mut facts = vec![
-            ("driven".to_owned(), self.options.on.words().to_owned()),
+            ("driven".to_owned(), self.options.on.words()),
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
         for (label, times) in [("woke late", late), ("controller took", took)] {

@@ -9,7 +9,7 @@ use crate::error::FciError;
 use crate::fault::Faults;
 use crate::numbers::{at, put};
 use crate::protocol::{COMMAND_MOST, JOINTS, PORT, Protocol, STATE_MOST};
-use crate::request::{HEADER, Header, MOTION_STARTED, REQUEST_MOST, Request, SUCCESS, header_of};
+use crate::request::{HEADER, Header, MOTION_STARTED, PREEMPTED, REQUEST_MOST, Request, SUCCESS, header_of};
 use crate::state::{EXTERNAL, RobotMode, RobotState};
 
 /// How long a state may take: as libfranka has it.
@@ -310,6 +310,20 @@ impl Client {
                 });
             }
             return Ok(String::from_utf8_lossy(&text).into_owned());
+        }
+    }
+
+    /// Reads how a motion ended whose end a state showed: by a flag or a request of this client's, or because the robot had no more
+    /// of it.
+    ///
+    /// # Errors
+    ///
+    /// [`FciError::Aborted`]: the robot stopped.
+    pub fn concluded(&mut self) -> Result<(), FciError> {
+        let Some(id) = self.motion.take() else { return Ok(()) };
+        match self.answer(id)? {
+            SUCCESS | PREEMPTED => Ok(()),
+            status => Err(FciError::Aborted { status, reasons: self.reasons() }),
         }
     }
 

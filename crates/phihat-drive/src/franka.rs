@@ -1,0 +1,255 @@
+//! A Franka at the other end, or whatever speaks its interface.
+
+use std::collections::VecDeque;
+
+use phihat_fci::{Client, FciError, JOINTS, Protocol, RobotMode, RobotState};
+use phihat_model::{Profile, RobotError};
+use phihat_sim::Sample;
+use phihat_study::Study;
+
+use crate::facts::{Adds, Clock, Facts, Stops, Tells};
+use crate::link::{Link, LinkFault, Wait};
+use crate::system::HostClock;
+
+/// Time from one state to the next \[ns\].
+const PERIOD_NS: u64 = 1_000_000;
+
+/// Missing states in a row after which the robot is taken for gone.
+const GAP_MOST: u64 = 1000;
+
+/// How long libfranka's robot waits, and so does its client \[ms\].
+const SILENT_MS: u32 = 1000;
+
+/// Where a Franka is: host or `HOST:PORT`, and the version that is asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrankaAddress {
+    /// Host, or `HOST:PORT`.
+    pub host: String,
+    /// The version of the interface; `None`: the newest, or that which the robot says it speaks.
+    pub protocol: Option<Protocol>,
+}
+
+/// A Franka, told torques over the Franka Control Interface.
+///
+/// # Time
+///
+/// The robot's: one number of a state more is 1 ms. A gap in the numbers is so many lost samples; a sample that is lost is answered by
+/// nobody, the answer to the next one is the newest.
+///
+/// # Torque that acted
+///
+/// A study whose commands act `d` samples late expects to be told of them as late. The robot echoes what it took without delay, so the
+/// echo of `d` samples before stands for the torque that acted:
+///
+/// ```text
+/// τ_applied(k) = τ_J_d(k − d)
+/// ```
+///
+/// # Not claimed
+///
+/// Nothing here was tried on a real robot; see `docs/reliability.md`.
+#[derive(Debug)]
+pub struct FrankaLink {
+    client: Client,
+    facts: Facts,
+    /// When the controller began and ended \[ns\]; `None`: this system has no such clock.
+    clock: Option<HostClock>,
+    /// Number of the first state that was to be answered.
+    first: Option<u64>,
+    /// Number of the state that is due.
+    due: u64,
+    /// A state that came before its time: those before it are told as lost first.
+    early: Option<RobotState>,
+    /// The state that is to be answered.
+    answers: Option<u64>,
+    /// Torques that were accepted, and do not act yet.
+    accepted: VecDeque<[f64; JOINTS]>,
+    /// What went wrong in sending.
+    broken: Option<LinkFault>,
+    over: bool,
+}
+
+impl FrankaLink {
+    /// Connects, and reads one state; nothing moves. `study` says how late commands act.
+    ///
+    /// # Errors
+    ///
+    /// [`FciError`]: nobody answers, or in another version.
+    pub fn connect(address: &FrankaAddress, facts: Facts, study: &Study) -> Result<Self, FciError> {
+        let FrankaAddress { host, protocol } = address;
+        let client = match Client::connect(host, protocol.unwrap_or(Protocol::V10)) {
+            Err(FciError::Version { robot, asked }) if protocol.is_none() => {
+                let other = Protocol::of_version(robot);
+                let other = other.ok_or(FciError::Version { robot, asked })?;
+                Client::connect(host, other)?
+            }
+            other => other?,
+        };
+        let late = usize::try_from(study.control.delay_samples).unwrap_or_default();
+        // Room for one more: a cycle allocates nothing.
+        let mut accepted = VecDeque::with_capacity(late + 1);
+        accepted.resize(late, [0.0; JOINTS]);
+        Ok(Self {
+            client,
+            facts,
+            clock: HostClock::new(PERIOD_NS).ok(),
+            first: None,
+            due: 0,
+            early: None,
+            answers: None,
+            accepted,
+            broken: None,
+            over: false,
+        })
+    }
+
+    /// What is true of a Franka, by its documentation: the profile `franka`. How much of its friction it adds is not known.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]: the profile cannot be read.
+    pub fn facts_of(address: &FrankaAddress) -> Result<Facts, RobotError> {
+        let profile = Profile::named("franka")?;
+        Ok(Facts {
+            name: format!("the Franka at {}", address.host),
+            clock: Clock::Robot,
+            period_ns: PERIOD_NS,
+            width: JOINTS,
+            joints: None,
+            adds: Adds { gravity: profile.adds_gravity, friction: None },
+            stops: Stops {
+                torque_rate_max_nm_s: profile.torque_rate_max,
+                first_torque_max_nm: profile.first_torque_max,
+                losses_max: profile.losses_max,
+            },
+            tells: Tells { echo: true, losses: true, truth: false },
+        })
+    }
+
+    /// The newest state; `None`: none came yet.
+    pub fn state(&self) -> Option<&RobotState> {
+        self.client.last()
+    }
+
+    /// The version that is spoken.
+    pub fn protocol(&self) -> Protocol {
+        self.client.protocol()
+    }
+
+    /// The arm's description that the robot hands out (URDF); version 10 alone.
+    ///
+    /// # Errors
+    ///
+    /// [`FciError`], as of [`Client::model`].
+    pub fn description(&mut self) -> Result<String, FciError> {
+        self.client.model()
+    }
+
+    /// The torques that acted since the state before, where these are accepted now, and so many states came in between.
+    fn applied(&mut self, accepted: [f64; JOINTS], states: u64) -> [f64; JOINTS] {
+        let mut applied = accepted;
+        for _ in 0..states.min(GAP_MOST) {
+            self.accepted.push_back(accepted);
+            applied = self.accepted.pop_front().unwrap_or(accepted);
+        }
+        applied
+    }
+
+    /// A state that takes no torque: the motion has ended.
+    fn ended(&mut self, state: &RobotState) -> Wait {
+        self.over = true;
+        if state.mode == RobotMode::UserStopped {
+            return Wait::Fault(LinkFault::Stopped("a person pressed its stop"));
+        }
+        match self.client.concluded() {
+            Ok(()) => Wait::Over,
+            Err(why) => Wait::Fault(fault(&why)),
+        }
+    }
+}
+
+/// What a client's error means for the loop.
+fn fault(why: &FciError) -> LinkFault {
+    match why {
+        FciError::Network { why, .. } => LinkFault::Broken(why.kind()),
+        FciError::Silent => LinkFault::Silent(SILENT_MS),
+        FciError::Aborted { reasons, .. } => {
+            LinkFault::Stopped(reasons.names().next().unwrap_or("no reason was told"))
+        }
+        FciError::Refused { reasons, .. } => {
+            LinkFault::NotReady(reasons.names().next().unwrap_or("it is not idle"))
+        }
+        FciError::Stuck(what) => LinkFault::NotReady(what),
+        FciError::Message { what, .. } => LinkFault::Garbled(what),
+        _ => LinkFault::NotReady("it speaks another version"),
+    }
+}
+
+impl Link for FrankaLink {
+    fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    fn start(&mut self) -> Result<(), LinkFault> {
+        (self.first, self.early, self.answers, self.over) = (None, None, None, false);
+        self.client.start_torque().map_err(|why| fault(&why))
+    }
+
+    fn wait(&mut self, sample: &mut Sample) -> Wait {
+        if let Some(why) = self.broken.take() {
+            return Wait::Fault(why);
+        }
+        self.answers = None;
+        let state = match self.early.take().map_or_else(|| self.client.receive(), Ok) {
+            Ok(state) => state,
+            Err(why) => return Wait::Fault(fault(&why)),
+        };
+        if !state.takes_torque() {
+            return self.ended(&state);
+        }
+        let first = *self.first.get_or_insert(state.id);
+        if first == state.id {
+            self.due = first;
+        }
+        let t_ns = (self.due - first) * PERIOD_NS;
+        let missing = state.id - self.due;
+        if missing > GAP_MOST {
+            return Wait::Fault(LinkFault::Silent(SILENT_MS));
+        }
+        self.due += 1;
+        let tau = self.applied(state.tau_j_d, 1);
+        if missing > 0 {
+            self.early = Some(state);
+            return Wait::Lost { t_ns };
+        }
+        (sample.sequence, sample.t_ns) = (state.id, t_ns);
+        let measured = state.q.iter().zip(&state.dq).zip(tau);
+        for (joint, ((q, dq), tau)) in sample.joints.iter_mut().zip(measured) {
+            (joint.q, joint.dq, joint.tau_applied) = (*q, *dq, tau);
+        }
+        for (own, echo) in sample.accepted.iter_mut().zip(state.tau_j_d) {
+            *own = echo;
+        }
+        self.answers = Some(state.id);
+        Wait::Fresh { t_ns }
+    }
+
+    fn send(&mut self, tau: &[f64]) {
+        let (Some(id), Ok(tau)) = (self.answers, tau.try_into()) else { return };
+        self.broken = self.client.send_torque(id, tau).err().map(|why| fault(&why));
+    }
+
+    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
+        let (false, Ok(tau)) = (self.over, tau.try_into()) else { return Ok(()) };
+        let id = self.due.saturating_sub(1);
+        self.client.finish(id, tau).map_err(|why| fault(&why))
+    }
+
+    fn recover(&mut self) -> Result<(), LinkFault> {
+        self.client.recover().map_err(|why| fault(&why))
+    }
+
+    fn now_ns(&self) -> Option<u64> {
+        self.clock.as_ref().map(HostClock::now_ns)
+    }
+}

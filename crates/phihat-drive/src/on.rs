@@ -1,0 +1,83 @@
+//! The words for what is at the other end.
+
+use phihat_fci::Protocol;
+use phihat_model::RobotError;
+use phihat_study::Study;
+use thiserror::Error;
+
+use crate::facts::{Clock, Facts};
+use crate::franka::{FrankaAddress, FrankaLink};
+use crate::sim::SimLink;
+
+/// What is at the other end.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum On {
+    /// phihat's own world, in lock-step.
+    #[default]
+    Sim,
+    /// The same by this machine's clock.
+    SimRealTime,
+    /// A Franka.
+    Franka(FrankaAddress),
+}
+
+impl On {
+    /// What a person calls a link: `sim`, or `fci://HOST`, which a port and `?protocol=5` or `?protocol=10` may follow.
+    ///
+    /// # Errors
+    ///
+    /// What would be valid.
+    pub fn of(link: &str, real_time: bool) -> Result<Self, OnError> {
+        match (link, link.strip_prefix("fci://"), real_time) {
+            ("sim", _, false) => Ok(Self::Sim),
+            ("sim", _, true) => Ok(Self::SimRealTime),
+            (_, Some(_), true) => Err(OnError::Clock(link.to_owned())),
+            (_, Some(place), false) => {
+                let (host, asked) = place.split_once('?').unwrap_or((place, "protocol=any"));
+                let protocol = match asked {
+                    "protocol=any" => None,
+                    "protocol=5" => Some(Protocol::V5),
+                    "protocol=10" => Some(Protocol::V10),
+                    _ => return Err(OnError::Link(link.to_owned())),
+                };
+                if host.is_empty() {
+                    return Err(OnError::Link(link.to_owned()));
+                }
+                Ok(Self::Franka(FrankaAddress { host: host.to_owned(), protocol }))
+            }
+            _ => Err(OnError::Link(link.to_owned())),
+        }
+    }
+
+    /// The words for it on a command line.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Sim => "--on sim".to_owned(),
+            Self::SimRealTime => "--on sim --real-time".to_owned(),
+            Self::Franka(FrankaAddress { host, protocol }) => {
+                let asked = protocol.map(|asked| format!("?protocol={}", asked.version()));
+                format!("--on fci://{host}{}", asked.unwrap_or_default())
+            }
+        }
+    }
+
+    /// What is true of the link, before it is opened.
+    pub(crate) fn facts(&self, study: &Study) -> Result<Facts, RobotError> {
+        match self {
+            Self::Sim => Ok(SimLink::facts_of(study, Clock::LockStep)),
+            Self::SimRealTime => Ok(SimLink::facts_of(study, Clock::Host)),
+            Self::Franka(address) => FrankaLink::facts_of(address),
+        }
+    }
+}
+
+/// Why there is no such link.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum OnError {
+    /// It is none of the links.
+    #[error("--on {0}: `sim`, `fci://HOST` or `fci://HOST:PORT` is valid, the latter two with `?protocol=5` or `?protocol=10` behind them")]
+    Link(String),
+    /// The clock is the robot's.
+    #[error("--real-time with --on {0}: the clock is the robot's; leave `--real-time` out")]
+    Clock(String),
+}
