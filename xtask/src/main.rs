@@ -13,6 +13,7 @@ mod book;
 mod check;
 mod dependencies;
 mod files;
+mod franka;
 mod fuzz;
 mod instructions;
 mod laws;
@@ -22,6 +23,7 @@ mod rules;
 mod shell;
 mod test;
 mod twice;
+mod venv;
 mod zoo;
 
 use std::process::ExitCode;
@@ -50,6 +52,8 @@ const USAGE: &str = "usage:
   cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--folder FOLDER] [--fresh] [--debug]
                                other people's descriptions of arms: which load, whether Pinocchio finds the same torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
+  cargo xtask franka           `phihat drive` on a Franka that somebody else simulates, by the clock: a motion, a pause that is borne, one
+                               that is not, a jump (minutes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";
 

@@ -1,10 +1,10 @@
 //! `cargo xtask zoo`: descriptions of arms out of four public packages, loaded, held against Pinocchio and run; kept in
 //! docs/zoo.md and docs/zoo.json.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::shell::{cargo, command};
+use crate::venv;
 
 /// What the comparison runs in. What it reads is pinned in the script.
 const PACKAGES: [&str; 2] = ["numpy==2.4.6", "pin==4.1.0"];
@@ -50,7 +50,7 @@ impl Told {
 pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let told = Told::of(arguments)?;
     let folder = root.join(told.folder.as_deref().unwrap_or(Path::new("target/zoo")));
-    let python = environment(root, &folder)?;
+    let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     let place = folder.display().to_string();
     command(root, &python, &[SCRIPT, &place, "--fetch"])?;
 
@@ -71,22 +71,6 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     }
     words.extend(told.rest.iter().map(String::as_str));
     command(root, &python, &words)
-}
-
-/// Python with what the comparison needs; made again when the list changes.
-fn environment(root: &Path, folder: &Path) -> Result<String, String> {
-    let venv = folder.join("venv");
-    let python = venv.join("bin/python").display().to_string();
-    let (stamp, wanted) = (venv.join("installed.txt"), PACKAGES.join("\n"));
-    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return Ok(python);
-    }
-    println!("making {} with {}", venv.display(), PACKAGES.join(", "));
-    command(root, "python3", &["-m", "venv", "--clear", &venv.display().to_string()])?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    command(root, &python, &[&install[..], &PACKAGES].concat())?;
-    fs::write(&stamp, wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
-    Ok(python)
 }
 
 #[cfg(test)]

@@ -178,6 +178,36 @@ fn states_that_do_not_come_are_lost_samples() {
     assert!((15..=45).contains(&driven.tally.lost), "{:?}", driven.tally);
 }
 
+/// What docs/reliability.md says of losses (F4, F20) and of a load that falls (F12), over the wire: held, no torque that steps, no reflex.
+#[test]
+fn losses_jitter_and_a_dropped_load_are_borne() {
+    let folder = folder("franka-hard");
+    let hard = STUDY
+        .replace("duration_s = 0.6", "duration_s = 2.0")
+        .replace("encoder_bits = 18", "encoder_bits = 18\nsample_jitter_s = 2e-4")
+        .replace("[supervisor]", "[world.network]\ncommand_loss = 0.1\nsample_loss = 0.1\n[supervisor]")
+        .replace("mass_kg = 0.5, com_m = [0.0, 0.0, 0.05]", "mass_kg = 1.5, com_m = [0.0, 0.0, 0.08], end_s = 1.0");
+    let study = written(&folder, "hard.toml", &hard);
+    for protocol in Protocol::ALL {
+        let (address, serving) = serve(&study, 2000);
+        let told = options(&study, &format!("fci://{address}?protocol={}", protocol.version()));
+        let driven = driven(&told);
+        assert_eq!(serving.join().unwrap(), [Ending::Over]);
+        assert_eq!((driven.tally.end, driven.document["fault"].is_null()), (End::Complete, true));
+        assert!((150..250).contains(&driven.tally.lost), "{:?}", driven.tally);
+        let world = record(&study, "served");
+        let largest = |values: &[f64]| values.iter().map(|e| e.abs()).fold(0.0, f64::max);
+        for joint in &world.joints {
+            let steps = joint.tau_command.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+            assert!(steps.fold(0.0, f64::max) <= 1.0 + 1e-9, "{}: the torque jumps", joint.name);
+            let (before, last) = (largest(&joint.e[500..1000]), largest(&joint.e[1700..]));
+            let during = largest(&joint.e[1000..1700]);
+            println!("{} v{}: {before:.1e} {during:.1e} {last:.1e} rad", joint.name, protocol.version());
+            assert!(before < 0.02 && during < 0.05 && last < 0.02, "{}: {before} {during} {last}", joint.name);
+        }
+    }
+}
+
 #[test]
 fn a_robot_that_stops_ends_the_drive_and_is_brought_back() {
     let folder = folder("franka-reflex");

