@@ -169,7 +169,7 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
         let log = folder.join(format!("{name}.mcap")).display().to_string();
         let build = ["run", "--quiet", "-p", "phihat-session", "--features", "mcap"];
         let line = [&build[..], &["--example", "log", "--", &study, &out, &log]].concat();
-        crate::shell::cargo(root, &line)?;
+        cargo(root, &line)?;
     }
     Ok(folder)
 }

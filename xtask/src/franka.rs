@@ -18,6 +18,10 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
     let program = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
-    let words = ["xtask/src/franka.py".to_owned(), folder.display().to_string(), root.join(program).display().to_string()];
+    let words = [
+        "xtask/src/franka.py".to_owned(),
+        folder.display().to_string(),
+        root.join(program).display().to_string(),
+    ];
     command(root, &python, &words.iter().map(String::as_str).collect::<Vec<_>>())
 }

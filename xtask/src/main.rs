@@ -70,6 +70,7 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "zoo" => zoo::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "laws" => laws::run(&shell::root(), rest),
         Some((verb, _)) if verb == "rivals" => rivals::run(&shell::root()),

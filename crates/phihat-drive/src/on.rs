@@ -75,7 +75,9 @@ impl On {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum OnError {
     /// It is none of the links.
-    #[error("--on {0}: `sim`, `fci://HOST` or `fci://HOST:PORT` is valid, the latter two with `?protocol=5` or `?protocol=10` behind them")]
+    #[error(
+        "--on {0}: `sim`, `fci://HOST` or `fci://HOST:PORT` is valid, the latter two with `?protocol=5` or `?protocol=10` behind them"
+    )]
     Link(String),
     /// The clock is the robot's.
     #[error("--real-time with --on {0}: the clock is the robot's; leave `--real-time` out")]

@@ -215,7 +215,11 @@ pub(crate) fn robot(
             (RobotMode::Reflex, false) => format!("it stopped by itself: {}", state.reflex_reason),
             (mode, _) => format!("its mode is {mode:?}"),
         };
-        return Ok(Check::failed(name, found, "a robot that is idle; `--recover` leads out of a reflex"));
+        return Ok(Check::failed(
+            name,
+            found,
+            "a robot that is idle; `--recover` leads out of a reflex",
+        ));
     }
     let most = study.supervisor.as_ref().map_or(START_MAX, |asked| asked.start_mismatch_max);
     let motion = Motion::of(study)?;
@@ -253,8 +257,10 @@ pub(crate) fn description(study: &Study, link: Option<&mut FrankaLink>) -> Check
     match apart(study, &told) {
         Err(why) => Check::failed(name, why.to_string(), valid),
         Ok((low, high)) => {
-            let found =
-                format!("the robot's inertia is {low:.3} … {high:.3} times that of `{}`", study.robot.name);
+            let found = format!(
+                "the robot's inertia is {low:.3} … {high:.3} times that of `{}`",
+                study.robot.name
+            );
             let alike = low >= 1.0 - INERTIA_APART_MAX && high <= 1.0 + INERTIA_APART_MAX;
             if alike { Check::passed(name, found) } else { Check::failed(name, found, valid) }
         }

@@ -9,7 +9,9 @@ use crate::error::FciError;
 use crate::fault::Faults;
 use crate::numbers::{at, put};
 use crate::protocol::{COMMAND_MOST, JOINTS, PORT, Protocol, STATE_MOST};
-use crate::request::{HEADER, Header, MOTION_STARTED, PREEMPTED, REQUEST_MOST, Request, SUCCESS, header_of};
+use crate::request::{
+    HEADER, Header, MOTION_STARTED, PREEMPTED, REQUEST_MOST, Request, SUCCESS, header_of,
+};
 use crate::state::{EXTERNAL, RobotMode, RobotState};
 
 /// How long a state may take: as libfranka has it.
