@@ -73,8 +73,16 @@ const CRATES: [Row; 21] = [
     ),
     (
         "phihat-drive",
-        &["phihat", "phihat-design", "phihat-session", "phihat-sim", "phihat-study"],
-        "one loop for every robot behind a link, the checks before it, and how well a machine keeps time. It cannot see a protocol: a robot is its facts",
+        &[
+            "phihat",
+            "phihat-design",
+            "phihat-fci",
+            "phihat-model",
+            "phihat-session",
+            "phihat-sim",
+            "phihat-study",
+        ],
+        "one loop for every robot behind a link, which it knows by its facts alone; the links, the simulated arm and a Franka; the checks before it, and how well a machine keeps time",
     ),
     (
         "phihat-campaign",

@@ -56,7 +56,7 @@ pub struct FrankaAddress {
 /// Nothing here was tried on a real robot; see `docs/reliability.md`.
 #[derive(Debug)]
 pub struct FrankaLink {
-    client: Client,
+    client: Box<Client>,
     facts: Facts,
     /// When the controller began and ended \[ns\]; `None`: this system has no such clock.
     clock: Option<HostClock>,
@@ -71,7 +71,7 @@ pub struct FrankaLink {
     /// Torques that were accepted, and do not act yet.
     accepted: VecDeque<[f64; JOINTS]>,
     /// Commands that were sent last, and how many there were in all.
-    sent: ([[f64; JOINTS]; SENT], usize),
+    sent: (Vec<[f64; JOINTS]>, usize),
     /// What went wrong in sending.
     broken: Option<LinkFault>,
     over: bool,
@@ -85,14 +85,7 @@ impl FrankaLink {
     /// [`FciError`]: nobody answers, or in another version.
     pub fn connect(address: &FrankaAddress, facts: Facts, study: &Study) -> Result<Self, FciError> {
         let FrankaAddress { host, protocol } = address;
-        let client = match Client::connect(host, protocol.unwrap_or(Protocol::V10)) {
-            Err(FciError::Version { robot, asked }) if protocol.is_none() => {
-                let other = Protocol::of_version(robot);
-                let other = other.ok_or(FciError::Version { robot, asked })?;
-                Client::connect(host, other)?
-            }
-            other => other?,
-        };
+        let client = client(host, *protocol)?;
         let late = usize::try_from(study.control.delay_samples).unwrap_or_default();
         // Room for one more: a cycle allocates nothing.
         let mut accepted = VecDeque::with_capacity(late + 1);
@@ -106,7 +99,7 @@ impl FrankaLink {
             early: None,
             answers: None,
             accepted,
-            sent: ([[0.0; JOINTS]; SENT], 0),
+            sent: (vec![[0.0; JOINTS]; SENT], 0),
             broken: None,
             over: false,
         })
@@ -180,6 +173,19 @@ impl FrankaLink {
             Ok(()) => Wait::Over,
             Err(why) => Wait::Fault(fault(&why)),
         }
+    }
+}
+
+/// A client of the version that is asked for, else of that which the robot speaks.
+#[inline(never)]
+fn client(host: &str, protocol: Option<Protocol>) -> Result<Box<Client>, FciError> {
+    match Client::connect(host, protocol.unwrap_or(Protocol::V10)) {
+        Err(FciError::Version { robot, asked }) if protocol.is_none() => {
+            let other = Protocol::of_version(robot);
+            let other = other.ok_or(FciError::Version { robot, asked })?;
+            Client::connect(host, other).map(Box::new)
+        }
+        other => other.map(Box::new),
     }
 }
 

@@ -21,32 +21,35 @@ const PRIORITY: u8 = 80;
 /// A clock that wakes a loop at absolute times, so that a late sample does not make the next one late.
 #[derive(Debug)]
 pub(crate) struct HostClock {
-    period_ns: u64,
-    due_ns: u64,
-    late_ns: u64,
+    /// Time from one sample to the next \[ns\].
+    period: u64,
+    /// When the next sample is due \[ns\].
+    due: u64,
+    /// How late the last one was woken for \[ns\].
+    late: u64,
 }
 
 impl HostClock {
     #[expect(clippy::unnecessary_wraps, reason = "other systems have none")]
     pub(crate) fn new(period_ns: u64) -> Result<Self, SystemError> {
-        Ok(Self { period_ns, due_ns: now_ns(), late_ns: 0 })
+        Ok(Self { period: period_ns, due: now_ns(), late: 0 })
     }
 
     /// The first sample is due now.
     pub(crate) fn start(&mut self) {
-        self.due_ns = now_ns();
+        self.due = now_ns();
     }
 
     /// Sleeps until the next sample is due.
     pub(crate) fn wait(&mut self) {
-        let due = self.due_ns;
+        let due = self.due;
         #[expect(clippy::cast_possible_wrap, reason = "a time since the machine's start")]
         let until =
             Timespec { tv_sec: (due / 1_000_000_000) as i64, tv_nsec: (due % 1_000_000_000) as _ };
         // A signal cuts a sleep short.
         while now_ns() < due && clock_nanosleep_absolute(ClockId::Monotonic, &until).is_err() {}
-        self.late_ns = now_ns().saturating_sub(due);
-        self.due_ns = due + self.period_ns;
+        self.late = now_ns().saturating_sub(due);
+        self.due = due + self.period;
     }
 
     #[expect(clippy::unused_self, reason = "the same on every system")]
@@ -55,7 +58,7 @@ impl HostClock {
     }
 
     pub(crate) fn late_ns(&self) -> u64 {
-        self.late_ns
+        self.late
     }
 }
 

@@ -152,7 +152,7 @@ pub(crate) fn certificate(study: &Study, gains: &Gains) -> Check {
 pub(crate) fn window(study: &Study, path: &Path, gains: &Gains) -> Result<Check, SessionError> {
     let arm = arm(study, path)?;
     Ok(match arm_inside_window(study, &arm, gains) {
-        Ok(_) => Check::passed(CheckName::Window, "the arm's inertia lies inside"),
+        Ok(()) => Check::passed(CheckName::Window, "the arm's inertia lies inside"),
         Err(why) => {
             let valid = "gains that were designed for this arm: `phihat design`";
             Check::failed(CheckName::Window, why.to_string(), valid)
@@ -227,7 +227,7 @@ pub(crate) fn robot(
         let [wanted, ..] = motion.told(i, 0.0);
         (joint, q, wanted)
     });
-    let far: Vec<_> = off.filter(|(_, q, wanted)| !((q - wanted).abs() <= most)).collect();
+    let far: Vec<_> = off.filter(|(_, q, wanted)| beyond((q - wanted).abs(), most)).collect();
     if far.is_empty() {
         let found = format!("it is idle, each joint within {most} rad of where the motion begins");
         return Ok(Check::passed(name, found));
@@ -237,6 +237,11 @@ pub(crate) fn robot(
     };
     let found = far.iter().map(words).collect::<Vec<_>>().join("; ");
     Ok(Check::failed(name, found, format!("within {most} rad: move the arm there by hand first")))
+}
+
+/// Whether a figure is more than a limit, or none.
+fn beyond(figure: f64, most: f64) -> bool {
+    figure.is_nan() || figure > most
 }
 
 /// By how much the inertia of two descriptions of one arm may differ: what rounding and a flange make, and a certificate's window holds.

@@ -81,25 +81,37 @@ pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
     // What may be gone past is decided by the checks below.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
     let (session, folder) = run.open()?;
-    let path = &options.run.study;
-    let (study, gains) = (session.study(), session.gains());
-    let facts = options.on.facts(study)?;
-    let mut robot = connected(&options.on, &facts, study)?;
-    let rehearsed = (facts.clock != Clock::LockStep).then(|| rehearse(&session, options));
+    let facts = options.on.facts(session.study())?;
+    let mut robot = connected(&options.on, &facts, session.study())?;
+    let checks = checked(&session, &facts, robot.as_mut(), options)?;
+    Ok(Prepared { session, folder, checks, options: options.clone(), robot })
+}
+
+/// Every check, in its order.
+#[inline(never)]
+fn checked(
+    session: &Session,
+    facts: &Facts,
+    robot: Option<&mut FrankaLink>,
+    options: &DriveOptions,
+) -> Result<Vec<Check>, DriveError> {
+    let (study, gains, path) = (session.study(), session.gains(), &options.run.study);
+    let rehearsed = (facts.clock != Clock::LockStep).then(|| rehearse(session, options));
     let rehearsed = rehearsed.transpose()?;
-    let checks = [
+    let mut checks = vec![
         preflight::certificate(study, gains),
         preflight::window(study, path, gains)?,
         preflight::motion(study, path)?,
-        preflight::profile(study, &facts),
-        preflight::supervisor(study, &facts),
-        preflight::robot(study, robot.as_ref(), options.recover)?,
-        preflight::description(study, robot.as_mut()),
-        preflight::real_time(&facts),
-        preflight::rehearsal(rehearsed.as_ref()),
+        preflight::profile(study, facts),
+        preflight::supervisor(study, facts),
+        preflight::robot(study, robot.as_deref(), options.recover)?,
     ];
-    let checks = checks.into_iter().map(|check| check.unless(&options.accept)).collect();
-    Ok(Prepared { session, folder, checks, options: options.clone(), robot })
+    checks.extend([
+        preflight::description(study, robot),
+        preflight::real_time(facts),
+        preflight::rehearsal(rehearsed.as_ref()),
+    ]);
+    Ok(checks.into_iter().map(|check| check.unless(&options.accept)).collect())
 }
 
 /// A robot, where there is one at the other end.
@@ -169,15 +181,11 @@ impl Prepared {
 
 /// The command that makes the record again.
 fn command(options: &DriveOptions) -> String {
-    let mut words = format!("phihat drive {}", options.run.study.display());
-    if let Some(gains) = &options.run.gains {
-        words += &format!(" --gains {}", gains.display());
-    }
-    words += &format!(" {}", options.on.words());
-    for check in &options.accept {
-        words += &format!(" --accept {}", check.word());
-    }
-    words
+    let mut words = vec![format!("phihat drive {}", options.run.study.display())];
+    words.extend(options.run.gains.as_ref().map(|gains| format!("--gains {}", gains.display())));
+    words.push(options.on.words());
+    words.extend(options.accept.iter().map(|check| format!("--accept {}", check.word())));
+    words.join(" ")
 }
 
 /// What the way of a drive needs to know beside its link.

@@ -80,8 +80,12 @@ impl Default for Timing {
 impl Timing {
     /// Counts one cycle \[ns\]; `None`: no clock said so.
     pub fn add(&mut self, late_ns: Option<u64>, took_ns: Option<u64>) {
-        late_ns.into_iter().for_each(|ns| self.late.add(ns));
-        took_ns.into_iter().for_each(|ns| self.took.add(ns));
+        if let Some(ns) = late_ns {
+            self.late.add(ns);
+        }
+        if let Some(ns) = took_ns {
+            self.took.add(ns);
+        }
     }
 
     /// How late the loop woke; `None`: time was counted.
@@ -96,7 +100,7 @@ impl Timing {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#[expect(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
     use super::Timing;
 

@@ -31,7 +31,7 @@ struct Robot<'a> {
     recovered: bool,
 }
 
-impl<'a> Robot<'a> {
+impl Robot<'_> {
     fn new(study: &Study, sim: SimLink, tells: Tells) -> Self {
         let n = names(study).len();
         let places: Vec<usize> = (0..n).rev().collect();

@@ -81,6 +81,7 @@ impl Log {
         match *self {}
     }
 
+    #[expect(clippy::needless_pass_by_ref_mut, reason = "as where logs are written")]
     pub(crate) fn block(&mut self, _: &Trace) -> Result<(), DiskError> {
         match *self {}
     }
