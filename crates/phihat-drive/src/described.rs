@@ -63,7 +63,6 @@ fn energies(m: &[f64], n: usize) -> impl Iterator<Item = f64> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
     use super::{NotComparable, apart};
     use phihat_study::Study;
