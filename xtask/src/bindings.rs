@@ -167,7 +167,10 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
         let study = format!("studies/{name}.toml");
         let out = folder.join(name).display().to_string();
         let log = folder.join(format!("{name}.mcap")).display().to_string();
-        let build = ["run", "--quiet", "-p", "phihat-session", "--features", "mcap"];
+        // As the step that looks at logs builds it.
+        let features = "phihat-session/mcap,phihat-sim/parquet";
+        let build = ["run", "--quiet", "--profile", "test", "-p", "phihat-session"];
+        let build = [&build[..], &["--features", features]].concat();
         let line = [&build[..], &["--example", "log", "--", &study, &out, &log]].concat();
         cargo(root, &line)?;
     }

@@ -38,7 +38,7 @@ fn designed_gains_are_verified_keep_their_bound_in_the_loop_and_are_refused_once
 #[test]
 fn a_study_without_gains_is_designed_on_the_way() {
     let folder = folder("design-run");
-    fs::write(folder.join("swing.toml"), swing(1.0)).unwrap();
+    fs::write(folder.join("swing.toml"), swing(1.5)).unwrap();
     let answer = phihat(&folder, &["run", "swing.toml"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
     let gains = fs::read_to_string(folder.join("out/swing/gains.json")).unwrap();
@@ -48,8 +48,8 @@ fn a_study_without_gains_is_designed_on_the_way() {
 #[test]
 fn what_cannot_be_had_is_told_with_what_can() {
     let folder = folder("infeasible");
-    let strict = swing(1.0).replace("error_max_rad = 4e-3", "error_max_rad = 1e-6");
-    assert!(strict != swing(1.0));
+    let strict = swing(1.5).replace("error_max_rad = 4e-3", "error_max_rad = 1e-6");
+    assert!(strict != swing(1.5));
     fs::write(folder.join("strict.toml"), strict).unwrap();
     let answer = phihat(&folder, &["design", "strict.toml"]);
     assert_eq!(answer.code, 1, "{}", answer.err);
@@ -231,8 +231,8 @@ fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
 fn a_motion_beyond_the_drives_is_refused_by_design_and_run_with_a_remedy() {
     let folder = folder("overload");
     // Less than it takes to hold the arm up.
-    let weak = swing(1.0).replace("[loop]", "[loop]\ntorque_max_nm = 0.5");
-    assert!(weak != swing(1.0));
+    let weak = swing(1.5).replace("[loop]", "[loop]\ntorque_max_nm = 0.5");
+    assert!(weak != swing(1.5));
     fs::write(folder.join("weak.toml"), &weak).unwrap();
     for verb in ["design", "run", "simulate"] {
         let answer = phihat(&folder, &[verb, "weak.toml"]);

@@ -17,7 +17,7 @@ fn nothing_moves_that_a_check_refuses() {
     let plain = phihat(&folder, &["drive", "small.toml"]);
     assert_eq!(plain.code, 2, "{}", plain.err);
     for words in [
-        "REFUSED: certificate: these gains carry no certificate",
+        "REFUSED:  certificate: these gains carry no certificate",
         "--accept certificate",
         "not asked real-time: in lock-step",
     ] {
@@ -40,15 +40,15 @@ fn nothing_moves_that_a_check_refuses() {
 #[test]
 fn gains_of_another_arm_are_refused_by_their_window() {
     let folder = folder("drive-window");
-    fs::write(folder.join("swing.toml"), swing(1.0)).unwrap();
+    fs::write(folder.join("swing.toml"), swing(1.5)).unwrap();
     assert_eq!(phihat(&folder, &["design", "swing.toml", "--out", "gains.json"]).code, 0);
     // The same joint with a heavy rotor.
-    let heavy = swing(1.0).replace("[spec]", "armature_kg_m2 = 20.0\n[spec]");
+    let heavy = swing(1.5).replace("[spec]", "armature_kg_m2 = 20.0\n[spec]");
     fs::write(folder.join("heavy.toml"), heavy).unwrap();
     let line = ["drive", "heavy.toml", "--gains", "gains.json"];
     let answer = phihat(&folder, &line);
     assert_eq!(answer.code, 2, "{}", answer.err);
-    assert!(answer.err.contains("REFUSED: window"), "{}", answer.err);
+    assert!(answer.err.contains("REFUSED:  window"), "{}", answer.err);
     assert!(!folder.join("out").exists());
     let fine = phihat(&folder, &["drive", "swing.toml", "--gains", "gains.json"]);
     assert_eq!(fine.code, 0, "{}{}", fine.out, fine.err);

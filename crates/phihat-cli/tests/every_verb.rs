@@ -18,8 +18,8 @@ fn place(name: &str) -> std::path::PathBuf {
     write("good.toml", &first);
     write("tight.toml", &first.replace("error_max_rad = 2e-3", "error_max_rad = 1e-7"));
     write("bad.toml", &first.replace("rate_hz", "rate_khz"));
-    write("designed.toml", &swing(1.0));
-    write("impossible.toml", &swing(1.0).replace("error_max_rad = 4e-3", "error_max_rad = 1e-9"));
+    write("designed.toml", &swing(1.5));
+    write("impossible.toml", &swing(1.5).replace("error_max_rad = 4e-3", "error_max_rad = 1e-9"));
     folder
 }
 

@@ -10,7 +10,7 @@ use support::{folder, json, phihat, swing};
 #[test]
 fn terminal_file_and_json_hold_the_same_text() {
     let folder = folder("export");
-    let pid = swing(1.0).replace("[design]\n", "[design]\norders = [1]\n");
+    let pid = swing(1.5).replace("[design]\n", "[design]\norders = [1]\n");
     fs::write(folder.join("pid.toml"), pid).unwrap();
     assert_eq!(phihat(&folder, &["design", "pid.toml", "--out", "gains.json"]).code, 0);
     for format in ["ros", "c-header", "csv"] {
