@@ -148,6 +148,9 @@ fn lines(checks: &[Check]) -> String {
 fn told(driven: &Driven) -> String {
     let mut lines: Vec<String> =
         driven.facts.iter().map(|(label, value)| format!("{label}: {value}")).collect();
+    if driven.tally.tracked == 0 {
+        lines.push("HELD: the arm never followed its motion".to_owned());
+    }
     match driven.tally.end {
         End::Complete => {}
         End::Asked => lines.push("STOPPED by a person; the record ends there".to_owned()),

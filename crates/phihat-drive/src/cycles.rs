@@ -57,6 +57,8 @@ pub struct Tally {
     pub cycles: u64,
     /// Samples among them that did not come.
     pub lost: u64,
+    /// Samples among them in which the arm followed its motion: an arm that may not is held.
+    pub tracked: u64,
     /// Samples after the study's end, until the supervisor asked for the brakes.
     pub stopping: u64,
     /// What the link said of the end.
@@ -134,7 +136,8 @@ pub fn cycles<L: Link>(
     desk: &mut Desk,
     plan: &Plan<'_>,
 ) -> Tally {
-    let mut tally = Tally { end: End::Complete, cycles: 0, lost: 0, stopping: 0, finished: Ok(()) };
+    let mut tally =
+        Tally { end: End::Complete, cycles: 0, lost: 0, tracked: 0, stopping: 0, finished: Ok(()) };
     let mut stopping = false;
     while tally.cycles < plan.samples {
         // The first sample is answered: a record has one at least.
@@ -154,6 +157,8 @@ pub fn cycles<L: Link>(
         };
         tally.cycles += 1;
         tally.lost += u64::from(cycle.arrival == Arrival::Lost);
+        let tracks = cycle.report.is_none_or(|report| report.mode == Mode::Tracking);
+        tally.tracked += u64::from(tracks);
         if !tape.push(cycle, desk.rows(link, control)) {
             tally.end = End::Unread;
             break;

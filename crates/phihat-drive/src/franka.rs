@@ -274,7 +274,8 @@ impl Link for FrankaLink {
 
     fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
         let (false, Ok(tau)) = (self.over, tau.try_into()) else { return Ok(()) };
-        let id = self.due.saturating_sub(1);
+        // The newest state waits for an answer where those before it were lost.
+        let id = self.client.last().map_or(0, |state| state.id);
         self.client.finish(id, tau).map_err(|why| fault(&why))
     }
 

@@ -66,9 +66,10 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Whether it came to its end, kept every bound, and no promise about it is broken.
+    /// Whether the arm followed its motion to the end, kept every bound, and no promise about it is broken.
     pub fn good(&self) -> bool {
-        self.done.good() && self.tally.end == End::Complete && self.tally.finished.is_ok()
+        let Tally { end, finished, tracked, .. } = self.tally;
+        self.done.good() && end == End::Complete && finished.is_ok() && tracked > 0
     }
 }
 
@@ -277,6 +278,7 @@ impl Way<'_> {
             "finished": tally.finished.is_ok(),
             "samples": tally.cycles,
             "lost": tally.lost,
+            "tracked": tally.tracked,
             "stop_samples": tally.stopping,
             "supervisor_faults": faults,
             "timing": { "wake_up_late": late, "controller": took },
@@ -288,6 +290,7 @@ impl Way<'_> {
                 format!("driven without what was asked of the system: {}", given.found)
             }))
             .chain((tally.end == End::Asked).then(|| "stopped by a person".to_owned()))
+            .chain((tally.tracked == 0).then(|| "the arm never followed its motion".to_owned()))
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
             .collect();
         let mut facts = vec![

@@ -1,0 +1,196 @@
+//! Cycles over the Franka Control Interface, many of them: `PHIHAT_CYCLES=3600000` for an hour. Wrong if the control thread allocated in a
+//! cycle, if memory grew, or if the error did.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
+
+mod support;
+
+use std::net::Ipv4Addr;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::Duration;
+
+use allocation_counter::measure;
+use phihat_design::requested_gains;
+use phihat_drive::{
+    Desk, End, FrankaAddress, FrankaLink, Link as _, Order, Plan, Reader, cycles, ring,
+};
+use phihat_fci::{
+    Ending, FciError, Host, Pace, Packets, Protocol, RobotSide, Rules, Sensed, World,
+};
+use phihat_sim::{Simulation, WorldSide};
+use support::{names, study};
+
+const STUDY: &str = r#"
+duration_s = 3900.0
+seed = 5
+[robot]
+name = "panda"
+[profile]
+name = "robot"
+[spec]
+settle_s = 1.0
+[gains]
+order = 2
+bandwidth_rad_s = 20.0
+estimator_bandwidth_rad_s = 50.0
+inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]
+[loop]
+rate_hz = 1000.0
+delay_samples = 1
+[sensor]
+encoder_bits = 18
+velocity = "differenced"
+velocity_filter_hz = 45.0
+[world]
+friction = "robot"
+payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
+[world.network]
+command_loss = 0.01
+sample_loss = 0.01
+[supervisor]
+error_stop_rad = 0.2
+[reference]
+kind = "sines"
+center = "ready"
+fade_in_s = 1.0
+[[reference.sine]]
+amplitude_rad = 0.1
+frequency_hz = 0.3
+"#;
+
+/// A simulated arm behind the interface.
+struct Served {
+    side: WorldSide,
+    sensed: Sensed,
+    due: bool,
+    last: Option<u64>,
+    ended: Option<Ending>,
+}
+
+impl World for Served {
+    type Error = FciError;
+
+    fn begin(&mut self) -> Result<(), FciError> {
+        Ok(())
+    }
+
+    fn sensed(&mut self) -> Sensed {
+        if core::mem::take(&mut self.due)
+            && let Some(sensed) = self.side.sense()
+        {
+            let sample = sensed.sample;
+            for (i, joint) in sample.joints.iter().enumerate() {
+                (self.sensed.q[i], self.sensed.dq[i]) = (joint.q, joint.dq);
+                self.sensed.tau_j_d[i] = sample.accepted[i];
+            }
+            self.sensed.arrives = self.last != Some(sample.sequence);
+            self.last = Some(sample.sequence);
+        }
+        self.sensed
+    }
+
+    fn step(&mut self, torque: &[f64; 7]) {
+        self.side.act(torque);
+        self.due = true;
+    }
+
+    fn is_over(&self) -> bool {
+        self.side.is_over()
+    }
+
+    fn ended(&mut self, ending: Ending, _: Packets) -> Result<(), FciError> {
+        self.ended = Some(ending);
+        Ok(())
+    }
+
+    fn is_done(&mut self) -> bool {
+        self.ended.is_some()
+    }
+}
+
+/// Largest |e| \[rad\] in the second tenth of the cycles and in the last.
+fn errors(mut reader: Reader, count: u64) -> [f64; 2] {
+    let (mut rows, mut seen, mut found) = (Vec::new(), 0, [0.0_f64; 2]);
+    loop {
+        let ended = reader.is_ended();
+        while reader.next(&mut rows).is_some() {
+            let tenth = seen * 10 / count;
+            let most = rows.iter().map(|row| (row.measurement.q - row.reference.q).abs());
+            let most = most.fold(0.0, f64::max);
+            match tenth {
+                1 => found[0] = found[0].max(most),
+                9 => found[1] = found[1].max(most),
+                _ => {}
+            }
+            seen += 1;
+        }
+        if ended {
+            return found;
+        }
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Memory of this process \[kB\].
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|line| line.trim().split(' ').next()?.parse().ok()).unwrap_or_default()
+}
+
+/// Drives so many cycles; allocations of the control thread, errors, and by how much memory grew \[kB\].
+fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
+    let study = study(STUDY);
+    let gains = requested_gains(&study).unwrap();
+    let names = names(&study);
+    let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
+    let (mut control, side) = Simulation::new(&study, &law).unwrap().apart();
+    let pace = Pace::LockStep { patience: Duration::from_mins(1) };
+    let rules = Rules { torque_step_max: Some(1.0), losses_max: Some(20), ..Rules::NONE };
+    let robot = RobotSide::new(rules, String::new());
+    let mut host = Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, robot).unwrap();
+    let address = FrankaAddress { host: host.address().to_string(), protocol: Some(protocol) };
+    let sensed = Sensed::default();
+    let mut world = Served { side, sensed, due: true, last: None, ended: None };
+    let serving = thread::spawn(move || {
+        host.serve(&mut world).unwrap();
+        world.ended
+    });
+    let facts = FrankaLink::facts_of(&address).unwrap();
+    let mut link = FrankaLink::connect(&address, facts, &study).unwrap();
+    let mut desk = Desk::new(Order::new(&names, None, 7).unwrap(), 7);
+    let (mut tape, reader) = ring(7, 1024, true);
+    let stop = AtomicBool::new(false);
+    let plan = Plan { samples: count, stop_samples: 5000, stop: &stop };
+    let reading = thread::spawn(move || errors(reader, count));
+    let before = resident();
+    link.start().unwrap();
+    let mut tally = None;
+    let used = measure(|| {
+        tally = Some(cycles(&mut link, &mut control, &mut tape, &mut desk, &plan));
+    });
+    drop(tape);
+    let tally = tally.unwrap();
+    assert_eq!((tally.end, tally.cycles, tally.finished), (End::Complete, count, Ok(())));
+    assert!(tally.lost > count / 200 && tally.lost < count / 50, "{tally:?}");
+    let grown = resident().saturating_sub(before);
+    drop(link);
+    assert_eq!(serving.join().unwrap(), Some(Ending::Finished));
+    (used.count_total, reading.join().unwrap(), grown)
+}
+
+#[test]
+fn cycles_allocate_nothing_and_neither_memory_nor_the_error_grows() {
+    let asked = std::env::var("PHIHAT_CYCLES").ok().and_then(|count| count.parse().ok());
+    let count = asked.unwrap_or(20_000);
+    for protocol in Protocol::ALL {
+        let (allocations, [early, late], grown) = driven(count, protocol);
+        println!(
+            "{count} cycles, version {}: {allocations} allocations, |e| {early:.2e} and {late:.2e} rad, {grown} kB",
+            protocol.version()
+        );
+        assert_eq!(allocations, 0);
+        assert!(late < 1.5 * early + 1e-5, "{early} {late}");
+        assert!(grown < 4096, "{grown} kB");
+    }
+}
