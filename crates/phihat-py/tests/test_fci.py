@@ -4,6 +4,7 @@ or if a reflex did not end as libfranka documents it."""
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import os
@@ -12,6 +13,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import phihat
 import pylibfranka
 import pytest
 from panda_py import libfranka
@@ -53,12 +56,48 @@ phase_rad = 0.0
 """
 
 
+# Gains with a tube, inside the robot's rule: what a Franka adds is not in the law.
+CERTIFIED = """
+title = "A certified law through other people's clients"
+duration_s = 4.0
+[robot]
+name = "panda"
+[profile]
+name = "robot"
+[spec]
+settle_s = 1.5
+error_max_rad = 1e-3
+[design]
+payload_max_kg = 1.0
+torque_step_max_nm = 1.0
+[loop]
+rate_hz = 1000.0
+delay_samples = 1
+torque_rate_max_nm_s = "robot"
+[sensor]
+encoder_bits = 18
+velocity = "differenced"
+velocity_filter_hz = 100.0
+[world]
+friction = "robot"
+payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
+[reference]
+kind = "sines"
+center = "ready"
+fade_in_s = 1.0
+[[reference.sine]]
+amplitude_rad = 0.05
+frequency_hz = [0.20, 0.25, 0.30, 0.22, 0.35, 0.40, 0.28]
+phase_rad = 0.0
+"""
+
+
 class Served:
     """`phihat serve`, on an address of the loopback of its own: libfranka knows one port."""
 
-    def __init__(self, folder: Path, patience_ms: int, cycles: int | None = None) -> None:
+    def __init__(self, folder: Path, patience_ms: int, cycles: int | None = None, text: str = STUDY) -> None:
         study = folder / "study.toml"
-        study.write_text(STUDY)
+        study.write_text(text)
         number = os.getpid() % 65_000
         self.address = f"127.{1 + number // 250}.{1 + number % 250}.1"
         command = [str(PROGRAM), "serve", str(study), "--fci", "--json", "--listen", self.address]
@@ -88,8 +127,8 @@ class Served:
 def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
     begun: list[Served] = []
 
-    def begin(patience_ms: int, cycles: int | None = None) -> Served:
-        begun.append(Served(tmp_path, patience_ms, cycles))
+    def begin(patience_ms: int, cycles: int | None = None, text: str = STUDY) -> Served:
+        begun.append(Served(tmp_path, patience_ms, cycles, text))
         return begun[-1]
 
     yield begin
@@ -249,3 +288,48 @@ def test_a_second_client_is_told_so(serve: Callable[..., Served]) -> None:
         oldest(served.address)
     run_newest(first, Law(), 100)
     assert served.motion()["motion"] == "finished by the client"
+
+
+@pytest.fixture(scope="module")
+def certified(tmp_path_factory: pytest.TempPathFactory) -> phihat.Trace:
+    """A run of gains with a tube: what the arm is told at each sample, and what is claimed."""
+    study = tmp_path_factory.mktemp("certified") / "certified.toml"
+    study.write_text(CERTIFIED)
+    return phihat.simulate(study)
+
+
+@CLIENTS
+def test_phihat_through_the_official_client_stays_inside_its_tube(
+    serve: Callable[..., Served], certified: phihat.Trace, protocol: int, connect: Any, run: Any
+) -> None:
+    gains = certified.gains
+    assert gains.certificate is not None
+    tube = gains.certificate["tube"]["joints"]
+    wanted = [np.ascontiguousarray(certified[name]) for name in ("q_desired", "dq_desired", "ddq_desired")]
+    cycles = len(certified.t)
+    controller = phihat.Controller(gains)
+    told = [np.zeros(7)] * 2
+
+    def law(q: list[float], dq: list[float]) -> list[float]:
+        k = len(told) - 2
+        if k > 0:
+            # Commands act one sample late, and the law is told of them as late.
+            at = [np.ascontiguousarray(signal[k]) for signal in wanted]
+            tau = controller.update(np.array(q), np.array(dq), *at, tau_applied=told[-2])
+        else:
+            # A Franka begins at zero.
+            tau = np.zeros(7)
+        told.append(np.array(tau))
+        return [float(torque) for torque in tau]
+
+    served = serve(60_000, cycles, CERTIFIED)
+    run(connect(served.address), law, cycles)
+    motion = served.motion()
+    assert (motion["cycles"], motion["verdict"]) == (cycles, "within_spec")
+    with served.trace.open() as file:
+        rows = [row for row in csv.DictReader(file) if float(row["t_s"]) >= 1.5]
+    for joint in tube:
+        errors = [abs(float(row["e_rad"])) for row in rows if row["joint"] == joint["name"]]
+        share = max(errors) / joint["error_max_rad"]
+        print(f"{joint['name']}: {1e3 * max(errors):.3f} of {1e3 * joint['error_max_rad']:.3f} mrad")
+        assert 0.02 < share <= 1.0
