@@ -1,4 +1,5 @@
-//! `cargo xtask franka`: `phihat drive` on a simulated Franka that nobody here wrote, which keeps the interface's rules.
+//! `cargo xtask franka`: peers of the Franka Control Interface that nobody here wrote: a client beside ours, and a simulated robot, which keeps
+//! the interface's rules, under `phihat drive`.
 
 use std::path::Path;
 
@@ -14,6 +15,10 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     if let Some(word) = arguments.first() {
         return Err(format!("franka: {word}: nothing is known"));
     }
+    println!("franka-rs beside our client");
+    let built = root.join("target/peers").display().to_string();
+    let peers = ["--manifest-path", "crates/phihat-fci/peers/Cargo.toml", "--target-dir", &built];
+    cargo(root, &[&["test", "--quiet"][..], &peers].concat())?;
     let folder = root.join("target/franka");
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
