@@ -20,9 +20,23 @@ const RULES: Rules = Rules {
     losses_max: Some(20),
 };
 
+/// An arm as far as clients read it: seven joints with their limits.
+fn description() -> String {
+    let joint = |n: usize| {
+        format!(
+            "<joint name=\"arm_joint{n}\" type=\"revolute\"><parent link=\"link{}\"/><child link=\"link{n}\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-9\" upper=\"9\" effort=\"87\" velocity=\"2.5\"/>\
+             <position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/></joint><link name=\"link{n}\"/>",
+            n - 1
+        )
+    };
+    let joints: String = (1..=7).map(joint).collect();
+    format!("<robot name=\"arm\"><link name=\"link0\"/>{joints}</robot>")
+}
+
 fn robot(motions: usize) -> (String, JoinHandle<Masses>) {
     let pace = Pace::LockStep { patience: Duration::from_secs(30) };
-    let side = RobotSide::new(RULES, "<robot/>".to_owned());
+    let side = RobotSide::new(RULES, description());
     let mut host = Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, side).unwrap();
     let address = host.address().to_string();
     let served = thread::spawn(move || {
