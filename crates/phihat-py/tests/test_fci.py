@@ -69,6 +69,7 @@ settle_s = 1.5
 error_max_rad = 1e-3
 [design]
 payload_max_kg = 1.0
+window_margin = 1.2
 torque_step_max_nm = 1.0
 [loop]
 rate_hz = 1000.0
@@ -77,7 +78,7 @@ torque_rate_max_nm_s = "robot"
 [sensor]
 encoder_bits = 18
 velocity = "differenced"
-velocity_filter_hz = 100.0
+velocity_filter_hz = 15.0
 [world]
 friction = "robot"
 payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
@@ -314,8 +315,8 @@ def test_phihat_through_the_official_client_stays_inside_its_tube(
         k = len(told) - 2
         if k > 0:
             # Commands act one sample late, and the law is told of them as late.
-            at = [np.ascontiguousarray(signal[k]) for signal in wanted]
-            tau = controller.update(np.array(q), np.array(dq), *at, tau_applied=told[-2])
+            at, rate, change = (signal[k] for signal in wanted)
+            tau = controller.update(np.array(q), np.array(dq), at, rate, change, told[-2])
         else:
             # A Franka begins at zero.
             tau = np.zeros(7)
