@@ -23,7 +23,7 @@ pub(crate) enum NotComparable {
 }
 
 /// Least and greatest of `xᵀM'(q) x / xᵀM(q) x`: `M` of the study's arm without payload, `M'` with the links of the description and the
-/// study's rotors, over postures of the whole range, and over single joints and pairs that turn with or against each other as `x`.
+/// study's rotors, which no description tells of, over postures of the whole range, and over single joints and pairs that turn with or against each other as `x`.
 pub(crate) fn apart(study: &Study, urdf: &str) -> Result<(f64, f64), NotComparable> {
     let described = Robot::from_text(urdf, None, "the description that the robot hands out")?;
     let (ours, theirs) = (study.robot.joints.len(), described.joints.len());
