@@ -7,6 +7,7 @@ use std::process::Command;
 
 use crate::book;
 use crate::shell::{cargo, command};
+use crate::venv;
 
 /// What every C and C++ program here is compiled with.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
@@ -179,20 +180,8 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
 
 /// Python with all that the tests need, in `target/python`; made again when the list changes.
 pub(crate) fn environment(root: &Path) -> Result<String, String> {
-    let folder = root.join("target/python");
-    let python = folder.join("bin/python").display().to_string();
     let list = root.join("crates/phihat-py/tests/requirements.txt");
-    let wanted = fs::read_to_string(&list).map_err(|e| format!("{}: {e}", list.display()))?;
-    let stamp = folder.join("installed.txt");
-    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return Ok(python);
-    }
-    println!("making {} with the packages of {}", folder.display(), list.display());
-    command(root, "python3", &["-m", "venv", "--clear", &folder.display().to_string()])?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
-    command(root, &python, &[&install[..], &[&list.display().to_string()]].concat())?;
-    fs::write(&stamp, wanted).map_err(|e| e.to_string())?;
-    Ok(python)
+    venv::of_list(root, &root.join("target/python"), &list)
 }
 
 /// Files of a folder with an extension, sorted.
