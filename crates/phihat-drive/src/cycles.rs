@@ -107,7 +107,7 @@ impl Desk {
         self.order.scatter(&self.tau, &mut self.out);
         let took_ns = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
         link.send(&self.out);
-        let known = link.acted(self.order.place(0), control.inertia(0)).is_some();
+        let known = link.facts().tells.truth;
         let report = control.report().copied();
         Ok(Cycle { t_ns, arrival, report, known, late_ns, took_ns })
     }

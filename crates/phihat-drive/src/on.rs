@@ -33,15 +33,13 @@ impl On {
             ("sim", _, true) => Ok(Self::SimRealTime),
             (_, Some(_), true) => Err(OnError::Clock(link.to_owned())),
             (_, Some(place), false) => {
-                let (host, asked) = place.split_once('?').unwrap_or((place, "protocol=any"));
-                let protocol = match asked {
-                    "protocol=any" => None,
-                    "protocol=5" => Some(Protocol::V5),
-                    "protocol=10" => Some(Protocol::V10),
-                    _ => return Err(OnError::Link(link.to_owned())),
+                let none = || OnError::Link(link.to_owned());
+                let (host, protocol) = match place.split_once('?') {
+                    None => (place, None),
+                    Some((host, asked)) => (host, Some(version(asked).ok_or_else(none)?)),
                 };
                 if host.is_empty() {
-                    return Err(OnError::Link(link.to_owned()));
+                    return Err(none());
                 }
                 Ok(Self::Franka(FrankaAddress { host: host.to_owned(), protocol }))
             }
@@ -69,6 +67,11 @@ impl On {
             Self::Franka(address) => FrankaLink::facts_of(address),
         }
     }
+}
+
+/// The version that `protocol=N` asks for.
+fn version(asked: &str) -> Option<Protocol> {
+    Protocol::of_version(asked.strip_prefix("protocol=")?.parse().ok()?)
 }
 
 /// Why there is no such link.

@@ -16,36 +16,14 @@ use phihat_drive::{CheckName, DriveError, DriveOptions, Driven, End, On, State, 
 use phihat_fci::{Ending, Event, Pace, Protocol};
 use phihat_session::{Leave, RunOptions, ServeOptions, ServeWatch, ServedMotion};
 use phihat_sim::Trace;
-use support::folder;
+use support::{PANDA, folder};
 
 /// A Panda whose torque is told as it is demanded: what the wire can tell, the simulation tells its law too.
-const STUDY: &str = r#"
-title = "A Panda over the wire"
-duration_s = 0.6
-seed = 3
-[robot]
-name = "panda"
-[profile]
-name = "robot"
+fn panda() -> String {
+    let rest = r#"
 [spec]
 settle_s = 0.3
 error_max_rad = 0.5
-[gains]
-order = 2
-bandwidth_rad_s = 20.0
-estimator_bandwidth_rad_s = 50.0
-inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]
-[loop]
-rate_hz = 1000.0
-delay_samples = 1
-[sensor]
-torque = "demanded"
-encoder_bits = 18
-velocity = "differenced"
-velocity_filter_hz = 45.0
-[world]
-friction = "robot"
-payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
 [supervisor]
 error_stop_rad = 0.5
 [reference]
@@ -57,6 +35,9 @@ amplitude_rad = 0.05
 frequency_hz = 0.5
 phase_rad = 0.0
 "#;
+    let told = PANDA.replace("[sensor]", "[sensor]\ntorque = \"demanded\"");
+    format!("title = \"A Panda over the wire\"\nduration_s = 0.6\nseed = 3\n{told}{rest}")
+}
 
 /// Ends of the motions of a served study.
 #[derive(Default)]
@@ -131,7 +112,7 @@ fn what_is_driven_over_the_wire_is_what_is_simulated() {
     let folder = folder("franka-same");
     for protocol in Protocol::ALL {
         let version = protocol.version();
-        let study = written(&folder, &format!("v{version}.toml"), STUDY);
+        let study = written(&folder, &format!("v{version}.toml"), &panda());
         let (address, serving) = serve(&study, 600);
         let options = options(&study, &format!("fci://{address}?protocol={version}"));
         let driven = driven(&options);
@@ -172,7 +153,8 @@ fn what_is_driven_over_the_wire_is_what_is_simulated() {
 #[test]
 fn states_that_do_not_come_are_lost_samples() {
     let folder = folder("franka-lossy");
-    let lossy = STUDY.replace("[supervisor]", "[world.network]\nsample_loss = 0.05\n[supervisor]");
+    let lossy =
+        panda().replace("[supervisor]", "[world.network]\nsample_loss = 0.05\n[supervisor]");
     let study = written(&folder, "lossy.toml", &lossy);
     let (address, serving) = serve(&study, 600);
     let driven = driven(&options(&study, &format!("fci://{address}?protocol=5")));
@@ -194,7 +176,7 @@ fn states_that_do_not_come_are_lost_samples() {
 #[test]
 fn losses_jitter_and_a_dropped_load_are_borne() {
     let folder = folder("franka-hard");
-    let hard = STUDY
+    let hard = panda()
         .replace("duration_s = 0.6", "duration_s = 2.0")
         .replace("encoder_bits = 18", "encoder_bits = 18\nsample_jitter_s = 2e-4")
         .replace(
@@ -244,7 +226,7 @@ fn losses_jitter_and_a_dropped_load_are_borne() {
 fn a_robot_that_stops_ends_the_drive_and_is_brought_back() {
     let folder = folder("franka-reflex");
     // The controller keeps no rule of a robot that has one.
-    let reckless = STUDY
+    let reckless = panda()
         .replace(
             "[profile]\nname = \"robot\"",
             "[profile]\nname = \"robot\"\ncontroller_keeps = false",
@@ -279,7 +261,7 @@ fn a_robot_that_stops_ends_the_drive_and_is_brought_back() {
 #[test]
 fn what_is_not_there_or_another_arm_is_refused() {
     let folder = folder("franka-refused");
-    let study = written(&folder, "study.toml", STUDY);
+    let study = written(&folder, "study.toml", &panda());
     let nobody = prepare(&options(&study, "fci://127.0.0.1:1")).unwrap_err().to_string();
     assert!(nobody.contains("fci://127.0.0.1:1") && nobody.contains("refused"), "{nobody}");
     for wrong in ["fci://", "fci://robot?protocol=7", "ur://robot", "SIM"] {
@@ -288,10 +270,10 @@ fn what_is_not_there_or_another_arm_is_refused() {
     assert!(On::of("fci://robot", true).is_err());
     let link = On::of("fci://robot:99?protocol=5", false).unwrap();
     assert_eq!(link.words(), "--on fci://robot:99?protocol=5");
-    // The served arm begins elsewhere, and has a heavier hand than the study knows.
+    // The arm stands where the served study begins, and the motion begins elsewhere.
     let (address, serving) = serve(&study, 600);
     let elsewhere =
-        STUDY.replace("center = \"ready\"", "center_rad = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0]");
+        panda().replace("center = \"ready\"", "center_rad = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0]");
     let elsewhere = written(&folder, "elsewhere.toml", &elsewhere);
     let found = prepare(&options(&elsewhere, &format!("fci://{address}"))).unwrap();
     let robot = found.checks.iter().find(|check| check.name == CheckName::Robot).unwrap();

@@ -18,32 +18,12 @@ use phihat_fci::{
     Ending, FciError, Host, Pace, Packets, Protocol, RobotSide, Rules, Sensed, World,
 };
 use phihat_sim::{Simulation, WorldSide};
-use support::{names, study};
+use support::{PANDA, names, study};
 
-const STUDY: &str = r#"
-duration_s = 3900.0
-seed = 5
-[robot]
-name = "panda"
-[profile]
-name = "robot"
+/// What is driven: an hour and more of it, with losses on both ways.
+const REST: &str = r#"
 [spec]
 settle_s = 1.0
-[gains]
-order = 2
-bandwidth_rad_s = 20.0
-estimator_bandwidth_rad_s = 50.0
-inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]
-[loop]
-rate_hz = 1000.0
-delay_samples = 1
-[sensor]
-encoder_bits = 18
-velocity = "differenced"
-velocity_filter_hz = 45.0
-[world]
-friction = "robot"
-payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
 [world.network]
 command_loss = 0.01
 sample_loss = 0.01
@@ -140,7 +120,7 @@ fn resident() -> u64 {
 
 /// Drives so many cycles; allocations of the control thread, errors, and by how much memory grew \[kB\].
 fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
-    let study = study(STUDY);
+    let study = study(&format!("duration_s = 3900.0\nseed = 5\n{PANDA}{REST}"));
     let gains = requested_gains(&study).unwrap();
     let names = names(&study);
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();

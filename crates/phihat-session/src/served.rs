@@ -324,8 +324,8 @@ fn record(
     let t = run.run.t();
     let interface = run.study().interface.profile.name.clone();
     let reason = match ending {
-        Ending::Reflex(reflex) => Some(StopReason::Reflex(reflex.name())),
-        Ending::Disconnected => Some(StopReason::Reflex(Reflex::Communication.name())),
+        Ending::Reflex(reflex) => Some(StopReason::Robot(reflex.name())),
+        Ending::Disconnected => Some(StopReason::Robot(Reflex::Communication.name())),
         Ending::Finished | Ending::Stopped | Ending::Over => None,
     };
     let abort = reason.map(|reason| Abort { t, interface, joint: None, reason });

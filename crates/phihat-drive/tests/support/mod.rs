@@ -90,6 +90,29 @@ frequency_hz = 0.3
 pub(crate) const SUPERVISED: &str =
     "[supervisor]\nerror_stop_rad = 0.5\nstart_mismatch_max_rad = 0.2\n";
 
+/// A Panda behind its torque interface, with what a world has against it: all of a study but its times, guard and motion.
+pub(crate) const PANDA: &str = r#"
+[robot]
+name = "panda"
+[profile]
+name = "robot"
+[gains]
+order = 2
+bandwidth_rad_s = 20.0
+estimator_bandwidth_rad_s = 50.0
+inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]
+[loop]
+rate_hz = 1000.0
+delay_samples = 1
+[sensor]
+encoder_bits = 18
+velocity = "differenced"
+velocity_filter_hz = 45.0
+[world]
+friction = "robot"
+payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
+"#;
+
 pub(crate) fn study(text: &str) -> Study {
     let mut study = Study::from_text(text, "test.toml", Path::new("")).unwrap();
     phihat_sim::derive_substeps(&mut study);

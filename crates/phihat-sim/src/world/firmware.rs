@@ -53,12 +53,9 @@ pub enum StopReason {
         /// How many stop the robot.
         most: u32,
     },
-    /// What a robot that is not simulated said.
+    /// What a robot stopped for that is driven, or served to somebody: the name that its interface has for it.
     #[error("{0}")]
     Robot(&'static str),
-    /// A reflex of a robot that was served to somebody, by the name that its interface has for it.
-    #[error("{0}")]
-    Reflex(&'static str),
 }
 
 /// The interface's state. It sees commands as they arrive, before the transport delay.
