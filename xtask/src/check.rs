@@ -23,7 +23,7 @@ struct Package {
     units: bool,
     /// It has examples that are tests.
     examples: bool,
-    /// Names of its integration tests.
+    /// Files of its integration tests, which are modules of one program.
     tests: Vec<String>,
     /// Crates of ours that it uses.
     uses: BTreeSet<String>,
@@ -65,8 +65,9 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
     }
     for (name, test) in edited_tests(&workspace, &files) {
         println!("── the test {test} of {name}, which was edited");
-        cargo(root, &["clippy", "--quiet", "-p", name, "--test", test, "--", "-Dwarnings"])?;
-        cargo(root, &["test", "--quiet", "-p", name, "--test", test])?;
+        cargo(root, &["clippy", "--quiet", "-p", name, "--tests", "--", "-Dwarnings"])?;
+        let inside = format!("{test}::");
+        cargo(root, &["test", "--quiet", "-p", name, "--test", "tests", "--", &inside])?;
     }
     println!("\nok in {:.0} s. Left out:", start.elapsed().as_secs_f64());
     for line in left_out(&workspace, &files, &changed, &circular) {
@@ -118,7 +119,7 @@ fn workspace(root: &Path) -> Result<Workspace, String> {
                 let kinds: Vec<&str> = kinds.filter_map(|kind| kind.as_str()).collect();
                 entry.library |= kinds.iter().any(|kind| kind.ends_with("lib"));
                 if kinds.contains(&"test") {
-                    entry.tests.push(named(target));
+                    entry.tests.extend(modules(target["src_path"].as_str().unwrap_or_default()));
                 } else if target["test"] == true {
                     entry.units = true;
                     entry.examples |= kinds.contains(&"example");
@@ -147,6 +148,13 @@ fn crate_of<'a>(workspace: &'a Workspace, file: &str) -> Option<&'a str> {
         .iter()
         .find(|(_, package)| !package.folder.is_empty() && file.starts_with(&package.folder));
     owner.map(|(name, _)| name.as_str())
+}
+
+/// Modules of a program of tests.
+fn modules(main: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(main).unwrap_or_default();
+    let names = text.lines().filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+    names.map(str::to_owned).collect()
 }
 
 /// Integration tests that are among the files: their crate's name and their own.
@@ -209,7 +217,7 @@ fn left_out(
         let tests: Vec<_> = tests.filter(|test| !run.contains(&(name.as_str(), *test))).collect();
         if !tests.is_empty() {
             let all = tests.join(", ");
-            lines.push(format!("tests of {name}: {all}: cargo test -p {name} --test NAME"));
+            lines.push(format!("tests of {name}: {all}: cargo test -p {name} NAME::"));
         }
     }
     if !changed.is_empty() {

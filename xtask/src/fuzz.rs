@@ -26,7 +26,7 @@ pub(crate) fn run(root: &Path, minutes: Option<&String>) -> Result<(), String> {
         }
         let output = Command::new("cargo")
             .args(["test", "--quiet", "--release", "-p", "phihat-fuzz", "-p", "phihat-c"])
-            .args(["--test", "fuzz", "--no-fail-fast"])
+            .args(["--test", "tests", "--no-fail-fast", "--", "fuzz::"])
             .env("PHIHAT_FUZZ_SEED", seed.to_string())
             .env("PHIHAT_FUZZ_CASES", CASES.to_string())
             .current_dir(root)

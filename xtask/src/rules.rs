@@ -89,6 +89,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut wrong = arrows::wrong(root)?;
     wrong.extend(dependencies::wrong(root)?);
     wrong.extend(files::wrong(root)?);
+    wrong.extend(tests_left_out(root)?);
     let mut counts = [0_usize; COUNTED.len()];
     for file in sources(root)? {
         let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
@@ -131,6 +132,26 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         }
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// Files beside the one program of a crate's tests that it does not name: they would never run.
+fn tests_left_out(root: &Path) -> Result<Vec<String>, String> {
+    let mut wrong = Vec::new();
+    for file in sources(root)?.iter().filter(|file| file.ends_with("tests/main.rs")) {
+        let folder = file.parent().unwrap_or(root);
+        let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+        for entry in fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let is_test = path.extension().is_some_and(|e| e == "rs") && name != "main";
+            if is_test && !text.lines().any(|line| line == format!("mod {name};")) {
+                let place = path.strip_prefix(root).unwrap_or(&path).display();
+                wrong
+                    .push(format!("{place}: runs where `mod {name};` stands in main.rs beside it"));
+            }
+        }
+    }
+    Ok(wrong)
 }
 
 fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {
@@ -211,4 +232,27 @@ pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
     let line = ["package", "--quiet", "--allow-dirty"].into_iter().chain(names);
     let line: Vec<&str> = line.chain((!built).then_some("--no-verify")).collect();
     crate::shell::cargo(root, &line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tests_left_out;
+    use std::fs;
+
+    #[test]
+    fn a_test_that_nobody_runs_is_told() {
+        let root = std::env::temp_dir().join(format!("left-out-{}", std::process::id()));
+        let folder = root.join("crates/one/tests");
+        for other in ["examples/rust", "xtask"] {
+            fs::create_dir_all(root.join(other)).unwrap();
+        }
+        fs::create_dir_all(&folder).unwrap();
+        for (name, text) in [("main.rs", "mod run;\n"), ("run.rs", ""), ("idle.rs", "")] {
+            fs::write(folder.join(name), text).unwrap();
+        }
+        let told = tests_left_out(&root).unwrap();
+        fs::remove_dir_all(&root).unwrap();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].starts_with("crates/one/tests/idle.rs"), "{told:?}");
+    }
 }

@@ -25,8 +25,9 @@ const STEPS: [Step; 22] = [
     }),
     ("Rust, command-line and report tests, and benches briefly", binaries::run),
     ("traces as Parquet, logs as MCAP", |root| {
-        let tests = ["--features", "parquet,mcap", "--test", "parquet", "--test", "mcap"];
-        cargo(root, &[&["test", "-p", "phihat-sim"][..], &tests].concat())
+        let features = ["--features", "parquet,mcap", "--test", "tests", "--"];
+        let tests = ["parquet::", "mcap::"];
+        cargo(root, &[&["test", "-p", "phihat-sim"][..], &features, &tests].concat())
     }),
     ("figures as PNG", |root| {
         cargo(root, &["test", "-p", "phihat-cli", "--features", "png", "--lib", "png"])

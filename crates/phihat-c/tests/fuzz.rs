@@ -3,17 +3,15 @@
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 #![allow(clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use core::ptr::{null, null_mut};
 
+use crate::support::TORQUE;
 use phihat_c::{
     Status, phihat_command, phihat_controller, phihat_controller_create, phihat_controller_destroy,
     phihat_controller_joints, phihat_controller_reset, phihat_controller_resume,
     phihat_controller_update, phihat_error, phihat_joint, phihat_sample,
 };
 use phihat_fuzz::{Choices, drawn};
-use support::TORQUE;
 
 const N: usize = 3;
 const VALUES: [f64; 16] = [
@@ -50,7 +48,7 @@ fn or<T>(choices: &mut Choices<'_>, usual: T, unlikely: T) -> T {
 }
 
 fn joint(choices: &mut Choices<'_>) -> phihat_joint {
-    let usual = [support::joint(), support::seeing()][choices.byte_or_0() % 2];
+    let usual = [crate::support::joint(), crate::support::seeing()][choices.byte_or_0() % 2];
     let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..usual };
     if seldom(choices) {
         match choices.byte_or_0() % 12 {

@@ -1,4 +1,4 @@
-//! `include/phihat.h` is what cbindgen makes of this crate; `PHIHAT_BLESS=1 cargo test -p phihat-c --test header` writes it.
+//! `include/phihat.h` is what cbindgen makes of this crate; `PHIHAT_BLESS=1 cargo test -p phihat-c header` writes it.
 
 use std::path::Path;
 
@@ -22,6 +22,6 @@ fn the_header_is_current() {
     let kept = std::fs::read_to_string(&path).unwrap();
     assert_eq!(
         kept, made,
-        "include/phihat.h is stale: PHIHAT_BLESS=1 cargo test -p phihat-c --test header"
+        "include/phihat.h is stale: PHIHAT_BLESS=1 cargo test -p phihat-c header"
     );
 }

@@ -1,17 +1,15 @@
 //! After a controller is made, its calls allocate nothing, and bad calls answer a status.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
-mod support;
-
 use core::ffi::CStr;
 use core::ptr::null_mut;
 
+use crate::support::joint;
 use phihat_c::{
     Status, phihat_command, phihat_controller, phihat_controller_create, phihat_controller_destroy,
     phihat_controller_reset, phihat_controller_resume, phihat_controller_update, phihat_error,
     phihat_joint, phihat_sample, phihat_status_text,
 };
-use support::joint;
 
 const N: usize = 7;
 

@@ -2,8 +2,6 @@
 //! is refused, gets another torque than before, or has more read than it handed over.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
-mod support;
-
 use core::ptr::{null, null_mut};
 
 use phihat_c::{
@@ -32,7 +30,7 @@ struct Joint {
 
 fn joint(k: u32, form: u32) -> phihat_joint {
     let kp_per_s2 = 300.0 + 50.0 * f64::from(k);
-    phihat_joint { kp_per_s2, form, ..support::joint() }
+    phihat_joint { kp_per_s2, form, ..crate::support::joint() }
 }
 
 fn as_it_was(joint: &phihat_joint) -> Joint {
@@ -113,7 +111,7 @@ fn it_runs_under_supervision() {
 
 #[test]
 fn what_it_cannot_say_is_refused() {
-    let seeing = as_it_was(&support::seeing());
+    let seeing = as_it_was(&crate::support::seeing());
     assert_eq!(seeing.form, PHIHAT_FORM_POSITIONS);
     assert_eq!(answers([seeing; N].as_ptr().cast(), N).0, Status::BadGain);
     // Joints of two headers in one array: their places are not known.

@@ -2,11 +2,10 @@
 //! through as another number than C stated.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
-mod support;
-
 use core::ffi::{CStr, c_char};
 use core::ptr::{null, null_mut};
 
+use crate::support::{TORQUE, seeing};
 use phihat::{Command, JointGains, JointState, Limits, Measurement, PositionDesign, Reference};
 use phihat_c::{
     PHIHAT_DELAY_MAX, PHIHAT_MODE_HOLDING, PHIHAT_REQUEST_ARM, PHIHAT_REQUEST_HOLD, Status,
@@ -15,7 +14,6 @@ use phihat_c::{
     phihat_supervision_default, phihat_supervisor_create, phihat_supervisor_destroy,
     phihat_supervisor_step,
 };
-use support::{TORQUE, seeing};
 
 const T: f64 = 1e-3;
 
@@ -98,7 +96,7 @@ fn what_cannot_be_is_refused_by_the_name_of_its_member() {
         phihat_joint { correction: [0.271, 28.5, -1000.0, f64::NAN, f64::NAN], ..seeing() },
         phihat_joint { velocity_correction: [0.0, 0.0, 0.0, f64::NAN, 1e9], ..seeing() },
         phihat_joint { a: [f64::NAN; 4], ..seeing() },
-        phihat_joint { share: f64::NAN, delay_samples: u64::MAX, ..support::joint() },
+        phihat_joint { share: f64::NAN, delay_samples: u64::MAX, ..crate::support::joint() },
     ];
     for (status, why) in made(&unused) {
         assert_eq!(status, Status::Ok, "{}", text(&why.text));

@@ -2,8 +2,6 @@
 //! that saw garbage answers the next good sample otherwise than one that did not.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
-mod support;
-
 use core::ptr::null_mut;
 
 use phihat_c::{
@@ -16,7 +14,7 @@ const N: usize = 3;
 
 fn joint(form: u32, kp: f64) -> phihat_joint {
     if form == PHIHAT_FORM_POSITIONS {
-        return phihat_joint { kp_per_s2: kp, ..support::seeing() };
+        return phihat_joint { kp_per_s2: kp, ..crate::support::seeing() };
     }
     phihat_joint {
         kp_per_s2: kp,
@@ -24,7 +22,7 @@ fn joint(form: u32, kp: f64) -> phihat_joint {
         order: 4,
         form,
         torque_rate_max_nm_s: 1000.0,
-        ..support::joint()
+        ..crate::support::joint()
     }
 }
 

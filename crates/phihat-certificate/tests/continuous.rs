@@ -3,10 +3,7 @@
 //! Wrong if a level of attenuation, a weight of a game, a norm, a gain or a constant of stability passed that the law has not.
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "tests")]
 
-#[path = "support/edits.rs"]
-mod edits;
-
-use edits::{Edit, Passed};
+use crate::edits::{Edit, Passed};
 use phihat_certificate::{
     Attenuation, Iss, NormH, Optimality, PaperRadius, PeakGain, PeakGains, Refused, UnitLaw,
 };

@@ -2,28 +2,23 @@
 //! would say yes to a loop that grows, or to a figure that the loop exceeds.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-#[path = "support/moving_laws.rs"]
-mod moving_laws;
-
-use arm::{Arm, Joint, Push, correction, growth};
+use crate::arm::{Arm, Joint, Push, correction, growth};
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_certificate::{
     FrozenArm, InertiaWindow, JointRecord, LoopModel, PositionObserver, ReferenceError,
     SampledPeaks, TorqueNoise,
 };
 
-struct Dice(u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 =
             self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * ((self.0 >> 33) as f64 / f64::from(1_u32 << 31))
     }
 
-    fn below(&mut self, end: u32) -> u32 {
+    pub(crate) fn below(&mut self, end: u32) -> u32 {
         (0..end).rev().find(|i| self.0.is_multiple_of(u64::from(i + 1)) || *i == 0).map_or(
             0,
             |_| {
@@ -35,7 +30,7 @@ impl Dice {
 }
 
 /// A law that holds some inertia, in a loop that is as it thinks.
-fn joint(dice: &mut Dice, t: f64) -> Joint {
+pub(crate) fn joint(dice: &mut Dice, t: f64) -> Joint {
     let w = dice.between(8.0, 30.0) * 1e-3 / t;
     let m = 1 + dice.below(3) as usize;
     let fast = w * dice.between(2.0, 6.0);
@@ -80,19 +75,19 @@ fn surprised(dice: &mut Dice, t: f64) -> Joint {
     own
 }
 
-fn pairs(joints: &[Joint]) -> Vec<(&JointRecord, &LoopModel)> {
+pub(crate) fn pairs(joints: &[Joint]) -> Vec<(&JointRecord, &LoopModel)> {
     joints.iter().map(|(record, model)| (record, model)).collect()
 }
 
 /// A posture: eigenvalues and angles of plane rotations.
 #[derive(Clone)]
-struct Posture {
+pub(crate) struct Posture {
     values: Vec<f64>,
     angles: Vec<f64>,
 }
 
 impl Posture {
-    fn random(dice: &mut Dice, n: usize, (low, high): (f64, f64)) -> Self {
+    pub(crate) fn random(dice: &mut Dice, n: usize, (low, high): (f64, f64)) -> Self {
         let ends = dice.below(4) > 0;
         let value = |dice: &mut Dice| match (ends, dice.below(2)) {
             (true, 0) => low,
@@ -105,13 +100,13 @@ impl Posture {
     }
 
     /// `W⁻¹`.
-    fn inverse(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn inverse(&self) -> Vec<Vec<f64>> {
         let values = self.values.iter().map(|value| 1.0 / value).collect();
         Self { values, angles: self.angles.clone() }.turned()
     }
 
     /// `W`.
-    fn turned(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn turned(&self) -> Vec<Vec<f64>> {
         let n = self.values.len();
         let mut w = vec![vec![0.0; n]; n];
         for (i, value) in self.values.iter().enumerate() {
@@ -130,7 +125,7 @@ impl Posture {
         w
     }
 
-    fn growth(&self, joints: &[Joint]) -> f64 {
+    pub(crate) fn growth(&self, joints: &[Joint]) -> f64 {
         let mut arm = Arm::new(joints, self.inverse()).unwrap();
         for (i, q) in arm.q.iter_mut().enumerate() {
             *q = if i % 2 == 0 { 1e-3 } else { -0.7e-3 };
@@ -229,7 +224,7 @@ fn an_arm_with_one_joint_that_grows_alone_is_refused() {
     assert!(seen >= 5, "{seen}");
 }
 
-fn grows(own: &Joint, mu: f64) -> bool {
+pub(crate) fn grows(own: &Joint, mu: f64) -> bool {
     let mut arm = Arm::single(own, mu).unwrap();
     arm.q[0] = 1e-3;
     growth(&mut arm, 15000) > 1.0

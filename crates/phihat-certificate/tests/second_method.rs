@@ -2,10 +2,7 @@
 //! Wrong if both sides had the same mistake.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/loops.rs"]
-mod loops;
-
-use loops::{every_model, record};
+use crate::loops::{every_model, record};
 use phihat_certificate::{
     InertiaWindow, LargestStep, Margins, ReadingError, ReferenceError, SampledPeaks,
     SampledVarying, TorqueNoise, VaryingWindow,

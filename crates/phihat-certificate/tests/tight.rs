@@ -2,13 +2,8 @@
 //! Wrong if the check let more pass than what another method finds, for any form, velocity source, filter, drive, delay or order.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/edits.rs"]
-mod edits;
-#[path = "support/loops.rs"]
-mod loops;
-
-use edits::{Edit, Passed};
-use loops::{every_model, record};
+use crate::edits::{Edit, Passed};
+use crate::loops::{every_model, record};
 use phihat_certificate::{
     CoupledGains, FrozenPosture, InertiaWindow, JointRecord, LargestStep, LoopModel, Margins,
     Matrix, Moving, ReadingError, ReferenceError, SampledPeaks, TorqueNoise,

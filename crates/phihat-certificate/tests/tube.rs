@@ -7,12 +7,10 @@
     reason = "tests: a panic is the report"
 )]
 
-mod support;
-
+use crate::support::{Case, Draw, hold};
 use phihat_certificate::Tube;
 use phihat_certificate::tube::{JointBeside, TIGHTER, TubeRefusal, beside};
 use phihat_study::PayloadSet;
-use support::{Case, Draw, hold};
 
 const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[gains]\nkp_per_s2 = 2637.0\nkd_per_s = 102.7\na = [51.4]\n\
                       inertia_kg_m2 = [0.545, 0.243, 0.177]\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n\

@@ -2,14 +2,12 @@
 //! Wrong if one of them forgot something that acts, counted it twice, or took it for much larger than it is.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
-mod support;
-
+use crate::support::{read, reference};
 use phihat_certificate::tube::{Inputs, Reference, TIGHTER, derive};
 use phihat_certificate::{Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
 use phihat_sim::{Motion, Simulation, fed_along};
-use support::{read, reference};
 
 const PLANAR: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\nkp_per_s2 = 1200.0\n\
                       kd_per_s = 70.0\na = [40.0]\ninertia_kg_m2 = [0.5, 0.25]\n[loop]\nrate_hz = 500.0\n\

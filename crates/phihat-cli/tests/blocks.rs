@@ -2,15 +2,13 @@
 //! that is stopped left anything behind.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{files_of, folder, interrupted, json as run, swing};
 use phihat_session::Session;
 use phihat_study::Study;
 use serde_json::json;
-use support::{files_of, folder, interrupted, json as run, swing};
 
 #[test]
 fn the_page_of_blocks_is_the_page_of_the_whole() {

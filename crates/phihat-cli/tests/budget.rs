@@ -2,13 +2,11 @@
 //! what the robot's interface does not take, if a run had more error than its part, or if the page were not whole.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, json, phihat};
 use serde_json::Value;
-use support::{folder, json, phihat};
 
 /// A planar arm of two joints that is to keep an error \[rad\]; `more` goes to the end of the file.
 fn planar(error: f64, more: &str) -> String {

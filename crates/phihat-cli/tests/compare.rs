@@ -1,11 +1,9 @@
 //! The comparison as a command: resumable with the same bytes, every run again by its name, names that there are not.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
-use support::{folder, json, phihat};
+use crate::support::{folder, json, phihat};
 
 const SMALL: [&str; 9] = [
     "compare",
@@ -178,7 +176,7 @@ fn results_that_cannot_be_written_are_told_before_any_run() {
 #[test]
 fn a_stopped_comparison_says_what_is_saved_and_how_to_go_on() {
     let folder = folder("compare-stopped");
-    let stopped = support::interrupted(
+    let stopped = crate::support::interrupted(
         &folder,
         &small(&["--out", "stopped", "--seeds", "500"]),
         "stopped/journal.jsonl",

@@ -1,11 +1,9 @@
 //! From a specification to gains, checked again by `verify`, run by `simulate`; or a "no" with exit code 1.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
-use support::{folder, json, phihat, swing};
+use crate::support::{folder, json, phihat, swing};
 
 #[test]
 fn designed_gains_are_verified_keep_their_bound_in_the_loop_and_are_refused_once_forged() {

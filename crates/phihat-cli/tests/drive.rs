@@ -2,12 +2,10 @@
 //! `phihat run`, or if Ctrl-C left no record.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{files_of, folder, interrupted, json, phihat, small, swing};
 use serde_json::Value;
-use support::{files_of, folder, interrupted, json, phihat, small, swing};
 
 #[test]
 fn nothing_moves_that_a_check_refuses() {

@@ -2,13 +2,11 @@
 //! promises, if `--json` gives anything but one document, or if a joint that slides is told of in mrad or N·m.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, phihat, swing};
 use serde_json::Value;
-use support::{folder, phihat, swing};
 
 /// A study that has answers of every kind, and what is made of it.
 fn place(name: &str) -> std::path::PathBuf {

@@ -1,11 +1,9 @@
 //! `phihat export` writes to the terminal or to a file, the same text, and says in it whether anything is certified.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
-use support::{folder, json, phihat, swing};
+use crate::support::{folder, json, phihat, swing};
 
 #[test]
 fn terminal_file_and_json_hold_the_same_text() {

@@ -1,15 +1,13 @@
 //! The fault matrix: resumable, the same bytes whatever the threads and interruptions, each run repeatable.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use support::{folder, phihat};
+use crate::support::{folder, phihat};
 
 /// A folder with the arms of the matrix beside the project's studies.
 fn with_arms(name: &str) -> std::path::PathBuf {

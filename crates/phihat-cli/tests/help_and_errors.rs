@@ -2,11 +2,9 @@
 //! exit code 2, and leaves the disk as it was.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
-use support::{folder, json, phihat, swing};
+use crate::support::{folder, json, phihat, swing};
 
 #[test]
 fn examples_of_every_help_work_as_typed() {

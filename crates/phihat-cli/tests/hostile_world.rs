@@ -2,9 +2,7 @@
 //! study's story were not what happens.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
-use support::{folder, json, phihat};
+use crate::support::{folder, json, phihat};
 
 #[test]
 fn every_study_keeps_its_bound() {

@@ -3,14 +3,12 @@
 //! run, if what is simulated were not said, or if a record that cannot be used went through.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, json, phihat};
 use phihat_sim::{Observed, Trace};
 use phihat_study::Study;
-use support::{folder, json, phihat};
 
 /// Even draws from 0 to 1: a sequence of the golden ratio.
 fn share(k: u32) -> f64 {

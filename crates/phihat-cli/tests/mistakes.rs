@@ -4,12 +4,10 @@
 //! Wrong if a mistake passes, or gives several lines, points to another line, does not show its value or says no remedy.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{Answer, files_of, folder, phihat};
+use crate::support::{Answer, files_of, folder, phihat};
 
 /// A study that is right, what is done to it, where the mistake then is, and what the line has to say: value and remedy.
 struct Mistake {
@@ -770,7 +768,8 @@ fn all_of_a_study_at_once_in_the_order_of_the_file() {
         assert!(line.contains(&format!(": {key}: ")), "{key}: {line}");
     }
     assert_eq!(answer.out, "study.toml: 7 errors\n");
-    let document = support::json(&folder, &["check", "study.toml", "studies/first.toml", "--json"]);
+    let document =
+        crate::support::json(&folder, &["check", "study.toml", "studies/first.toml", "--json"]);
     assert_eq!((&document["valid"], &document["exit_code"]), (&false.into(), &2.into()));
     let errors = document["studies"][0]["errors"].as_array().unwrap();
     let keys: Vec<&str> = errors.iter().map(|error| error["key"].as_str().unwrap()).collect();

@@ -2,13 +2,11 @@
 //! not say what was assumed, if a file of somebody were replaced unasked, or if a refusal left one behind.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{files_of, folder, json, phihat};
 use phihat_session::{RunOptions, Session};
-use support::{files_of, folder, json, phihat};
 
 /// An arm of two joints with a hand, as a CAD program writes it: nothing but a URDF.
 fn urdf(effort: &str, light: bool) -> String {

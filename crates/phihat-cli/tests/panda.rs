@@ -3,9 +3,7 @@
 //! Wrong if the study were softened, or the loop were worse than that.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
-use support::{folder, json};
+use crate::support::{folder, json};
 
 #[test]
 fn panda_tracks_within_half_a_milliradian() {

@@ -2,15 +2,13 @@
 //! folder or journal that another process holds is left as it is.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support::{files_of, folder, phihat, small};
 use phihat_campaign::Journal;
 use phihat_session::disk::Lock;
 use phihat_session::sha256;
-use support::{files_of, folder, phihat, small};
 
 /// A folder with two studies that differ, and the record of each under its name.
 fn two_records(name: &str) -> PathBuf {

@@ -1,12 +1,10 @@
 //! `phihat reproduce`: all of its files or none, one document with `--json`, and one clear error for a bad argument.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{folder, json, phihat};
+use crate::support::{folder, json, phihat};
 
 /// Every file below a folder, sorted, with its length.
 fn files(folder: &Path) -> Vec<String> {
@@ -122,8 +120,11 @@ fn a_part_is_chosen_by_what_is_in_it_and_help_lists_the_parts() {
 #[test]
 fn a_stopped_reproduction_says_that_nothing_is_kept() {
     let folder = folder("reproduce-stopped");
-    let stopped =
-        support::interrupted(&folder, &["reproduce", "--threads", "1"], "studies/first.toml");
+    let stopped = crate::support::interrupted(
+        &folder,
+        &["reproduce", "--threads", "1"],
+        "studies/first.toml",
+    );
     assert_eq!(stopped.code, 130, "{}", stopped.err);
     assert!(stopped.err.contains("interrupted: nothing was written"), "{}", stopped.err);
     assert!(!folder.join("out").exists());

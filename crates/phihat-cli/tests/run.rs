@@ -2,11 +2,9 @@
 //! a file were missing, half-written, or depended on anything but the study.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
-use support::{folder, json, phihat};
+use crate::support::{folder, json, phihat};
 
 const FILES: [&str; 6] =
     ["study.toml", "gains.json", "run.json", "metrics.json", "trace.csv", "report.html"];

@@ -2,16 +2,14 @@
 //! simulated one in a single bit, if a record were not that of the motion, or if a study that no Franka serves were taken.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
+use crate::support::{folder, phihat};
 use phihat_fci::{Client, Protocol, Reflex, RobotMode};
 use serde_json::Value;
-use support::{folder, phihat};
 
 /// A Panda with bare drives, encoders, friction and a payload; every tenth command is lost.
 const STUDY: &str = r#"

@@ -3,8 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 #![cfg(debug_assertions)]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use support::{Answer, Files, answer, files_of, folder, leave, phihat, small};
+use crate::support::{Answer, Files, answer, files_of, folder, leave, phihat, small};
 
 const LOCK: &str = ".phihat.lock";
 

@@ -2,13 +2,11 @@
 //! if colours come where nobody asked for them, or if a quiet command says more than what is wrong.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use support::{Answer, answer, folder};
+use crate::support::{Answer, answer, folder};
 
 fn with(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Answer {
     let mut command = Command::new(env!("CARGO_BIN_EXE_phihat"));

@@ -2,12 +2,10 @@
 //! measured were not the distance between the two tips, or if a specification in millimetres were not kept or not told.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::fs;
 
-use support::{folder, json, phihat};
+use crate::support::{folder, json, phihat};
 
 /// The planar arm on a motion, with this under `[spec]`.
 fn study(spec: &str) -> String {

@@ -2,13 +2,11 @@
 //! kinder words, if a tube for another study were held against a run, or if a limit acted and nobody said so.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, json, phihat, swing};
 use serde_json::{Value, json as data};
-use support::{folder, json, phihat, swing};
 
 /// A tube of 20 bins: wide for half a second, then of a given half width.
 fn tube(error: f64) -> Value {

@@ -2,12 +2,10 @@
 //! were refused.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{folder, phihat};
 use serde_json::{Value, json};
-use support::{folder, phihat};
 
 const STUDY: &str = r#"duration_s = 1.0
 [robot]

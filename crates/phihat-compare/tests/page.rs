@@ -7,11 +7,7 @@ use phihat_compare::{Comparison, GainsKind, RunOutcome, comparison_page, losses}
 use scraper::{ElementRef, Html, Selector};
 use sha2::{Digest, Sha256};
 
-#[path = "../../phihat-report/tests/support/hostile.rs"]
-mod hostile;
-#[path = "support/page.rs"]
-mod support;
-use support::{IDS, WORLDS, comparison, troubled};
+use crate::support::{IDS, WORLDS, comparison, troubled};
 
 const COMMAND: &str = "phihat compare studies/table1.toml";
 
@@ -242,7 +238,7 @@ fn torque_beyond_the_cap_is_marked_where_the_arm_followed() {
 
 #[test]
 fn hostile_names_stay_names() {
-    for payload in hostile::PAYLOADS {
+    for payload in crate::hostile::PAYLOADS {
         let mut all = troubled();
         for rival in &mut all.rivals {
             for field in [

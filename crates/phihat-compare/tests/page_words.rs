@@ -4,9 +4,7 @@
 use phihat_compare::{Comparison, comparison_page, losses};
 use scraper::{ElementRef, Html, Selector};
 
-#[path = "support/page.rs"]
-mod support;
-use support::{IDS, WORLDS, comparison};
+use crate::support::{IDS, WORLDS, comparison};
 
 fn parsed(comparison: &Comparison) -> Html {
     Html::parse_document(&comparison_page(comparison, "phihat compare studies/table1.toml"))

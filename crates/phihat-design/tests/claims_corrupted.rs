@@ -1,9 +1,7 @@
 //! For this to be wrong, `verify` would have to accept evidence with one number changed, or refuse it for another reason.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod claims_support;
-
-use claims_support::{Random, law, random_law};
+use crate::claims_support::{Random, law, random_law};
 use phihat_design::claims::{
     Attenuation, Certified, Iss, NormH, Optimality, PeakGain, PeakGains, UnitLaw,
 };

@@ -2,9 +2,7 @@
 //! spectrum of a Hamiltonian matrix and the L2 gain over frequency at once, for 4,000 laws, by accident.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod claims_support;
-
-use claims_support::{Random, law, random_law};
+use crate::claims_support::{Random, law, random_law};
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use phihat_design::claims::matrix::{Matrix, failing_pivot};
 use phihat_design::claims::polynomial::{self, Sign};

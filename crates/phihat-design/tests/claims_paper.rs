@@ -2,9 +2,7 @@
 //! equations fail on the numbers that need them.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod claims_support;
-
-use claims_support::law;
+use crate::claims_support::law;
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::times;
 use phihat_design::claims::weights::{conditions, q_diagonal};

@@ -2,9 +2,7 @@
 //! and not with the loop.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod claims_support;
-
-use claims_support::{Loop, Random, law, random_law};
+use crate::claims_support::{Loop, Random, law, random_law};
 use phihat_design::claims::polynomial;
 use phihat_design::claims::{Attenuation, Iss, NormH, Optimality, PeakGains, UnitLaw, WorstCase};
 use phihat_design::prelude::*;

@@ -2,13 +2,11 @@
 //! Wrong if a push moved a joint by more than Γ says, or if Γ were much more than any push can do.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Outside, Random, Rig, estimator, every_model, plain, record};
 use nalgebra::DMatrix;
 use phihat_design::prelude::*;
 use phihat_design::sampled::LoopModel;
 use phihat_design::{CoupledGains, FrozenPosture, JointRecord};
-use sampled_support::{Outside, Random, Rig, estimator, every_model, plain, record};
 
 fn frozen(mass: &[&[f64]]) -> FrozenPosture {
     FrozenPosture {

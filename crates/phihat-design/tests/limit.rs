@@ -3,18 +3,16 @@
 //! or the law found not as good as told.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
+use crate::sampled_support::{Outside, Random, Rig, plain, record};
 use phihat::{
     Form, JointGains, JointState, Measurement, PositionDesign, Reference, VelocitySource,
 };
 use phihat_design::sampled::LoopModel;
 use phihat_design::{JointRecord, Limit, LimitError, LimitRequest, beside_limit, limit};
 use phihat_design::{Phi, PhiBasis, PositionObserver};
-use sampled_support::{Outside, Random, Rig, plain, record};
 
 /// Joint 6 of a Panda at its nominal inertia.
 const WRIST: LimitRequest = LimitRequest {

@@ -2,14 +2,12 @@
 //! anything but the numbers that will run, or refused what it certified.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
-mod sampled_support;
-
 use std::path::Path;
 
+use crate::sampled_support::{Outside, Random, Rig};
 use phihat_design::sampled::LoopModel;
 use phihat_design::{Arm, Gains, arm_inside_window, requested_gains};
 use phihat_study::Study;
-use sampled_support::{Outside, Random, Rig};
 
 /// Loops of the studies that people start from, one joint of the arm each.
 const LAWS: [(f64, f64, &[f64]); 4] = [

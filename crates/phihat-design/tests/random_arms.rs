@@ -2,12 +2,11 @@
 //! time. Wrong if the gate let an arm pass whose loop does not settle, or refused one without naming the inequality.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
-mod sampled_support;
-
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::sampled_support::{Random, Rig, estimator};
 use nalgebra::{DMatrix, DVector};
 use phihat::{Delay, Form, JointGains, JointState, Measurement, Reference};
 use phihat_design::prelude::*;
@@ -15,7 +14,6 @@ use phihat_design::sampled::{InertiaWindow, LoopModel};
 use phihat_design::{Arm, Gains, JointRecord, arm_inside_window, requested_gains};
 use phihat_model::Workspace;
 use phihat_study::{InertiaSource, Study};
-use sampled_support::{Random, Rig, estimator};
 
 /// Samples per window of [`Rig::settles`]: growth is seen over as many again.
 const LONG: usize = 4000;

@@ -2,13 +2,11 @@
 //! if the loop were cut at another point than the one that is disturbed here.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Random, Rig, estimator, plain, record};
 use phihat::{Delay, Form, TorqueSource, VelocitySource};
 use phihat_design::JointRecord;
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, Margins, ModulusMargin, bode};
-use sampled_support::{Random, Rig, estimator, plain, record};
 
 fn draw(random: &mut Random) -> (JointRecord, LoopModel) {
     let order = 1 + random.below(3) as usize;

@@ -3,12 +3,10 @@
 //! coefficient differed anywhere between the equations here and the code that runs.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Outside, Random, Rig, estimator, every_model, record};
 use nalgebra::{Complex, DVector};
 use phihat::Reference;
 use phihat_design::sampled::{OpenLoop, StateMatrix};
-use sampled_support::{Outside, Random, Rig, estimator, every_model, record};
 
 /// Share of the largest value so far by which a trajectory may differ: rounding, summed.
 const TOLERANCE: f64 = 1e-10;

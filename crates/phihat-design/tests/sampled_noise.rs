@@ -3,12 +3,10 @@
 //! path from encoder to torque differed from the code.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Outside, Random, Rig, plain, record};
 use phihat::{Form, Reference, VelocitySource};
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LargestStep, LoopModel, StateMatrix, TorqueNoise};
-use sampled_support::{Outside, Random, Rig, plain, record};
 
 fn differenced(filter: Option<f64>, form: Form) -> LoopModel {
     LoopModel {

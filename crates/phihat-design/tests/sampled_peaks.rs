@@ -2,13 +2,11 @@
 //! answered `φ` otherwise than its matrix, or the sums missed a tail.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Outside, Random, Rig, plain, record};
 use nalgebra::DVector;
 use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, SampledPeaks, StateMatrix};
-use sampled_support::{Outside, Random, Rig, plain, record};
 
 const SAMPLES: usize = 4_000;
 

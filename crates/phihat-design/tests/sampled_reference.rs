@@ -2,13 +2,11 @@
 //! filter or the feed-forward were counted wrongly: the worst motion would leave the bound, or stay far inside.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Outside, Rig, record};
 use phihat::{Form, Reference, VelocitySource};
 use phihat_design::JointRecord;
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, ReferenceError};
-use sampled_support::{Outside, Rig, record};
 
 /// Samples after which the slowest loop here has forgotten.
 const LONG: usize = 1500;

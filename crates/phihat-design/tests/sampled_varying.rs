@@ -2,12 +2,10 @@
 //! survive damage. Wrong if `P` were accepted without falling along the loop at both ends.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Random, estimator, plain, record};
 use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
 use phihat_design::sampled::{LoopModel, SampledVarying, StateMatrix, VaryingWindow};
-use sampled_support::{Random, estimator, plain, record};
 
 #[test]
 fn reference_ranges() {

@@ -2,12 +2,10 @@
 //! loop lost stability anywhere but where `−L` crosses the real axis next to 1.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod sampled_support;
-
+use crate::sampled_support::{Random, Rig, estimator, plain, record};
 use phihat::{Form, VelocitySource};
 use phihat_design::prelude::*;
 use phihat_design::sampled::{InertiaWindow, LoopModel, StateMatrix};
-use sampled_support::{Random, Rig, estimator, plain, record};
 
 fn differenced(delay: u32, form: Form, filter: Option<f64>) -> LoopModel {
     LoopModel {
@@ -47,7 +45,7 @@ fn reference_values() {
 }
 
 /// A random joint and loop whose window contains 1.
-pub fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, InertiaWindow) {
+pub(crate) fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopModel, InertiaWindow) {
     loop {
         let order = 1 + random.below(4) as usize;
         let w = random.around(5.0, 40.0);

@@ -2,11 +2,9 @@
 //! that says exactly what is true were refused.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{PLAIN, study};
 use phihat_drive::{Adds, Clock, Facts, Stops, Tells};
 use phihat_study::Study;
-use support::{PLAIN, study};
 
 /// A robot that takes torques as a Franka does.
 fn robot() -> Facts {

@@ -3,8 +3,6 @@
 //! check refuses.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
@@ -12,11 +10,11 @@ use std::sync::atomic::AtomicBool;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crate::support::{PANDA, folder};
 use phihat_drive::{CheckName, DriveError, DriveOptions, Driven, End, On, State, prepare};
 use phihat_fci::{Ending, Event, Pace, Protocol};
 use phihat_session::{Leave, RunOptions, ServeOptions, ServeWatch, ServedMotion};
 use phihat_sim::Trace;
-use support::{PANDA, folder};
 
 /// A Panda whose torque is told as it is demanded: what the wire can tell, the simulation tells its law too.
 fn panda() -> String {

@@ -2,13 +2,12 @@
 //! cycle, if memory grew, or if the error did.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::net::Ipv4Addr;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
+use crate::support::{PANDA, names, study};
 use allocation_counter::measure;
 use phihat_design::requested_gains;
 use phihat_drive::{
@@ -18,7 +17,6 @@ use phihat_fci::{
     Ending, FciError, Host, Pace, Packets, Protocol, RobotSide, Rules, Sensed, World,
 };
 use phihat_sim::{Simulation, WorldSide};
-use support::{PANDA, names, study};
 
 /// What is driven: an hour and more of it, with losses on both ways.
 const REST: &str = r#"

@@ -3,10 +3,9 @@
 //! not what the simulated one truly did.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::support::{HOSTILE, PLAIN, SUPERVISED, names, sides, study};
 use phihat::{JointMap, Mode};
 use phihat_drive::{
     Adds, Arrival, Clock, Cycle, Desk, End, Evidence, Facts, Link, LinkFault, Order, OrderError,
@@ -14,7 +13,6 @@ use phihat_drive::{
 };
 use phihat_sim::{Acted, Row, Sample, Trace};
 use phihat_study::Study;
-use support::{HOSTILE, PLAIN, SUPERVISED, names, sides, study};
 
 /// The simulated arm as a robot would be: its joints in another order, nothing known but what is measured, and a fault when wanted.
 struct Robot<'a> {

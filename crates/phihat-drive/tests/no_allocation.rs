@@ -2,14 +2,12 @@
 //! byte were asked for between the first sample and the last.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::sync::atomic::AtomicBool;
 
+use crate::support::{HOSTILE, SUPERVISED, names, sides, study};
 use allocation_counter::measure;
 use phihat_drive::{Desk, End, Facts, Link, LinkFault, Order, Plan, SimLink, Wait, cycles, ring};
 use phihat_sim::{Acted, Sample};
-use support::{HOSTILE, SUPERVISED, names, sides, study};
 
 const CYCLES: usize = 72_000;
 

@@ -2,16 +2,14 @@
 //! or a figure of it were another one than those of the loop that simulates in one go, which shares neither link, ring nor thread with it.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use crate::support::{HOSTILE, PLAIN, SUPERVISED, folder};
 use phihat_drive::{CheckName, DriveOptions, End, On, prepare};
 use phihat_session::{Leave, RunOptions, RunRecord};
 use serde_json::json;
-use support::{HOSTILE, PLAIN, SUPERVISED, folder};
 
 /// Runs and drives a study; how many samples were lost.
 fn same(study: &Path, on: On) -> u64 {

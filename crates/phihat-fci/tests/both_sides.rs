@@ -2,16 +2,14 @@
 //! did not act twice, or if a client that comes second were not told so.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::net::Ipv4Addr;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crate::support::Masses;
 use phihat_fci::{
     Client, Ending, FciError, Host, Pace, Protocol, Reflex, RobotMode, RobotSide, Rules,
 };
-use support::Masses;
 
 const RULES: Rules = Rules {
     torque_step_max: Some(1.0),

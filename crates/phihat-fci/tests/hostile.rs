@@ -2,12 +2,11 @@
 //! for what it is not.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, UdpSocket};
 use std::thread;
 
+use crate::support::{connect, request, start};
 use allocation_counter::measure;
 use phihat_fci::{
     Client, FciError, Mode, Protocol, RobotCommand, RobotSide, RobotState, Rules, Sensed,
@@ -15,7 +14,6 @@ use phihat_fci::{
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, any, prop_assert, proptest};
 use proptest::test_runner::RngSeed;
-use support::{connect, request, start};
 
 fn config() -> ProptestConfig {
     ProptestConfig {

@@ -2,10 +2,8 @@
 //! in their order, and places are sums of what comes before.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{connect, start};
 use phihat_fci::{Protocol, Reflex, RobotCommand, RobotMode, RobotSide, RobotState, Rules, Sensed};
-use support::{connect, start};
 
 /// `RobotState` of `rbk_types.h` after its number, in order.
 const FIELDS: [(&str, usize); 39] = [

@@ -1,17 +1,15 @@
 //! No cycle allocates. Wrong if 72,000 cycles took one allocation more than 1,000 do, on either side of the wire, with sockets or without.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::net::Ipv4Addr;
 use std::thread;
 use std::time::Duration;
 
+use crate::support::{Masses, connect, start};
 use allocation_counter::measure;
 use phihat_fci::{
     Client, Cycle, Ending, Host, Pace, Protocol, RobotCommand, RobotSide, RobotState, Rules, Sensed,
 };
-use support::{Masses, connect, start};
 
 const CYCLES: u64 = 72_000;
 

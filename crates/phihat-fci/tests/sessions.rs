@@ -3,12 +3,10 @@
 //! cycle had or that the rules do not bear, if an answer were no answer, or if recovery did not lead to a motion again.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::collections::BTreeMap;
 
+use crate::support::{connect, recovery, request, start, stop};
 use phihat_fci::{Cycle, Heard, Mode, Protocol, Reflex, RobotCommand, RobotSide, Rules, Sensed};
-use support::{connect, recovery, request, start, stop};
 
 const RULES: Rules = Rules {
     torque_step_max: Some(1.0),

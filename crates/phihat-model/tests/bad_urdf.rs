@@ -1,7 +1,5 @@
 //! Every URDF that no arm has is refused, with file, line or name, and reason; hostile ones soon.
 
-mod support;
-
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -168,13 +166,13 @@ fn hostile_files_are_refused_before_they_cost_anything() {
 #[test]
 fn thirty_three_joints_are_one_too_many_and_a_part_is_proposed() {
     let chain = |n: usize| {
-        let mut parts = vec![support::link("l0", "")];
+        let mut parts = vec![crate::support::link("l0", "")];
         for k in 1..=n {
-            let body = support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
+            let body = crate::support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
             let (name, parent) = (format!("l{k}"), format!("l{}", k - 1));
-            parts.push(support::link(&name, &body));
+            parts.push(crate::support::link(&name, &body));
             let ends = [parent.as_str(), name.as_str()];
-            parts.push(support::joint(&format!("j{k}"), "revolute", ends, "1 0 0", "0 1 0"));
+            parts.push(crate::support::joint(&format!("j{k}"), "revolute", ends, "1 0 0", "0 1 0"));
         }
         Robot::from_text(&format!("<robot>{}</robot>", parts.concat()), None, "chain")
     };
@@ -185,7 +183,7 @@ fn thirty_three_joints_are_one_too_many_and_a_part_is_proposed() {
 
 #[test]
 fn no_damage_to_a_file_makes_the_reader_panic() {
-    let mut random = support::Random(19);
+    let mut random = crate::support::Random(19);
     for _ in 0..3000 {
         let mut bytes = GOOD.as_bytes().to_vec();
         for _ in 0..=random.next() % 4 {

@@ -1,9 +1,7 @@
 //! Pendulum, two-link arm, slider and cart with pendulum against the formulas of textbooks.
 
-mod support;
-
+use crate::support::{Random, inertial, joint, link, mass_matrix, model_of, relative_error};
 use phihat_model::Workspace;
-use support::{Random, inertial, joint, link, mass_matrix, model_of, relative_error};
 
 const G: f64 = 9.81;
 

@@ -1,10 +1,8 @@
 //! Power is the rate of energy, kinetic energy is `½ q̇ᵀ M q̇`, and `Ṁ − 2 C` takes no power. Wrong
 //! if a Coriolis term has a wrong sign or factor.
 
-mod support;
-
+use crate::support::{Random, dot, mass_matrix, models, times};
 use phihat_model::{Model, Workspace};
-use support::{Random, dot, mass_matrix, models, times};
 
 /// Step of central differences \[s\]: truncation and rounding both stay below 1e-7.
 const STEP: f64 = 1e-5;

@@ -1,10 +1,8 @@
 //! Forward dynamics undoes inverse dynamics, armature and trees included. Wrong if the two sweeps
 //! disagree about any term.
 
-mod support;
-
+use crate::support::{Random, models, relative_error};
 use phihat_model::Workspace;
-use support::{Random, models, relative_error};
 
 #[test]
 fn torque_of_an_acceleration_causes_that_acceleration() {

@@ -1,9 +1,7 @@
 //! Gravity's torque is the gradient of the potential energy, on the ground, on a wall and nowhere.
 
-mod support;
-
+use crate::support::{Random, models, relative_error};
 use phihat_model::Workspace;
-use support::{Random, models, relative_error};
 
 #[test]
 fn torque_is_the_gradient_of_the_potential() {

@@ -1,10 +1,8 @@
 //! Inverse kinematics brings the tip to poses that exist, stays inside the limits, repeats itself,
 //! and says how far it missed those that do not.
 
-mod support;
-
+use crate::support::{Random, robots};
 use phihat_model::{IkError, IkOptions, Robot, Target, Workspace};
-use support::{Random, robots};
 
 fn options(robot: &Robot) -> IkOptions {
     let turn = (-6.3, 6.3);

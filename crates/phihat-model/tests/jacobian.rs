@@ -1,9 +1,7 @@
 //! The Jacobian is the derivative of the pose, for every frame. Wrong if a column's axis or arm is.
 
-mod support;
-
+use crate::support::{Random, models, relative_error};
 use phihat_model::Workspace;
-use support::{Random, models, relative_error};
 
 #[test]
 fn it_is_the_derivative_of_the_pose() {

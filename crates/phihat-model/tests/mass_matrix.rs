@@ -1,10 +1,8 @@
 //! `M` is symmetric, positive definite, what inverse dynamics says column by column, and the sum
 //! of every link's inertia through its Jacobian. Wrong if a composite inertia loses a body.
 
-mod support;
-
+use crate::support::{Random, mass_matrix, models, relative_error, trees};
 use phihat_model::Workspace;
-use support::{Random, mass_matrix, models, relative_error, trees};
 
 #[test]
 fn it_is_symmetric_and_positive_definite() {
@@ -77,7 +75,8 @@ fn it_is_the_sum_of_all_links_through_their_jacobians() {
                         xy * wj[0] + yy * wj[1] + yz * wj[2],
                         xz * wj[0] + yz * wj[1] + zz * wj[2],
                     ];
-                    sum[i * n + j] += mass * support::dot(&vi, &vj) + support::dot(&wi, &spin);
+                    sum[i * n + j] +=
+                        mass * crate::support::dot(&vi, &vj) + crate::support::dot(&wi, &spin);
                 }
             }
         }

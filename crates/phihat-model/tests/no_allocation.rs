@@ -1,10 +1,8 @@
 //! No call of the dynamics allocates or frees memory.
 
-mod support;
-
+use crate::support::{Random, models};
 use allocation_counter::measure;
 use phihat_model::Workspace;
-use support::{Random, models};
 
 #[test]
 fn the_dynamics_leave_the_heap_alone() {

@@ -1,7 +1,5 @@
 //! An arm cut out of a larger robot is that robot with all else locked, and what cannot be cut is named.
 
-mod support;
-
 use phihat_model::{Part, Robot, Workspace};
 
 const PANDA: &str = include_str!("../robots/panda.urdf");
@@ -48,14 +46,14 @@ fn a_part_is_the_whole_with_the_rest_locked() {
 
 /// Two arms on a waist, each with a gripper whose second finger follows the first.
 fn two_arms() -> String {
-    let body = support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
-    let mut parts = vec![support::link("world", ""), support::link("base", &body)];
+    let body = crate::support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
+    let mut parts = vec![crate::support::link("world", ""), crate::support::link("base", &body)];
     let mut joint = |name: &str, kind: &str, ends: [&str; 2], more: &str| {
         let axis = if kind == "prismatic" { "1 0 0" } else { "0 1 0" };
-        let text = support::joint(name, kind, ends, "0 0 0.2", axis);
+        let text = crate::support::joint(name, kind, ends, "0 0 0.2", axis);
         parts.push(text.replace("</joint>", &format!("{more}</joint>")));
         if ends[1] != "base" {
-            parts.push(support::link(ends[1], &body));
+            parts.push(crate::support::link(ends[1], &body));
         }
     };
     joint("floats", "floating", ["world", "base"], "");

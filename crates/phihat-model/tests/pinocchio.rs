@@ -2,12 +2,10 @@
 //! a sign or an axis anywhere differs from the URDF's meaning.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may stop at a bad oracle")]
 
-mod support;
-
 use std::collections::BTreeMap;
 
+use crate::support::{numbers, oracle, relative_error};
 use phihat_model::{Robot, Workspace};
-use support::{numbers, oracle, relative_error};
 
 /// The oracle's own disagreement between four libraries is 1e-14 to 3e-14.
 /// iiwa14 at rest needs 5e-13: its gravity torques there are small differences.

@@ -1,10 +1,8 @@
 //! Torque is linear in the dynamic parameters: `Y π = τ`. Wrong if a column belongs to another
 //! parameter.
 
-mod support;
-
+use crate::support::{Random, models, relative_error, times};
 use phihat_model::{Body, Workspace};
-use support::{Random, models, relative_error, times};
 
 #[test]
 fn times_the_parameters_it_is_inverse_dynamics() {

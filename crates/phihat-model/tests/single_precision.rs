@@ -1,14 +1,12 @@
 //! The same algorithms in `f32` agree with `f64` to single precision.
 
-mod support;
-
+use crate::support::{Random, relative_error};
 use phihat_model::{Robot, Workspace};
-use support::{Random, relative_error};
 
 #[test]
 fn single_precision_agrees_with_double() {
     let mut random = Random(18);
-    for robot in support::robots() {
+    for robot in crate::support::robots() {
         let model: phihat_model::Model = robot.plant_model();
         let n = model.joint_count();
         let (mut double, mut single) =

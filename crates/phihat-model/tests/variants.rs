@@ -1,10 +1,8 @@
 //! A locked joint is a fixed joint, a payload is a heavier link, armature is added to the diagonal:
 //! each against the description written that way.
 
-mod support;
-
+use crate::support::{Random, inertial, joint, link, mass_matrix, model_of, relative_error, tree};
 use phihat_model::{Body, Model, Robot, RobotError, Workspace};
-use support::{Random, inertial, joint, link, mass_matrix, model_of, relative_error, tree};
 
 fn torque(model: &Model, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
     let mut tau = vec![0.0; q.len()];
@@ -15,7 +13,7 @@ fn torque(model: &Model, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
 #[test]
 fn a_locked_joint_moves_like_the_whole_arm_with_that_joint_still() {
     let mut random = Random(15);
-    for robot in support::robots() {
+    for robot in crate::support::robots() {
         let n = robot.model.joint_count();
         let lock = n / 2;
         let (low, high) = robot.joints[lock].position.unwrap();

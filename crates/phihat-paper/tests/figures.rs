@@ -7,8 +7,7 @@ use phihat_paper::{
 };
 use roxmltree::{Document, Node};
 
-mod support;
-use support::{axis, reproduction};
+use crate::support::{axis, reproduction};
 
 fn drawn(figure: Figure) -> String {
     let section = Section {

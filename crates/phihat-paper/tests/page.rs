@@ -11,11 +11,8 @@ use phihat_paper::{
 use scraper::{ElementRef, Html, Selector};
 use sha2::{Digest, Sha256};
 
-#[path = "../../phihat-report/tests/support/hostile.rs"]
-mod hostile;
-mod support;
-use hostile::PAYLOADS;
-use support::reproduction;
+use crate::hostile::PAYLOADS;
+use crate::support::reproduction;
 
 fn all<'a>(document: &'a Html, selector: &str) -> Vec<ElementRef<'a>> {
     document.select(&Selector::parse(selector).unwrap()).collect()

@@ -10,8 +10,7 @@ use phihat_report::{FIGURES, figures, page};
 use phihat_study::Study;
 use roxmltree::Document;
 
-mod support;
-use support::{Fixture, fixture};
+use crate::support::{Fixture, fixture};
 
 /// Designed once: it takes a second.
 fn certified() -> Gains {
@@ -151,7 +150,7 @@ fn the_name_of_every_figure_is_listed() {
 
 #[test]
 fn names_cannot_leave_a_figure() {
-    for payload in support::hostile::PAYLOADS {
+    for payload in crate::support::hostile::PAYLOADS {
         let fixture = with(certified()).named(payload);
         for figure in figures(&fixture.record()) {
             Document::parse(&figure.svg).unwrap_or_else(|e| panic!("{}: {e}", figure.name));

@@ -6,9 +6,8 @@
 use scraper::{Html, Selector};
 use std::collections::BTreeMap;
 
-mod support;
-use support::fixture;
-use support::hostile::PAYLOADS;
+use crate::support::fixture;
+use crate::support::hostile::PAYLOADS;
 
 /// How many of each element and of each attribute a document has, and every script and policy.
 fn shape(html: &str) -> (BTreeMap<String, usize>, Vec<String>) {

@@ -5,8 +5,7 @@ use base64::Engine as _;
 use scraper::{Html, Selector};
 use sha2::{Digest, Sha256};
 
-mod support;
-use support::fixture;
+use crate::support::fixture;
 
 #[test]
 fn nothing_is_loaded() {

@@ -8,8 +8,7 @@ use roxmltree::Document;
 use scraper::{Html, Selector};
 use serde_json::Value;
 
-mod support;
-use support::{Fixture, fixture};
+use crate::support::{Fixture, fixture};
 
 fn data(fixture: &Fixture) -> Value {
     let document = Html::parse_document(&page(&fixture.record()));

@@ -6,8 +6,7 @@
 use phihat_sim::Metrics;
 use scraper::{Html, Selector};
 
-mod support;
-use support::{Fixture, fixture};
+use crate::support::{Fixture, fixture};
 
 fn texts(html: &str, selector: &str) -> Vec<String> {
     let document = Html::parse_document(html);

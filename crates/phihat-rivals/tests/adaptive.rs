@@ -1,11 +1,9 @@
 //! Rivals that learn: what they learn is what takes the error away.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Bench, PERIOD};
 use phihat_model::Workspace;
 use phihat_rivals::{Knows, Planar, Tuning, rival};
-use support::{Bench, PERIOD};
 
 /// Error late in a run, with learning as published and with (almost) none. With the sign of the update
 /// changed the first is the larger one, or the run ends.
@@ -119,7 +117,7 @@ fn the_tip_is_followed_with_lengths_that_are_not_known() {
     let ([a, _], [b, _]) = (planar.tip(one, &[0.0; 3]), planar.tip(other, &[0.0; 3]));
     let seen = (a[0] - b[0]).hypot(a[1] - b[1]);
     assert!(seen > 0.05 && (far(place(one), place(other)) - seen).abs() < 1e-9);
-    let worst = |run: &support::Run, from: usize| {
+    let worst = |run: &crate::support::Run, from: usize| {
         (from..from + 3000)
             .map(|k| {
                 let wanted: Vec<_> = (0..3).map(|i| bench.reference(i, run.t[k])[0]).collect();

@@ -1,11 +1,9 @@
 //! Rivals that know a model: what is proved for them when it is exact, and identities among them.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Bench, PERIOD, Run};
 use phihat_model::Workspace;
 use phihat_rivals::{All, Tuning, rival};
-use support::{Bench, PERIOD, Run};
 
 /// The torque that a rival answers with to a first sample.
 fn answer(bench: &Bench, id: &str, values: &[f64], still: bool) -> Vec<f64> {

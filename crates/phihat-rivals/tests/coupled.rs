@@ -1,11 +1,9 @@
 //! On the coupled arm: Lyapunov functions of laws that know the model, and identities between laws.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Bench, PERIOD, Run};
 use phihat_model::Workspace;
 use phihat_rivals::{Tuning, rival};
-use support::{Bench, PERIOD, Run};
 
 /// The planar arm with its exact model and a start off the reference.
 fn displaced() -> Bench {

@@ -6,12 +6,10 @@
     reason = "tests: a panic is the report"
 )]
 
-mod support;
-
 use std::collections::BTreeSet;
 
+use crate::support::{Bench, PERIOD};
 use phihat_rivals::{Grade, RIVALS, Refusal};
-use support::{Bench, PERIOD};
 
 #[test]
 fn names_are_unique_and_scalars_are_in_their_ranges() {

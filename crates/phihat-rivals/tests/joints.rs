@@ -1,11 +1,9 @@
 //! Closed forms on joints without coupling: what each law leaves of a load, and where it stops being stable.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::PERIOD;
+use crate::support::joints::{Joints, Point};
 use phihat_rivals::{DeclaredArm, RIVALS, rival};
-use support::PERIOD;
-use support::joints::{Joints, Point};
 
 /// `b_e, b_d` of `BᵀPx` for the outer loop of all published gains, 400 and 40, from its Lyapunov equation.
 const WEIGHT: [f64; 2] = [100.0 / 800.0, 1.25 / 80.0];

@@ -1,11 +1,9 @@
 //! The regressor's momentum form and its identifiable columns.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::Bench;
 use phihat_model::Workspace;
 use phihat_rivals::{Knows, Regressor};
-use support::Bench;
 
 /// The true parameters in the regressor's order.
 fn parameters(bench: &Bench) -> Vec<f64> {

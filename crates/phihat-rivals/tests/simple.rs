@@ -1,10 +1,8 @@
 //! PD, computed torque, the H-infinity PID, and the proposed law among them.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Bench, PERIOD};
 use phihat_rivals::{All, Tuning, rival};
-use support::{Bench, PERIOD};
 
 #[test]
 fn pd_under_gravity_sags_by_the_load_over_the_stiffness() {

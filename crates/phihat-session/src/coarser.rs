@@ -1,7 +1,7 @@
 //! What becomes of a tube behind coarser encoders.
 
-use phihat_design::tube::tube;
-use phihat_design::{CoarserEncoder, Gains};
+use phihat_design::tube::{TubeRefusal, tubes_behind};
+use phihat_design::{CoarserEncoder, Gains, Tube};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
@@ -35,10 +35,12 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
     }
     let desired = Told::of(&own)?.to(gains)?;
     let period = study.control.period_ns as f64 * 1e-9;
-    let one = |bits_fewer: u32| {
-        let fewer = |bits: &u32| bits.saturating_sub(bits_fewer).max(BITS_MIN);
-        own.sensor.encoder_bits = Some(bits.iter().map(fewer).collect());
-        let (tube, refused) = match tube(&own, gains, &desired) {
+    let fewer = |by: u32| bits.iter().map(|bits| bits.saturating_sub(by).max(BITS_MIN)).collect();
+    let encoders: Vec<Vec<u32>> = FEWER.map(fewer).collect();
+    let tubes = tubes_behind(&own, gains, &desired, &encoders)
+        .unwrap_or_else(|why| vec![Err(why); encoders.len()]);
+    let one = |(bits_fewer, tube): (u32, Result<Tube, TubeRefusal>)| {
+        let (tube, refused) = match tube {
             Ok(tube) => (Some(tube.steady_from(settle)), None),
             Err(why) => (None, Some(why.to_string())),
         };
@@ -53,5 +55,5 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
             refused,
         }
     };
-    Ok(FEWER.map(one).collect())
+    Ok(FEWER.zip(tubes).map(one).collect())
 }

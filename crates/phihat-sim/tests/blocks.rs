@@ -2,14 +2,12 @@
 //! the length of the run.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::convert::Infallible;
 
+use crate::support::{gains, rod_study, run};
 use allocation_counter::measure;
 use phihat_sim::{Ended, Measured, Metrics, Simulation, Trace, TraceWriter};
 use phihat_study::Study;
-use support::{gains, rod_study, run};
 
 const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
                      velocity = \"differenced\"\n[loop]\ndelay_samples = 1\ntorque_rate_max_nm_s = 90.0\n\

@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::read;
 use phihat::{Form, JointDesign, JointGains};
 use phihat_sim::{Driver, Moment, SimError, Simulation, Stepped};
 use phihat_study::Study;
-use support::read;
 
 const INERTIA: [f64; 3] = [0.42, 0.18, 0.14];
 

@@ -2,10 +2,8 @@
 //! effect had another size, sign or timing than its key says, or left a mark where it is absent.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{ROD_INERTIA, rod_study, run};
 use phihat_sim::{Outcome, Survival, Trace};
-use support::{ROD_INERTIA, rod_study, run};
 
 const HOLD: &str = "[start]\nq_rad = 0.31\n[reference]\nkind = \"hold\"\nq_rad = 0.3\n";
 const TURN: &str = "[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\n\
@@ -311,7 +309,7 @@ fn not_a_number_and_wrong_order_reach_the_controller_as_they_are() {
     let text = "duration_s = 0.4\n[robot]\nname = \"planar3r\"\n[gains]\ninertia_kg_m2 = 0.2\n\
                 bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\n[spec]\nsettle_s = 0.1\n\
                 [reference]\nkind = \"hold\"\npose = \"ready\"\n";
-    let order = support::read(&format!("{text}{}", fault("joint_order", "size = 1")));
+    let order = crate::support::read(&format!("{text}{}", fault("joint_order", "size = 1")));
     let trace = run(&order).trace;
     for k in [100, 250] {
         let places = usize::from(k >= 200);
@@ -320,7 +318,7 @@ fn not_a_number_and_wrong_order_reach_the_controller_as_they_are() {
             assert_eq!(trace.joints[i].q_measured[k].to_bits(), from.q[k].to_bits());
         }
     }
-    let nan = support::read(&format!("{text}{}", fault("sensor_nan", "joint = \"joint2\"")));
+    let nan = crate::support::read(&format!("{text}{}", fault("sensor_nan", "joint = \"joint2\"")));
     let outcome = run(&nan);
     assert!(outcome.trace.joints[1].q_measured[200].is_nan());
     assert!(!outcome.trace.joints[0].q_measured[200].is_nan());

@@ -7,11 +7,9 @@
     reason = "tests: a panic is the report"
 )]
 
-mod support;
-
+use crate::support::{read, rod_study, run};
 use phihat_model::Workspace;
 use phihat_sim::{StopReason, Survival, forecast};
-use support::{read, rod_study, run};
 
 const FAR: &str = "[start]\nq_rad = 0.0\n[reference]\nkind = \"hold\"\nq_rad = 0.5\n";
 const HOLD: &str = "[reference]\nkind = \"hold\"\nq_rad = 0.3\n";

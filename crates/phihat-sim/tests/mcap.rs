@@ -3,13 +3,11 @@
 #![cfg(feature = "mcap")]
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::collections::BTreeMap;
 
+use crate::support::{gains, read};
 use mcap::MessageStream;
 use phihat_sim::{McapTrace, Simulation};
-use support::{gains, read};
 
 const STUDY: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.2\n[gains]\norder = 1\n\
     bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[supervisor]\n\

@@ -2,10 +2,8 @@
 //! Wrong if one had another size, sign or place than its key says, or left a mark where it is absent.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{ROD_INERTIA, gains, read, rod_study, run};
 use phihat_sim::{Outcome, Simulation};
-use support::{ROD_INERTIA, gains, read, rod_study, run};
 
 const G: f64 = 9.81;
 const HOLD: &str = "[reference]\nkind = \"hold\"\nq_rad = 0.3\n";

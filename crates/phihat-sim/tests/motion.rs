@@ -2,8 +2,6 @@
 //! not belong to its function, or a junction had a jump.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use phihat_model::Workspace;
 use phihat_sim::Motion;
 use phihat_study::Study;
@@ -30,7 +28,7 @@ const CURVE: &str = "kind = \"curve\"\nframe = \"tool\"\n\
                      period_s = 4.0\nfade_in_s = 1.0\nseed_rad = [0.3, 0.8, 0.4]\n";
 
 fn study(robot: &str, reference: &str) -> Study {
-    support::read(&(HEAD.replace("ROBOT", robot) + reference))
+    crate::support::read(&(HEAD.replace("ROBOT", robot) + reference))
 }
 
 fn motion(study: &Study) -> Motion {

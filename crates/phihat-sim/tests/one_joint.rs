@@ -2,10 +2,8 @@
 //! timing.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{ROD_INERTIA, gains, rod_study, run};
 use phihat::{Delay, JointState, Measurement, Reference};
-use support::{ROD_INERTIA, gains, rod_study, run};
 
 const G: f64 = 9.81;
 const HOLD: &str = "[reference]\nkind = \"hold\"\nq_rad = 0.3\n";

@@ -2,14 +2,12 @@
 //! the factor to a slower motion were another, or if a shipped study needed more than its drives have.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::support::{ROD_INERTIA, rod_study, run};
 use phihat_sim::{Lack, Overload, overload};
 use phihat_study::Study;
-use support::{ROD_INERTIA, rod_study, run};
 
 const G: f64 = 9.81;
 /// Amplitude \[rad\], frequency \[Hz\] of the motion about hanging at an angle \[rad\].
@@ -108,7 +106,7 @@ fn a_joint_that_would_be_too_fast_is_told_with_its_speed() {
     // Sines are looked at as the file is read; what inverse kinematics makes of a curve is not.
     let text = "duration_s = 4.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_max_rad = 1e-3\n[design]\n[loop]\n\
                 torque_max_nm = \"none\"\n[reference]\nkind = \"circle\"\ncenter_m = [0.45, 0.0, 0.45]\nradius_m = 0.12\nperiod_s = 0.35\nseed = \"ready\"\n";
-    let study = support::read(text);
+    let study = crate::support::read(text);
     let more = found(&study);
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration).unwrap();
     let speed = |i: usize, t: f64| motion.at(i, t)[1].abs();
@@ -119,7 +117,7 @@ fn a_joint_that_would_be_too_fast_is_told_with_its_speed() {
     assert_eq!(more.limit.to_bits(), most.to_bits());
     let all = (0..4000).map(|k| speed(i, f64::from(k) * 1e-3)).fold(0.0, f64::max);
     assert!((all - more.need).abs() < 1e-9 && all > most);
-    let slower = support::read(
+    let slower = crate::support::read(
         &text
             .replace("period_s = 0.35", &format!("period_s = {}", 0.35 * more.slower.unwrap()))
             .replace("seed =", &format!("fade_in_s = {}\nseed =", more.slower.unwrap()))
@@ -135,7 +133,7 @@ fn a_study_may_be_about_drives_that_saturate() {
     let text = study.text.replace("[loop]", "[loop]\nbeyond_drives = \"allow\"");
     let more = found(&study).to_string();
     assert!(more.contains("loop.beyond_drives = \"allow\""), "{more}");
-    assert!(overload(&support::read(&text)).unwrap().is_none());
+    assert!(overload(&crate::support::read(&text)).unwrap().is_none());
 }
 
 #[test]

@@ -2,11 +2,9 @@
 #![cfg(feature = "parquet")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{rod_study, run};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
-use support::{rod_study, run};
 
 #[test]
 fn rows_read_back_as_written() {

@@ -2,12 +2,10 @@
 //! not show in the trace and stop the arm, or if an arm starts again by itself.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{rod_study, run};
 use phihat::{Events, Fault, Mode};
 use phihat_sim::{Outcome, Supervision, Trace};
 use phihat_study::Study;
-use support::{rod_study, run};
 
 const MOTION: &str = "[loop]\ntorque_rate_max_nm_s = 900.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.2\n\
                       fade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = 0.5\n";

@@ -2,10 +2,8 @@
 //! second calculation finds. Wrong if anything hidden took part in a run, or a column were mixed up.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{rod_study, run};
 use phihat_sim::{Metrics, Trace};
-use support::{rod_study, run};
 
 const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
                      velocity = \"differenced\"\n[loop]\ndelay_samples = 1\ntorque_rate_max_nm_s = 900.0\n\

@@ -1,10 +1,8 @@
 //! Faults are read as they are written, and refused where they cannot be. Wrong if a fault could act on
 //! another joint, at another time or by another amount than its file says.
 
-mod support;
-
+use crate::support::{GOOD, read};
 use phihat_study::{Fault, FaultKind};
-use support::{GOOD, read};
 
 fn with(fault: &str) -> String {
     GOOD.replace("[reference]", &format!("[[fault]]\n{fault}\n[reference]"))

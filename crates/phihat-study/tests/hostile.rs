@@ -2,10 +2,8 @@
 //!
 //! Wrong if some input panics, or is admitted beyond the caps.
 
-mod support;
-
+use crate::support::{Dice, GOOD, read, studies};
 use phihat_study::StudyErrorKind::TooLarge;
-use support::{Dice, GOOD, read, studies};
 
 /// Cuts, doubles, flips and swaps parts of a text.
 fn mutate(text: &str, dice: &mut Dice) -> String {

@@ -4,9 +4,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-mod support;
-
-use support::{read, with_line};
+use crate::support::{read, with_line};
 
 fn inertia(text: &str) -> Vec<f64> {
     read(&with_line(16, &format!("inertia_kg_m2 = {text}"))).unwrap().gains.unwrap().inertia

@@ -4,10 +4,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-mod support;
-
+use crate::support::{GOOD, root, studies, with_line};
 use serde_json::Value;
-use support::{GOOD, root, studies, with_line};
 
 fn check_file(name: &str, expected: &str) {
     let path = root("docs").join(name);

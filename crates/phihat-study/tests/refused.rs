@@ -4,17 +4,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{GOOD, REFERENCE_LINE, read, read_in, with_line, with_reference};
 use phihat_study::StudyErrorKind::{
     BeyondLimits, Conflict, MissingKey, OutOfRange, Robot, Syntax, UnknownKey, UnknownName,
     WrongLength, WrongType, WrongUnit,
 };
 use phihat_study::{StudyError, StudyErrorKind};
-use support::{GOOD, REFERENCE_LINE, read, read_in, with_line, with_reference};
 
 fn check(text: &str, (line, key, kind, fragment): (usize, &str, StudyErrorKind, &str)) {
     let answer: Result<(), StudyError> = read(text).map(drop);

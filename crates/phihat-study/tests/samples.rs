@@ -4,12 +4,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-mod support;
-
 use std::path::PathBuf;
 
+use crate::support::{read_in, with_reference};
 use phihat_study::{Reference, StudyError, StudyErrorKind};
-use support::{read_in, with_reference};
 
 /// A directory of its own with one file in it; removed when dropped.
 struct Folder(PathBuf);

@@ -4,11 +4,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
-mod support;
-
+use crate::support::{GOOD, read, studies, with_line, with_reference};
 use phihat::{Form, VelocitySource};
 use phihat_study::{Curve, LawRequest, Payload, Push, Reference, Start, Study};
-use support::{GOOD, read, studies, with_line, with_reference};
 
 #[test]
 fn every_published_study_is_read() {

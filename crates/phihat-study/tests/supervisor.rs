@@ -1,19 +1,20 @@
 //! `[supervisor]`: what is read, and what is refused. Wrong if keys that contradict each other got through.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-mod support;
-
 use phihat_study::{RequestedMode, Study};
 
 fn study(supervisor: &str) -> Result<Study, phihat_study::StudyError> {
-    let text = format!("{}\n[supervisor]\n{supervisor}\n", support::GOOD);
+    let text = format!("{}\n[supervisor]\n{supervisor}\n", crate::support::GOOD);
     Study::from_text(&text, "base.toml", "".as_ref())
 }
 
 #[test]
 fn an_empty_section_has_its_defaults_and_no_section_is_none() {
     assert!(
-        Study::from_text(support::GOOD, "base.toml", "".as_ref()).unwrap().supervisor.is_none()
+        Study::from_text(crate::support::GOOD, "base.toml", "".as_ref())
+            .unwrap()
+            .supervisor
+            .is_none()
     );
     let read = study("").unwrap().supervisor.unwrap();
     assert_eq!((read.hold_samples, read.stop_samples), (5, 20));
@@ -55,7 +56,7 @@ fn contradictions_are_refused_by_name() {
 fn a_slower_start_is_read_and_refused_where_there_is_no_estimator_to_slow() {
     let read = study("start_estimator_factor = 0.25").unwrap().supervisor.unwrap();
     assert_eq!((read.start_factor, read.start_first_order), (Some(0.25), false));
-    let positions = support::GOOD.replace("[loop]\n", "[loop]\nform = \"positions\"\n");
+    let positions = crate::support::GOOD.replace("[loop]\n", "[loop]\nform = \"positions\"\n");
     let text = format!("{positions}\n[supervisor]\nstart_estimator_factor = 0.25\n");
     let error = Study::from_text(&text, "base.toml", "".as_ref()).unwrap_err().render();
     assert!(

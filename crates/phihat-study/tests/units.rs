@@ -2,11 +2,9 @@
 //!
 //! Wrong if a number could be read in a unit that its key does not say.
 
-mod support;
-
+use crate::support::{GOOD, read};
 use phihat_study::StudyErrorKind::WrongUnit;
 use serde_json::Value;
-use support::{GOOD, read};
 
 /// Keys of the good study's sections, without their unit and with it.
 const KEYS: &[(&str, &str, &str)] = &[

@@ -3,10 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, FIRST, T, T_NS, at};
+use crate::arm::{Arm, FIRST, T, T_NS, at};
 use phihat::{Events, Fault, JointOptions, Mode, ModeRequest, Options, Report};
 
 /// An arm that tracks at rest under a load it knows.
@@ -21,7 +18,7 @@ fn tracking(options: &Options) -> Arm<1> {
 }
 
 /// One sample whose stamp is changed; the sample that is right comes next.
-fn spoilt(arm: &mut Arm<1>, change: impl Fn(&mut arm::Seen<1>)) -> Report {
+fn spoilt(arm: &mut Arm<1>, change: impl Fn(&mut crate::arm::Seen<1>)) -> Report {
     let mut seen = arm.sense();
     change(&mut seen);
     arm.step_with(&seen, &at(0.0, 0.0, 0.0)).report

@@ -3,13 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-#[path = "support/arm.rs"]
-mod arm;
-#[path = "support/joint.rs"]
-mod joint;
-
-use arm::{FIRST, SECOND};
-use joint::{INERTIA, Joint, T, T_NS, gains, outer};
+use crate::arm::{FIRST, SECOND};
+use crate::joint::{INERTIA, Joint, T, T_NS, gains, outer};
 use phihat::{
     Events, Form, Funnel, JointDesign, JointGains, JointOptions, Measurement, Mode, ModeRequest,
     MotionLimits, OptionError, Options, Reference, Schedule, Supervisor,

@@ -7,10 +7,8 @@
     reason = "tests: a panic is the report"
 )]
 
-mod support;
-
+use crate::support::Loop;
 use phihat::{Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference};
-use support::Loop;
 
 const T: f64 = 1e-3;
 const LOAD: f64 = 40.0;

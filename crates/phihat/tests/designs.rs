@@ -2,10 +2,7 @@
 //! one refused, or if the start gains had another pole than is said.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::Dice;
+use crate::arm::Dice;
 use phihat::{
     Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
 };

@@ -2,10 +2,8 @@
 //! differ by O(T). Wrong if a coefficient of Lemma 1 or of (T4) were wrong, for any order.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Loop, gains};
 use phihat::{Form, Reference};
-use support::{Loop, gains};
 
 const ORDERS: [&[f64]; 4] =
     [&[68.9], &[4844.0, 139.2], &[64_000.0, 4800.0, 120.0], &[810_000.0, 108_000.0, 5400.0, 120.0]];

@@ -2,10 +2,7 @@
 //! step is no motion, if it is slower than its limits allow, or if a reference beyond one limit alone passes.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Dice, T};
+use crate::arm::{Dice, T};
 use phihat::{MotionLimits, Reference, Shaper};
 
 /// The law from its own words: where the motion is once its acceleration has gone, by small steps; the speed from which

@@ -8,10 +8,7 @@
     reason = "small positive numbers"
 )]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at};
+use crate::arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at};
 use phihat::{Events, Fault, JointOptions, Measurement, Mode, Reference, Stamp, Unwrap};
 
 fn wave(t: f64) -> Reference<f64> {
@@ -98,7 +95,8 @@ fn f04_jitter_is_integrated_with_the_measured_time() {
             let r = wave(t - begin);
             let joint = &mut arm.truth[0];
             let m = Measurement { q: joint.q, dq: joint.dq, tau_applied: last_tau };
-            let seen = arm::Seen { stamp: Stamp { sequence, t_ns }, now_ns: t_ns, joints: [m] };
+            let seen =
+                crate::arm::Seen { stamp: Stamp { sequence, t_ns }, now_ns: t_ns, joints: [m] };
             let (q, dq) = (joint.q, joint.dq);
             let answer = arm.step_with(&seen, &[r]);
             assert!(answer.report.fault.is_none(), "{:?}", answer.report);

@@ -1,10 +1,8 @@
 //! Multiplied out, the law is controllers that people know. Wrong if any gain were weighted wrongly.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{KD, KP, Loop, gains};
 use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
-use support::{KD, KP, Loop, gains};
 
 const T: f64 = 1e-3;
 

@@ -3,10 +3,8 @@
 //! were not the one those values were computed for by eigenvalues.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Loop, gains};
 use phihat::{Delay, Form, Reference};
-use support::{Loop, gains};
 
 /// Whether the response to a push has died down (true) or grown (false).
 fn settles(a: &[f64], inertia: f64, delay: usize) -> bool {

@@ -2,13 +2,11 @@
 //! an infinity or a huge number became a torque, or if a limit acted silently.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Loop, gains};
 use phihat::{
     Controller, Form, GainError, JointDesign, JointGains, JointState, Limits, Measurement,
     Reference,
 };
-use support::{Loop, gains};
 
 const T: f64 = 1e-3;
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];

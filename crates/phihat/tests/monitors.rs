@@ -3,13 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-#[path = "support/arm.rs"]
-mod arm;
-#[path = "support/joint.rs"]
-mod joint;
-
-use arm::{Dice, FIRST, SECOND};
-use joint::{INERTIA, Joint, T, T_NS, gains};
+use crate::arm::{Dice, FIRST, SECOND};
+use crate::joint::{INERTIA, Joint, T, T_NS, gains};
 use phihat::{Events, Fault, JointOptions, Measurement, Mode, ModeRequest, Options, Reference};
 
 /// A joint that tracks at rest, so options say what is watched.

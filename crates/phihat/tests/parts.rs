@@ -2,10 +2,7 @@
 //! drifted, or if a scalar guard let a bad pattern through.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::Dice;
+use crate::arm::Dice;
 use phihat::{
     Command, DELAY_MAX, Delay, Form, JointDesign, JointGains, JointMap, JointMapError, JointState,
     Limits, Log, Measurement, Real, Reference, VelocityFilter, VelocityState, order_hash,

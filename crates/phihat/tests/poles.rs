@@ -2,10 +2,8 @@
 //! obey the linear recurrence that these poles, taken from closed forms, define.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Loop, gains};
 use phihat::{Form, Reference};
-use support::{Loop, gains};
 
 type Complex = (f64, f64);
 

@@ -2,13 +2,8 @@
 //! hard limit is not where it is said, if a reference is kept elsewhere, or if an estimate grows outward at the end.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-#[path = "support/joint.rs"]
-mod joint;
-
-use arm::{Dice, FIRST, SECOND};
-use joint::{INERTIA, Joint, T, T_NS, gains};
+use crate::arm::{Dice, FIRST, SECOND};
+use crate::joint::{INERTIA, Joint, T, T_NS, gains};
 use phihat::{
     Command, Events, Fault, JointOptions, JointRange, Limits, Measurement, Mode, ModeRequest,
     Options, Reference, SupervisorState,

@@ -2,10 +2,7 @@
 //! here by hand, give from (9) and (10), if it stepped the torque, or if one joint changed without the other.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-#[path = "support/joint.rs"]
-mod joint;
-
-use joint::{INERTIA, Joint, T, T_NS, outer};
+use crate::joint::{INERTIA, Joint, T, T_NS, outer};
 use phihat::{
     Events, Form, JointDesign, JointGains, JointOptions, Measurement, ModeRequest, OptionError,
     Options, Reference, Request, Sample, Schedule, Stamp, Supervisor, SupervisorState,

@@ -2,10 +2,7 @@
 //! keeps the limits is touched.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, Dice, FIRST, SECOND, T, at};
+use crate::arm::{Arm, Dice, FIRST, SECOND, T, at};
 use phihat::{Events, JointOptions, MotionLimits, Reference, Shaper};
 
 fn limits(dice: &mut Dice) -> MotionLimits {
@@ -116,7 +113,8 @@ fn jump_use(a: &[f64], inertia: f64, jump: f64, shaped: bool) -> (bool, f64) {
         motion: shaped.then(|| MotionLimits::within_torque(2.0, 87.0, 1000.0, 1.5, 0.4)),
         ..JointOptions::default()
     };
-    let options = phihat::Options { start_mismatch_max: 10.0, ..phihat::Options::new(arm::T_NS) };
+    let options =
+        phihat::Options { start_mismatch_max: 10.0, ..phihat::Options::new(crate::arm::T_NS) };
     let mut arm = Arm::<1>::with(a, joint, &options);
     arm.truth[0].inertia = inertia;
     arm.start();

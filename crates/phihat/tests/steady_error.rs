@@ -2,10 +2,8 @@
 //! Wrong if the sampled loop had fewer than m integrators; the order below must show an error.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-mod support;
-
+use crate::support::{Loop, gains};
 use phihat::{Form, Reference};
-use support::{Loop, gains};
 
 const ORDERS: [&[f64]; 4] =
     [&[70.0], &[4900.0, 140.0], &[64_000.0, 4800.0, 120.0], &[810_000.0, 108_000.0, 5400.0, 120.0]];

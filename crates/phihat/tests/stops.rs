@@ -3,10 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, SECOND, T_NS, at};
+use crate::arm::{Arm, SECOND, T_NS, at};
 use phihat::{Answer, Events, Fault, JointOptions, Mode, ModeRequest, Options, Schedule};
 
 const LOAD: f64 = 12.0;
@@ -134,7 +131,7 @@ fn a_stopped_arm_is_held_and_damped() {
         let seen = arm.sense();
         for k in 0..40 {
             let now = arm.sense();
-            let still = arm::Seen { stamp: now.stamp, now_ns: now.now_ns, ..seen };
+            let still = crate::arm::Seen { stamp: now.stamp, now_ns: now.now_ns, ..seen };
             let answer = arm.step_with(&still, &at(0.0, 0.0, 0.0));
             if k > 20 {
                 let command = &answer.commands[0];
@@ -233,7 +230,7 @@ fn an_armed_arm_begins_anew() {
     let joint = JointOptions {
         error_stop: Some(0.01),
         first_motion: Some(0.5),
-        start: Some(arm::gains(&[70.0])),
+        start: Some(crate::arm::gains(&[70.0])),
         ..JointOptions::default()
     };
     let options = Options { schedule, ..Options::new(T_NS) };

@@ -1,10 +1,7 @@
 //! Starting, stopping and starting again. Wrong if torque or pose jump, or if anything moves by itself.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, Dice, FIRST, SECOND, at};
+use crate::arm::{Arm, Dice, FIRST, SECOND, at};
 use phihat::{JointOptions, Mode, ModeRequest, Refusal};
 
 #[test]

@@ -1,10 +1,7 @@
 //! What the limits and monitors are for. Wrong if a joint winds up, runs into its stop, hunts, shakes or runs away.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
-#[path = "support/arm.rs"]
-mod arm;
-
-use arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at, gains};
+use crate::arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at, gains};
 use phihat::{
     Events, Fault, Form, Funnel, JointDesign, JointGains, JointOptions, JointRange, Limits, Mode,
     MotionLimits, Options, Reference, Schedule,

@@ -1,6 +1,6 @@
 //! The test vectors in `vectors/controller.txt`: this crate, its C library and its Python package answer them with the
 //! same bits. What the numbers should be is tested elsewhere; here they are written down
-//! (`PHIHAT_BLESS=1 cargo test -p phihat --test vectors`) and kept.
+//! (`PHIHAT_BLESS=1 cargo test -p phihat vectors`) and kept.
 
 #![allow(clippy::unwrap_used, reason = "a test's helpers may")]
 

@@ -3,7 +3,7 @@
 //! Wrong if an arm whose inertia moves as fast as is proved grows under some path, or a strengthened claim passes.
 
 use crate::arm::{Arm, Joint, Push};
-use crate::{Dice, Posture, grows, joint, pairs};
+use crate::positions::{Dice, Posture, grows, joint, pairs};
 use phihat_certificate::{AnySpeed, FrozenArm, Moving};
 use phihat_design::prelude::*;
 

@@ -66,28 +66,39 @@ impl Positions {
         reading: &[f64; W],
     ) {
         let t = self.period;
+        let [e, rest @ ..] = held else { return };
+        let [velocity, phi, ..] = rest else { return };
         for c in 0..W {
-            let push = acted[c] - held[2][c];
-            held[0][c] += t * (held[1][c] + 0.5 * t * push);
-            held[1][c] += t * push;
-            for i in 2..held.len() - 1 {
-                held[i][c] += t * held[i + 1][c];
+            let push = acted[c] - phi[c];
+            e[c] += t * (velocity[c] + 0.5 * t * push);
+            velocity[c] += t * push;
+        }
+        for i in 2..held.len() - 1 {
+            let next = held[i + 1];
+            for c in 0..W {
+                held[i][c] += t * next[c];
             }
-            let innovation = reading[c] - held[0][c];
-            for (value, gain) in held.iter_mut().zip(&self.correction) {
-                value[c] += gain * innovation;
+        }
+        let mut innovation = [0.0; W];
+        for c in 0..W {
+            innovation[c] = reading[c] - held[0][c];
+        }
+        for (value, gain) in held.iter_mut().zip(&self.correction) {
+            for c in 0..W {
+                value[c] += gain * innovation[c];
             }
         }
     }
 
     /// The torque it asks for; `sent` are the last ones, the newest first.
     pub(crate) fn answer<const W: usize>(&self, held: &[[f64; W]], sent: &[[f64; W]]) -> [f64; W] {
-        core::array::from_fn(|c| {
-            let own: f64 = self.row.iter().zip(held).map(|(weight, x)| weight * x[c]).sum();
-            let coming: f64 = self.coming.iter().zip(sent).map(|(weight, u)| weight * u[c]).sum();
-            let last = sent[0][c];
-            last + self.share * (own + coming - last)
-        })
+        let last = sent[0];
+        let (own, coming) = (weighed(&self.row, held), weighed(&self.coming, sent));
+        let mut asked = last;
+        for c in 0..W {
+            asked[c] += self.share * (own[c] + coming[c] - last[c]);
+        }
+        asked
     }
 
     /// `(A_o, z R_y, z R_a)`: `A_o` times the torque wanted is `R_y` times the error read and `R_a` times the torque that
@@ -151,6 +162,17 @@ impl Positions {
             .enumerate()
             .fold(none, |sum, (j, weight)| sum.plus(&Polynomial::z_power(d - j).scaled(*weight)))
     }
+}
+
+/// `Σ weight x`, run by run.
+fn weighed<const W: usize>(weights: &[f64], x: &[[f64; W]]) -> [f64; W] {
+    let mut sum = [0.0; W];
+    for (weight, x) in weights.iter().zip(x) {
+        for c in 0..W {
+            sum[c] += weight * x[c];
+        }
+    }
+    sum
 }
 
 fn identity(n: usize) -> Vec<Vec<f64>> {

@@ -18,7 +18,7 @@ pub(super) struct Direction {
 }
 
 /// A slice of the payload's masses, measured from its middle.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Slice {
     /// Smallest and largest mass \[kg\].
     pub(super) mass: (f64, f64),

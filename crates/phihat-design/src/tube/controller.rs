@@ -2,7 +2,7 @@
 
 use super::lanes::Lane;
 use crate::sampled::positions::Positions;
-use crate::sampled::{LoopModel, LoopParts, estimator_coefficients, literal_factors};
+use crate::sampled::{Drive, LoopModel, LoopParts, estimator_coefficients, literal_factors};
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_certificate::JointRecord;
 
@@ -38,6 +38,9 @@ pub(super) struct SampledJoint {
     /// Literal: weights of `e` and `ė` in `φ̂`.
     on_error: [f64; 2],
     pub(super) model: LoopModel,
+    /// Share of a new sample that the velocity filter takes.
+    filter: Option<f64>,
+    drive: Option<Drive>,
 }
 
 /// One demand of the law on its reference: `q_d, q̇_d, q̈_d`.
@@ -69,6 +72,8 @@ impl SampledJoint {
             positions,
             on_memory,
             on_error,
+            filter: model.filters().then(|| model.filter_gain()),
+            drive: model.drive(),
             model,
         }
     }
@@ -240,7 +245,6 @@ impl<const W: usize> JointState<W> {
         k: usize,
         (position, velocity): (&Lane<W>, &Lane<W>),
     ) -> [Lane<W>; 3] {
-        let share = joint.model.filter_gain();
         let mut sensed = *velocity;
         if k > 0 {
             if joint.model.velocity == VelocitySource::Differenced {
@@ -248,7 +252,7 @@ impl<const W: usize> JointState<W> {
                     sensed[c] = (position[c] - self.last_position[c]) / period;
                 }
             }
-            if joint.model.filters() {
+            if let Some(share) = joint.filter {
                 for c in 0..W {
                     sensed[c] = self.last_velocity[c] + share * (sensed[c] - self.last_velocity[c]);
                 }
@@ -432,7 +436,7 @@ impl<const W: usize> JointState<W> {
     }
 
     fn drive(&mut self, joint: &SampledJoint, period: f64, told: &Lane<W>) -> (Lane<W>, Lane<W>) {
-        let Some(drive) = joint.model.drive() else { return (*told, [0.0; W]) };
+        let Some(drive) = &joint.drive else { return (*told, [0.0; W]) };
         let (mut mean, mut bulge) = (*told, [0.0; W]);
         for c in 0..W {
             let gap = self.gap[c] + self.told[c] - told[c];

@@ -5,9 +5,9 @@ use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
 use phihat_study::Study;
 
 use super::desired::Desired;
-use super::envelope::JointEnvelope;
+use super::envelope::{Envelope, JointEnvelope};
 use super::refusal::TubeRefusal;
-use super::slices::find;
+use super::slices::{find, find_behind};
 use super::tip::tip_along;
 use crate::sampled::TorqueNoise;
 
@@ -27,7 +27,35 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 /// [`TubeRefusal`].
 pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, TubeRefusal> {
     let envelope = find(study, gains, desired)?;
-    let bits = study.sensor.encoder_bits.as_ref();
+    let bits = study.sensor.encoder_bits.as_deref();
+    Ok(document(study, gains, desired, (bits, &envelope)))
+}
+
+/// Finds the [`Tube`]s of a study under gains behind encoders of other resolutions \[bit\], in one pass.
+///
+/// # Errors
+///
+/// [`TubeRefusal`] of all; that of one resolution is in its place.
+pub fn tubes_behind(
+    study: &Study,
+    gains: &Gains,
+    desired: &Desired,
+    encoders: &[Vec<u32>],
+) -> Result<Vec<Result<Tube, TubeRefusal>>, TubeRefusal> {
+    let all = find_behind(study, gains, desired, encoders)?;
+    let one = |(bits, found): (&Vec<u32>, Result<Envelope, TubeRefusal>)| {
+        Ok(document(study, gains, desired, (Some(bits), &found?)))
+    };
+    Ok(encoders.iter().zip(all).map(one).collect())
+}
+
+/// An envelope behind encoders of so many bits, as data.
+fn document(
+    study: &Study,
+    gains: &Gains,
+    desired: &Desired,
+    (bits, envelope): (Option<&[u32]>, &Envelope),
+) -> Tube {
     let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
     let joints = gains.joints.iter().zip(&envelope.joints);
     let joints = joints.map(|(record, own)| joint(&record.name, own)).collect();
@@ -44,7 +72,7 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
         tip: None,
     };
     tube.tip = tip_along(study, desired, &tube);
-    Ok(tube.steady_from(study.spec.settle))
+    tube.steady_from(study.spec.settle)
 }
 
 fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {

@@ -113,8 +113,6 @@ pub(super) struct Scene<'a> {
     pub(super) start: (Vec<f64>, Vec<f64>),
     /// Torque that held the arm before the first sample.
     pub(super) held: Vec<f64>,
-    /// Largest error of a reading \[rad\].
-    pub(super) misread: Vec<f64>,
     pub(super) measured_velocity: bool,
     /// Whether a law expects positions: [`Form::Positions`].
     pub(super) expects: bool,
@@ -126,6 +124,13 @@ pub(super) struct Scene<'a> {
     pub(super) adds_gravity: bool,
     pub(super) payload: Option<PayloadSet>,
     pub(super) desired: &'a Desired,
+}
+
+/// Largest error of a reading behind encoders of so many bits \[rad\].
+pub(super) fn misread(study: &Study, bits: Option<&[u32]>) -> Vec<f64> {
+    let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
+    let biases = study.sensor.position_bias.iter().enumerate();
+    biases.map(|(i, bias)| 0.5 * quantum(i) + bias.abs()).collect()
 }
 
 impl<'a> Scene<'a> {
@@ -140,9 +145,6 @@ impl<'a> Scene<'a> {
         let period = study.control.period_ns as f64 * 1e-9;
         let profile = &study.interface.profile;
         modelled(study)?;
-        let bits = study.sensor.encoder_bits.as_ref();
-        let quantum = |i: usize| bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
-        let misread = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
         let models: Vec<LoopModel> =
             (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
         let joints = gains.joints.iter().zip(&models);
@@ -192,7 +194,6 @@ impl<'a> Scene<'a> {
             edges: edges(study, period),
             held: study.held_torque(&start.0).unwrap_or_else(|| vec![0.0; n]),
             start,
-            misread: (0..n).map(misread).collect(),
             expects: models.iter().any(|m| m.form == Form::Positions),
             measured_velocity: models
                 .iter()

@@ -34,12 +34,17 @@ const FORGOTTEN: f64 = 1e-3;
 /// of each alone is bounded as if it were the difference.
 const FORGOTTEN_SEEN: f64 = 1e-5;
 
-/// The tube of one slice of the payload.
+/// The tubes of one slice of the payload, one per list of reading errors \[rad\]: the linear loop is the same of all.
+///
+/// # Errors
+///
+/// [`TubeRefusal`] of all; that of one is in its place.
 pub(super) fn sliced(
     scene: &Scene<'_>,
     slice: Option<&Slice>,
+    misreads: &[&[f64]],
     threads: usize,
-) -> Result<Envelope, TubeRefusal> {
+) -> Result<Vec<Result<Envelope, TubeRefusal>>, TubeRefusal> {
     let model = match slice {
         Some(slice) => slice.model(scene)?,
         None => scene.bare.clone(),
@@ -82,28 +87,37 @@ pub(super) fn sliced(
         length,
     };
     let first = course.kernel(0, length.min(samples + bin), &scale);
-    let swept = swept(Sweep::new(&along, first), &groups, threads)?;
-    relative(scene, &nominal, bin, &swept)
+    let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
+    let swept = swept(sweeps, &groups, threads);
+    Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
 }
 
 /// Goes through all bins, whose groups are made side by side, a few per thread at a time.
 fn swept(
-    mut sweep: Sweep<'_>,
+    sweeps: Vec<Sweep<'_>>,
     groups: &Groups<'_>,
     threads: usize,
-) -> Result<Vec<Bin>, TubeRefusal> {
+) -> Vec<Result<Vec<Bin>, TubeRefusal>> {
     let (count, bins) = (groups.count(), groups.along.bins);
     let chunk = 4 * threads;
+    let mut sweeps: Vec<Result<Sweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
     for start in (0..count).step_by(chunk) {
+        if sweeps.iter().all(Result::is_err) {
+            break;
+        }
         let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
         let made = parallel(&list, threads, |g| groups.group(g));
         for (g, made) in list.iter().zip(&made) {
-            for b in g * groups.bins..((g + 1) * groups.bins).min(bins) {
-                sweep.bin(b, made)?;
+            let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
+            for one in &mut sweeps {
+                let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
+                if let Err(why) = told {
+                    *one = Err(why);
+                }
             }
         }
     }
-    Ok(sweep.bin_results)
+    sweeps.into_iter().map(|one| one.map(|sweep| sweep.bin_results)).collect()
 }
 
 /// Bins that share a launch, an even number.

@@ -1,13 +1,13 @@
 //! The tube over the whole payload: slices of its mass, halved until each of them closes.
 
 use phihat_certificate::Gains;
-use phihat_study::Study;
+use phihat_study::{PayloadSet, Study};
 
 use super::basis::Slice;
 use super::desired::Desired;
 use super::envelope::Envelope;
 use super::refusal::TubeRefusal;
-use super::scene::Scene;
+use super::scene::{Scene, misread};
 use super::sliced::sliced;
 use crate::parallel::{parallel, threads};
 
@@ -21,51 +21,145 @@ const NARROWEST: f64 = 1.0 / 8.0;
 /// [`TubeRefusal`].
 pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope, TubeRefusal> {
     let scene = Scene::new(study, gains, desired)?;
-    let Some(set) = scene.payload.clone() else {
-        return sliced(&scene, None, threads());
-    };
-    let wide = set.mass.1 > set.mass.0;
+    let own = misread(study, study.sensor.encoder_bits.as_deref());
+    let mut found = found(&scene, vec![own]);
+    found.pop().unwrap_or_else(|| Err(no_mass()))
+}
+
+/// Finds the tubes of a study under gains behind encoders of other resolutions \[bit\], in one pass.
+///
+/// # Errors
+///
+/// [`TubeRefusal`] of all; that of one resolution is in its place.
+pub fn find_behind(
+    study: &Study,
+    gains: &Gains,
+    desired: &Desired,
+    encoders: &[Vec<u32>],
+) -> Result<Vec<Result<Envelope, TubeRefusal>>, TubeRefusal> {
+    let scene = Scene::new(study, gains, desired)?;
+    Ok(found(&scene, encoders.iter().map(|bits| misread(study, Some(bits))).collect()))
+}
+
+fn no_mass() -> TubeRefusal {
+    TubeRefusal::Payload("no mass".to_owned())
+}
+
+/// The search for one list of reading errors.
+struct Search {
+    misread: Vec<f64>,
+    /// The union of what has closed.
+    whole: Option<Envelope>,
+    slices: u32,
+    open: Vec<Slice>,
+    probed: bool,
+    refused: Option<TubeRefusal>,
+}
+
+/// The tubes over the whole payload, one per list of reading errors.
+fn found(scene: &Scene<'_>, misreads: Vec<Vec<f64>>) -> Vec<Result<Envelope, TubeRefusal>> {
     let threads = threads();
-    let mut whole: Option<Envelope> = None;
-    let mut slices = 0;
-    let mut open = Slice::of(&set, set.mass, if wide { 2 } else { 1 });
-    let mut probed = false;
-    while !open.is_empty() {
+    let Some(set) = &scene.payload else {
+        let all: Vec<&[f64]> = misreads.iter().map(Vec::as_slice).collect();
+        return sliced(scene, None, &all, threads)
+            .unwrap_or_else(|why| vec![Err(why); misreads.len()]);
+    };
+    let first = Slice::of(set, set.mass, if set.mass.1 > set.mass.0 { 2 } else { 1 });
+    let search = |misread| Search {
+        misread,
+        whole: None,
+        slices: 0,
+        open: first.clone(),
+        probed: false,
+        refused: None,
+    };
+    let mut all: Vec<Search> = misreads.into_iter().map(search).collect();
+    while let Some(next) = all.iter().find(|one| !one.open.is_empty()) {
         // As many side by side as there are threads; what each does inside is theirs to share.
-        let (now, later) = open.split_at(open.len().min(threads));
+        let now: Vec<Slice> = next.open.iter().take(threads).cloned().collect();
+        let wanting = |slice: &Slice| -> Vec<usize> {
+            (0..all.len()).filter(|i| all[*i].open.contains(slice)).collect()
+        };
+        let asked: Vec<Vec<usize>> = now.iter().map(wanting).collect();
         let inner = threads.div_ceil(now.len());
-        let found = parallel(&(0..now.len()).collect::<Vec<_>>(), threads, |i| {
-            sliced(&scene, Some(&now[i]), inner)
+        let answers = parallel(&(0..now.len()).collect::<Vec<_>>(), threads, |i| {
+            let misreads: Vec<&[f64]> =
+                asked[i].iter().map(|one| all[*one].misread.as_slice()).collect();
+            sliced(scene, Some(&now[i]), &misreads, inner)
+                .unwrap_or_else(|why| vec![Err(why); misreads.len()])
         });
-        let mut next = Vec::new();
-        for (slice, found) in now.iter().zip(found) {
-            let width = (slice.mass.1 - slice.mass.0) / (set.mass.1 - set.mass.0);
-            match found {
-                Ok(found) => {
-                    slices += 1;
-                    match &mut whole {
-                        None => whole = Some(found),
-                        Some(whole) => whole.join(&found),
-                    }
-                }
-                Err(TubeRefusal::Open { .. }) if wide && width > 1.5 * NARROWEST => {
-                    if !probed && width > 3.0 * NARROWEST {
-                        // Where the narrowest slice does not close, nothing around it will.
-                        let top = slice.mass.1;
-                        let low = top - NARROWEST * (set.mass.1 - set.mass.0);
-                        let narrow = Slice::of(&set, (low, top), 1);
-                        sliced(&scene, narrow.first(), threads)?;
-                        probed = true;
-                    }
-                    next.extend(Slice::of(&set, slice.mass, 2));
-                }
-                Err(why) => return Err(why),
+        for ((slice, asked), answers) in now.iter().zip(&asked).zip(answers) {
+            for (one, answer) in asked.iter().zip(answers) {
+                all[*one].hear((scene, set), slice, answer);
             }
         }
-        next.extend_from_slice(later);
-        open = next;
     }
-    let mut whole = whole.ok_or_else(|| TubeRefusal::Payload("no mass".to_owned()))?;
-    whole.slices = slices;
-    Ok(whole)
+    all.into_iter().map(Search::ended).collect()
+}
+
+impl Search {
+    /// Takes what became of a slice.
+    fn hear(
+        &mut self,
+        (scene, set): (&Scene<'_>, &PayloadSet),
+        slice: &Slice,
+        answer: Result<Envelope, TubeRefusal>,
+    ) {
+        self.open.retain(|other| other != slice);
+        if self.refused.is_some() {
+            return;
+        }
+        let told = match answer {
+            Ok(found) => {
+                self.slices += 1;
+                match &mut self.whole {
+                    None => self.whole = Some(found),
+                    Some(whole) => whole.join(&found),
+                }
+                Ok(())
+            }
+            Err(TubeRefusal::Open { joint, t }) => {
+                self.halve((scene, set), slice, TubeRefusal::Open { joint, t })
+            }
+            Err(why) => Err(why),
+        };
+        if let Err(why) = told {
+            self.refused = Some(why);
+            self.open.clear();
+        }
+    }
+
+    /// Puts the halves of a slice that does not close in its place.
+    fn halve(
+        &mut self,
+        (scene, set): (&Scene<'_>, &PayloadSet),
+        slice: &Slice,
+        why: TubeRefusal,
+    ) -> Result<(), TubeRefusal> {
+        let whole = set.mass.1 - set.mass.0;
+        let width = (slice.mass.1 - slice.mass.0) / whole;
+        // A set of one mass has no width.
+        if width.is_nan() || width <= 1.5 * NARROWEST {
+            return Err(why);
+        }
+        if !self.probed && width > 3.0 * NARROWEST {
+            // Where the narrowest slice does not close, nothing around it will.
+            let top = slice.mass.1;
+            let narrow = Slice::of(set, (top - NARROWEST * whole, top), 1);
+            for one in sliced(scene, narrow.first(), &[&self.misread], threads())? {
+                one?;
+            }
+            self.probed = true;
+        }
+        self.open.extend(Slice::of(set, slice.mass, 2));
+        Ok(())
+    }
+
+    fn ended(self) -> Result<Envelope, TubeRefusal> {
+        match (self.refused, self.whole) {
+            (Some(why), _) => Err(why),
+            (None, Some(whole)) => Ok(Envelope { slices: self.slices, ..whole }),
+            (None, None) => Err(no_mass()),
+        }
+    }
 }

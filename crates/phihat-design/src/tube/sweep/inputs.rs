@@ -9,7 +9,7 @@ use crate::tube::products::{contracted, times, times_abs, transposed_abs};
 use crate::tube::scene::dry;
 
 /// Boxes on all inputs of a bin, if the guess holds in it.
-pub(super) fn inputs_of(at: &Stretch<'_>, guess: &Guess) -> Vec<f64> {
+pub(super) fn inputs_of(at: &Stretch<'_>, misread: &[f64], guess: &Guess) -> Vec<f64> {
     let terms = Terms::new(at, guess);
     let mut torque = vec![0.0; at.n];
     let mut momentum = terms.momentum();
@@ -25,11 +25,16 @@ pub(super) fn inputs_of(at: &Stretch<'_>, guess: &Guess) -> Vec<f64> {
     terms.pushes(&mut torque);
     terms.friction(&mut torque);
     terms.compensation((&momentum, &payload), &mut torque);
-    placed(at, &torque, (&momentum, &payload))
+    placed(at, misread, &torque, (&momentum, &payload))
 }
 
 /// Every box in its place.
-fn placed(at: &Stretch<'_>, torque: &[f64], (momentum, payload): (&[f64], &[f64])) -> Vec<f64> {
+fn placed(
+    at: &Stretch<'_>,
+    misread: &[f64],
+    torque: &[f64],
+    (momentum, payload): (&[f64], &[f64]),
+) -> Vec<f64> {
     let place = at.inputs;
     let mut inputs = vec![0.0; place.count()];
     let mut put = |first: usize, part: &[f64]| {
@@ -37,7 +42,7 @@ fn placed(at: &Stretch<'_>, torque: &[f64], (momentum, payload): (&[f64], &[f64]
     };
     put(place.torque(), torque);
     put(place.momentum(), momentum);
-    put(place.reading(), &at.along.course.scene.misread);
+    put(place.reading(), misread);
     put(place.payload(), payload);
     if place.speed > 0 {
         put(place.velocity(), &at.direct(momentum, payload));

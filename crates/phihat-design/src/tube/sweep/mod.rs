@@ -35,6 +35,8 @@ const LOST: f64 = 1.0;
 /// The state of a sweep.
 pub(super) struct Sweep<'a> {
     along: &'a Along<'a>,
+    /// Largest error of a reading \[rad\].
+    misread: &'a [f64],
     /// Outputs of bins to come, from inputs so far: `[bin][row]`.
     ahead: Vec<Vec<f64>>,
     /// Inputs of the bin before.
@@ -43,33 +45,55 @@ pub(super) struct Sweep<'a> {
     arriving: Vec<f64>,
     friction: DryFriction,
     tail: Vec<f64>,
-    first_reading: Kernel,
+    first_reading: &'a Kernel,
+    /// Boxes of the present group's bins, which bins after the group have not heard of.
+    untold: Vec<Vec<f64>>,
     pub(super) bin_results: Vec<Bin>,
 }
 
 impl<'a> Sweep<'a> {
-    pub(super) fn new(along: &'a Along<'a>, first_reading: Kernel) -> Self {
+    pub(super) fn new(along: &'a Along<'a>, misread: &'a [f64], first_reading: &'a Kernel) -> Self {
         let inputs = along.course.inputs();
+        let mut arriving = vec![0.0; along.segments.len() + 1];
+        if let Some(segment) = along.segments.iter().position(|s| s.from == first_reading.end) {
+            let left = &first_reading.left[inputs.reading()..];
+            arriving[segment] = left.iter().zip(misread).map(|(l, u)| l * u).sum();
+        }
         Self {
             along,
+            misread,
             ahead: vec![vec![0.0; inputs.rows()]; along.bins],
             before: vec![0.0; inputs.count()],
-            arriving: vec![0.0; along.segments.len() + 1],
+            arriving,
             friction: DryFriction::new(along.course.scene),
             tail: vec![0.0; along.segments.len() + 1],
             first_reading,
+            untold: Vec::new(),
             bin_results: Vec::with_capacity(along.bins),
         }
     }
 
-    /// Goes through one bin.
-    pub(super) fn bin(&mut self, b: usize, group: &Group) -> Result<(), TubeRefusal> {
+    /// Goes through the bins of a group, from bin `first` to before bin `end`.
+    pub(super) fn group(
+        &mut self,
+        (first, end): (usize, usize),
+        group: &Group,
+    ) -> Result<(), TubeRefusal> {
+        for b in first..end {
+            self.bin((b, end), group)?;
+        }
+        self.tell_later_groups((first, end), &group.kernel);
+        Ok(())
+    }
+
+    /// Goes through one bin of a group that ends before bin `end`.
+    fn bin(&mut self, (b, end): (usize, usize), group: &Group) -> Result<(), TubeRefusal> {
         let at = Stretch::new(self.along, group, b);
         let tail = self.tails(b);
         let mut guess = self.first_guess(&at);
         let mut rounds = 0;
         let (bin, inputs, runs) = loop {
-            let inputs = inputs_of(&at, &guess);
+            let inputs = inputs_of(&at, self.misread, &guess);
             let runs = self.friction.over(&at, &guess);
             let (bin, found) = self.outputs(&at, &inputs, &tail, &runs);
             let inside = guess.hold(&found);
@@ -89,7 +113,7 @@ impl<'a> Sweep<'a> {
             }
             guess.widen(&found, if rounds > 20 { 1.05 } else { WIDER });
         };
-        self.scatter(b, group, &inputs);
+        self.scatter((b, end), group, &inputs);
         self.friction.go_on(runs);
         self.before = inputs;
         self.bin_results.push(bin);
@@ -141,36 +165,62 @@ impl<'a> Sweep<'a> {
 
     /// Sums over all inputs so far, per row of the outputs.
     fn summed(&self, at: &Stretch<'_>, boxes: &[f64], tail: &[f64]) -> Vec<f64> {
-        let misread = &self.along.course.scene.misread;
         let mut summed = vec![0.0; at.inputs.rows()];
         for (row, sum) in summed.iter_mut().enumerate() {
             let own = at.group.kernel.lag(0, row);
-            let own: f64 = own.iter().zip(boxes).map(|(k, u)| f64::from(*k) * u).sum();
-            *sum = SLACK * (self.ahead[at.b][row] + own + tail[row]);
+            *sum = SLACK * (self.ahead[at.b][row] + dot(own, boxes) + tail[row]);
             if at.b < self.first_reading.lags {
                 let first = &self.first_reading.lag(at.b, row)[at.inputs.reading()..];
-                let first: f64 = first.iter().zip(misread).map(|(k, u)| f64::from(*k) * u).sum();
-                *sum += first;
+                *sum += dot(&first[..self.misread.len()], self.misread);
             }
         }
         summed
     }
 
-    /// Puts what a bin's inputs do into the bins to come, and what is left of it into the tails.
-    fn scatter(&mut self, b: usize, group: &Group, inputs: &[f64]) {
+    /// Puts what a bin's inputs do into the later bins of its group, and what is left of it in the end into the tails.
+    fn scatter(&mut self, (b, end): (usize, usize), group: &Group, inputs: &[f64]) {
         let boxes = self.boxes(inputs);
         let kernel = &group.kernel;
-        for lag in 1..kernel.lags.min(self.along.bins.saturating_sub(b)) {
-            let ahead = &mut self.ahead[b + lag];
-            for (row, slot) in ahead.iter_mut().enumerate() {
-                let sum: f64 =
-                    kernel.lag(lag, row).iter().zip(&boxes).map(|(k, u)| f64::from(*k) * u).sum();
-                *slot += sum;
+        for lag in 1..kernel.lags.min(end - b) {
+            for (row, slot) in self.ahead[b + lag].iter_mut().enumerate() {
+                *slot += dot(kernel.lag(lag, row), &boxes);
             }
         }
         if let Some(segment) = self.along.segments.iter().position(|s| s.from == kernel.end) {
             let size: f64 = kernel.left.iter().zip(&boxes).map(|(l, u)| l * u).sum();
             self.arriving[segment] += self.along.course.bin as f64 * size;
+        }
+        self.untold.push(boxes);
+    }
+
+    /// Puts what the inputs of a group's bins do into all bins after it: lag by lag, so that a kernel is read once.
+    fn tell_later_groups(&mut self, (first, end): (usize, usize), kernel: &Kernel) {
+        let untold = core::mem::take(&mut self.untold);
+        // Input after input, all bins of the group side by side.
+        let (bins, inputs) = (untold.len(), self.before.len());
+        let boxes: Vec<f64> =
+            (0..inputs).flat_map(|u| untold.iter().map(move |of_bin| of_bin[u])).collect();
+        let mut sums = vec![0.0; bins];
+        for lag in 1..kernel.lags {
+            // Bins that this lag takes beyond the group, and not beyond the run.
+            let from = end.saturating_sub(first + lag).min(bins);
+            let to = self.along.bins.saturating_sub(first + lag).min(bins);
+            if from >= to {
+                continue;
+            }
+            for row in 0..self.along.course.inputs().rows() {
+                let sums = &mut sums[from..to];
+                sums.fill(0.0);
+                for (k, boxes) in kernel.lag(lag, row).iter().zip(boxes.chunks_exact(bins)) {
+                    for (sum, size) in sums.iter_mut().zip(&boxes[from..to]) {
+                        *sum += f64::from(*k) * size;
+                    }
+                }
+                let later = &mut self.ahead[first + lag + from..first + lag + to];
+                for (later, sum) in later.iter_mut().zip(&*sums) {
+                    later[row] += sum;
+                }
+            }
         }
     }
 
@@ -197,5 +247,35 @@ impl<'a> Sweep<'a> {
             }
         }
         out
+    }
+}
+
+/// `Σ k u`, in sums that do not wait for each other.
+fn dot(k: &[f32], u: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (mut k, mut u) = (k.chunks_exact(sums.len()), u.chunks_exact(sums.len()));
+    for (k, u) in (&mut k).zip(&mut u) {
+        for (sum, (k, u)) in sums.iter_mut().zip(k.iter().zip(u)) {
+            *sum += f64::from(*k) * u;
+        }
+    }
+    for (sum, (k, u)) in sums.iter_mut().zip(k.remainder().iter().zip(u.remainder())) {
+        *sum += f64::from(*k) * u;
+    }
+    sums.into_iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::dot;
+
+    #[test]
+    fn products_of_every_length() {
+        for length in 0..=20_u8 {
+            let k: Vec<f32> = (0..length).map(|i| f32::from(i) + 0.5).collect();
+            let u: Vec<f64> = (0..length).map(|i| f64::from(i) - 3.0).collect();
+            let all: f64 = k.iter().zip(&u).map(|(k, u)| f64::from(*k) * u).sum();
+            assert!((dot(&k, &u) - all).abs() < 1e-9, "{length}");
+        }
     }
 }

@@ -1,0 +1,10 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+mod support;
+
+mod fuzz;
+mod header;
+mod no_allocation;
+mod older_header;
+mod positions;
+mod refused;

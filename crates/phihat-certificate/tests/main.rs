@@ -1,0 +1,23 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+#[path = "support/arm.rs"]
+mod arm;
+#[path = "support/edits.rs"]
+mod edits;
+#[path = "support/loops.rs"]
+mod loops;
+#[path = "support/moving_laws.rs"]
+mod moving_laws;
+mod support;
+
+mod continuous;
+mod documents;
+mod forged_leaves;
+mod forgeries;
+mod positions;
+mod second_method;
+mod small;
+mod tight;
+mod tube;
+mod tube_agrees;
+mod tube_document;

@@ -1,0 +1,27 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+mod support;
+
+mod blocks;
+mod budget;
+mod compare;
+mod design;
+mod drive;
+mod every_verb;
+mod export;
+mod faults;
+mod help_and_errors;
+mod hostile_world;
+mod identify;
+mod mistakes;
+mod new;
+mod panda;
+mod records;
+mod reproduce;
+mod run;
+mod serve;
+mod struck;
+mod terminal;
+mod tip;
+mod tube;
+mod verify_study;

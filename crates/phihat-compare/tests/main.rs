@@ -1,0 +1,13 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+#[path = "../../phihat-report/tests/support/hostile.rs"]
+mod hostile;
+#[path = "support/page.rs"]
+mod support;
+
+mod compare;
+mod own;
+mod page;
+mod page_words;
+mod rival_in_the_loop;
+mod tune;

@@ -1,0 +1,10 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+mod support;
+
+mod facts;
+mod franka;
+mod franka_cycles;
+mod links;
+mod no_allocation;
+mod same_trace;

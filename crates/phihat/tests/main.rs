@@ -1,0 +1,35 @@
+//! All integration tests of this crate in one program, which is linked once.
+
+#[path = "support/arm.rs"]
+mod arm;
+#[path = "support/joint.rs"]
+mod joint;
+mod support;
+
+mod arrivals;
+mod blends;
+mod bumpless;
+mod designs;
+mod forms_agree;
+mod garbage;
+mod governor;
+mod guard;
+mod identities;
+mod inertia_window;
+mod limits;
+mod modes;
+mod monitors;
+mod page_faults;
+mod parts;
+mod poles;
+mod positions;
+mod positions_supervised;
+mod range;
+mod schedule_literal;
+mod shaper;
+mod steady_error;
+mod stops;
+mod supervisor_start;
+mod survival;
+mod symmetries;
+mod vectors;
