@@ -25,6 +25,7 @@ mod editors;
 mod export;
 mod failure;
 mod faults;
+mod first_motion;
 mod identify;
 mod interrupt;
 mod new;

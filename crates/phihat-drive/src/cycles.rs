@@ -20,6 +20,8 @@ pub enum End {
     Over,
     /// The link does not go on.
     Fault(LinkFault),
+    /// The supervisor found a fault, and had its time to stop the arm.
+    Faulted,
     /// Whoever writes the record does not keep up, or gave up.
     Unread,
 }
@@ -32,6 +34,7 @@ impl End {
             Self::Asked => "asked",
             Self::Over => "over",
             Self::Fault(_) => "fault",
+            Self::Faulted => "faulted",
             Self::Unread => "unread",
         }
     }
@@ -46,6 +49,9 @@ pub struct Plan<'a> {
     pub stop_samples: u64,
     /// Set by whoever wants the arm to stop.
     pub stop: &'a AtomicBool,
+    /// Samples for which a supervisor that found a fault may go on to stop the arm; `None`: to the end. A drive that is wired the wrong
+    /// way round is pushed away by what should stop it.
+    pub fault_samples: Option<u64>,
 }
 
 /// What came of a loop.
@@ -125,6 +131,9 @@ impl Desk {
     }
 }
 
+/// By how much a robot's time is ahead of this machine's \[ns\] where the robot waits for its client: no real one ever is.
+const AHEAD_NS: u64 = 1_000_000_000;
+
 /// Runs the loop to its end. Nothing is allocated or locked here, and the system is not called but by the link.
 ///
 /// A stop that is asked for is the supervisor's safe stop, until it asks for the brakes; without a supervisor the loop ends at once.
@@ -138,7 +147,8 @@ pub fn cycles<L: Link>(
 ) -> Tally {
     let mut tally =
         Tally { end: End::Complete, cycles: 0, lost: 0, tracked: 0, stopping: 0, finished: Ok(()) };
-    let mut stopping = false;
+    let (mut stopping, mut faulted) = (false, None);
+    let (begun, period_ns) = (link.now_ns(), link.facts().period_ns);
     while tally.cycles < plan.samples {
         // The first sample is answered: a record has one at least.
         if !stopping && tally.cycles > 0 && plan.stop.load(Ordering::Relaxed) {
@@ -159,12 +169,21 @@ pub fn cycles<L: Link>(
         tally.lost += u64::from(cycle.arrival == Arrival::Lost);
         let tracks = cycle.report.is_none_or(|report| report.mode == Mode::Tracking);
         tally.tracked += u64::from(tracks);
+        let passed = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
+        tape.ahead(passed.is_some_and(|ns| tally.cycles * period_ns > ns + AHEAD_NS));
         if !tape.push(cycle, desk.rows(link, control)) {
             tally.end = End::Unread;
             break;
         }
         if stopping && is_stopped(cycle.report.as_ref()) {
             tally.end = End::Asked;
+            break;
+        }
+        let report = cycle.report.filter(|report| report.fault.is_some());
+        faulted = report.map(|_| faulted.unwrap_or(tally.cycles));
+        let over = plan.fault_samples.zip(faulted).map(|(most, at)| tally.cycles - at >= most);
+        if report.is_some_and(|report| over == Some(true) || over.is_some() && report.brake) {
+            tally.end = End::Faulted;
             break;
         }
     }

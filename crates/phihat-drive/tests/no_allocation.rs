@@ -55,7 +55,8 @@ fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
     let mut desk = Desk::new(order, names.len());
     let (mut tape, _reader) = ring(names.len(), cycles_wanted, false);
     let stop = AtomicBool::new(false);
-    let plan = Plan { samples: cycles_wanted as u64, stop_samples: 0, stop: &stop };
+    let plan =
+        Plan { samples: cycles_wanted as u64, stop_samples: 0, stop: &stop, fault_samples: None };
     let mut tally = None;
     let mut wasted = Wasteful(link, 0);
     let used = measure(|| {
