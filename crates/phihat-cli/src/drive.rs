@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::first_motion::{First, announced, verdict};
+use crate::ros2::{Ros, counted};
 use crate::run::{document, show, write_layout};
 use crate::shown::Shown;
 use crate::terminal::Page;
@@ -63,6 +64,8 @@ pub(crate) struct Drive {
     #[command(flatten)]
     first: First,
     #[command(flatten)]
+    ros: Ros,
+    #[command(flatten)]
     page: Page,
     /// Print one JSON document in place of the tables.
     #[arg(long)]
@@ -86,17 +89,22 @@ impl Drive {
             announced(&prepared).into_iter().for_each(|told| println!("{told}"));
         }
         let first = prepared.first.clone();
+        let (prepared, beside) = self.ros.beside(prepared)?;
         let folder = prepared.folder.clone();
         let page = folder.join("report.html");
         let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
         let leave = Leave { folder: &folder, page: Some(&page) };
         let driven = prepared.drive(leave, &mut shown, &STOP)?;
+        let counts = beside.ended();
         write_layout(self.layout.as_deref(), &driven.done)?;
         let measured = first.map(|first| self.first.measured(&first, &folder)).transpose()?;
         let missing = measured.as_ref().is_some_and(|found| found.all().is_none());
         if self.json {
             let mut all = document(&driven.done, &folder, Some(&page));
             all["drive"] = driven.document.clone();
+            if let Some(counts) = &counts {
+                all["ros2"] = counts.clone();
+            }
             if let Some(found) = &measured {
                 all["first_motion"] = json!(found);
             }
@@ -104,6 +112,7 @@ impl Drive {
         } else {
             show(&driven.done, &folder, Some(&page));
             println!("{}", told(&driven));
+            counts.iter().for_each(|counts| println!("{}", counted(counts)));
             measured.iter().for_each(|found| println!("{}", verdict(found, &folder)));
         }
         self.page.show(&page);

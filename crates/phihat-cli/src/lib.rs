@@ -34,6 +34,7 @@ mod realtime;
 mod report;
 mod reproduce;
 mod robots;
+mod ros2;
 mod run;
 mod serve;
 mod shown;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use phihat::{Mode, Report};
 use phihat_sim::{ControlSide, Row, Sample};
 
+use crate::hooks::Targets;
 use crate::link::{Link, LinkFault, Wait};
 use crate::order::Order;
 use crate::tape::{Arrival, Cycle, Tape};
@@ -52,6 +53,8 @@ pub struct Plan<'a> {
     /// Samples for which a supervisor that found a fault may go on to stop the arm; `None`: to the end. A drive that is wired the wrong
     /// way round is pushed away by what should stop it.
     pub fault_samples: Option<u64>,
+    /// Where others ask the arm to go, if they may.
+    pub targets: Option<&'a Targets>,
 }
 
 /// What came of a loop.
@@ -79,6 +82,8 @@ pub struct Desk {
     sample: Sample,
     tau: Vec<f64>,
     out: Vec<f64>,
+    /// What others asked for last, and which of their targets it is.
+    target: (u64, Vec<f64>),
 }
 
 impl Desk {
@@ -90,6 +95,7 @@ impl Desk {
             sample: Sample::of(joints),
             tau: vec![0.0; joints],
             out: vec![0.0; width],
+            target: (0, vec![0.0; joints]),
             order,
         }
     }
@@ -157,6 +163,12 @@ pub fn cycles<L: Link>(
                 tally.end = End::Asked;
                 break;
             }
+        }
+        let (seen, q) = &mut desk.target;
+        // Tracking begins where the arm stands; from there on it can be led.
+        let led = plan.targets.filter(|_| tally.tracked > 0);
+        if led.is_some_and(|targets| targets.newer(seen, q)) {
+            control.refer_to(q);
         }
         let cycle = match desk.cycle(link, control) {
             Ok(cycle) => cycle,

@@ -1,6 +1,7 @@
 //! From a study to a drive: checks, loop, record.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
@@ -18,6 +19,7 @@ use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
 use crate::franka::FrankaLink;
+use crate::hooks::{Tap, Targets};
 use crate::link::{Link, LinkFault};
 use crate::on::On;
 use crate::order::Order;
@@ -45,7 +47,6 @@ pub struct DriveOptions {
 }
 
 /// A drive whose checks are done.
-#[derive(Debug)]
 pub struct Prepared {
     session: Session,
     /// The folder that the options name.
@@ -57,6 +58,18 @@ pub struct Prepared {
     options: DriveOptions,
     /// A robot that is connected, and stands.
     robot: Option<FrankaLink>,
+    tap: Option<Box<dyn Tap>>,
+    targets: Option<Arc<Targets>>,
+}
+
+impl core::fmt::Debug for Prepared {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { folder, checks, .. } = self;
+        f.debug_struct("Prepared")
+            .field("folder", folder)
+            .field("checks", checks)
+            .finish_non_exhaustive()
+    }
 }
 
 /// A drive that is over.
@@ -102,7 +115,16 @@ fn prepare_whole(options: &DriveOptions, run: &RunOptions) -> Result<Prepared, D
     let again = || phihat_session::read(&options.run.study);
     let about = About { session: &session, first: None, facts: &facts, options };
     let checks = about.checked(robot.as_mut(), again)?;
-    Ok(Prepared { session, folder, checks, first: None, options: options.clone(), robot })
+    Ok(Prepared {
+        session,
+        folder,
+        checks,
+        first: None,
+        options: options.clone(),
+        robot,
+        tap: None,
+        targets: None,
+    })
 }
 
 #[inline(never)]
@@ -119,7 +141,16 @@ fn prepare_first(
     let (session, folder) = run.open_study(first.study.clone())?;
     let about = About { session: &session, first: Some(&first), facts: &facts, options };
     let checks = about.checked(robot.as_mut(), || Ok(first.study.clone()))?;
-    Ok(Prepared { session, folder, checks, first: Some(first), options: options.clone(), robot })
+    Ok(Prepared {
+        session,
+        folder,
+        checks,
+        first: Some(first),
+        options: options.clone(),
+        robot,
+        tap: None,
+        targets: None,
+    })
 }
 
 /// Where an arm stands: by what the robot says, else where the study begins.
@@ -194,6 +225,29 @@ impl Prepared {
         self.checks.iter().any(Check::refuses)
     }
 
+    /// The study that is driven.
+    pub fn study(&self) -> &Study {
+        self.session.study()
+    }
+
+    /// The same, shown to somebody while it runs.
+    #[must_use]
+    pub fn shown_to(self, tap: Box<dyn Tap>) -> Self {
+        Self { tap: Some(tap), ..self }
+    }
+
+    /// The same, told by somebody where to go; see [`Self::takes_targets`].
+    #[must_use]
+    pub fn led_by(self, targets: Arc<Targets>) -> Self {
+        Self { targets: Some(targets), ..self }
+    }
+
+    /// Whether somebody else may say where to go: the supervisor shapes what is asked of it, and this is no first motion.
+    pub fn takes_targets(&self) -> bool {
+        let shapes = self.study().supervisor.as_ref().is_some_and(|asked| asked.motion.is_some());
+        shapes && self.first.is_none()
+    }
+
     /// What is said before the drive.
     pub fn warnings(&self) -> &[String] {
         self.session.warnings()
@@ -214,14 +268,17 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, options, robot, .. } = self;
+        let Self { session, checks, options, robot, tap, targets, .. } = self;
+        let mut tap = tap;
         let study = session.study().clone();
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let command = command(&options);
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
-            let way = Way { checks: &checks, options: &options, stop, names: &names, samples };
+            let (tap, targets) = (tap.take(), targets.as_deref());
+            let (checks, options, names) = (&checks[..], &options, &names[..]);
+            let mut way = Way { checks, options, stop, names, samples, tap, targets };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -260,6 +317,8 @@ struct Way<'a> {
     stop: &'a AtomicBool,
     names: &'a [String],
     samples: u64,
+    tap: Option<Box<dyn Tap>>,
+    targets: Option<&'a Targets>,
 }
 
 /// Samples that the ring holds: seconds for a writer that was held up.
@@ -274,7 +333,7 @@ const STOP_NS: u64 = 5_000_000_000;
 impl Way<'_> {
     /// Runs the loop on a thread of its own, and hands its record over on this one.
     fn drive<L: Link + Send>(
-        &self,
+        &mut self,
         mut link: L,
         control: ControlSide,
         watch: &mut dyn Watch,
@@ -285,6 +344,7 @@ impl Way<'_> {
         let order = Order::new(names, facts.joints.as_deref(), facts.width)?;
         let inertia = (0..names.len()).map(|i| control.inertia(i)).collect();
         let mut evidence = Evidence::new(names, inertia, facts.period_ns);
+        evidence.tap = self.tap.take();
         if let Err(why) = link.start() {
             if !self.options.recover {
                 return Err(DriveError::Start(why));
@@ -297,11 +357,12 @@ impl Way<'_> {
         let stop_samples = STOP_NS / facts.period_ns.max(1);
         let fault_samples = self.options.first.map(|_| FAULT_NS / facts.period_ns.max(1));
         let (samples, stop) = (self.samples, self.stop);
-        let plan = Plan { samples, stop_samples, stop, fault_samples };
+        let plan = Plan { samples, stop_samples, stop, fault_samples, targets: self.targets };
+        let processor = self.options.processor;
         // Threads inherit their place from the one that starts them: only the control thread changes its own.
         let control_thread = move || {
             let mut control = control;
-            let given = if patient { Vec::new() } else { system::enter(self.options.processor) };
+            let given = if patient { Vec::new() } else { system::enter(processor) };
             let tally = cycles(&mut link, &mut control, &mut tape, &mut desk, &plan);
             (link, tally, given)
         };
