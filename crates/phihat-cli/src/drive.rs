@@ -12,6 +12,8 @@ use phihat_session::{Leave, RunOptions};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::first_motion::{First, announced, verdict};
+use crate::ros2::{Ros, counted};
 use crate::run::{document, show, write_layout};
 use crate::shown::Shown;
 use crate::terminal::Page;
@@ -25,7 +27,10 @@ use crate::terminal::Page;
 ///
 /// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  phihat drive studies/first.toml --on sim --accept certificate")]
+#[command(
+    after_help = "Examples:\n  phihat drive studies/first.toml --on sim --accept certificate\n  \
+                        phihat drive studies/first.toml --on sim --first-motion --out first-motion"
+)]
 pub(crate) struct Drive {
     /// The study file (TOML).
     study: PathBuf,
@@ -57,6 +62,10 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "FILE", requires = "mcap")]
     layout: Option<PathBuf>,
     #[command(flatten)]
+    first: First,
+    #[command(flatten)]
+    ros: Ros,
+    #[command(flatten)]
     page: Page,
     /// Print one JSON document in place of the tables.
     #[arg(long)]
@@ -77,23 +86,37 @@ impl Drive {
         }
         if !self.json {
             println!("{}", lines(&prepared.checks));
+            announced(&prepared).into_iter().for_each(|told| println!("{told}"));
         }
+        let first = prepared.first.clone();
+        let (prepared, beside) = self.ros.beside(prepared)?;
         let folder = prepared.folder.clone();
         let page = folder.join("report.html");
         let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
         let leave = Leave { folder: &folder, page: Some(&page) };
         let driven = prepared.drive(leave, &mut shown, &STOP)?;
+        let counts = beside.ended();
         write_layout(self.layout.as_deref(), &driven.done)?;
+        let measured = first.map(|first| self.first.measured(&first, &folder)).transpose()?;
+        let missing = measured.as_ref().is_some_and(|found| found.all().is_none());
         if self.json {
             let mut all = document(&driven.done, &folder, Some(&page));
             all["drive"] = driven.document.clone();
+            if let Some(counts) = &counts {
+                all["ros2"] = counts.clone();
+            }
+            if let Some(found) = &measured {
+                all["first_motion"] = json!(found);
+            }
             println!("{all:#}");
         } else {
             show(&driven.done, &folder, Some(&page));
             println!("{}", told(&driven));
+            counts.iter().for_each(|counts| println!("{}", counted(counts)));
+            measured.iter().for_each(|found| println!("{}", verdict(found, &folder)));
         }
         self.page.show(&page);
-        Ok(if driven.good() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+        Ok(if driven.good() && !missing { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 
     fn options(&self) -> Result<DriveOptions, Failure> {
@@ -113,7 +136,9 @@ impl Drive {
             log: self.mcap.clone(),
         };
         let accept = accept.collect::<Result<_, _>>()?;
-        Ok(DriveOptions { run, on, accept, processor: self.processor, recover: self.recover })
+        let first = self.first.asked()?;
+        let (processor, recover) = (self.processor, self.recover);
+        Ok(DriveOptions { run, on, accept, processor, recover, first })
     }
 
     /// Tells why nothing moves.
@@ -155,6 +180,7 @@ fn told(driven: &Driven) -> String {
         End::Complete => {}
         End::Asked => lines.push("STOPPED by a person; the record ends there".to_owned()),
         End::Fault(why) => lines.push(format!("STOPPED: {why}")),
+        End::Faulted => lines.push("STOPPED by the supervisor; the record ends there".to_owned()),
         End::Over | End::Unread => lines.push("the drive ended before the study did".to_owned()),
     }
     lines.join("\n")

@@ -86,7 +86,7 @@ impl Identify {
 }
 
 /// The `[[joint]]` sections of a study.
-fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
+pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
     let mut text = format!(
         "# By `phihat identify`: inertia ± 3 standard errors, φ times {margin}. Widen what your records do not visit: other\n\
          # postures, other loads. Limits are those of the drive's data sheet: uncomment and fill in.\n"

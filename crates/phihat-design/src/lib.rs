@@ -97,4 +97,6 @@ pub use phihat_certificate::{
 pub use positions::{PositionEstimate, PositionSearch};
 pub use request::requested_gains;
 pub use smoothed::{RecordedJoint, Smoothed};
-pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia};
+pub use trace::{
+    EstimateError, InertiaEstimate, JointSignals, estimate_inertia, estimate_inertia_of,
+};

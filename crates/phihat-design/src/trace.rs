@@ -1,6 +1,7 @@
 //! The effective inertia of each joint, estimated from recorded signals.
 
 use nalgebra::{DMatrix, DVector};
+use phihat_certificate::extremes::Extremes as _;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -100,6 +101,49 @@ pub fn estimate_inertia(
     joints: &[JointSignals<'_>],
     period_ns: u64,
 ) -> Result<Vec<InertiaEstimate>, EstimateError> {
+    same_length(joints)?;
+    (0..joints.len()).map(|of| estimate(joints, of, period_ns)).collect()
+}
+
+/// Windows over a record in which one joint moves: each is half of it, and they overlap.
+const MOVING_WINDOWS: usize = 5;
+
+/// Share of the largest speed below which a sample tells of stiction and of the filter, not of inertia.
+const SLOW: f64 = 0.15;
+
+/// Estimates the effective inertia of one joint from a record in which it goes to and fro in one posture, and the others are held: (R1) over
+/// longer windows than those of [`estimate_inertia`], without the samples in which it hardly moves, and without `G_j` of the others. The interval
+/// is that of two fits together: with `q̈_j` of the others, which give way a little, and without.
+///
+/// # Errors
+///
+/// [`EstimateError`]; [`EstimateError::Length`] where there is no such joint.
+pub fn estimate_inertia_of(
+    joints: &[JointSignals<'_>],
+    of: usize,
+) -> Result<InertiaEstimate, EstimateError> {
+    same_length(joints)?;
+    let Some(moved) = joints.get(of) else {
+        let joint = format!("number {of}");
+        return Err(EstimateError::Length { joint, found: 0, expected: joints.len() });
+    };
+    let fastest = moved.dq.iter().map(|dq| dq.abs()).largest();
+    let (samples, mut found) = (moved.dq.len(), InertiaEstimate::NONE);
+    let length = samples / 2;
+    for window in 0..MOVING_WINDOWS {
+        let start = window * (samples - length) / (MOVING_WINDOWS - 1);
+        let fast = |k: &usize| moved.dq[*k].abs() >= SLOW * fastest;
+        let rows: Vec<usize> = (start..start + length).filter(fast).collect();
+        let step = (rows.len() / (2 * ROWS)).max(1);
+        let rows: Vec<usize> = rows.into_iter().step_by(step).collect();
+        for others in [Others::Accelerate, Others::Stand] {
+            found.take(fit(joints, of, &rows, others));
+        }
+    }
+    found.told(moved.name)
+}
+
+fn same_length(joints: &[JointSignals<'_>]) -> Result<(), EstimateError> {
     let expected = joints.first().map_or(0, |joint| joint.q.len());
     for joint in joints {
         for signal in [joint.q, joint.dq, joint.ddq, joint.tau] {
@@ -109,7 +153,7 @@ pub fn estimate_inertia(
             }
         }
     }
-    (0..joints.len()).map(|of| estimate(joints, of, period_ns)).collect()
+    Ok(())
 }
 
 fn estimate(
@@ -120,37 +164,63 @@ fn estimate(
     let samples = joints[of].q.len();
     let count = |ns: u64| usize::try_from(ns / period_ns.max(1)).unwrap_or(usize::MAX).max(1);
     let (length, stride) = (count(WINDOW_NS.0), count(WINDOW_NS.1));
-    let mut found = InertiaEstimate {
-        low_kg_m2: f64::INFINITY,
-        high_kg_m2: 0.0,
-        standard_error_kg_m2: 0.0,
-        windows: 0,
-    };
-    let mut start = 0;
+    let (mut found, mut start) = (InertiaEstimate::NONE, 0);
     while samples.saturating_sub(start) >= length {
-        let fitted = fit(joints, of, start, length);
+        let step = (length / ROWS).max(1);
+        let rows: Vec<usize> = (start..start + length).step_by(step).collect();
+        found.take(fit(joints, of, &rows, Others::Move));
         start += stride;
-        let Some((inertia, error)) = fitted else { continue };
+    }
+    found.told(joints[of].name)
+}
+
+impl InertiaEstimate {
+    /// Of no window.
+    const NONE: Self =
+        Self { low_kg_m2: f64::INFINITY, high_kg_m2: 0.0, standard_error_kg_m2: 0.0, windows: 0 };
+
+    /// Takes what one window says, if it is sharp.
+    fn take(&mut self, fitted: Option<(f64, f64)>) {
+        let Some((inertia, error)) = fitted else { return };
         if !(inertia > 0.0 && error <= SHARP * inertia) {
-            continue;
+            return;
         }
-        found.low_kg_m2 = found.low_kg_m2.min(inertia - SIGMAS * error);
-        found.high_kg_m2 = found.high_kg_m2.max(inertia + SIGMAS * error);
-        found.standard_error_kg_m2 = found.standard_error_kg_m2.max(error);
-        found.windows += 1;
+        self.low_kg_m2 = self.low_kg_m2.min(inertia - SIGMAS * error);
+        self.high_kg_m2 = self.high_kg_m2.max(inertia + SIGMAS * error);
+        self.standard_error_kg_m2 = self.standard_error_kg_m2.max(error);
+        self.windows += 1;
     }
-    if found.windows < LEAST {
-        let (joint, windows) = (joints[of].name.to_owned(), found.windows);
-        return Err(EstimateError::Excitation { joint, windows });
+
+    /// Itself, if enough windows said something.
+    fn told(self, joint: &str) -> Result<Self, EstimateError> {
+        if self.windows < LEAST {
+            let (joint, windows) = (joint.to_owned(), self.windows);
+            return Err(EstimateError::Excitation { joint, windows });
+        }
+        Ok(self)
     }
-    Ok(found)
+}
+
+/// What the joints beside the one that is looked at do in a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Others {
+    /// As they like.
+    Move,
+    /// They stay where they are, and give way a little.
+    Accelerate,
+    /// Nothing.
+    Stand,
 }
 
 /// `M_ii` and its standard error over one window; `None` where the regressors do not tell it.
-fn fit(joints: &[JointSignals<'_>], of: usize, start: usize, length: usize) -> Option<(f64, f64)> {
+fn fit(
+    joints: &[JointSignals<'_>],
+    of: usize,
+    rows: &[usize],
+    others: Others,
+) -> Option<(f64, f64)> {
     let n = joints.len();
-    let step = (length / ROWS).max(1);
-    let rows: Vec<usize> = (start..start + length).step_by(step).collect();
+    let start = *rows.first()?;
     let mut x = DMatrix::<f64>::zeros(rows.len(), 2 * n + 3);
     for (row, &k) in rows.iter().enumerate() {
         for (j, joint) in joints.iter().enumerate() {
@@ -167,7 +237,13 @@ fn fit(joints: &[JointSignals<'_>], of: usize, start: usize, length: usize) -> O
         let column = x.column(c);
         c != 2 * n + 2 && (column.max() - column.min()).abs() <= 1e-9 * (1.0 + column.amax())
     };
-    let kept: Vec<usize> = all.into_iter().filter(|&c| c == of || !constant(c)).collect();
+    let counts = |c: usize| match others {
+        Others::Move => true,
+        Others::Accelerate => c < n || c >= 2 * n || c == n + of,
+        Others::Stand => c >= 2 * n || c == n + of,
+    };
+    let told = |&c: &usize| c == of || (counts(c) && !constant(c));
+    let kept: Vec<usize> = all.into_iter().filter(told).collect();
     let at = kept.iter().position(|&c| c == of)?;
     let mut x = x.select_columns(&kept);
     let sizes: Vec<f64> = x.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();

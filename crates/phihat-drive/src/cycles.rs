@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use phihat::{Mode, Report};
 use phihat_sim::{ControlSide, Row, Sample};
 
+use crate::hooks::Targets;
 use crate::link::{Link, LinkFault, Wait};
 use crate::order::Order;
 use crate::tape::{Arrival, Cycle, Tape};
@@ -20,6 +21,8 @@ pub enum End {
     Over,
     /// The link does not go on.
     Fault(LinkFault),
+    /// The supervisor found a fault, and had its time to stop the arm.
+    Faulted,
     /// Whoever writes the record does not keep up, or gave up.
     Unread,
 }
@@ -32,6 +35,7 @@ impl End {
             Self::Asked => "asked",
             Self::Over => "over",
             Self::Fault(_) => "fault",
+            Self::Faulted => "faulted",
             Self::Unread => "unread",
         }
     }
@@ -46,6 +50,11 @@ pub struct Plan<'a> {
     pub stop_samples: u64,
     /// Set by whoever wants the arm to stop.
     pub stop: &'a AtomicBool,
+    /// Samples for which a supervisor that found a fault may go on to stop the arm; `None`: to the end. A drive that is wired the wrong
+    /// way round is pushed away by what should stop it.
+    pub fault_samples: Option<u64>,
+    /// Where others ask the arm to go, if they may.
+    pub targets: Option<&'a Targets>,
 }
 
 /// What came of a loop.
@@ -73,6 +82,8 @@ pub struct Desk {
     sample: Sample,
     tau: Vec<f64>,
     out: Vec<f64>,
+    /// What others asked for last, and which of their targets it is.
+    target: (u64, Vec<f64>),
 }
 
 impl Desk {
@@ -84,6 +95,7 @@ impl Desk {
             sample: Sample::of(joints),
             tau: vec![0.0; joints],
             out: vec![0.0; width],
+            target: (0, vec![0.0; joints]),
             order,
         }
     }
@@ -125,6 +137,9 @@ impl Desk {
     }
 }
 
+/// By how much a robot's time is ahead of this machine's \[ns\] where the robot waits for its client: no real one ever is.
+const AHEAD_NS: u64 = 1_000_000_000;
+
 /// Runs the loop to its end. Nothing is allocated or locked here, and the system is not called but by the link.
 ///
 /// A stop that is asked for is the supervisor's safe stop, until it asks for the brakes; without a supervisor the loop ends at once.
@@ -138,7 +153,8 @@ pub fn cycles<L: Link>(
 ) -> Tally {
     let mut tally =
         Tally { end: End::Complete, cycles: 0, lost: 0, tracked: 0, stopping: 0, finished: Ok(()) };
-    let mut stopping = false;
+    let (mut stopping, mut faulted) = (false, None);
+    let (begun, period_ns) = (link.now_ns(), link.facts().period_ns);
     while tally.cycles < plan.samples {
         // The first sample is answered: a record has one at least.
         if !stopping && tally.cycles > 0 && plan.stop.load(Ordering::Relaxed) {
@@ -147,6 +163,12 @@ pub fn cycles<L: Link>(
                 tally.end = End::Asked;
                 break;
             }
+        }
+        let (seen, q) = &mut desk.target;
+        // Tracking begins where the arm stands; from there on it can be led.
+        let led = plan.targets.filter(|_| tally.tracked > 0);
+        if led.is_some_and(|targets| targets.newer(seen, q)) {
+            control.refer_to(q);
         }
         let cycle = match desk.cycle(link, control) {
             Ok(cycle) => cycle,
@@ -159,12 +181,21 @@ pub fn cycles<L: Link>(
         tally.lost += u64::from(cycle.arrival == Arrival::Lost);
         let tracks = cycle.report.is_none_or(|report| report.mode == Mode::Tracking);
         tally.tracked += u64::from(tracks);
+        let passed = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
+        tape.ahead(passed.is_some_and(|ns| tally.cycles * period_ns > ns + AHEAD_NS));
         if !tape.push(cycle, desk.rows(link, control)) {
             tally.end = End::Unread;
             break;
         }
         if stopping && is_stopped(cycle.report.as_ref()) {
             tally.end = End::Asked;
+            break;
+        }
+        let report = cycle.report.filter(|report| report.fault.is_some());
+        faulted = report.map(|_| faulted.unwrap_or(tally.cycles));
+        let over = plan.fault_samples.zip(faulted).map(|(most, at)| tally.cycles - at >= most);
+        if report.is_some_and(|report| over == Some(true) || over.is_some() && report.brake) {
+            tally.end = End::Faulted;
             break;
         }
     }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use phihat_session::{SessionError, Take};
 use phihat_sim::{Acted, BLOCK, Row, Rows};
 
+use crate::hooks::Tap;
 use crate::tape::{Cycle, Reader};
 use crate::timing::Timing;
 
@@ -21,7 +22,6 @@ const REST: Duration = Duration::from_millis(1);
 /// ```
 ///
 /// so the record is one sample behind; at the last one the command stands for the torque, and the acceleration before it stays.
-#[derive(Debug)]
 pub struct Evidence {
     rows: Rows,
     /// Nominal inertia per joint \[kg·m²\].
@@ -33,6 +33,14 @@ pub struct Evidence {
     pub timing: Timing,
     /// What stopped the arm, each once, with its time \[s\].
     pub faults: Vec<(f64, &'static str)>,
+    /// Who is shown each sample.
+    pub tap: Option<Box<dyn Tap>>,
+}
+
+impl core::fmt::Debug for Evidence {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Evidence").field("rows", &self.rows).finish_non_exhaustive()
+    }
 }
 
 impl Evidence {
@@ -45,6 +53,7 @@ impl Evidence {
             held: None,
             timing: Timing::default(),
             faults: Vec::new(),
+            tap: None,
         }
     }
 
@@ -66,6 +75,9 @@ impl Evidence {
             let before = count;
             while let Some(cycle) = reader.next(&mut rows) {
                 count += 1;
+                if let Some(tap) = &mut self.tap {
+                    tap.sample(&cycle, &rows);
+                }
                 self.push(cycle, &rows);
                 if self.rows.trace().len() >= BLOCK {
                     self.hand_over(take)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use phihat_design::{Gains, arm_inside_window};
 use phihat_fci::{Protocol, RobotMode};
 use phihat_model::Joint;
-use phihat_session::{Done, SessionError, arm};
+use phihat_session::{Done, FirstStudy, SessionError, arm};
 use phihat_sim::{Motion, SimError, overload};
 use phihat_study::Study;
 use serde::Serialize;
@@ -158,6 +158,26 @@ pub(crate) fn window(study: &Study, path: &Path, gains: &Gains) -> Result<Check,
             Check::failed(CheckName::Window, why.to_string(), valid)
         }
     })
+}
+
+/// The first two checks of a first motion: its gains carry no certificate, but their window bears a guess that is off.
+pub(crate) fn cautious(first: &FirstStudy) -> (Check, Check) {
+    let why = "of a first motion, whose gains are cautious and not certified";
+    let certificate = Check::not_asked(CheckName::Certificate, why);
+    let window = match &first.window {
+        Ok(factor) => Check::passed(
+            CheckName::Window,
+            format!(
+                "at {} rad/s it holds any inertia within a factor of {factor} of the guess",
+                first.bandwidth
+            ),
+        ),
+        Err(why) => {
+            let valid = "a loop with less delay, or a better guess with --inertia-within";
+            Check::failed(CheckName::Window, why.to_string(), valid)
+        }
+    };
+    (certificate, window)
 }
 
 /// Whether the drives bear the motion.

@@ -1,11 +1,15 @@
 //! From a study to a drive: checks, loop, record.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
-use phihat_session::{Done, Leave, RunOptions, Session, SessionError, Take, Watch};
-use phihat_sim::{Abort, ControlSide, Ended, StopReason};
+use phihat_session::{
+    Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
+    first_study,
+};
+use phihat_sim::{Abort, ControlSide, Ended, Motion, StopReason};
 use phihat_study::Study;
 use serde_json::{Value, json};
 
@@ -15,6 +19,7 @@ use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
 use crate::franka::FrankaLink;
+use crate::hooks::{Tap, Targets};
 use crate::link::{Link, LinkFault};
 use crate::on::On;
 use crate::order::Order;
@@ -37,19 +42,34 @@ pub struct DriveOptions {
     pub processor: Option<usize>,
     /// Whether a robot that stopped by itself is brought back, before the drive and after it.
     pub recover: bool,
+    /// A first motion in place of the study's, about where the arm stands, under gains that nobody designed.
+    pub first: Option<FirstMotion>,
 }
 
 /// A drive whose checks are done.
-#[derive(Debug)]
 pub struct Prepared {
     session: Session,
     /// The folder that the options name.
     pub folder: PathBuf,
     /// What came of the checks.
     pub checks: Vec<Check>,
+    /// The first motion that was asked for.
+    pub first: Option<FirstStudy>,
     options: DriveOptions,
     /// A robot that is connected, and stands.
     robot: Option<FrankaLink>,
+    tap: Option<Box<dyn Tap>>,
+    targets: Option<Arc<Targets>>,
+}
+
+impl core::fmt::Debug for Prepared {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { folder, checks, .. } = self;
+        f.debug_struct("Prepared")
+            .field("folder", folder)
+            .field("checks", checks)
+            .finish_non_exhaustive()
+    }
 }
 
 /// A drive that is over.
@@ -81,38 +101,115 @@ impl Driven {
 pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
     // What may be gone past is decided by the checks below.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
+    match &options.first {
+        None => prepare_whole(options, &run),
+        Some(asked) => prepare_first(options, &run, asked),
+    }
+}
+
+#[inline(never)]
+fn prepare_whole(options: &DriveOptions, run: &RunOptions) -> Result<Prepared, DriveError> {
     let (session, folder) = run.open()?;
     let facts = options.on.facts(session.study())?;
     let mut robot = connected(&options.on, &facts, session.study())?;
-    let checks = checked(&session, &facts, robot.as_mut(), options)?;
-    Ok(Prepared { session, folder, checks, options: options.clone(), robot })
+    let again = || phihat_session::read(&options.run.study);
+    let about = About { session: &session, first: None, facts: &facts, options };
+    let checks = about.checked(robot.as_mut(), again)?;
+    Ok(Prepared {
+        session,
+        folder,
+        checks,
+        first: None,
+        options: options.clone(),
+        robot,
+        tap: None,
+        targets: None,
+    })
 }
 
-/// Every check, in its order.
 #[inline(never)]
-fn checked(
-    session: &Session,
-    facts: &Facts,
-    robot: Option<&mut FrankaLink>,
+fn prepare_first(
     options: &DriveOptions,
-) -> Result<Vec<Check>, DriveError> {
-    let (study, gains, path) = (session.study(), session.gains(), &options.run.study);
-    let rehearsed = (facts.clock != Clock::LockStep).then(|| rehearse(session, options));
-    let rehearsed = rehearsed.transpose()?;
-    let mut checks = vec![
-        preflight::certificate(study, gains),
-        preflight::window(study, path, gains)?,
-        preflight::motion(study, path)?,
-        preflight::profile(study, facts),
-        preflight::supervisor(study, facts),
-        preflight::robot(study, robot.as_deref(), options.recover)?,
-    ];
-    checks.extend([
-        preflight::description(study, robot),
-        preflight::real_time(facts),
-        preflight::rehearsal(rehearsed.as_ref()),
-    ]);
-    Ok(checks.into_iter().map(|check| check.unless(&options.accept)).collect())
+    run: &RunOptions,
+    asked: &FirstMotion,
+) -> Result<Prepared, DriveError> {
+    let study = phihat_session::read(&options.run.study)?;
+    let facts = options.on.facts(&study)?;
+    let mut robot = connected(&options.on, &facts, &study)?;
+    let center = stands(&study, robot.as_ref())?;
+    let first = first_study(&study, &center, asked, &options.run.study)?;
+    let (session, folder) = run.open_study(first.study.clone())?;
+    let about = About { session: &session, first: Some(&first), facts: &facts, options };
+    let checks = about.checked(robot.as_mut(), || Ok(first.study.clone()))?;
+    Ok(Prepared {
+        session,
+        folder,
+        checks,
+        first: Some(first),
+        options: options.clone(),
+        robot,
+        tap: None,
+        targets: None,
+    })
+}
+
+/// Where an arm stands: by what the robot says, else where the study begins.
+fn stands(study: &Study, robot: Option<&FrankaLink>) -> Result<Vec<f64>, DriveError> {
+    let joints = study.robot.joints.len();
+    if let Some(state) = robot.and_then(FrankaLink::state) {
+        return Ok(state.q.iter().copied().take(joints).collect());
+    }
+    let motion = Motion::of(study)?;
+    Ok((0..joints).map(|i| motion.at(i, 0.0)[0]).collect())
+}
+
+/// What the checks are about.
+struct About<'a> {
+    session: &'a Session,
+    first: Option<&'a FirstStudy>,
+    facts: &'a Facts,
+    options: &'a DriveOptions,
+}
+
+impl About<'_> {
+    /// Every check, in its order; `again` makes the study once more, as it was read.
+    #[inline(never)]
+    fn checked(
+        &self,
+        robot: Option<&mut FrankaLink>,
+        again: impl Fn() -> Result<Box<Study>, SessionError>,
+    ) -> Result<Vec<Check>, DriveError> {
+        let Self { session, first, facts, options } = self;
+        let (study, gains, path) = (session.study(), session.gains(), &options.run.study);
+        let rehearsed = (facts.clock != Clock::LockStep).then(|| self.rehearse(again()?));
+        let rehearsed = rehearsed.transpose()?;
+        let (certificate, window) = match first {
+            None => (preflight::certificate(study, gains), preflight::window(study, path, gains)?),
+            Some(first) => preflight::cautious(first),
+        };
+        let mut checks = vec![
+            certificate,
+            window,
+            preflight::motion(study, path)?,
+            preflight::profile(study, facts),
+            preflight::supervisor(study, facts),
+            preflight::robot(study, robot.as_deref(), options.recover)?,
+        ];
+        checks.extend([
+            preflight::description(study, robot),
+            preflight::real_time(facts),
+            preflight::rehearsal(rehearsed.as_ref()),
+        ]);
+        Ok(checks.into_iter().map(|check| check.unless(&options.accept)).collect())
+    }
+
+    /// The same gains and motion in lock-step; nothing is written.
+    fn rehearse(&self, study: Box<Study>) -> Result<Done, SessionError> {
+        let path = &self.options.run.study;
+        let gains = self.options.run.gains.as_deref().unwrap_or(path);
+        let gains = (self.session.gains().clone(), gains);
+        Ok(Session::new(study, path, Some(gains), true)?.rehearse())
+    }
 }
 
 /// A robot, where there is one at the other end.
@@ -122,18 +219,33 @@ fn connected(on: &On, facts: &Facts, study: &Study) -> Result<Option<FrankaLink>
     link.map(Some).map_err(|why| DriveError::Robot { at: on.words(), why })
 }
 
-/// The same gains and motion in lock-step; nothing is written.
-fn rehearse(session: &Session, options: &DriveOptions) -> Result<Done, SessionError> {
-    let path = &options.run.study;
-    let gains = (session.gains().clone(), options.run.gains.as_deref().unwrap_or(path));
-    let study = phihat_session::read(path)?;
-    Ok(Session::new(study, path, Some(gains), true)?.rehearse())
-}
-
 impl Prepared {
     /// Whether a check does not pass and was not accepted.
     pub fn is_refused(&self) -> bool {
         self.checks.iter().any(Check::refuses)
+    }
+
+    /// The study that is driven.
+    pub fn study(&self) -> &Study {
+        self.session.study()
+    }
+
+    /// The same, shown to somebody while it runs.
+    #[must_use]
+    pub fn shown_to(self, tap: Box<dyn Tap>) -> Self {
+        Self { tap: Some(tap), ..self }
+    }
+
+    /// The same, told by somebody where to go; see [`Self::takes_targets`].
+    #[must_use]
+    pub fn led_by(self, targets: Arc<Targets>) -> Self {
+        Self { targets: Some(targets), ..self }
+    }
+
+    /// Whether somebody else may say where to go: the supervisor shapes what is asked of it, and this is no first motion.
+    pub fn takes_targets(&self) -> bool {
+        let shapes = self.study().supervisor.as_ref().is_some_and(|asked| asked.motion.is_some());
+        shapes && self.first.is_none()
     }
 
     /// What is said before the drive.
@@ -156,14 +268,17 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, options, robot, .. } = self;
+        let Self { session, checks, options, robot, tap, targets, .. } = self;
+        let mut tap = tap;
         let study = session.study().clone();
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let command = command(&options);
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
-            let way = Way { checks: &checks, options: &options, stop, names: &names, samples };
+            let (tap, targets) = (tap.take(), targets.as_deref());
+            let (checks, options, names) = (&checks[..], &options, &names[..]);
+            let mut way = Way { checks, options, stop, names, samples, tap, targets };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -185,6 +300,12 @@ fn command(options: &DriveOptions) -> String {
     let mut words = vec![format!("phihat drive {}", options.run.study.display())];
     words.extend(options.run.gains.as_ref().map(|gains| format!("--gains {}", gains.display())));
     words.push(options.on.words());
+    words.extend(options.first.map(|first| {
+        format!(
+            "--first-motion --amplitude-rad {:?} --torque-share {:?}",
+            first.amplitude, first.torque_share
+        )
+    }));
     words.extend(options.accept.iter().map(|check| format!("--accept {}", check.word())));
     words.join(" ")
 }
@@ -196,10 +317,15 @@ struct Way<'a> {
     stop: &'a AtomicBool,
     names: &'a [String],
     samples: u64,
+    tap: Option<Box<dyn Tap>>,
+    targets: Option<&'a Targets>,
 }
 
 /// Samples that the ring holds: seconds for a writer that was held up.
 const RING: usize = 16_384;
+
+/// How long the supervisor may go on to stop an arm of a first motion in which it found a fault \[ns\].
+const FAULT_NS: u64 = 50_000_000;
 
 /// How long an arm may take to stand after the study's end \[ns\].
 const STOP_NS: u64 = 5_000_000_000;
@@ -207,7 +333,7 @@ const STOP_NS: u64 = 5_000_000_000;
 impl Way<'_> {
     /// Runs the loop on a thread of its own, and hands its record over on this one.
     fn drive<L: Link + Send>(
-        &self,
+        &mut self,
         mut link: L,
         control: ControlSide,
         watch: &mut dyn Watch,
@@ -218,6 +344,7 @@ impl Way<'_> {
         let order = Order::new(names, facts.joints.as_deref(), facts.width)?;
         let inertia = (0..names.len()).map(|i| control.inertia(i)).collect();
         let mut evidence = Evidence::new(names, inertia, facts.period_ns);
+        evidence.tap = self.tap.take();
         if let Err(why) = link.start() {
             if !self.options.recover {
                 return Err(DriveError::Start(why));
@@ -228,11 +355,14 @@ impl Way<'_> {
         let (mut tape, reader) = ring(names.len(), RING, patient);
         let mut desk = Desk::new(order, names.len());
         let stop_samples = STOP_NS / facts.period_ns.max(1);
-        let plan = Plan { samples: self.samples, stop_samples, stop: self.stop };
+        let fault_samples = self.options.first.map(|_| FAULT_NS / facts.period_ns.max(1));
+        let (samples, stop) = (self.samples, self.stop);
+        let plan = Plan { samples, stop_samples, stop, fault_samples, targets: self.targets };
+        let processor = self.options.processor;
         // Threads inherit their place from the one that starts them: only the control thread changes its own.
         let control_thread = move || {
             let mut control = control;
-            let given = if patient { Vec::new() } else { system::enter(self.options.processor) };
+            let given = if patient { Vec::new() } else { system::enter(processor) };
             let tally = cycles(&mut link, &mut control, &mut tape, &mut desk, &plan);
             (link, tally, given)
         };
@@ -289,6 +419,7 @@ impl Way<'_> {
             .chain(given.iter().filter(|given| !given.good).map(|given| {
                 format!("driven without what was asked of the system: {}", given.found)
             }))
+            .chain((tally.end == End::Faulted).then(|| "stopped by the supervisor".to_owned()))
             .chain((tally.end == End::Asked).then(|| "stopped by a person".to_owned()))
             .chain((tally.tracked == 0).then(|| "the arm never followed its motion".to_owned()))
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))

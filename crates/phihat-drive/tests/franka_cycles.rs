@@ -139,7 +139,13 @@ fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
     let mut desk = Desk::new(Order::new(&names, None, 7).unwrap(), 7);
     let (mut tape, reader) = ring(7, 1024, true);
     let stop = AtomicBool::new(false);
-    let plan = Plan { samples: count, stop_samples: 5000, stop: &stop };
+    let plan = Plan {
+        samples: count,
+        stop_samples: 5000,
+        stop: &stop,
+        fault_samples: None,
+        targets: None,
+    };
     let reading = thread::spawn(move || errors(reader, count));
     let before = resident();
     link.start().unwrap();

@@ -3,6 +3,7 @@
 mod support;
 
 mod facts;
+mod first_motion;
 mod franka;
 mod franka_cycles;
 mod links;

@@ -2,11 +2,13 @@
 //! byte were asked for between the first sample and the last.
 #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::support::{HOSTILE, SUPERVISED, names, sides, study};
+use crate::support::{HOSTILE, PLAIN, SUPERVISED, names, sides, study};
 use allocation_counter::measure;
-use phihat_drive::{Desk, End, Facts, Link, LinkFault, Order, Plan, SimLink, Wait, cycles, ring};
+use phihat_drive::{
+    Desk, End, Facts, Link, LinkFault, Order, Plan, SimLink, Targets, Wait, cycles, ring,
+};
 use phihat_sim::{Acted, Sample};
 
 const CYCLES: usize = 72_000;
@@ -53,7 +55,13 @@ fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
     let mut desk = Desk::new(order, names.len());
     let (mut tape, _reader) = ring(names.len(), cycles_wanted, false);
     let stop = AtomicBool::new(false);
-    let plan = Plan { samples: cycles_wanted as u64, stop_samples: 0, stop: &stop };
+    let plan = Plan {
+        samples: cycles_wanted as u64,
+        stop_samples: 0,
+        stop: &stop,
+        fault_samples: None,
+        targets: None,
+    };
     let mut tally = None;
     let mut wasted = Wasteful(link, 0);
     let used = measure(|| {
@@ -67,6 +75,44 @@ fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
     assert_eq!((tally.end, tally.cycles), (End::Complete, cycles_wanted as u64));
     assert!(tally.lost > 0, "the world is hostile");
     used.count_total
+}
+
+/// Somebody tells the arm where to go, all the time: it goes there, and not where the study's motion is.
+#[test]
+fn an_arm_that_is_led_allocates_nothing() {
+    let shaped = "reference_velocity_max_rad_s = 1.0\nreference_acceleration_max_rad_s2 = 5.0\nreference_jerk_max_rad_s3 = 50.0\n";
+    let study = study(
+        &format!("{PLAIN}{SUPERVISED}{shaped}").replace("duration_s = 2.0", "duration_s = 8.0"),
+    );
+    let (mut control, world) = sides(&study);
+    let mut link = SimLink::lock_step(&study, world);
+    let names = names(&study);
+    let order = Order::new(&names, link.facts().joints.as_deref(), names.len()).unwrap();
+    let mut desk = Desk::new(order, names.len());
+    let (mut tape, _reader) = ring(names.len(), 8000, false);
+    let (targets, stop, over) = (Targets::new(3), AtomicBool::new(false), AtomicBool::new(false));
+    let (samples, fault_samples) = (8000, None);
+    let plan =
+        Plan { samples, stop_samples: 0, stop: &stop, fault_samples, targets: Some(&targets) };
+    let goal = [0.6, 1.0, 0.7];
+    assert!(!targets.ask(&[0.0; 2]) && targets.ask(&goal));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                assert!(targets.ask(&goal));
+                std::thread::yield_now();
+            }
+        });
+        let mut tally = None;
+        let used = measure(|| {
+            tally = Some(cycles(&mut link, &mut control, &mut tape, &mut desk, &plan));
+        });
+        over.store(true, Ordering::Relaxed);
+        assert_eq!((used.count_total, tally.unwrap().end), (0, End::Complete));
+    });
+    for (reference, goal) in control.references().iter().zip(goal) {
+        assert!((reference.q - goal).abs() < 1e-3 && reference.dq.abs() < 1e-3, "{reference:?}");
+    }
 }
 
 #[test]

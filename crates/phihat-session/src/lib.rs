@@ -38,6 +38,7 @@ mod driven;
 mod edit;
 mod error;
 pub mod files;
+mod first_motion;
 mod hash;
 mod identify;
 mod judged;
@@ -72,8 +73,12 @@ pub use driven::{Driven, Leave, Take};
 pub use edit::{append, set};
 pub use error::SessionError;
 pub use files::read_gains;
+pub use first_motion::{
+    FIRST_WIDTH, FirstMeasured, FirstMotion, FirstMotionError, FirstStudy, MeasuredJoint,
+    first_measured, first_study,
+};
 pub use hash::{sha256, share, short_hash};
-pub use identify::{IdentifiedJoint, IdentifyOptions, identify};
+pub use identify::{IdentifiedJoint, IdentifyOptions, identify, identify_moving};
 pub use layout::TRACE;
 pub use limits::beside_limits;
 pub use log::LOGS;

@@ -43,10 +43,18 @@ impl RunOptions {
     ///
     /// [`SessionError`], as of [`Session::new`].
     pub fn open(&self) -> Result<(Session, PathBuf), SessionError> {
+        self.open_study(design::read(&self.study)?)
+    }
+
+    /// The same of a study that somebody else made; the options' file stands for it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Self::open`].
+    pub fn open_study(&self, study: Box<Study>) -> Result<(Session, PathBuf), SessionError> {
         if let Some(log) = &self.log {
             Log::offered(log)?;
         }
-        let study = design::read(&self.study)?;
         let gains = self.gains.as_deref().map(|file| read_gains(file).map(|gains| (gains, file)));
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);

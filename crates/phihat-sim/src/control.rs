@@ -146,6 +146,15 @@ impl ControlSide {
         }
     }
 
+    /// From here on the arm is to go to these positions \[rad, m\], one per joint, as fast as the supervisor's limits of the reference let it, in
+    /// place of the study's motion; `false`: the study states no such limits, or these are no positions of this arm.
+    pub fn refer_to(&mut self, q: &[f64]) -> bool {
+        match &mut self.brain {
+            Brain::Supervised(supervised) => supervised.refer_to(q),
+            _ => false,
+        }
+    }
+
     /// Whether there is a supervisor around the law.
     pub fn is_supervised(&self) -> bool {
         matches!(self.brain, Brain::Supervised(_))

@@ -22,6 +22,10 @@ pub(crate) struct Supervised {
     /// Time on the reference's clock \[ns\]: it runs while the arm tracks.
     motion_ns: u64,
     asked: Vec<Reference<f64>>,
+    /// Whether `asked` is somebody else's, in place of the study's motion.
+    given: bool,
+    /// Whether what is asked is shaped to the study's limits.
+    shapes: bool,
     /// Whether a safe stop is asked for, whatever the study asks.
     pub(crate) stopping: bool,
     pub(crate) report: Report,
@@ -59,6 +63,8 @@ impl Supervised {
             period_ns: study.control.period_ns,
             motion_ns: 0,
             asked: vec![Reference::default(); gains.len()],
+            given: false,
+            shapes: request.motion.is_some(),
             stopping: false,
             report: Report::default(),
         })
@@ -72,10 +78,12 @@ impl Supervised {
         motion: &Motion,
         (references, commands): (&mut [Reference<f64>], &mut [Command<f64>]),
     ) {
-        let at = self.motion_ns as f64 * 1e-9;
-        for (i, reference) in self.asked.iter_mut().enumerate() {
-            let [q, dq, ddq] = motion.told(i, at);
-            *reference = Reference { q, dq, ddq };
+        if !self.given {
+            let at = self.motion_ns as f64 * 1e-9;
+            for (i, reference) in self.asked.iter_mut().enumerate() {
+                let [q, dq, ddq] = motion.told(i, at);
+                *reference = Reference { q, dq, ddq };
+            }
         }
         let request = Request {
             mode: self.wanted(t),
@@ -105,6 +113,20 @@ impl Supervised {
         if self.report.mode == Mode::Tracking {
             self.motion_ns += self.period_ns;
         }
+    }
+
+    /// From here on asks for these positions at rest, in place of the study's motion; `false`: nobody shapes them, or they are not as many as
+    /// the joints, or not finite.
+    pub(crate) fn refer_to(&mut self, q: &[f64]) -> bool {
+        let fits = q.len() == self.asked.len() && q.iter().all(|q| q.is_finite());
+        if !self.shapes || !fits {
+            return false;
+        }
+        self.given = true;
+        for (reference, q) in self.asked.iter_mut().zip(q) {
+            *reference = Reference { q: *q, dq: 0.0, ddq: 0.0 };
+        }
+        true
     }
 
     /// What is asked for at time `t`: by default to arm, to hold and to track, one sample each.

@@ -9,6 +9,7 @@ mod rates;
 use nalgebra::DMatrix;
 use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use phihat_certificate::{ArmBasis, ArmInertia, Searched};
+use phihat_model::Workspace;
 use phihat_study::{InertiaSource, Study};
 
 pub use error::ArmError;
@@ -105,6 +106,22 @@ impl Arm {
                 estimates.iter().map(|e| e.low_kg_m2).collect(),
                 estimates.iter().map(|e| e.high_kg_m2).collect(),
             ),
+        }
+    }
+
+    /// A study's arm in some of its postures \[rad\] alone, by its description without payload, rotors included: for a motion that stays there.
+    pub fn near(study: &Study, postures: &[Vec<f64>]) -> Self {
+        let model = study.robot.plant_model();
+        let (n, mut room) = (model.joint_count(), Workspace::new(&model));
+        let matrix = |q: &Vec<f64>| {
+            let mut mass = vec![0.0; n * n];
+            model.mass_matrix(&mut room, q, &mut mass);
+            DMatrix::from_row_slice(n, n, &mass)
+        };
+        Self {
+            basis: ArmBasis::Postures,
+            source: format!("{} postures of {}, rotors included", postures.len(), study.robot.name),
+            knowledge: Knowledge::Matrices(postures.iter().map(matrix).collect()),
         }
     }
 

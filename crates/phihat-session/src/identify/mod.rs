@@ -1,5 +1,6 @@
 //! From records of a real arm to the numbers that a design needs of it.
 
+mod moving;
 mod recording;
 
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use phihat_sim::Observed;
 use serde::Serialize;
 
 use crate::error::SessionError;
+pub use moving::identify_moving;
 use recording::read;
 
 /// What an identification is told.
@@ -105,27 +107,34 @@ fn together(
         standard_error_kg_m2: larger(a.standard_error_kg_m2, b.standard_error_kg_m2),
         windows: a.windows + b.windows,
     })?;
-    let nominal = (inertia.low_kg_m2 * inertia.high_kg_m2).sqrt();
-    let one = |smoothed: &Smoothed| {
-        let signals = &smoothed.signals()[joint];
-        let period = smoothed.period_ns as f64 * 1e-9;
-        let rows = smoothed.reach();
-        let phi = Observed::of_signals(&[(signals.tau, signals.ddq)], period).phi(0, nominal);
-        let size = |values: &[f64]| values.iter().map(|value| value.abs()).largest();
-        IdentifiedJoint {
-            name: signals.name.to_owned(),
-            inertia,
-            phi_max_nm: margin * phi.size,
-            phi_rate_max_nm_s: margin * phi.rate,
-            // A filter smears what dry friction does where a joint reverses: over its length φ swings by the whole jump.
-            phi_jump_max_nm: margin * larger(phi.jump, swing(signals, nominal, rows)),
-            position_rad: signals.q.iter().copied().ends(),
-            velocity_max_rad_s: size(signals.dq),
-            torque_max_nm: size(signals.tau),
-        }
-    };
-    let all = seen.iter().map(|(smoothed, _)| one(smoothed));
+    let all = seen.iter().map(|(smoothed, _)| shown(smoothed, joint, inertia, margin));
     all.reduce(|before, next| before.and(&next))
+}
+
+/// A joint of this inertia in one record.
+fn shown(
+    smoothed: &Smoothed,
+    joint: usize,
+    inertia: InertiaEstimate,
+    margin: f64,
+) -> IdentifiedJoint {
+    let nominal = (inertia.low_kg_m2 * inertia.high_kg_m2).sqrt();
+    let signals = &smoothed.signals()[joint];
+    let period = smoothed.period_ns as f64 * 1e-9;
+    let rows = smoothed.reach();
+    let phi = Observed::of_signals(&[(signals.tau, signals.ddq)], period).phi(0, nominal);
+    let size = |values: &[f64]| values.iter().map(|value| value.abs()).largest();
+    IdentifiedJoint {
+        name: signals.name.to_owned(),
+        inertia,
+        phi_max_nm: margin * phi.size,
+        phi_rate_max_nm_s: margin * phi.rate,
+        // A filter smears what dry friction does where a joint reverses: over its length φ swings by the whole jump.
+        phi_jump_max_nm: margin * larger(phi.jump, swing(signals, nominal, rows)),
+        position_rad: signals.q.iter().copied().ends(),
+        velocity_max_rad_s: size(signals.dq),
+        torque_max_nm: size(signals.tau),
+    }
 }
 
 /// How far φ moves at most over so many rows in which the joint reverses \[N·m\].

@@ -1,0 +1,132 @@
+//! `phihat drive --first-motion`: how it is asked for, and what is shown of it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use clap::Args;
+use phihat_drive::Prepared;
+use phihat_session::{
+    FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, MeasuredJoint, files,
+    first_measured,
+};
+
+use crate::failure::Failure;
+use crate::identify::sections;
+use crate::table;
+
+/// File of the sections, in the folder of the record.
+const JOINTS: &str = "joints.toml";
+
+#[derive(Debug, Args)]
+pub(crate) struct First {
+    /// Move each joint a little, one after the other, about where the arm stands, in place of the study's motion, and measure inertia,
+    /// friction and φ: under cautious gains, which need no certificate.
+    #[arg(long, conflicts_with = "gains")]
+    first_motion: bool,
+    /// Of a first motion: how far a joint moves to either side.
+    #[arg(long, value_name = "RAD", default_value_t = 0.05, requires = "first_motion")]
+    amplitude_rad: f64,
+    /// Of a first motion: the share of its largest torque that a joint is told at most.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.3, requires = "first_motion")]
+    torque_share: f64,
+    /// Of a first motion: by what factor the true inertia may be off from what the study says, either way.
+    #[arg(long, value_name = "FACTOR", default_value_t = 3.0, requires = "first_motion")]
+    inertia_within: f64,
+    /// Of a first motion: what sizes and rates of φ are multiplied by.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.5, requires = "first_motion")]
+    margin: f64,
+}
+
+impl First {
+    /// What is asked for, if it is.
+    pub(crate) fn asked(&self) -> Result<Option<FirstMotion>, Failure> {
+        for (option, value, least, most) in [
+            ("--amplitude-rad", self.amplitude_rad, 1e-3, 0.3),
+            ("--torque-share", self.torque_share, 0.01, 1.0),
+            ("--inertia-within", self.inertia_within, 1.0, 20.0),
+            ("--margin", self.margin, 1.0, 100.0),
+        ] {
+            if !(least..=most).contains(&value) {
+                let valid = format!("{option} {value}: {least} to {most} is valid");
+                return Err(Failure::plain(valid));
+            }
+        }
+        Ok(self.first_motion.then_some(FirstMotion {
+            amplitude: self.amplitude_rad,
+            torque_share: self.torque_share,
+            inertia_within: self.inertia_within,
+        }))
+    }
+
+    /// Reads what the record in a folder shows, and writes the sections beside it.
+    pub(crate) fn measured(
+        &self,
+        first: &FirstStudy,
+        folder: &Path,
+    ) -> Result<FirstMeasured, Failure> {
+        let options = IdentifyOptions {
+            width: FIRST_WIDTH,
+            margin: self.margin,
+            ..IdentifyOptions::default()
+        };
+        let found = first_measured(&first.study, folder, &options)?;
+        if let Some(joints) = found.all() {
+            files::write(&folder.join(JOINTS), &sections(&joints, self.margin))?;
+        }
+        Ok(found)
+    }
+}
+
+/// What will be done, before it is.
+pub(crate) fn announced(prepared: &Prepared) -> Option<String> {
+    let first = prepared.first.as_ref()?;
+    let mut text = format!("first motion: {:.0} s, one joint at a time;", first.study.duration);
+    let joints = first.study.robot.joints.iter().zip(&first.torque).zip(&first.guess);
+    for ((joint, torque), guess) in joints {
+        // Infallible: a String takes everything.
+        let _ = write!(
+            text,
+            "\n  {}: at most {torque:.2} N·m, inertia guessed {guess:.4} kg·m²",
+            joint.name
+        );
+    }
+    Some(text)
+}
+
+/// The verdict, on one screen.
+pub(crate) fn verdict(found: &FirstMeasured, folder: &Path) -> String {
+    let mut lines = Vec::new();
+    let known: Vec<_> = found.joints.iter().filter_map(|joint| joint.found.clone()).collect();
+    if !known.is_empty() {
+        lines.push(table::identified(&known));
+    }
+    lines.extend(found.joints.iter().map(line));
+    lines.push(if found.all().is_some() {
+        format!("MEASURED all {} joints: {}", known.len(), folder.join(JOINTS).display())
+    } else {
+        format!(
+            "NOT measured: {} of {} joints",
+            found.joints.len() - known.len(),
+            found.joints.len()
+        )
+    });
+    lines.join("\n")
+}
+
+/// A joint beside what the study says of it.
+fn line(joint: &MeasuredJoint) -> String {
+    let name = &joint.name;
+    let (low, high) = joint.study_kg_m2;
+    let told = if low < high { format!("{low:.4} … {high:.4}") } else { format!("{low:.4}") };
+    match (joint.as_told(), &joint.found) {
+        (Some(same), Some(found)) => {
+            let word = if same { "as the study says" } else { "NOT as the study says" };
+            let friction = 0.5 * found.phi_jump_max_nm;
+            format!("{name}: inertia {word} ({told} kg·m²); dry friction at most {friction:.2} N·m")
+        }
+        _ => {
+            let why = joint.why.as_deref().unwrap_or("it did not move");
+            format!("{name}: not measured: {why}")
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! What others see of a drive while it runs, and where they tell it to go.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use phihat_sim::Row;
+
+use crate::tape::Cycle;
+
+/// Is shown each sample as it is recorded, on the thread that writes: the control thread knows nothing of it.
+pub trait Tap: Send {
+    /// The next sample, its joints in the study's order. Must not wait.
+    fn sample(&mut self, cycle: &Cycle, rows: &[Row]);
+}
+
+/// The latest position that somebody asked for: one writes, the control thread reads; neither waits, locks or allocates.
+///
+/// # Example
+///
+/// ```
+/// use phihat_drive::Targets;
+///
+/// let targets = Targets::new(2);
+/// let (mut seen, mut q) = (0, [0.0; 2]);
+/// assert!(!targets.newer(&mut seen, &mut q)); // nobody asked yet
+/// assert!(targets.ask(&[0.1, 0.2]));
+/// assert!(targets.newer(&mut seen, &mut q) && q == [0.1, 0.2]);
+/// assert!(!targets.newer(&mut seen, &mut q)); // it is known already
+/// ```
+#[derive(Debug)]
+pub struct Targets {
+    /// Odd while the positions are being written.
+    version: AtomicU64,
+    q: Vec<AtomicU64>,
+}
+
+impl Targets {
+    /// For so many joints.
+    pub fn new(joints: usize) -> Self {
+        Self {
+            version: AtomicU64::new(0),
+            q: std::iter::repeat_with(AtomicU64::default).take(joints).collect(),
+        }
+    }
+
+    /// Asks for positions \[rad, m\] in the study's order; `false`: they are not as many as the joints. Only one thread may ask.
+    pub fn ask(&self, q: &[f64]) -> bool {
+        if q.len() != self.q.len() {
+            return false;
+        }
+        self.version.fetch_add(1, Ordering::SeqCst);
+        for (cell, q) in self.q.iter().zip(q) {
+            cell.store(q.to_bits(), Ordering::SeqCst);
+        }
+        self.version.fetch_add(1, Ordering::SeqCst);
+        true
+    }
+
+    /// Takes what was asked for, if it is newer than `seen`; while it is being written there is nothing new.
+    pub fn newer(&self, seen: &mut u64, q: &mut [f64]) -> bool {
+        let before = self.version.load(Ordering::SeqCst);
+        if before == *seen || before % 2 == 1 || q.len() != self.q.len() {
+            return false;
+        }
+        for (q, cell) in q.iter_mut().zip(&self.q) {
+            *q = f64::from_bits(cell.load(Ordering::SeqCst));
+        }
+        if self.version.load(Ordering::SeqCst) != before {
+            return false;
+        }
+        *seen = before;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Targets;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// A position that is half of one target and half of another would be one that nobody asked for.
+    #[test]
+    fn no_target_is_torn() {
+        let (targets, done) = (Targets::new(7), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for k in 0..300_000_u32 {
+                    assert!(targets.ask(&[f64::from(k); 7]));
+                }
+                done.store(true, Ordering::SeqCst);
+            });
+            let (mut seen, mut q, mut count) = (0, [0.0; 7], 0);
+            while !done.load(Ordering::SeqCst) {
+                if targets.newer(&mut seen, &mut q) {
+                    count += 1;
+                    assert!(q.iter().all(|one| one.to_bits() == q[0].to_bits()), "{q:?}");
+                }
+            }
+            assert!(count > 0);
+        });
+    }
+}

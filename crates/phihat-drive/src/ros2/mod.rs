@@ -1,0 +1,185 @@
+//! A ROS 2 node beside a drive: what the drive shows, and where others want the arm. Never a torque.
+//!
+//! | topic | type | what |
+//! |---|---|---|
+//! | `/joint_states` | `sensor_msgs/msg/JointState` | measured q and q̇, torque that acted |
+//! | `/phihat/reference` | the same | q_d, q̇_d |
+//! | `/phihat/error` | the same | e, ė: measured minus desired |
+//! | `/phihat/torque_command` | the same | commanded torque |
+//! | `/phihat/phi_hat` | the same | φ̂ |
+//! | `/phihat/mode` | `std_msgs/msg/String` | the supervisor's mode, where it changes |
+//! | `/diagnostics` | `diagnostic_msgs/msg/DiagnosticArray` | once a second: mode, fault, losses, what was refused |
+//! | `/phihat/joint_trajectory` (in) | `trajectory_msgs/msg/JointTrajectory` | every joint by name; lines between the points, from where the arm is |
+//! | `/phihat/commands` (in) | `std_msgs/msg/Float64MultiArray` | one position per joint, in the study's order |
+//!
+//! All of them reliable, volatile, keep last 10, as ros2_control has them; the mode is transient local, keep last 1: it is told to whoever comes
+//! later. Topics in are there where the supervisor shapes the reference.
+//!
+//! # Real time
+//!
+//! The node has threads of its own. What it publishes comes through a ring from the thread that writes the record; where it wants the arm goes
+//! to the control thread through [`Targets`].
+
+mod asked;
+mod messages;
+mod node;
+
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+
+use phihat_sim::Row;
+use phihat_study::Study;
+use rtrb::{Producer, RingBuffer};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::hooks::{Tap, Targets};
+use crate::tape::{Arrival, Cycle};
+use node::Node;
+
+/// Joints of a message that goes through the ring.
+const JOINTS_MOST: usize = 32;
+
+/// Samples that the node may be behind before they are left out.
+const RING: usize = 1024;
+
+/// What a node is told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RosOptions {
+    /// The DDS domain.
+    pub domain: u16,
+    /// Addresses of the interfaces that are used; none: all.
+    pub networks: Vec<IpAddr>,
+    /// Every how many samples joint states are published.
+    pub every: u64,
+}
+
+/// How many messages of each kind there were.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct RosCounts {
+    /// Samples that were published, as five messages each.
+    pub states: u64,
+    /// Messages about the mode.
+    pub modes: u64,
+    /// Messages of diagnostics.
+    pub diagnostics: u64,
+    /// Positions that were asked for.
+    pub commands: u64,
+    /// Trajectories that were asked for.
+    pub trajectories: u64,
+    /// Of both, those that were left out.
+    pub refused: u64,
+    /// Samples that the node was too slow for.
+    pub dropped: u64,
+}
+
+/// Why there is no node.
+#[derive(Debug, Error)]
+pub enum RosError {
+    /// DDS does not start, or a topic cannot be made.
+    #[error("--ros2: {0}")]
+    Node(String),
+    /// The arm has more joints than a message through the ring.
+    #[error("--ros2: {0} joints; up to {JOINTS_MOST} are valid")]
+    Joints(usize),
+}
+
+/// One joint of a sample.
+#[derive(Debug, Clone, Copy, Default)]
+struct Shown {
+    q: f64,
+    dq: f64,
+    tau: f64,
+    q_desired: f64,
+    dq_desired: f64,
+    command: f64,
+    phi_hat: f64,
+}
+
+/// One sample, of fixed size.
+#[derive(Debug, Clone, Copy)]
+struct Snapshot {
+    cycle: Cycle,
+    lost: u64,
+    dropped: u64,
+    joints: [Shown; JOINTS_MOST],
+}
+
+/// The end that is shown each sample.
+struct RosTap {
+    ring: Producer<Snapshot>,
+    every: u64,
+    count: u64,
+    lost: u64,
+    dropped: u64,
+}
+
+impl Tap for RosTap {
+    fn sample(&mut self, cycle: &Cycle, rows: &[Row]) {
+        self.count += 1;
+        self.lost += u64::from(cycle.arrival == Arrival::Lost);
+        if !(self.count - 1).is_multiple_of(self.every) {
+            return;
+        }
+        let mut joints = [Shown::default(); JOINTS_MOST];
+        for (shown, row) in joints.iter_mut().zip(rows) {
+            *shown = Shown {
+                q: row.measurement.q,
+                dq: row.measurement.dq,
+                tau: row.measurement.tau_applied,
+                q_desired: row.reference.q,
+                dq_desired: row.reference.dq,
+                command: row.command.tau,
+                phi_hat: row.command.phi_hat,
+            };
+        }
+        let (lost, dropped) = (self.lost, self.dropped);
+        let snapshot = Snapshot { cycle: *cycle, lost, dropped, joints };
+        self.dropped += u64::from(self.ring.push(snapshot).is_err());
+    }
+}
+
+/// A node that runs.
+#[derive(Debug)]
+pub struct RosNode {
+    thread: JoinHandle<RosCounts>,
+}
+
+/// What of a node the drive gets: who is shown each sample, and where it is told to go.
+type Ends = (Box<dyn Tap>, Option<Arc<Targets>>);
+
+impl RosNode {
+    /// Starts a node for a study's arm, before the drive; it ends when the drive has dropped its ends.
+    ///
+    /// # Errors
+    ///
+    /// [`RosError`]
+    pub fn start(
+        study: &Study,
+        options: &RosOptions,
+        takes_targets: bool,
+    ) -> Result<(Self, Ends), RosError> {
+        let ends = |joint: &phihat_model::Joint| {
+            let free = (f64::NEG_INFINITY, f64::INFINITY);
+            (joint.name.clone(), joint.position.unwrap_or(free))
+        };
+        let joints: Vec<_> = study.robot.joints.iter().map(ends).collect();
+        if joints.len() > JOINTS_MOST {
+            return Err(RosError::Joints(joints.len()));
+        }
+        let targets = takes_targets.then(|| Arc::new(Targets::new(joints.len())));
+        let (ring, read) = RingBuffer::new(RING);
+        let mut node = Node::new(joints, options, read, targets.clone())?;
+        let thread = thread::Builder::new().name("phihat-ros2".to_owned());
+        let thread = thread.spawn(move || node.run()).map_err(|e| RosError::Node(e.to_string()))?;
+        let every = options.every.max(1);
+        let tap = RosTap { ring, every, count: 0, lost: 0, dropped: 0 };
+        Ok((Self { thread }, (Box::new(tap), targets)))
+    }
+
+    /// Waits for the last message; `None`: the node's thread failed.
+    pub fn join(self) -> Option<RosCounts> {
+        self.thread.join().ok()
+    }
+}

@@ -1,0 +1,147 @@
+//! What the record of a first motion shows.
+
+use std::ops::Range;
+use std::path::Path;
+
+use phihat::Mode;
+use phihat_certificate::extremes::Extremes as _;
+use phihat_design::RecordedJoint;
+use phihat_sim::Trace;
+use phihat_study::Study;
+use serde::Serialize;
+
+use super::plan::described;
+use crate::error::SessionError;
+use crate::files;
+use crate::identify::{IdentifiedJoint, IdentifyOptions, identify_moving};
+use crate::layout::TRACE;
+
+/// Samples that were lost in a row, at most, that a line is drawn over.
+const LOST_MOST: usize = 20;
+
+/// Share of a joint's way from which on it counts as moving.
+const AWAY: f64 = 0.05;
+
+/// A reference that goes further than this was told to move \[rad, m\].
+const MOVED: f64 = 1e-3;
+
+/// Width of the boxes that positions of a first motion are differenced over \[s\]: its legs take ten times as long.
+pub const FIRST_WIDTH: f64 = 0.03;
+
+/// What a first motion shows of an arm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FirstMeasured {
+    /// One entry per joint, in the study's order.
+    pub joints: Vec<MeasuredJoint>,
+}
+
+/// What it shows of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredJoint {
+    /// Joint name.
+    pub name: String,
+    /// What the study says of its inertia in this posture, without payload; of an arm known joint by joint, from and to \[kg·m²\].
+    pub study_kg_m2: (f64, f64),
+    /// What was found; `None`: the reason stands in `why`.
+    pub found: Option<IdentifiedJoint>,
+    /// Why nothing was found.
+    pub why: Option<String>,
+}
+
+impl FirstMeasured {
+    /// The joints' figures, where all of them were found.
+    pub fn all(&self) -> Option<Vec<IdentifiedJoint>> {
+        self.joints.iter().map(|joint| joint.found.clone()).collect()
+    }
+}
+
+impl MeasuredJoint {
+    /// Whether what was measured and what the study says have a value in common.
+    pub fn as_told(&self) -> Option<bool> {
+        let (low, high) = self.study_kg_m2;
+        let inertia = &self.found.as_ref()?.inertia;
+        Some(inertia.low_kg_m2 <= high && low <= inertia.high_kg_m2)
+    }
+}
+
+/// Reads the record that a first motion left in a folder.
+///
+/// # Errors
+///
+/// [`SessionError`]: the record cannot be read.
+pub fn first_measured(
+    study: &Study,
+    folder: &Path,
+    options: &IdentifyOptions,
+) -> Result<FirstMeasured, SessionError> {
+    let path = folder.join(TRACE);
+    let read = Trace::read_csv(files::open(&path)?, study);
+    let trace = read.map_err(|e| SessionError::at(&path, e))?;
+    let q: Vec<f64> =
+        trace.joints.iter().filter_map(|joint| joint.q_desired.first().copied()).collect();
+    let told = told(study, &q);
+    let joint = |(i, study_kg_m2): (usize, &(f64, f64))| {
+        let moving = moving(&trace, i);
+        let most = trace.joints[i].q_desired.iter().map(|wanted| (wanted - q[i]).abs());
+        let moved = most.largest() > MOVED;
+        let found =
+            moved.then(|| identify_moving(&cut(&trace, &moving), i, trace.period_ns, options));
+        let (found, why) = match found {
+            Some(Ok(found)) => (Some(found), None),
+            Some(Err(why)) => (None, Some(why.to_string())),
+            None => (None, Some("the drive ended before it was moved".to_owned())),
+        };
+        MeasuredJoint { name: trace.joints[i].name.clone(), study_kg_m2: *study_kg_m2, found, why }
+    };
+    let joints = told.iter().enumerate().map(joint).collect();
+    Ok(FirstMeasured { joints })
+}
+
+/// What the study says of each joint's inertia.
+fn told(study: &Study, q: &[f64]) -> Vec<(f64, f64)> {
+    if let phihat_study::InertiaSource::Typed { low, high } = &study.design.inertia {
+        return low.iter().copied().zip(high.iter().copied()).collect();
+    }
+    described(study, q).into_iter().map(|inertia| (inertia, inertia)).collect()
+}
+
+/// The samples in which a joint was to move, and the arm followed.
+fn moving(trace: &Trace, joint: usize) -> Range<usize> {
+    let wanted = &trace.joints[joint].q_desired;
+    let tracks = |k: usize| trace.supervision.as_ref().is_none_or(|s| s.mode[k] == Mode::Tracking);
+    // Where the arm is armed the reference is where it stands, and moves from there to its own beginning: less than the least of this motion.
+    let away = |k: usize| (wanted[k] - wanted[0]).abs();
+    let most = (0..trace.len()).map(away).largest();
+    let moves = |k: &usize| away(*k) > AWAY * most && tracks(*k);
+    let first = (0..trace.len()).find(moves).unwrap_or(0);
+    let last = (first..trace.len()).rev().find(moves).unwrap_or(first);
+    first..last
+}
+
+/// Positions and torques of some samples. A line is drawn over those in which no joint's position changed: they were lost, or the arm stood.
+fn cut(trace: &Trace, samples: &Range<usize>) -> Vec<RecordedJoint> {
+    let is_lost = |k: &usize| {
+        let same = |q: &[f64]| *k > 0 && q[*k].to_bits() == q[*k - 1].to_bits();
+        trace.joints.iter().all(|joint| same(&joint.q_measured))
+    };
+    let lost: Vec<usize> = samples.clone().filter(is_lost).collect();
+    let joints = trace.joints.iter().map(|joint| {
+        let mut q = joint.q_measured.clone();
+        for run in lost.chunk_by(|a, b| a + 1 == *b) {
+            let (before, after) = (run[0] - 1, run[run.len() - 1] + 1);
+            if run.len() > LOST_MOST || after >= samples.end {
+                continue;
+            }
+            for k in run {
+                let share = (k - before) as f64 / (after - before) as f64;
+                q[*k] = q[before] + share * (q[after] - q[before]);
+            }
+        }
+        RecordedJoint {
+            name: joint.name.clone(),
+            q: q[samples.clone()].to_vec(),
+            tau: joint.tau_applied[samples.clone()].to_vec(),
+        }
+    });
+    joints.collect()
+}

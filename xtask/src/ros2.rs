@@ -1,0 +1,28 @@
+//! `cargo xtask ros2`: the node of `phihat drive --ros2` beside another DDS.
+
+use std::fs;
+use std::path::Path;
+
+use crate::shell::{cargo, command};
+use crate::venv;
+
+/// The other DDS, which brings its own C library.
+const PACKAGES: [&str; 1] = ["cyclonedds==11.0.1"];
+
+/// Makes what is missing, and compares what both sides count.
+pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
+    if let Some(word) = arguments.first() {
+        return Err(format!("ros2: {word}: nothing is known"));
+    }
+    let folder = root.join("target/ros2");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
+    cargo(root, &["build", "--quiet", "-p", "phihat-cli", "--features", "ros2"])?;
+    let program = format!("target/debug/phihat{}", std::env::consts::EXE_SUFFIX);
+    let words = [
+        "xtask/src/ros2.py".to_owned(),
+        folder.display().to_string(),
+        root.join(program).display().to_string(),
+    ];
+    command(root, &python, &words.iter().map(String::as_str).collect::<Vec<_>>())
+}
