@@ -1,0 +1,1 @@
+//! The arm on paper: a still picture, and one that moves.
