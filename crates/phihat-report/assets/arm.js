@@ -1,6 +1,7 @@
 // The arm of the run, to be turned and played. Drawn from its kinematics by WebGL 2.
 "use strict";
-(() => {
+// After the page is there: until then its picture stands in for it.
+(globalThis.requestIdleCallback ?? setTimeout)(() => {
   const { data, t: times, signal, nearest, clock, show, element } = phihat;
   const stage = document.querySelector(".stage");
   if (!stage || !data.arm || !data.joints.length || !times.length) return;
@@ -71,7 +72,7 @@
   const lengths = links.map((_, i) => links.reduce((sum, link) => sum + (link.parent === i ? V.norm(link.p) : 0), 0));
   const thickness = links.map((link, i) => {
     const radius = Math.sqrt(Math.max(link.mass, 0.05) / (2000 * Math.PI * Math.max(lengths[i], 0.12 * reach)));
-    return Math.min(Math.max(radius, 0.017 * reach), 0.05 * reach);
+    return Math.min(Math.max(radius, 0.02 * reach), 0.045 * reach);
   });
 
   // The whole path of the tip, from at most so many postures.
@@ -85,10 +86,10 @@
   const slides = data.joints.map((_, j) => links.some((link) => link.joint === j && link.slides));
   let most = 0;
   for (let j = 0; j < n; j += 1) for (const list of signal(j, "e")) for (const e of list) if (!Number.isNaN(e)) most = Math.max(most, Math.abs(e) / (slides[j] ? reach : 1));
-  const view = { factor: FACTORS.findLast((f) => f * most * 1e-3 <= 0.2) ?? 1, ghost: true, path: true, speed: 1, playing: false };
+  const view = { factor: FACTORS.findLast((f) => f * most * 1e-3 <= 0.35) ?? 1, ghost: true, path: true, speed: 1, playing: false, sharpness: 1 };
 
   // ── Meshes: positions and normals of triangles. A tube is bent by its two radii in the shader.
-  function lathe(profile, around = 28) {
+  function lathe(profile, around = 22) {
     const out = [];
     const vertex = ([r, z, nr, nz], a) => [r * Math.cos(a), r * Math.sin(a), z, nr * Math.cos(a), nr * Math.sin(a), nz];
     for (let i = 0; i + 1 < profile.length; i += 1) {
@@ -103,11 +104,11 @@
   const arc = (steps) => Array.from({ length: steps + 1 }, (_, i) => { const a = Math.PI * (i / steps - 0.5); return [Math.cos(a), Math.sin(a), Math.cos(a), Math.sin(a)]; });
   // A cylinder from −1 to 1 with a rounded rim.
   const rim = 0.14;
-  const quarter = Array.from({ length: 7 }, (_, i) => { const a = Math.PI / 2 * i / 6; return [1 - rim + rim * Math.cos(a), 1 - rim + rim * Math.sin(a), Math.cos(a), Math.sin(a)]; });
+  const quarter = Array.from({ length: 5 }, (_, i) => { const a = Math.PI / 2 * i / 4; return [1 - rim + rim * Math.cos(a), 1 - rim + rim * Math.sin(a), Math.cos(a), Math.sin(a)]; });
   const drum = [[0, -1, 0, -1], ...quarter.map(([r, z, nr, nz]) => [r, -z, nr, -nz]).reverse(), ...quarter, [0, 1, 0, 1]];
   const MESHES = {
     tube: lathe([[1, 0, 1, 0], [1, 1, 1, 0]]),
-    ball: lathe(arc(16)),
+    ball: lathe(arc(10)),
     drum: lathe(drum),
     cone: lathe([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 0.9, 0.4], [0, 1, 0.9, 0.4]]),
     disc: lathe([[0, 0, 0, 1], [1, 0, 0, 1]], 64),
@@ -211,8 +212,8 @@
 
   // ── The camera.
   const middle = path.reduce((sum, [, p]) => V.add(sum, V.times(p, 1 / path.length)), [0, 0, 0]);
-  const target = V.add(V.times(middle, 0.5), [0, 0, 0.12 * reach]);
-  const HOME = { azimuth: Math.atan2(middle[1], middle[0]) - 1.05, elevation: 0.32, distance: 2.35 * reach };
+  const target = V.add(V.times(middle, 0.5), [0, 0, 0.06 * reach]);
+  const HOME = { azimuth: Math.atan2(middle[1], middle[0]) - 1.05, elevation: 0.32, distance: 1.9 * reach };
   const eye = { ...HOME };
   const FIELD = 0.52;
   function camera(aspect) {
@@ -231,8 +232,8 @@
   // ── One picture.
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const colours = () => (dark.matches
-    ? { body: [0.80, 0.83, 0.87], joint: [0.20, 0.47, 0.70], base: [0.42, 0.46, 0.52], ghost: [0.98, 0.66, 0.10], force: [0.95, 0.42, 0.30], load: [0.30, 0.78, 0.60], grid: [0.55, 0.60, 0.66], shadow: [0, 0, 0, 0.42], gravity: [0.66, 0.70, 0.76], path: [0.98, 0.66, 0.10], wall: [0.5, 0.55, 0.6] }
-    : { body: [0.90, 0.915, 0.93], joint: [0.09, 0.41, 0.66], base: [0.52, 0.56, 0.61], ghost: [0.90, 0.42, 0.02], force: [0.78, 0.16, 0.10], load: [0.05, 0.52, 0.38], grid: [0.55, 0.59, 0.64], shadow: [0.1, 0.13, 0.18, 0.17], gravity: [0.40, 0.44, 0.50], path: [0.88, 0.40, 0.02], wall: [0.6, 0.65, 0.7] });
+    ? { body: [0.80, 0.83, 0.87], joint: [0.36, 0.42, 0.50], picked: [0.25, 0.62, 0.90], base: [0.42, 0.46, 0.52], ghost: [0.98, 0.66, 0.10], force: [0.95, 0.42, 0.30], load: [0.30, 0.78, 0.60], grid: [0.55, 0.60, 0.66], shadow: [0, 0, 0, 0.42], gravity: [0.66, 0.70, 0.76], path: [0.98, 0.66, 0.10], wall: [0.5, 0.55, 0.6] }
+    : { body: [0.90, 0.915, 0.93], joint: [0.25, 0.30, 0.36], picked: [0.0, 0.44, 0.74], base: [0.52, 0.56, 0.61], ghost: [0.90, 0.42, 0.02], force: [0.78, 0.16, 0.10], load: [0.05, 0.52, 0.38], grid: [0.55, 0.59, 0.64], shadow: [0.1, 0.13, 0.18, 0.17], gravity: [0.40, 0.44, 0.50], path: [0.88, 0.40, 0.02], wall: [0.6, 0.65, 0.7] });
   let now = null;
   function draw(mesh, model, colour, options = {}) {
     const { radii = [1, 1], flatness = 0, fade = 0 } = options;
@@ -256,14 +257,14 @@
     links.forEach((link, i) => {
       const p = origin(at[i]);
       if (link.parent != null) {
-        const [a, b] = [0.86 * thickness[link.parent], 0.86 * thickness[i]];
+        const [a, b] = [0.84 * thickness[link.parent], 0.84 * thickness[i]];
         if (V.norm(V.sub(p, origin(at[link.parent]))) > 1e-3 * reach) limb(origin(at[link.parent]), p, a, b, ink.body);
       }
       if (link.joint == null) return;
-      const r = 1.12 * thickness[i];
+      const r = 0.98 * thickness[i];
       const picked = clock.joint === link.joint;
       const axis = V.unit(turned(at[i], link.axis));
-      draw("drum", along(axis, p, r, link.slides ? 1.6 * r : 1.18 * r), picked ? ink.ghost : ink.joint);
+      draw("drum", along(axis, p, r, link.slides ? 1.6 * r : 1.2 * r), picked ? ink.picked : ink.joint);
     });
     const base = origin(at[0]);
     draw("drum", along([0, 0, 1], V.add(base, [0, 0, 0.02 * reach]), 1.75 * thickness[0], 0.02 * reach), ink.base);
@@ -274,9 +275,9 @@
     const d = V.sub(to, from);
     const length = V.norm(d);
     const z = V.times(d, 1 / (length || 1));
-    const head = Math.min(4 * width, 0.5 * length);
+    const head = Math.min(6 * width, 0.5 * length);
     draw("tube", along(z, from, width, length - head), colour, { flatness: 0.3 });
-    draw("cone", along(z, V.add(from, V.times(z, length - head)), 2.4 * width, head), colour, { flatness: 0.3 });
+    draw("cone", along(z, V.add(from, V.times(z, length - head)), 2.8 * width, head), colour, { flatness: 0.3 });
   }
   const acts = (what, t) => what.start <= t && (what.end == null || t < what.end);
   // An arrow bent around an axis: the external torque on a joint.
@@ -300,7 +301,7 @@
       ball(centre, r, ink.load);
       labels.push([centre, `payload ${show(load.mass)} kg`]);
     }
-    for (const push of torques.filter((one) => acts(one, t))) {
+    for (const push of torques.filter((one) => acts(one, t) && one.joint < n)) {
       const i = links.findIndex((link) => link.joint === push.joint);
       const unit = links[i].slides ? "N" : "N·m";
       const p = links[i].slides ? origin(at[i]) : twist(at[i], links[i].axis, push.torque, ink.force);
@@ -326,7 +327,7 @@
     gl.useProgram(thick.made);
     gl.uniformMatrix4fv(thick.at("camera"), false, now.matrix);
     gl.uniform2f(thick.at("size"), canvas.width, canvas.height);
-    gl.uniform1f(thick.at("width"), width * devicePixelRatio);
+    gl.uniform1f(thick.at("width"), width * canvas.width / canvas.clientWidth);
     gl.uniform4fv(thick.at("colour"), colour);
     gl.uniform1f(thick.at("fade"), fade);
     gl.uniform1f(thick.at("now"), t);
@@ -340,7 +341,7 @@
     const k = nearest(clock.t);
     if (k < 0) return;
     const [w, h] = [canvas.clientWidth, canvas.clientHeight];
-    const scale = Math.min(devicePixelRatio, 2);
+    const scale = Math.min(devicePixelRatio, 2) * view.sharpness;
     const [pw, ph] = [Math.round(w * scale), Math.round(h * scale)];
     if (!pw || !ph) return;
     if (canvas.width !== pw || canvas.height !== ph) { canvas.width = pw; canvas.height = ph; }
@@ -377,8 +378,8 @@
     if (view.path) lines(trail, [...ink.path, 0.95], 2.4, 0, clock.t);
     if (view.ghost) {
       // First its depth, so that only its surface is seen.
-      now.alpha = 0.38;
-      const ghost = { ...ink, body: ink.ghost, joint: ink.ghost, base: ink.ghost };
+      now.alpha = 0.45;
+      const ghost = { ...ink, body: ink.ghost, joint: ink.ghost, picked: ink.ghost, base: ink.ghost };
       gl.colorMask(false, false, false, false);
       gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.polygonOffset(2, 4);
@@ -405,7 +406,7 @@
       const [p, text] = labels[i];
       const clip = [0, 1, 3].map((r) => matrix[r] * p[0] + matrix[4 + r] * p[1] + matrix[8 + r] * p[2] + matrix[12 + r]);
       span.textContent = text;
-      span.style.left = `${Math.min(Math.max((clip[0] / clip[2] + 1) / 2 * w, 4), w - 110)}px`;
+      span.style.left = `${Math.min(Math.max((clip[0] / clip[2] + 1) / 2 * w, 4), w - span.offsetWidth - 4)}px`;
       span.style.top = `${Math.min(Math.max((1 - clip[1] / clip[2]) / 2 * h - 26, 2), h - 24)}px`;
     });
   }
@@ -445,7 +446,9 @@
   let last = null;
   function step(time) {
     if (!view.playing) return;
-    const dt = last == null ? 0 : Math.min(0.1, (time - last) / 1e3);
+    const dt = last == null ? 0 : Math.min(0.25, (time - last) / 1e3);
+    // Without a graphics processor: fewer pixels before fewer pictures.
+    if (dt > 0.05) view.sharpness = Math.max(0.5, 0.85 * view.sharpness);
     last = time;
     const end = times.at(-1);
     clock.set(clock.t + dt * view.speed, "arm");
@@ -509,8 +512,8 @@
   stage.hidden = false;
   document.documentElement.classList.add("alive");
   // What a test asks: where the tip is at a time, and whether something was drawn.
-  canvas.tipAt = (t) => origin(poses(actual(nearest(t)))[tip]);
+  canvas.tipAt = (t) => origin(poses(desired(nearest(t)))[tip]);
   canvas.pixels = () => { render(); const all = new Uint8Array(4 * canvas.width * canvas.height); gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all); return all; };
   canvas.paint = render;
   render();
-})();
+});

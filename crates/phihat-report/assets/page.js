@@ -123,6 +123,7 @@
     const everything = u.scales.x.min <= u.data[0][0] && u.scales.x.max >= u.data[0].at(-1);
     view.zoom = everything ? null : [u.scales.x.min, u.scales.x.max];
     press(everything ? "all" : "");
+    requestAnimationFrame(() => place(clock.t));
   }
 
   function zoomAll(except, range) {

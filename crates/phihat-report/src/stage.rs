@@ -1,16 +1,16 @@
 //! The arm on the page: a picture, and where scripts run a view that moves.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
+use crate::arm::poster;
 use crate::record::Record;
 
 /// The view of the arm, or nothing where none is recorded.
 pub(crate) fn stage(record: &Record<'_>) -> Markup {
-    if record.drawing.arm.is_none() || record.drawing.samples == 0 {
-        return html! {};
-    }
+    let Some(poster) = poster(record.drawing) else { return html! {} };
     html! {
         h2 id="arm" { "The arm" }
+        figure.poster { (PreEscaped(poster)) }
         section.stage hidden aria-labelledby="arm" {
             div.stage-view {
                 canvas id="arm-view" tabindex="0" role="application"

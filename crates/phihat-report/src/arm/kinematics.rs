@@ -49,7 +49,25 @@ impl Arm {
         let most = reach.iter().copied().filter(|far| far.is_finite()).fold(0.0, f64::max);
         if most > 0.0 { most } else { 1.0 }
     }
+
+    /// Radius of every link \[m\]: as its mass asks at the density of a robot's links, and not beyond what looks like one.
+    pub(crate) fn thickness(&self) -> Vec<f64> {
+        let reach = self.reach();
+        let length = |i| -> f64 {
+            let own = self.links.iter().filter(|link| link.parent == Some(i));
+            own.map(|link| norm(link.p)).sum()
+        };
+        let radius = |(i, link): (usize, &super::ArmLink)| {
+            let volume = link.mass.max(0.05) / DENSITY;
+            let radius = (volume / (core::f64::consts::PI * length(i).max(0.12 * reach))).sqrt();
+            radius.clamp(0.02 * reach, 0.045 * reach)
+        };
+        self.links.iter().enumerate().map(radius).collect()
+    }
 }
+
+/// Of a robot's link \[kg/m³\].
+const DENSITY: f64 = 2000.0;
 
 pub(crate) fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()

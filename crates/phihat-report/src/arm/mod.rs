@@ -1,9 +1,12 @@
 //! The arm of a run: what is needed to draw it at any moment.
 
+mod camera;
 mod kinematics;
 mod picture;
 
 use serde::Serialize;
+
+pub(crate) use picture::{animation, poster};
 
 /// The arm, and what acts on it from outside: plain data.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]

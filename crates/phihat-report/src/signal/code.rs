@@ -132,9 +132,12 @@ fn unfolded(value: u64) -> i64 {
     if value % 2 == 1 { -half } else { half }
 }
 
+/// Order of the differences, these, and number of their low bits.
+type Written = (usize, Vec<i64>, u32);
+
 /// Order, differences of that order after the first values, and number of low bits: those that take the fewest bits.
-fn shortest(mut rest: Vec<i64>) -> (usize, Vec<i64>, u32) {
-    let mut best: Option<(u64, (usize, Vec<i64>, u32))> = None;
+fn shortest(mut rest: Vec<i64>) -> Written {
+    let mut best: Option<(u64, Written)> = None;
     for order in 0..ORDERS.min(rest.len()) {
         if order > 0 {
             for k in (order..rest.len()).rev() {
