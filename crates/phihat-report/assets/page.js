@@ -340,6 +340,17 @@
     for (const b of rangeButtons) b.setAttribute("aria-pressed", String(b.dataset.range === range));
   }
 
+  for (const table of document.querySelectorAll("table.heat")) {
+    const says = table.closest(".scroll").nextElementSibling;
+    const { caption, unit } = table.dataset;
+    const heads = [...table.tHead.rows[0].cells].map((cell) => cell.textContent);
+    table.addEventListener("pointerover", (e) => {
+      const cell = e.target.closest("td");
+      if (!cell) return;
+      const [moved, on, most] = [cell.parentNode.cells[0].textContent, heads[cell.cellIndex], cell.textContent];
+      says.textContent = unit === "mrad per N·m" ? `1 N·m ${on} moves ${moved} by at most ${most} mrad` : `${caption} of ${moved}, ${on}: at most ${most} ${unit}`;
+    });
+  }
   if (!data || !data.joints.length) return;
   document.documentElement.classList.add("live");
   section.hidden = false;

@@ -29,7 +29,7 @@ impl Camera {
         let middle: [f64; 3] =
             core::array::from_fn(|i| path.iter().map(|p| p[i]).sum::<f64>() / count);
         let reach = arm.reach();
-        let target = [0.5 * middle[0], 0.5 * middle[1], 0.5 * middle[2] + 0.02 * reach];
+        let target = [0.5 * middle[0], 0.5 * middle[1], 0.5 * middle[2] + 0.05 * reach];
         let azimuth = libm::atan2(middle[1], middle[0]) - ASIDE;
         let (sa, ca) = libm::sincos(azimuth);
         let (se, ce) = libm::sincos(ELEVATION);
@@ -40,7 +40,7 @@ impl Camera {
             right: [-sa, ca, 0.0],
             up: [-se * ca, -se * sa, ce],
             back,
-            focal: 1.75 * HEIGHT,
+            focal: 2.1 * HEIGHT,
         }
     }
 

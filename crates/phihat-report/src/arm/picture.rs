@@ -12,6 +12,8 @@ use crate::signal::sources;
 
 /// Pictures of a motion at most; between them everything goes straight.
 const FRAMES: usize = 90;
+/// Points of a curve below it at most.
+const POINTS: usize = 400;
 /// Factors on the error, and how large a magnified one may be \[rad\].
 const FACTORS: [f64; 7] = [1000.0, 300.0, 100.0, 30.0, 10.0, 3.0, 1.0];
 const SEEN_RAD: f64 = 0.35;
@@ -28,6 +30,8 @@ struct Motion<'a> {
     /// Desired, and desired plus the magnified error, per instant.
     desired: Vec<Vec<f64>>,
     drawn: Vec<Vec<f64>>,
+    /// Times and values of the strip, finer than the frames.
+    fine: Vec<f64>,
     errors: Vec<Vec<f64>>,
     factor: f64,
     tip: Vec<[f64; 3]>,
@@ -44,8 +48,11 @@ impl<'a> Motion<'a> {
         let count = wanted.iter().map(Vec::len).min().filter(|count| *count > 0)?;
         let most = errors.iter().flatten().fold(0.0, |most: f64, e| most.max(e.abs()));
         let factor = FACTORS.into_iter().find(|f| f * most * 1e-3 <= SEEN_RAD).unwrap_or(1.0);
-        let frames = FRAMES.min(count);
-        let at: Vec<usize> = (0..frames).map(|f| f * (count - 1) / (frames - 1).max(1)).collect();
+        let evenly = |most: usize| -> Vec<usize> {
+            let points = most.min(count);
+            (0..points).map(|f| f * (count - 1) / (points - 1).max(1)).collect()
+        };
+        let (at, fine) = (evenly(FRAMES), evenly(POINTS));
         let row = |k: &usize, by: f64| -> Vec<f64> {
             wanted.iter().zip(&errors).map(|(q, e)| q[*k] + by * 1e-3 * e[*k]).collect()
         };
@@ -58,7 +65,8 @@ impl<'a> Motion<'a> {
             camera: Camera::of(arm, &tip),
             t: at.iter().map(|k| *k as f64 * whole).collect(),
             drawn: at.iter().map(|k| row(k, factor)).collect(),
-            errors: errors.into_iter().map(|e| at.iter().map(|k| e[*k]).collect()).collect(),
+            errors: errors.into_iter().map(|e| fine.iter().map(|k| e[*k]).collect()).collect(),
+            fine: fine.iter().map(|k| *k as f64 * whole).collect(),
             desired,
             factor,
             tip,
@@ -132,6 +140,11 @@ impl Motion<'_> {
         let places: Vec<_> =
             self.drawn[frames.clone()].iter().map(|q| self.arm.places(q)).collect();
         let ghosts: Vec<_> = self.desired[frames].iter().map(|q| self.arm.places(q)).collect();
+        svg.push_str("<g opacity=\"0.55\">");
+        for stroke in self.strokes(&ghosts) {
+            self.line(svg, &stroke.paths, "#f08a1c", stroke.inks[0].1);
+        }
+        svg.push_str("</g>");
         let mut strokes = self.strokes(&places);
         strokes.sort_by(|a, b| b.far.total_cmp(&a.far));
         for stroke in &strokes {
@@ -139,11 +152,6 @@ impl Motion<'_> {
                 self.line(svg, &stroke.paths, ink, width);
             }
         }
-        svg.push_str("<g opacity=\"0.42\">");
-        for stroke in self.strokes(&ghosts) {
-            self.line(svg, &stroke.paths, "#f08a1c", stroke.inks[0].1);
-        }
-        svg.push_str("</g>");
         self.words(svg);
     }
 
@@ -254,7 +262,13 @@ impl Motion<'_> {
         let (left, right) = (64.0, WIDTH - 20.0);
         let (top, bottom) = (HEIGHT + 12.0, HEIGHT + STRIP - 34.0);
         let most = self.errors.iter().flatten().fold(0.0, |most: f64, e| most.max(e.abs()));
-        let most = 1.1 * most.max(bound.unwrap_or(0.0)).max(1e-9);
+        // What starts far away leaves the strip: the bound is to be seen.
+        let most = bound.map_or(1.1 * most, |bound| (1.1 * most).clamp(1.3 * bound, 2.6 * bound));
+        let most = most.max(1e-9);
+        let _ = write!(
+            svg,
+            "<rect y=\"{HEIGHT}\" width=\"{WIDTH}\" height=\"{STRIP}\" fill=\"#fff\"/><clipPath id=\"strip\"><path d=\"M{left} {top}H{right}V{bottom}H{left}Z\"/></clipPath><g clip-path=\"url(#strip)\">"
+        );
         let end = self.t.last().copied().unwrap_or(1.0).max(1e-9);
         let y = |e: f64| 0.5 * (top + bottom) - 0.5 * (bottom - top) * e / most;
         let x = |t: f64| left + (right - left) * t / end;
@@ -267,13 +281,15 @@ impl Motion<'_> {
         }
         let _ = write!(svg, "<path d=\"M{left} {z:.1}H{right}\" stroke=\"#d0d7de\"/>", z = y(0.0));
         for errors in &self.errors {
-            let points: Vec<_> = self.t.iter().zip(errors).map(|(t, e)| [x(*t), y(*e)]).collect();
+            let points: Vec<_> =
+                self.fine.iter().zip(errors).map(|(t, e)| [x(*t), y(*e)]).collect();
             let _ = write!(
                 svg,
                 "<path d=\"{}\" stroke=\"#0072b2\" stroke-width=\"1.6\" opacity=\"0.75\"/>",
                 way(&points)
             );
         }
+        svg.push_str("</g>");
         let _ = write!(
             svg,
             "<path d=\"M0 {top}V{bottom}\" stroke=\"#d55e00\" stroke-width=\"2\"><animateTransform attributeName=\"transform\" type=\"translate\" \

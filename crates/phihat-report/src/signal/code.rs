@@ -239,7 +239,7 @@ mod tests {
         let mut jump = vec![1e-3; 1_000];
         jump[500] = 7.0;
         let back = coded(&jump).values();
-        assert!((back[500] - 7.0).abs() < 1e-5 && (back[499] - 1e-3).abs() < 1e-5);
+        assert!((back[500] - 7.0).abs() < 6e-5 && (back[499] - 1e-3).abs() < 6e-5);
         assert!(coded(&vec![0.0; 2_560]).bytes().len() < 350);
     }
 }
