@@ -1,23 +1,19 @@
 // Draws the record that the page carries. Data reach the document as text and pixels only.
 "use strict";
 (() => {
-  const data = JSON.parse(document.getElementById("record").textContent);
+  const { data, t: times, signal, nearest, clock, ink, show, element, files } = phihat;
   const section = document.querySelector(".interactive");
   const cards = document.getElementById("cards");
   const picker = document.getElementById("joint");
   const boundsBox = document.getElementById("bounds");
+  const limitsBox = document.getElementById("limits");
   const rangeButtons = [...document.querySelectorAll("[data-range]")];
   const view = { joint: data.worst, range: "all", zoom: null };
   let plots = [];
   let dots = [];
   let syncing = false;
+  let placing = false;
 
-  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const show = (v) => {
-    if (v == null) return "–";
-    const short = Number(v.toPrecision(4));
-    return Math.abs(short) >= 1e6 ? short.toExponential().replace("+", "") : short.toString();
-  };
   const span = (values) => {
     let [low, high] = [Infinity, -Infinity];
     for (const v of values) if (v != null) { low = Math.min(low, v); high = Math.max(high, v); }
@@ -28,12 +24,19 @@
     return [low - pad, high + pad];
   };
 
-  function element(tag, className, text) {
-    const made = document.createElement(tag);
-    if (className) made.className = className;
-    if (text !== undefined) made.textContent = text;
-    return made;
+  // Times and values of a chart: of a long run, two of each few samples, the least and the largest.
+  function columns(chart, joint) {
+    const curves = chart.curves.map((curve) => signal(joint, curve.label));
+    const end = chart.phase ? times.findLastIndex((t) => t <= data.settle_s) + 1 : times.length;
+    const gaps = (values) => { const all = Array.from(values.subarray(0, end)); all.forEach((v, k) => { if (Number.isNaN(v)) all[k] = null; }); return all; };
+    if (data.each === 1) return [Array.from(times.subarray(0, end)), ...curves.map(([low]) => gaps(low))];
+    const half = 0.5 * ((times[1] ?? 0) - (times[0] ?? 0));
+    const pairs = (low, high) => gaps(low).flatMap((v, k) => [v, gaps.high[k]]);
+    return [Array.from(times.subarray(0, end)).flatMap((t) => [t, t + half]), ...curves.map(([low, high]) => { gaps.high = gaps(high); return pairs(low); })];
   }
+
+  // A limit is far from the signal: its axis is the signal's unless a limit is asked for.
+  const inView = (chart) => (chart.bound_label === "limit" ? limitsBox : boundsBox).checked;
 
   // [from, to] of the range buttons, or null for everything.
   function spanOf(range) {
@@ -120,6 +123,7 @@
     const everything = u.scales.x.min <= u.data[0][0] && u.scales.x.max >= u.data[0].at(-1);
     view.zoom = everything ? null : [u.scales.x.min, u.scales.x.max];
     press(everything ? "all" : "");
+    requestAnimationFrame(() => place(clock.t));
   }
 
   function zoomAll(except, range) {
@@ -132,18 +136,43 @@
     syncing = false;
   }
 
+  // Steps where they can be told apart; else the extremes of each column of pixels, as uPlot's lines keep them.
+  const [stepped, straight] = [uPlot.paths.stepped({ align: 1 }), uPlot.paths.linear()];
+  const steps = (u, i, from, to) => (to - from > 2 * u.bbox.width ? straight : stepped)(u, i, from, to);
+
+  // A finger that goes sideways zooms, one that taps reads, two taps show everything.
+  function touchable(u) {
+    let [from, to, tapped] = [null, null, 0];
+    const at = (e) => Math.min(Math.max(e.clientX - u.over.getBoundingClientRect().left, 0), u.over.clientWidth);
+    const select = (left, width) => u.setSelect({ left, width, top: 0, height: u.over.clientHeight }, false);
+    u.over.addEventListener("pointerdown", (e) => { if (e.pointerType === "touch") { from = at(e); to = from; u.over.setPointerCapture(e.pointerId); } });
+    u.over.addEventListener("pointermove", (e) => { if (e.pointerType === "touch" && from != null) { to = at(e); select(Math.min(from, to), Math.abs(to - from)); } });
+    u.over.addEventListener("pointercancel", () => { from = null; select(0, 0); });
+    u.over.addEventListener("pointerup", (e) => {
+      if (e.pointerType !== "touch" || from == null) return;
+      const [left, right] = [Math.min(from, to), Math.max(from, to)];
+      from = null;
+      select(0, 0);
+      if (right - left > 12) { u.setScale("x", { min: u.posToVal(left, "x"), max: u.posToVal(right, "x") }); return; }
+      if (e.timeStamp - tapped < 350) { view.zoom = null; press("all"); zoomAll(null, null); }
+      tapped = e.timeStamp;
+      clock.set(u.posToVal(right, "x"), "plot");
+    });
+  }
+
   function timePlot(chart, joint, host) {
     const panel = chart.panels[joint];
     const range = (u, low, high) => {
       let ends = low == null ? [] : [low, high];
       const visible = !chart.bound_after_settle || u.scales.x.max == null || u.scales.x.max > data.settle_s;
-      if (boundsBox.checked && panel.bound != null && visible) ends = [...ends, panel.bound, -panel.bound];
+      if (inView(chart) && panel.bound != null && visible) ends = [...ends, panel.bound, -panel.bound];
       if (boundsBox.checked) ends = [...ends, ...tubeSpan(u, panel)];
       return widened(span(ends));
     };
     const curves = chart.curves.map((curve, i) => ({
       label: `${curve.label} [${panel.units[i]}]`, stroke: ink(`--curve-${i}`), width: 1.6,
       dash: curve.dashed ? [7, 4] : undefined, value: (u, v) => show(v), points: { size: 4 },
+      paths: curve.held && data.each === 1 ? steps : undefined,
     }));
     const u = new uPlot({
       width: host.clientWidth, height: 250,
@@ -157,14 +186,30 @@
       hooks: {
         drawAxes: [(u) => drawTimeBounds(u, chart, panel)],
         setScale: [shareZoom],
-        setCursor: [(u) => moveDots(u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null)],
+        setCursor: [(u) => { if (!placing && !syncing && u.cursor.left >= 0 && u.cursor.event) clock.set(u.posToVal(u.cursor.left, "x"), "plot"); }],
       },
-    }, [panel.t, ...panel.y], host);
+    }, columns(chart, joint), host);
+    u.over.addEventListener("mouseleave", () => requestAnimationFrame(() => place(clock.t)));
+    touchable(u);
     plots.push({ u, chart, host });
+    return u;
   }
 
-  function drawOrbit(u, panel) {
-    const [e, de] = panel.y;
+  // Puts the cursor of every plot where the clock is.
+  function place(t) {
+    placing = true;
+    const k = nearest(t);
+    for (const { u, chart } of plots) {
+      if (chart.phase || k < 0 || u.scales.x.min == null) continue;
+      const left = u.valToPos(times[k], "x");
+      const seen = left >= 0 && left <= u.over.clientWidth;
+      u.setCursor(seen ? { left, top: 10 } : { left: -10, top: -10 }, false, false);
+    }
+    placing = false;
+    moveDots(t);
+  }
+
+  function drawOrbit(u, panel, [e, de]) {
     clipped(u, (c) => {
       const { x, y } = u.scales;
       c.lineWidth = devicePixelRatio;
@@ -200,7 +245,8 @@
 
   function phasePlot(chart, joint, host) {
     const panel = chart.panels[joint];
-    const [xs, ys] = panel.y.map((values) => widened(span([0, ...values])));
+    const [t, ...orbit] = columns(chart, joint);
+    const [xs, ys] = orbit.map((values) => widened(span([0, ...values])));
     const full = (ends) => (u, low, high) => (low == null || low === high ? ends : [low, high]);
     const u = new uPlot({
       width: host.clientWidth, height: 250, legend: { show: false },
@@ -208,7 +254,7 @@
       scales: { x: { time: false, range: full(xs) }, y: { range: full(ys) } },
       axes: [axis(panel.x_label, 44), { ...axis(panel.y_label), size: ySize }],
       series: [{}, { show: true, points: { show: false } }],
-      hooks: { draw: [(u) => drawOrbit(u, panel)] },
+      hooks: { draw: [(u) => drawOrbit(u, panel, orbit)] },
     }, [xs, [null, null]], host);
     u.over.addEventListener("dblclick", () => u.batch(() => {
       u.setScale("x", { min: xs[0], max: xs[1] });
@@ -220,30 +266,21 @@
     const readout = element("div", "readout", "");
     host.append(readout);
     plots.push({ u, chart, host });
-    dots.push({ u, dot, readout, panel });
+    dots.push({ u, dot, readout, panel, t, orbit });
+    return u;
   }
 
   // Puts every phase dot where its joint was at time t.
   function moveDots(t) {
-    for (const { u, dot, readout, panel } of dots) {
-      let k = -1;
-      if (t != null && panel.t.length && t <= panel.t.at(-1)) k = nearest(panel.t, t);
-      const [e, de] = k < 0 ? [null, null] : [panel.y[0][k], panel.y[1][k]];
+    for (const { u, dot, readout, panel, t: own, orbit } of dots) {
+      const k = own.length && t <= own.at(-1) ? nearest(t) * (data.each === 1 ? 1 : 2) : -1;
+      const [e, de] = k < 0 ? [null, null] : [orbit[0][k], orbit[1][k]];
       dot.hidden = e == null || de == null;
-      readout.textContent = dot.hidden ? "" : `t ${show(panel.t[k])} s   e ${show(e)} ${panel.units[0]}   ė ${show(de)} ${panel.units[1]}`;
+      readout.textContent = dot.hidden ? "" : `t ${show(own[k])} s   e ${show(e)} ${panel.units[0]}   ė ${show(de)} ${panel.units[1]}`;
       if (dot.hidden) continue;
       dot.style.left = `${u.valToPos(e, "x")}px`;
       dot.style.top = `${u.valToPos(de, "y")}px`;
     }
-  }
-
-  function nearest(sorted, t) {
-    let [low, high] = [0, sorted.length - 1];
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (sorted[middle] <= t) low = middle; else high = middle;
-    }
-    return t - sorted[low] <= sorted[high] - t ? low : high;
   }
 
   function subtitle(chart, panel) {
@@ -264,9 +301,15 @@
     figure.setAttribute("role", "group");
     figure.setAttribute("aria-label", `${chart.title}, ${data.joints[joint]}`);
     grid.append(figure);
-    if (!chart.panels[joint].t.length) host.append(element("p", "hint", "No samples."));
-    else if (chart.phase) phasePlot(chart, joint, host);
-    else timePlot(chart, joint, host);
+    if (!times.length) { host.append(element("p", "hint", "No samples.")); return; }
+    const u = (chart.phase ? phasePlot : timePlot)(chart, joint, host);
+    const button = element("button", "", "SVG");
+    button.type = "button";
+    button.setAttribute("aria-label", `save ${chart.title}, ${data.joints[joint]}, as SVG`);
+    button.addEventListener("click", () => files.svg(u, chart, chart.panels[joint], `${chart.title}, ${data.joints[joint]}`));
+    const tools = element("span", "tools");
+    tools.append(button);
+    caption.prepend(tools);
   }
 
   function build() {
@@ -288,6 +331,8 @@
     syncing = false;
     const zoom = view.zoom ?? spanOf(view.range);
     if (zoom) zoomAll(null, zoom);
+    clock.joint = view.joint;
+    requestAnimationFrame(() => place(clock.t));
   }
 
   function press(range) {
@@ -295,6 +340,17 @@
     for (const b of rangeButtons) b.setAttribute("aria-pressed", String(b.dataset.range === range));
   }
 
+  for (const table of document.querySelectorAll("table.heat")) {
+    const says = table.closest(".scroll").nextElementSibling;
+    const { caption, unit } = table.dataset;
+    const heads = [...table.tHead.rows[0].cells].map((cell) => cell.textContent);
+    table.addEventListener("pointerover", (e) => {
+      const cell = e.target.closest("td");
+      if (!cell) return;
+      const [moved, on, most] = [cell.parentNode.cells[0].textContent, heads[cell.cellIndex], cell.textContent];
+      says.textContent = unit === "mrad per N·m" ? `1 N·m ${on} moves ${moved} by at most ${most} mrad` : `${caption} of ${moved}, ${on}: at most ${most} ${unit}`;
+    });
+  }
   if (!data || !data.joints.length) return;
   document.documentElement.classList.add("live");
   section.hidden = false;
@@ -302,7 +358,14 @@
   picker.append(new Option("all joints", -1));
   picker.value = String(data.worst);
   picker.addEventListener("change", () => { view.joint = Number(picker.value); build(); });
-  boundsBox.addEventListener("change", build);
+  for (const box of [boundsBox, limitsBox]) box.addEventListener("change", build);
+  document.getElementById("csv").addEventListener("click", () => {
+    const joints = view.joint >= 0 ? [view.joint] : data.joints.map((_, j) => j);
+    files.csv(joints, view.zoom ?? spanOf(view.range) ?? [times[0] ?? 0, times.at(-1) ?? 0]);
+  });
+  clock.listen((t, from) => { if (from === "plot") moveDots(t); else place(t); });
+  // What a test asks: the plots, with what they are made of.
+  cards.plots = () => plots;
   for (const b of rangeButtons) {
     b.disabled = b.dataset.range !== "all" && !(data.settle_s > 0 && data.settle_s < data.end_s);
     b.addEventListener("click", () => { view.zoom = null; press(b.dataset.range); zoomAll(null, spanOf(view.range)); });
@@ -314,4 +377,5 @@
     }
   }).observe(cards);
   build();
+  clock.set(clock.t, "arm");
 })();

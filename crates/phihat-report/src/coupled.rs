@@ -57,9 +57,10 @@ fn others(coupled: &CoupledGains) -> [Other<'_>; 6] {
 }
 
 fn matrix(caption: &str, unit: &str, names: &[&str], rows: &[Vec<f64>], factor: f64) -> Markup {
+    let most = rows.iter().flatten().copied().fold(0.0, f64::max);
     html! {
         div.scroll tabindex="0" role="region" aria-label={ "Table: " (caption) " by the joint that is pushed" } {
-            table {
+            table.heat data-caption=(caption) data-unit=(unit) {
                 caption { span { (caption) " of the row's joint, frozen postures " } span.unit { "[" (unit) "]" } }
                 thead { tr {
                     th scope="col" { "joint" }
@@ -67,9 +68,25 @@ fn matrix(caption: &str, unit: &str, names: &[&str], rows: &[Vec<f64>], factor: 
                 } }
                 tbody { @for (name, row) in names.iter().zip(rows) { tr {
                     th scope="row" { (line(name)) }
-                    @for entry in row { td { (number(entry * factor)) } }
+                    @for entry in row {
+                        td class=(heat(*entry, most)) { (number(entry * factor)) }
+                    }
                 } } }
             }
         }
+        p.heat-says aria-hidden="true" { "Point at an entry to read it as a sentence; each shade is a factor of two." }
     }
+}
+
+/// The shade of an entry: one for each factor of two below the largest.
+fn heat(entry: f64, most: f64) -> &'static str {
+    const SHADES: [&str; 6] = ["h6", "h5", "h4", "h3", "h2", "h1"];
+    let mut edge = 0.5 * most;
+    for shade in SHADES {
+        if entry > edge {
+            return shade;
+        }
+        edge *= 0.5;
+    }
+    "h0"
 }

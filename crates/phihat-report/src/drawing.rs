@@ -4,23 +4,26 @@ use core::ops::Range;
 
 use phihat_sim::{JointTrace, Trace};
 
+use crate::arm::Arm;
 use crate::kind::{CHARTS, DRAWABLE_MAX, Kind, Plane};
+use crate::signal::{self, Signal, Times};
 use crate::stretches::{CURVES, Row, Stretches};
 use crate::supervision::Course;
 
 /// Stretches kept per panel of a static figure: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
 
-/// Stretches kept on a page of each of the two parts, start-up and steady, of a run of this many joints.
-pub(crate) fn buckets(joints: usize) -> usize {
-    (2100 / joints.max(1)).clamp(100, 500)
-}
-
 /// What a page and its figures show of a run: a bounded part of its record, however long it was.
 #[derive(Debug, Clone)]
 pub struct Drawing {
-    /// Per chart and joint.
+    /// Of the static figures, per chart and joint.
     chosen: Vec<Vec<Chosen>>,
+    /// Of the page, per joint, in the order of [`signal::sources`].
+    pub(crate) signals: Vec<Vec<Signal>>,
+    /// How many samples share a value of them.
+    pub(crate) each: u64,
+    pub(crate) times: Times,
+    pub(crate) arm: Option<Arm>,
     /// The command before, per joint.
     tau: Vec<Option<f64>>,
     pub(crate) joints: Vec<String>,
@@ -38,18 +41,15 @@ pub struct Drawing {
 struct Chosen {
     figure: Stretches,
     steady: Option<Stretches>,
-    page: Vec<Stretches>,
 }
 
-/// The samples of one chart of one joint that are drawn.
+/// The samples of one chart of one joint that a static figure draws.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawn {
     /// Of the static figure.
     pub figure: Vec<Row>,
     /// Of the static figure of the steady part, where there is one.
     pub steady: Vec<Row>,
-    /// Of the page: the start-up and the steady part.
-    pub page: Vec<Row>,
 }
 
 impl Drawing {
@@ -79,22 +79,30 @@ impl Drawing {
         drawing
     }
 
+    /// The same with the arm, to be seen as it moves.
+    #[must_use]
+    pub fn with_arm(mut self, arm: Arm) -> Self {
+        self.arm = Some(arm);
+        self
+    }
+
     fn parted(joints: Vec<String>, settle: u64, samples: u64) -> Self {
         let steady = settle.min(samples)..samples;
         let start = 0..steady.start;
-        let buckets = buckets(joints.len());
         let chosen = |kind: &Kind| {
             let figure = if kind.plane == Plane::Phase { start.clone() } else { 0..samples };
             let cut = |part: &Range<u64>, count| Stretches::new(part.clone(), count);
-            let parts = [&start, &steady];
-            let parts = if kind.plane == Plane::Phase { &parts[..1] } else { &parts[..] };
             Chosen {
                 figure: cut(&figure, BUCKETS),
                 steady: kind.steady.is_some().then(|| cut(&steady, BUCKETS)),
-                page: parts.iter().map(|part| cut(part, buckets)).collect(),
             }
         };
+        let signals = vec![Signal::new(samples, joints.len()); signal::sources().len()];
         Self {
+            signals: vec![signals; joints.len()],
+            each: signal::each(samples, joints.len()),
+            times: Times::default(),
+            arm: None,
             chosen: CHARTS.iter().map(|kind| vec![chosen(kind); joints.len()]).collect(),
             tau: vec![None; joints.len()],
             joints,
@@ -109,6 +117,11 @@ impl Drawing {
     pub fn block(&mut self, trace: &Trace) {
         for (j, joint) in trace.joints.iter().enumerate() {
             let before = self.tau.get(j).copied().flatten();
+            let own = self.signals.get_mut(j).map_or(&mut [][..], |signals| &mut signals[..]);
+            for ((curve, scale), signal) in signal::sources().iter().zip(own) {
+                let values = (0..trace.t_ns.len()).map(|i| scale * (curve.of)(joint, i, before));
+                values.for_each(|value| signal.push(drawable(value)));
+            }
             for (kind, chosen) in CHARTS.iter().zip(&mut self.chosen) {
                 let Some(chosen) = chosen.get_mut(j) else { continue };
                 for (i, t_ns) in trace.t_ns.iter().enumerate() {
@@ -126,6 +139,7 @@ impl Drawing {
             }
         }
         self.course.block(trace);
+        (self.samples..).zip(&trace.t_ns).for_each(|(k, t)| self.times.push(k, *t));
         self.samples += trace.t_ns.len() as u64;
         self.end_s = trace.t_ns.last().map_or(self.end_s, |t| *t as f64 * 1e-9);
     }
@@ -139,15 +153,13 @@ impl Drawing {
 impl Chosen {
     fn push(&mut self, row: Row) {
         self.figure.push(row);
-        self.steady.iter_mut().chain(&mut self.page).for_each(|part| part.push(row));
+        self.steady.iter_mut().for_each(|part| part.push(row));
     }
 
     fn drawn(&self) -> Drawn {
-        let page = self.page.iter().flat_map(|part| part.clone().finish());
         Drawn {
             figure: self.figure.clone().finish(),
             steady: self.steady.clone().map(Stretches::finish).unwrap_or_default(),
-            page: page.collect(),
         }
     }
 }

@@ -21,6 +21,8 @@ pub(crate) struct Curve {
     pub label: &'static str,
     pub unit: &'static str,
     pub dashed: bool,
+    /// Whether it is held from one sample to the next: a step, no slope.
+    pub held: bool,
     /// Its value at a sample of a block, in SI units; with the command before the block.
     pub of: fn(&JointTrace, usize, Option<f64>) -> f64,
 }
@@ -82,8 +84,10 @@ fn step(joint: &JointTrace, k: usize, before: Option<f64>) -> f64 {
     at(tau, k) - before
 }
 
-const E: Curve = Curve { label: "e", unit: "mrad", dashed: false, of: |j, k, _| at(&j.e, k) };
-const DE: Curve = Curve { label: "ė", unit: "mrad/s", dashed: false, of: |j, k, _| at(&j.de, k) };
+const E: Curve =
+    Curve { label: "e", unit: "mrad", dashed: false, held: false, of: |j, k, _| at(&j.e, k) };
+const DE: Curve =
+    Curve { label: "ė", unit: "mrad/s", dashed: false, held: false, of: |j, k, _| at(&j.de, k) };
 
 /// All charts, in the order of the page.
 pub(crate) static CHARTS: [Kind; 8] = [
@@ -96,8 +100,20 @@ pub(crate) static CHARTS: [Kind; 8] = [
         plane: Plane::Time,
         scale: 1.0,
         curves: &[
-            Curve { label: "q", unit: "rad", dashed: false, of: |j, k, _| at(&j.q, k) },
-            Curve { label: "q_d", unit: "rad", dashed: true, of: |j, k, _| at(&j.q_desired, k) },
+            Curve {
+                label: "q",
+                unit: "rad",
+                dashed: false,
+                held: false,
+                of: |j, k, _| at(&j.q, k),
+            },
+            Curve {
+                label: "q_d",
+                unit: "rad",
+                dashed: true,
+                held: true,
+                of: |j, k, _| at(&j.q_desired, k),
+            },
         ],
         bound: NONE,
         tube: None,
@@ -137,6 +153,7 @@ pub(crate) static CHARTS: [Kind; 8] = [
             label: "∫e",
             unit: "mrad·s",
             dashed: false,
+            held: false,
             of: |j, k, _| at(&j.e_integral, k),
         }],
         bound: spec(|m| m.error_integral_spec_rad_s),
@@ -175,12 +192,14 @@ pub(crate) static CHARTS: [Kind; 8] = [
                 label: "τ applied",
                 unit: "N·m",
                 dashed: false,
+                held: true,
                 of: |j, k, _| at(&j.tau_applied, k),
             },
             Curve {
                 label: "τ commanded",
                 unit: "N·m",
                 dashed: true,
+                held: true,
                 of: |j, k, _| at(&j.tau_command, k),
             },
         ],
@@ -197,8 +216,20 @@ pub(crate) static CHARTS: [Kind; 8] = [
         plane: Plane::Time,
         scale: 1.0,
         curves: &[
-            Curve { label: "φ", unit: "N·m", dashed: false, of: |j, k, _| at(&j.phi, k) },
-            Curve { label: "φ̂", unit: "N·m", dashed: true, of: |j, k, _| at(&j.phi_hat, k) },
+            Curve {
+                label: "φ",
+                unit: "N·m",
+                dashed: false,
+                held: false,
+                of: |j, k, _| at(&j.phi, k),
+            },
+            Curve {
+                label: "φ̂",
+                unit: "N·m",
+                dashed: true,
+                held: true,
+                of: |j, k, _| at(&j.phi_hat, k),
+            },
         ],
         bound: NONE,
         tube: None,
@@ -225,7 +256,9 @@ pub(crate) static CHARTS: [Kind; 8] = [
         y_label: "Δτ [N·m/sample]",
         plane: Plane::Time,
         scale: 1.0,
-        curves: &[Curve { label: "Δτ", unit: "N·m/sample", dashed: false, of: step }],
+        curves: &[Curve {
+            label: "Δτ", unit: "N·m/sample", dashed: false, held: true, of: step
+        }],
         bound: limit(|m| m.tau_step_limit_nm),
         tube: None,
         shown: |_, _| true,

@@ -14,6 +14,7 @@
 //! proved about the gains stands in their certificate, which the page repeats and does not check.
 #![forbid(unsafe_code)]
 
+mod arm;
 mod band;
 mod budget;
 mod certificate;
@@ -31,6 +32,8 @@ mod payload;
 mod policy;
 mod record;
 mod sections;
+mod signal;
+mod stage;
 mod stretches;
 mod supervision;
 mod table;
@@ -38,6 +41,7 @@ mod tube;
 mod tube_section;
 mod verdict;
 
+pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce};
 pub use budget::budget_page;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};

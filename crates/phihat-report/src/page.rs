@@ -1,7 +1,6 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
 use crate::certificate::certificate;
-use crate::drawing::buckets;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
 use crate::kit::number::{number, stated};
@@ -12,7 +11,7 @@ use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;
 use crate::verdict::{Verdict, verdict};
-use crate::{sections, table};
+use crate::{sections, stage, table};
 use maud::{Markup, PreEscaped, html};
 
 /// The self-contained page of a record.
@@ -77,6 +76,7 @@ pub fn page(record: &Record<'_>) -> String {
         main {
             (heading(record))
             (warnings(record))
+            (stage::stage(record))
             h2 id="figures" { "Figures per joint" }
             (table::tracking(record.metrics))
             (tip(record))
@@ -186,8 +186,7 @@ fn warnings(record: &Record<'_>) -> Markup {
 }
 
 fn plots(record: &Record<'_>) -> Markup {
-    let crate::Drawing { samples, joints, .. } = record.drawing;
-    let stretches = buckets(joints.len());
+    let crate::Drawing { samples, each, .. } = record.drawing;
     html! {
         h2 id="plots" { "Plots" }
         section.interactive hidden aria-labelledby="plots" {
@@ -199,11 +198,13 @@ fn plots(record: &Record<'_>) -> Markup {
                     button type="button" data-range="steady" { "steady" }
                     button type="button" data-range="all" aria-pressed="true" { "all" }
                 }
-                label { input type="checkbox" id="bounds" checked; " keep bounds in view" }
+                label { input type="checkbox" id="bounds" checked; " bounds in view" }
+                label { input type="checkbox" id="limits"; " limits in view" }
+                button type="button" id="csv" { "CSV of this time" }
             }
             p.hint {
-                "Drag to zoom, double-click to see everything again. The cursor is shared: the dot in the phase "
-                "plane is where the cursor's time is."
+                "Drag to zoom, on a touch screen sideways; double-click or double-tap to see everything again. The cursor is one instant "
+                "of all plots, of the phase plane and of the arm above."
             }
             div id="cards" {}
         }
@@ -211,9 +212,11 @@ fn plots(record: &Record<'_>) -> Markup {
             @for figure in run_figures(&record.seen()) { figure { (PreEscaped(&figure.svg)) } }
         }
         p.hint {
-            "Drawn from " (samples) " samples per signal. Start-up and steady part are each cut into " (stretches)
-            " stretches; of each the first, last, lowest and highest sample and both sides of a jump are kept (all samples where they are few), "
-            "rounded to six digits: no peak is lost. Figures and verdict come from all samples."
+            "The plots hold "
+            @if *each == 1 { "every one of the " (samples) " samples" }
+            @else { "the least and the largest of each " (each) " of the " (samples) " samples" }
+            " of each signal, to five digits of what is largest near it: at every zoom the extremes that they show are those of the run. "
+            "Torques and what is computed once per sample are drawn as steps. Figures and verdict come from all samples."
         }
     }
 }

@@ -1,12 +1,15 @@
-//! The page's data: every chart, decimated, as JSON that cannot leave its script element.
+//! The page's data: every signal and what the charts make of them, as JSON that cannot leave its script element.
 
+use crate::arm::Arm;
 use crate::chart::{Chart, Panel, charts};
 use crate::kind::{Curve, Plane};
 use crate::kit::number::rounded;
 use crate::kit::unit_of;
 use crate::record::Record;
+use crate::signal::{Signal, sources};
 use crate::verdict::worst_joint;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// What `assets/page.js` reads.
@@ -16,7 +19,16 @@ struct Payload<'a> {
     end_s: f64,
     worst: usize,
     joints: Vec<&'a str>,
+    samples: u64,
+    /// Samples that share a value of a signal.
+    each: u64,
+    /// From sample `k` at `t` ns on, one each `step` ns.
+    times: &'a [(u64, u64, u64)],
+    /// Of each joint, by the label of the curve: coded values, or the least and the largest of each few.
+    signals: Vec<BTreeMap<&'static str, Vec<String>>>,
     charts: Vec<ChartData>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    arm: Option<&'a Arm>,
 }
 
 #[derive(Serialize)]
@@ -34,6 +46,8 @@ struct ChartData {
 struct CurveData {
     label: &'static str,
     dashed: bool,
+    /// Whether it is held from one sample to the next.
+    held: bool,
 }
 
 #[derive(Serialize)]
@@ -46,8 +60,6 @@ struct PanelData {
     /// Steps of the tube: times (one more), least, largest.
     #[serde(skip_serializing_if = "Option::is_none")]
     tube: Option<[Vec<f64>; 3]>,
-    t: Vec<f64>,
-    y: Vec<Vec<f64>>,
 }
 
 /// The JSON text, fit to stand inside `<script type="application/json">`.
@@ -59,17 +71,29 @@ pub(crate) fn payload(record: &Record<'_>) -> String {
         end_s: seen.drawing.end_s,
         worst: worst_joint(record.metrics),
         joints: charts.first().map_or(vec![], |c| c.panels.iter().map(|p| &*p.joint).collect()),
+        samples: seen.drawing.samples,
+        each: seen.drawing.each,
+        times: seen.drawing.times.runs(),
+        signals: seen.drawing.signals.iter().map(|own| signals(own, &charts)).collect(),
         charts: charts.iter().map(chart_data).collect(),
+        arm: seen.drawing.arm.as_ref(),
     };
     // Numbers, strings and lists always have a JSON form.
     escaped(&serde_json::to_string(&data).unwrap_or_else(|_| "null".to_owned()))
 }
 
+/// The signals of a joint that some chart shows.
+fn signals(own: &[Signal], charts: &[Chart]) -> BTreeMap<&'static str, Vec<String>> {
+    let curves = charts.iter().flat_map(|chart| chart.kind.curves);
+    let sources = sources();
+    let shown = sources.iter().zip(own).map(|((curve, _), signal)| (curve.label, signal));
+    let shown = shown.filter(|(label, _)| curves.clone().any(|curve| curve.label == *label));
+    shown.map(|(label, signal)| (label, signal.texts())).collect()
+}
+
 fn chart_data(chart: &Chart) -> ChartData {
     let kind = chart.kind;
     let panel = |panel: &Panel| {
-        let rows = &panel.drawn.page;
-        let take = |c: usize| rows.iter().map(|row| rounded(row.y[c])).collect();
         let own = |unit: &str| unit_of(unit, panel.slides);
         PanelData {
             x_label: own(kind.x_label),
@@ -77,11 +101,9 @@ fn chart_data(chart: &Chart) -> ChartData {
             units: kind.curves.iter().map(|curve| own(curve.unit)).collect(),
             bound: panel.bound.map(rounded),
             tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
-            t: rows.iter().map(|row| (row.t * 1e9).round() / 1e9).collect(),
-            y: (0..kind.curves.len()).map(take).collect(),
         }
     };
-    let curve = |c: &Curve| CurveData { label: c.label, dashed: c.dashed };
+    let curve = |c: &Curve| CurveData { label: c.label, dashed: c.dashed, held: c.held };
     ChartData {
         stem: kind.stem,
         title: chart.title(),

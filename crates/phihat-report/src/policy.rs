@@ -8,14 +8,20 @@ use sha2::{Digest, Sha256};
 pub(crate) const PLOT_SCRIPT: &str = include_str!("../assets/uPlot.iife.min.js");
 const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
 /// Our script.
-pub(crate) const PAGE_SCRIPT: &str = include_str!("../assets/page.js");
+pub(crate) const PAGE_SCRIPT: &str = concat!(
+    include_str!("../assets/signals.js"),
+    include_str!("../assets/arm.js"),
+    include_str!("../assets/export.js"),
+    include_str!("../assets/page.js"),
+);
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
+const ARM_STYLE: &str = include_str!("../assets/arm.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
 /// The one style sheet.
 pub(crate) fn style() -> String {
-    format!("{PLOT_STYLE}\n{PAGE_STYLE}")
+    format!("{PLOT_STYLE}\n{PAGE_STYLE}\n{ARM_STYLE}")
 }
 
 /// A page with one script of ours: it and the style sheet run by hash, nothing else does.

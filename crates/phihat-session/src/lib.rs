@@ -25,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 mod along;
+mod arm;
 mod begin;
 mod budget;
 mod check;

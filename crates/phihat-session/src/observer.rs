@@ -34,7 +34,8 @@ impl<'a> RunObserver<'a> {
         Self {
             measured: Measured::new(study),
             tube: gains.and_then(|gains| TubeSeen::new(gains, names.len())),
-            drawing: Drawing::new(names, period_ns, samples, study.spec.settle),
+            drawing: Drawing::new(names, period_ns, samples, study.spec.settle)
+                .with_arm(crate::arm::arm(study)),
         }
     }
 

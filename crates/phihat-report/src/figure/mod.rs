@@ -1,7 +1,9 @@
 //! Static figures: every chart as small multiples, for paper.
 
+use crate::arm::animation;
 use crate::chart::{Chart, charts};
 use crate::kind::Plane;
+use crate::kit::MILLI;
 use crate::kit::sheet::{Area, DrawError, Figure, HEADER, TEXT, TITLE, WIDTH, accessible};
 use crate::kit::text::short;
 use crate::record::{Record, Seen};
@@ -18,7 +20,8 @@ mod panel;
 pub(crate) use claims::claim_figures;
 
 /// The name of every figure that a record may have.
-pub const FIGURES: [&str; 12] = [
+pub const FIGURES: [&str; 13] = [
+    "arm",
     "tracking",
     "error",
     "error-steady",
@@ -90,7 +93,19 @@ pub const FIGURES: [&str; 12] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn figures(record: &Record<'_>) -> Vec<Figure> {
-    run_figures(&record.seen()).into_iter().chain(claim_figures(record)).collect()
+    let run = run_figures(&record.seen()).into_iter();
+    arm(record).into_iter().chain(run).chain(claim_figures(record)).collect()
+}
+
+/// The arm as it moves, where one is recorded.
+fn arm(record: &Record<'_>) -> Option<Figure> {
+    // One scale for all joints: a bound is drawn where all have the same.
+    let mut bounds = record.metrics.joints.iter().map(|joint| joint.error_spec_rad);
+    let first = bounds.next().flatten();
+    let same = |bound: Option<f64>| bound.map(f64::to_bits) == first.map(f64::to_bits);
+    let bound = first.filter(|_| bounds.all(same)).map(|bound| MILLI * bound);
+    let svg = animation(record.drawing, bound)?;
+    Some(Figure { name: "arm".to_owned(), title: "The arm as it moves".to_owned(), svg })
 }
 
 /// The figures of the run, in the order of the page.

@@ -5,7 +5,7 @@
 pub(crate) mod hostile;
 
 use phihat_design::{Gains, JointRecord};
-use phihat_report::{Drawing, Record, RunInfo, TubeSeen};
+use phihat_report::{Arm, ArmLink, Carried, Drawing, JointTorque, Record, RunInfo, TubeSeen};
 use phihat_sim::{JointMetrics, JointTrace, Metrics, Trace};
 
 /// Owns what a [`Record`] borrows.
@@ -16,6 +16,7 @@ pub(crate) struct Fixture {
     pub(crate) gains: Gains,
     pub(crate) trace: Trace,
     pub(crate) metrics: Metrics,
+    pub(crate) arm: Arm,
 }
 
 impl Fixture {
@@ -30,7 +31,7 @@ impl Fixture {
             run: &self.run,
             study_text: &self.study_text,
             gains: Some(&self.gains),
-            drawing: Box::leak(Box::new(Drawing::of(trace, settle_s))),
+            drawing: Box::leak(Box::new(Drawing::of(trace, settle_s).with_arm(self.arm.clone()))),
             metrics: &self.metrics,
             tube: tube.map(|tube| &*Box::leak(Box::new(tube))),
         }
@@ -63,6 +64,7 @@ impl Fixture {
         self.trace.joints.iter_mut().for_each(|j| text.clone_into(&mut j.name));
         self.metrics.joints.iter_mut().for_each(|j| text.clone_into(&mut j.name));
         self.gains.joints.iter_mut().for_each(|j| text.clone_into(&mut j.name));
+        self.arm.links.iter_mut().for_each(|link| text.clone_into(&mut link.name));
         self
     }
 }
@@ -85,6 +87,37 @@ pub(crate) fn fixture(joints: usize, samples: usize) -> Fixture {
             joints: traces,
         },
         metrics,
+        arm: arm(joints),
+    }
+}
+
+/// Links of 0.3 m, each turning about an axis across the one before; a body in the hand, a push on the first joint.
+fn arm(joints: usize) -> Arm {
+    let link = |i: usize| ArmLink {
+        name: format!("link{i}"),
+        parent: i.checked_sub(1),
+        joint: i.checked_sub(1).filter(|joint| *joint < joints),
+        slides: false,
+        p: if i == 0 { [0.0; 3] } else { [0.0, 0.0, 0.3] },
+        r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        axis: if i % 2 == 1 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] },
+        mass: 2.0,
+        com: [0.0, 0.0, 0.1],
+    };
+    Arm {
+        links: (0..joints + 2).map(link).collect(),
+        gravity: [0.0, 0.0, -9.81],
+        tip: joints + 1,
+        payloads: vec![Carried {
+            link: joints + 1,
+            mass: 0.5,
+            com: [0.0; 3],
+            start: 0.0,
+            end: f64::INFINITY,
+        }],
+        torques: vec![JointTorque { joint: 0, torque: 9.0, start: 0.5, end: 0.7 }],
+        forces: Vec::new(),
+        walls: Vec::new(),
     }
 }
 

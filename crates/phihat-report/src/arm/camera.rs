@@ -1,0 +1,60 @@
+//! From the arm's world onto paper.
+
+use super::Arm;
+use super::kinematics::norm;
+
+/// Size of a picture \[px\].
+pub(super) const WIDTH: f64 = 860.0;
+pub(super) const HEIGHT: f64 = 520.0;
+
+/// How far above the horizon it stands, and how far to the side of the arm's work \[rad\].
+const ELEVATION: f64 = 0.32;
+const ASIDE: f64 = 1.05;
+
+/// A camera that looks at an arm.
+#[derive(Debug)]
+pub(super) struct Camera {
+    from: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+    back: [f64; 3],
+    /// Pixels of a unit at a unit's distance.
+    focal: f64,
+}
+
+impl Camera {
+    /// One that looks from the side at what the tip does.
+    pub(super) fn of(arm: &Arm, path: &[[f64; 3]]) -> Self {
+        let count = path.len().max(1) as f64;
+        let middle: [f64; 3] =
+            core::array::from_fn(|i| path.iter().map(|p| p[i]).sum::<f64>() / count);
+        let reach = arm.reach();
+        let target = [0.5 * middle[0], 0.5 * middle[1], 0.5 * middle[2] + 0.05 * reach];
+        let azimuth = libm::atan2(middle[1], middle[0]) - ASIDE;
+        let (sa, ca) = libm::sincos(azimuth);
+        let (se, ce) = libm::sincos(ELEVATION);
+        let back = [ce * ca, ce * sa, se];
+        let from = core::array::from_fn(|i| target[i] + 2.1 * reach * back[i]);
+        Self {
+            from,
+            right: [-sa, ca, 0.0],
+            up: [-se * ca, -se * sa, ce],
+            back,
+            focal: 2.1 * HEIGHT,
+        }
+    }
+
+    /// Where a point is on paper, and how far away.
+    pub(super) fn see(&self, p: [f64; 3]) -> ([f64; 2], f64) {
+        let d: [f64; 3] = core::array::from_fn(|i| p[i] - self.from[i]);
+        let along = |axis: [f64; 3]| axis.iter().zip(d).map(|(a, d)| a * d).sum::<f64>();
+        let far = (-along(self.back)).max(1e-3 * norm(d)).max(1e-9);
+        let (x, y) = (self.focal * along(self.right) / far, self.focal * along(self.up) / far);
+        ([0.5 * WIDTH + x, 0.5 * HEIGHT - y], far)
+    }
+
+    /// How many pixels a length has at a distance.
+    pub(super) fn size(&self, length: f64, far: f64) -> f64 {
+        self.focal * length / far
+    }
+}
