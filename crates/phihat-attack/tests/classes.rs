@@ -2,13 +2,6 @@
 //!
 //! The first line of each study says what was claimed and measured before.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stdout,
-    reason = "in a test a panic is the report"
-)]
-
 use std::path::{Path, PathBuf};
 
 use phihat_attack::{Dice, Verdict, held, judged, run};

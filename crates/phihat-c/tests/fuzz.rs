@@ -1,7 +1,6 @@
 //! A careless C program: wrong sizes, null pointers, counts that are not the arm's, numbers that are none. Every call
 //! answers with a status, a refused one writes no torque, and a torque stays inside its limits.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
-#![allow(clippy::panic, reason = "tests: a panic is the report")]
 
 use core::ptr::{null, null_mut};
 

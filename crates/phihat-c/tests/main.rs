@@ -1,4 +1,5 @@
 //! All integration tests of this crate in one program, which is linked once.
+#![allow(clippy::panic, reason = "tests: a panic is the report")]
 
 mod support;
 

@@ -1,5 +1,4 @@
 //! Wrong if a record is lost or invented by a crash, or the answer depends on threads or interruptions.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! A load picked up or dropped moves the arm by no more than predicted. Wrong if the peak gains of the sampled loop
 //! did not hold for a load that changes the inertia as well, or if the loop locked up afterwards.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! The table of failure modes is true: every row has a test that exists, and every test of a row is in the table.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeSet;
 use std::fs;

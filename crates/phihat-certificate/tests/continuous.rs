@@ -1,7 +1,6 @@
 //! Claims about the continuous law: honest ones pass, each figure a little beyond what is found is refused, and closed forms
 //! are met.
 //! Wrong if a level of attenuation, a weight of a game, a norm, a gain or a constant of stability passed that the law has not.
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "tests")]
 
 use crate::edits::{Edit, Passed};
 use phihat_certificate::{

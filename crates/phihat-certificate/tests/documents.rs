@@ -1,7 +1,6 @@
 //! A document's parts have to fit together: each edit that makes them speak of different things is refused at the gate that is
 //! there for it.
 //! Wrong if one of them passed, or was only stopped by luck further on.
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "tests")]
 
 use std::path::Path;
 

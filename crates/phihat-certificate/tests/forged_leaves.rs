@@ -1,7 +1,6 @@
 //! Every leaf of a gains file that has all that a certificate can have, edited in ten ways: each edit is refused, or says
 //! no more than the file did.
 //! Wrong if an edit passed although it claims more or speaks of something else, or if the file itself were refused.
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "tests")]
 
 use std::path::Path;
 use std::sync::Mutex;

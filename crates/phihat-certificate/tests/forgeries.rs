@@ -1,7 +1,6 @@
 //! No edit of a gains file passes its check and claims more, or speaks of something else. Edits of
 //! a real document that mean something.
 //! Wrong if an edit below passed although it says more than the file did, or if the file itself were refused.
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "tests")]
 
 use std::path::Path;
 

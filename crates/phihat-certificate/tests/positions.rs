@@ -1,6 +1,5 @@
 //! Claims about laws from positions against the core's own law on an arm that is simulated: if one failed, the checker
 //! would say yes to a loop that grows, or to a figure that the loop exceeds.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::{Arm, Joint, Push, correction, growth};
 use phihat::{Form, TorqueSource, VelocitySource};

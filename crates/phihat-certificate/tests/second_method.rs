@@ -1,6 +1,5 @@
 //! What a finder finds, the check proves by other means; for every form, velocity source, filter, drive, delay and order.
 //! Wrong if both sides had the same mistake.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::loops::{every_model, record};
 use phihat_certificate::{

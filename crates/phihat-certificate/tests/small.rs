@@ -1,5 +1,5 @@
 //! What the parts of a document say of themselves, against closed forms and by hand; and what makes no sense is refused.
-#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests: small whole numbers")]
+#![allow(clippy::float_cmp, reason = "tests: small whole numbers")]
 
 use phihat_certificate::{
     Attenuation, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Matrix, Motion, Moving,

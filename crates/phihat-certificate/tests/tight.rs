@@ -1,6 +1,5 @@
 //! Figures that a finder found with hardly any room, each a thousandth beyond what was found: the check refuses every one.
 //! Wrong if the check let more pass than what another method finds, for any form, velocity source, filter, drive, delay or order.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::edits::{Edit, Passed};
 use crate::loops::{every_model, record};

@@ -1,11 +1,5 @@
 //! No run in scope leaves the tube, and the tube is not much wider than the runs. Wrong if a bound on anything
 //! that acts were too small, or something that acts were forgotten.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stderr,
-    reason = "tests: a panic is the report"
-)]
 
 use crate::support::{Case, Draw, hold};
 use phihat_certificate::Tube;

@@ -1,6 +1,5 @@
 //! Two derivations of a tube that share no code, of the same studies: nearly the same tube.
 //! Wrong if one of them forgot something that acts, counted it twice, or took it for much larger than it is.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use crate::support::{read, reference};
 use phihat_certificate::tube::{Inputs, Reference, TIGHTER, derive};

@@ -1,6 +1,5 @@
 //! A run whose record is written as it comes. Wrong if its page or figures were not those of the run as a whole, or if one
 //! that is stopped left anything behind.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! The comparison as a command: resumable with the same bytes, every run again by its name, names that there are not.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

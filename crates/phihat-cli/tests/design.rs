@@ -1,5 +1,4 @@
 //! From a specification to gains, checked again by `verify`, run by `simulate`; or a "no" with exit code 1.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

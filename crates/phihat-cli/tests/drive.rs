@@ -1,6 +1,5 @@
 //! `phihat drive` on the simulated arm, as a person runs it. Wrong if anything moved that a check refuses, if its record were not that of
 //! `phihat run`, or if Ctrl-C left no record.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

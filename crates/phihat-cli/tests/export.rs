@@ -1,5 +1,4 @@
 //! `phihat export` writes to the terminal or to a file, the same text, and says in it whether anything is certified.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

@@ -1,5 +1,4 @@
 //! The fault matrix: resumable, the same bytes whatever the threads and interruptions, each run repeatable.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

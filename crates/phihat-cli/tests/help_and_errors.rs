@@ -1,6 +1,5 @@
 //! Help examples work as typed; a bad input gives one error that says what, where and what would be valid,
 //! exit code 2, and leaves the disk as it was.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

@@ -1,6 +1,5 @@
 //! The studies of what goes wrong stay within their bounds, and a robot that stops says why. Wrong if a
 //! study's story were not what happens.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{folder, json, phihat};
 

@@ -1,7 +1,6 @@
 //! An arm without a description: known joint by joint, simulated as joints that do not push each other, and identified from
 //! records. Wrong if a record's numbers did not hold what the recorded joints are, if a design from them did not hold in a
 //! run, if what is simulated were not said, or if a record that cannot be used went through.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,6 @@
 //! written.
 //!
 //! Wrong if a mistake passes, or gives several lines, points to another line, does not show its value or says no remedy.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

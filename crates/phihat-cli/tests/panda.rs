@@ -1,7 +1,6 @@
 //! The promise of the first page: the Panda tracks within half a milliradian, inside its torque and
 //! torque-rate limits, with a payload, friction, delay and encoders that the controller is not told about.
 //! Wrong if the study were softened, or the loop were worse than that.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{folder, json};
 

@@ -1,6 +1,5 @@
 //! A run folder is one record, or none: what does not belong together is refused by name, a trace is its study's, and a
 //! folder or journal that another process holds is left as it is.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

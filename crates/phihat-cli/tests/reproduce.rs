@@ -1,5 +1,4 @@
 //! `phihat reproduce`: all of its files or none, one document with `--json`, and one clear error for a bad argument.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

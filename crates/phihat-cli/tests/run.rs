@@ -1,6 +1,5 @@
 //! A run leaves a complete record, the same each time, and its report can be made again from it. Wrong if
 //! a file were missing, half-written, or depended on anything but the study.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

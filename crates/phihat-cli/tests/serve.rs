@@ -1,6 +1,5 @@
 //! `phihat serve --fci`, with this project's client on the other side of the wire. Wrong if the served world were another than the
 //! simulated one in a single bit, if a record were not that of the motion, or if a study that no Franka serves were taken.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};

@@ -1,6 +1,5 @@
 //! Every operation on the disk fails once, the disk fills up, the process is killed: the older results are there, or the
 //! new ones, or none, never a mixture; and the same command again leaves the same bytes as if nothing had been.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 #![cfg(debug_assertions)]
 
 use std::collections::BTreeMap;

@@ -1,6 +1,5 @@
 //! What a terminal shows. Wrong if a table is wider than the terminal, if a figure is broken or lost where there is less room,
 //! if colours come where nobody asked for them, or if a quiet command says more than what is wrong.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeSet;
 use std::path::Path;

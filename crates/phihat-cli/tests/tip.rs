@@ -1,6 +1,5 @@
 //! The tip in millimetres, from the specification to the run. Wrong if a run took the tip further off than its tube says, if what is
 //! measured were not the distance between the two tips, or if a specification in millimetres were not kept or not told.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,6 +1,5 @@
 //! A run beside the tube of its gains, and limits that acted. Wrong if a broken promise ended in exit code 0 or in any
 //! kinder words, if a tube for another study were held against a run, or if a limit acted and nobody said so.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! A gains file against its study. Wrong if a tube that was shrunk with all that follows from it passed, or if an honest one
 //! were refused.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 

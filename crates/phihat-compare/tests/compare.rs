@@ -1,5 +1,4 @@
 //! The comparison: the same answer however it is run, the same terms for everybody, and a judge that is not fooled.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! This project's own law in the comparison: what is promised of it holds, and a law that is the same gets the same.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! Wrong if a row, a cell or a loss of the proposed law could be missing from the page of a comparison, or if a name
 //! could be more than a name.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use base64::Engine as _;
 use phihat_compare::{Comparison, GainsKind, RunOutcome, comparison_page, losses};

@@ -1,5 +1,4 @@
 //! Wrong if the page of a comparison said more than was measured: of worlds, of gains, of what was not found or counted.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use phihat_compare::{Comparison, comparison_page, losses};
 use scraper::{ElementRef, Html, Selector};

@@ -1,5 +1,4 @@
 //! A rival behind the simulator's seam is the same controller.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::path::Path;
 

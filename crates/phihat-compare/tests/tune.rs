@@ -1,5 +1,4 @@
 //! The optimiser of the comparison: it finds what is known, keeps to the ranges, and spends the same on everybody.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use phihat_compare::tune;
 use phihat_rivals::{RIVALS, Scalar};

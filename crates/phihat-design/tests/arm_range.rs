@@ -2,8 +2,6 @@
 //!
 //! Wrong if some posture lies far outside the range, or a witness does not show what it says.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use core::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;

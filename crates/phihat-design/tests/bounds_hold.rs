@@ -1,6 +1,5 @@
 //! Certified bounds hold on runs: every committed study whose gains can be certified, and the designs of several
 //! arms, in closed loop against the simulator. Wrong if a steady error passed its bound while no limit acted.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::fs;
 use std::path::Path;

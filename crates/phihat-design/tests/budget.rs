@@ -1,6 +1,5 @@
 //! Parts of an error budget against closed forms of the continuous loop, and how fast a law may be against the loop itself, played.
 //! Wrong if a part had another size than the integral that it stands for, or if a law that is told stable grew.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use phihat::{
     Form, JointDesign, JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource,

@@ -1,5 +1,4 @@
 //! For this to be wrong, `verify` would have to accept evidence with one number changed, or refuse it for another reason.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::claims_support::{Random, law, random_law};
 use phihat_design::claims::{

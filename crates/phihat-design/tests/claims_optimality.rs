@@ -1,6 +1,5 @@
 //! For this to be wrong, a closed-form `S` would have to satisfy a Lyapunov equation solved by elimination, the
 //! spectrum of a Hamiltonian matrix and the L2 gain over frequency at once, for 4,000 laws, by accident.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::claims_support::{Random, law, random_law};
 use nalgebra::{Complex, DMatrix, DVector, Schur};

@@ -1,6 +1,5 @@
 //! For this to be wrong, the paper's printed numbers would have to satisfy equations they do not, or our corrected
 //! equations fail on the numbers that need them.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::claims_support::law;
 use phihat_design::claims::paper::Feedback;

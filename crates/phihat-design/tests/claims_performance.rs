@@ -1,6 +1,5 @@
 //! For this to be wrong, a Runge–Kutta simulation, a frequency sweep and the bounds would have to agree with each other
 //! and not with the loop.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::claims_support::{Loop, Random, law, random_law};
 use phihat_design::claims::polynomial;

@@ -1,6 +1,5 @@
 //! Coupled gains: found by modes and for the whole arm at once, checked by playing the loop, attacked with signals matched to them.
 //! Wrong if a push moved a joint by more than Γ says, or if Γ were much more than any push can do.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use crate::sampled_support::{Outside, Random, Rig, estimator, every_model, plain, record};
 use nalgebra::DMatrix;

@@ -1,6 +1,5 @@
 //! The Panda's design carries coupled gains that hold up. Wrong if a certificate with them were refused, if one with a smaller
 //! entry were not, or if a posture of the range or of the reference did more than is said.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::time::Instant;
 

@@ -1,7 +1,6 @@
 //! A design keeps what it promises: its certificate survives its own check and no forged one does; the
 //! closed loop on the arm stays inside the bounds; what cannot be had is refused with the value that can.
 //! Wrong if a bound were not a bound, or if "infeasible" were said of something possible.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

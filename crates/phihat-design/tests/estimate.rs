@@ -1,6 +1,5 @@
 //! The inertia estimated from a recorded trace holds the arm's own, and says when it cannot be told. Wrong if the
 //! interval missed the inertia along the motion, or an estimate were made of a joint that hardly moves.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

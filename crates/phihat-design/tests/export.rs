@@ -1,7 +1,6 @@
 //! Exported gains are the controller they say they are: the YAML read by a YAML parser and run as ROS 2 runs a PID,
 //! the C header compiled and run, the table read back. Wrong if a gain, a sign or a unit were exported wrongly, if a
 //! name broke out of its place, or if what is claimed of the PID did not hold for it.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

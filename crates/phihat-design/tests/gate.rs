@@ -1,6 +1,5 @@
 //! Nothing that is not a number opens the gate before a run. Wrong if some M̄, rotor, mass or limit at the end of the
 //! floating-point range arms, or if a range of inertia comes out that is none.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::path::Path;
 

@@ -1,7 +1,6 @@
 //! The limit of linear laws: figures of another solver in another language; the law that was found, played against a joint by
 //! itself, and its worst signals; random laws, none of which is below. Wrong if a law were better than the bound from below,
 //! or the law found not as good as told.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

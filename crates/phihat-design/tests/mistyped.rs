@@ -1,6 +1,5 @@
 //! Gains that were mistyped, or typed in another unit, do not arm an unstable loop. Wrong if the gate looked at
 //! anything but the numbers that will run, or refused what it certified.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

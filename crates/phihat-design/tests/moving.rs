@@ -2,8 +2,6 @@
 //!
 //! Wrong if a coupled loop whose inertia changes no faster than claimed grows, or a strengthened claim passes.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use nalgebra::{DMatrix, DVector};
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_design::prelude::*;

@@ -1,7 +1,6 @@
 //! The paper's recipe joint by joint, and its first step by (40). Wrong if a joint's gains were not those of the closed
 //! form for its own limits, if (40) or the area under the impulse response were another number, or if gains that (40)
 //! calls good were handed out where a φ exceeds a limit.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::path::Path;
 

@@ -1,6 +1,5 @@
 //! No arm is armed outside of its window: a thousand random arms in random loops, each played through the core in
 //! time. Wrong if the gate let an arm pass whose loop does not settle, or refused one without naming the inequality.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::fmt::Write;
 use std::fs;

@@ -1,6 +1,5 @@
 //! Rotors that are known by intervals. Wrong if the range of inertia, or φ along a reference, left out a rotor of the interval; if
 //! a check took a range that was found for one value; or if the certificate did not say what is for the simulated value.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
 
 use std::path::Path;
 

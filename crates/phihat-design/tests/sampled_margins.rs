@@ -1,6 +1,5 @@
 //! Margins are what the running core bears: a hidden gain and a hidden delay up to them and no further. Wrong
 //! if the loop were cut at another point than the one that is disturbed here.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Random, Rig, estimator, plain, record};
 use phihat::{Delay, Form, TorqueSource, VelocitySource};

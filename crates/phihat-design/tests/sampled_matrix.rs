@@ -1,7 +1,6 @@
 //! The state matrix is the implementation: core, sensor, delay, drive and an exactly solved inertia, for
 //! every order, form, velocity source, filter, delay and drive. Wrong if a sign, a delay by one sample or a
 //! coefficient differed anywhere between the equations here and the code that runs.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Outside, Random, Rig, estimator, every_model, record};
 use nalgebra::{Complex, DVector};

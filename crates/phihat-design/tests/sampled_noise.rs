@@ -1,7 +1,6 @@
 //! Torque noise from an encoder is what the running core shows on a moving joint, to 30 %; the bound on the
 //! change is reached by the worst sequence of errors. Wrong if quantisation were not white there, or the
 //! path from encoder to torque differed from the code.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Outside, Random, Rig, plain, record};
 use phihat::{Form, Reference, VelocitySource};

@@ -1,6 +1,5 @@
 //! Peak gains are reached, to 5 %, by the worst `φ` on the running core, and never exceeded. Wrong if the loop
 //! answered `φ` otherwise than its matrix, or the sums missed a tail.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Outside, Random, Rig, plain, record};
 use nalgebra::DVector;

@@ -1,6 +1,5 @@
 //! What the reference's own motion costs, against the worst motions played through the core. Wrong if a delay, a
 //! filter or the feed-forward were counted wrongly: the worst motion would leave the bound, or stay far inside.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use crate::sampled_support::{Outside, Rig, record};
 use phihat::{Form, Reference, VelocitySource};

@@ -1,6 +1,5 @@
 //! The loop model of a study is the loop that the simulator runs. Wrong if a setting of the study were read
 //! differently here and there, or the simulator's order of events differed by one sample.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::path::Path;
 

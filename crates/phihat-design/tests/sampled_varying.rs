@@ -1,6 +1,5 @@
 //! A range of varying inertia is certified up to the reference values and not beyond, and the proof does not
 //! survive damage. Wrong if `P` were accepted without falling along the loop at both ends.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Random, estimator, plain, record};
 use phihat::{Form, VelocitySource};

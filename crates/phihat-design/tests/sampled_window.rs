@@ -1,6 +1,5 @@
 //! The inertia window against published reference values, eigenvalues and the running core. Wrong if the
 //! loop lost stability anywhere but where `−L` crosses the real axis next to 1.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::sampled_support::{Random, Rig, estimator, plain, record};
 use phihat::{Form, VelocitySource};

@@ -1,6 +1,5 @@
 //! The gate looks at the gains an arm starts with. Wrong if an arm that only the running gains hold were armed to
 //! start at first order.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::path::Path;
 

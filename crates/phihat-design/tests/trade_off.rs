@@ -1,6 +1,5 @@
 //! The trade-off of a design is one that other designs meet. Wrong if a point of the front could not be had, or
 //! could be had with less torque noise than it says.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

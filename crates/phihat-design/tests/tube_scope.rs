@@ -1,5 +1,4 @@
 //! What a tube's loop lacks is named, and there is no tube. Wrong if something that changes the loop were passed over.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, TubeRefusal, tube};

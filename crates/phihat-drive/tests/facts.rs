@@ -1,6 +1,5 @@
 //! A study is held against the robot that it is driven on. Wrong if one that is laxer than the robot in any figure passed, or if one
 //! that says exactly what is true were refused.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{PLAIN, study};
 use phihat_drive::{Adds, Clock, Facts, Stops, Tells};

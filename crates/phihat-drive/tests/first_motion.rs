@@ -1,7 +1,6 @@
 //! The first motion of an arm that nobody has gains for. Wrong if what it measures did not hold what the simulated arm is, whatever load,
 //! friction, losses and rotors it was given; if a joint were told more than its cap, or went further than it may; or if it were driven where
 //! no gains bear a guess that is off.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::net::Ipv4Addr;

@@ -1,7 +1,6 @@
 //! A drive over the Franka Control Interface, against a study's world behind it. Wrong if a torque that was computed were another than that
 //! of the simulation, or than the one that acted; if a robot that stopped went on, or its reason were lost; or if anything moved that a
 //! check refuses.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::net::Ipv4Addr;

@@ -1,6 +1,5 @@
 //! Cycles over the Franka Control Interface, many of them: `PHIHAT_CYCLES=3600000` for an hour. Wrong if the control thread allocated in a
 //! cycle, if memory grew, or if the error did.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::net::Ipv4Addr;
 use std::sync::atomic::AtomicBool;

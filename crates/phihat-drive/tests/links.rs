@@ -1,7 +1,6 @@
 //! The loop on links of every kind. Wrong if joints in another order got each other's torques, if a stop that is asked for were
 //! anything but the supervisor's, if a robot were left moving at the end, or if what is derived for a robot that knows no truth were
 //! not what the simulated one truly did.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

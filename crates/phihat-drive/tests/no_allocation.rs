@@ -1,6 +1,5 @@
 //! The control thread neither allocates nor frees: 72 s of a hostile world, with the world itself in the count. Wrong if a single
 //! byte were asked for between the first sample and the last.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

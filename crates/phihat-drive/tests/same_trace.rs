@@ -1,6 +1,5 @@
 //! A drive on the simulated arm in lock-step is the simulation, whatever the world does to the loop. Wrong if a bit of its trace
 //! or a figure of it were another one than those of the loop that simulates in one go, which shares neither link, ring nor thread with it.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

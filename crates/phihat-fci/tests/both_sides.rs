@@ -1,6 +1,5 @@
 //! Client and robot, with sockets between them, in lock-step. Wrong if a motion did not end as the interface says, if the same torques
 //! did not act twice, or if a client that comes second were not told so.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::net::Ipv4Addr;
 use std::thread::{self, JoinHandle};

@@ -1,6 +1,5 @@
 //! Bytes of anybody. Wrong if any made a reader panic, if memory were taken by what a message claims, or if a client took an answer
 //! for what it is not.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, UdpSocket};

@@ -1,6 +1,5 @@
 //! Where numbers stand on the wire. Wrong if a field stood elsewhere than the headers of libfranka-common have it: the fields are listed here
 //! in their order, and places are sums of what comes before.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{connect, start};
 use phihat_fci::{Protocol, Reflex, RobotCommand, RobotMode, RobotSide, RobotState, Rules, Sensed};

@@ -1,7 +1,6 @@
 //! A thousand random sessions: requests whole, cut, repeated and spoilt; commands lost, late, twice, cut, spoilt; connections that end anywhere.
 //! Wrong if a mode followed another that the table of docs/reliability.md does not have, if a torque acted that no command of that
 //! cycle had or that the rules do not bear, if an answer were no answer, or if recovery did not lead to a motion again.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeMap;
 

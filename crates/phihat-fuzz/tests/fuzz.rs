@@ -1,7 +1,6 @@
 //! Every target against its seeds, and against documents made of them: the same in every run.
 //!
 //! `cargo xtask fuzz MINUTES` draws other recipes for longer. What breaks a target is kept in `corpus/`.
-#![allow(clippy::panic, clippy::unwrap_used, reason = "tests: a panic is the report")]
 #![allow(clippy::disallowed_methods, reason = "a reader must not take long either")]
 
 use std::fs;

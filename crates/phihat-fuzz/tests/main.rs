@@ -1,3 +1,4 @@
 //! All integration tests of this crate in one program, which is linked once.
+#![allow(clippy::panic, clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 mod fuzz;

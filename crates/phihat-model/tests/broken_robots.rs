@@ -1,7 +1,6 @@
 //! Five hundred broken arms: each real robot's description, with one figure or name of one link or joint made
 //! what no arm has. Wrong if one of them were read in silence, or refused without saying where; or if what a joint moves were
 //! passed over.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

@@ -1,7 +1,6 @@
 //! What a URDF leaves out, estimated and written. Wrong if a published drive lay outside its interval, if a written file did not
 //! read back as what was written, if an interval were read that is none, or if a rotor between two ends made an eigenvalue of
 //! the arm's inertia lie outside of those at the ends.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use phihat_model::{Part, Robot, Rotor, Workspace, dry_friction, rotor_inertia};
 

@@ -1,6 +1,5 @@
 //! Every algorithm agrees with Pinocchio 4.1.0 on every sample of every arm. Wrong if a placement,
 //! a sign or an axis anywhere differs from the URDF's meaning.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may stop at a bad oracle")]
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,4 @@
 //! Wrong if a reproduction that says something else passed for the same, or the same one for another.
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
 use phihat_paper::{FORMAT, Kept, Number, Origin, Reproduction, Section, Statement, Verdict};
 

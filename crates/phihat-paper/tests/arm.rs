@@ -1,5 +1,4 @@
 //! The paper's three-joint arm, reproduced: verdicts come from runs, and the runs are what they are said to be.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use phihat::Form;
 use phihat_design::{Arm, arm_inside_window, requested_gains};

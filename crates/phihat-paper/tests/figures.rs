@@ -1,6 +1,6 @@
 //! Figures of a reproduction show its data. Wrong if a point, a bound or a cell were not where the axes say it is,
 //! a unit of an equal panel not as long on both, or a key or label missing.
-#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the report")]
+#![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
 use phihat_paper::{
     Bound, Content, Figure, Panel, Reproduction, Section, Series, reproduction_figures,

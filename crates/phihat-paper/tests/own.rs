@@ -1,6 +1,5 @@
 //! The paper's figures and Table 3 on an own arm. Wrong if the mismatch of a sine were not that of (s/(s + r))^m, if PD
 //! sagged by anything but gravity over its stiffness, or if a careless study got more or less than one clear line.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -1,6 +1,5 @@
 //! The page of a reproduction. Wrong if a statement, number, study or assumption were missing, a count or a link
 //! wrong, if a text could become markup, or if the page could reach for anything.
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,4 @@
 //! Order switching without a torque jump, and the map of where the printed law holds against simulated arms.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::path::Path;
 

@@ -1,6 +1,5 @@
 //! For this to be wrong, three laws would have to fall apart on seven joints in the way that their structure says they must,
 //! by accident.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeSet;
 

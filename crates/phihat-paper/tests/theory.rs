@@ -1,6 +1,5 @@
 //! For this to be wrong, closed forms written down here, the tables as printed and the exact loops of the reproduction
 //! would have to agree by accident.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;

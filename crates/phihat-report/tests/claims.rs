@@ -1,6 +1,5 @@
 //! The figures of the claims show the certificate's numbers. Wrong if a bar, a point or a unit were not the one of the
 //! data, or if a file with nonsense in it broke the page.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "in a test a panic is the report")]
 
 use std::path::Path;
 use std::sync::OnceLock;

@@ -1,8 +1,6 @@
 //! S14. Wrong if a name, a title or a study text could add one element, attribute or script to a
 //! page, or break its data or its figures.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
-
 use scraper::{Html, Selector};
 use std::collections::BTreeMap;
 

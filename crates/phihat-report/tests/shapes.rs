@@ -1,8 +1,6 @@
 //! Wrong if a record of an odd shape (empty, one sample, one or many joints, diverged, ragged)
 //! broke the page, its data or its figures, or if a peak of the trace were missing from the page.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
-
 use phihat_report::{figures, page};
 use roxmltree::Document;
 use scraper::{Html, Selector};

@@ -1,8 +1,6 @@
 //! Wrong if a figure of the record were missing, in a wrong unit or beside a wrong bound, or if
 //! the verdict were kinder than the figures.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
-
 use phihat_sim::Metrics;
 use scraper::{Html, Selector};
 

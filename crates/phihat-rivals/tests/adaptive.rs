@@ -1,5 +1,4 @@
 //! Rivals that learn: what they learn is what takes the error away.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Bench, PERIOD};
 use phihat_model::Workspace;

@@ -1,5 +1,4 @@
 //! Rivals that know a model: what is proved for them when it is exact, and identities among them.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use crate::support::{Bench, PERIOD, Run};
 use phihat_model::Workspace;

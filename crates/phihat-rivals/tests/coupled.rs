@@ -1,5 +1,4 @@
 //! On the coupled arm: Lyapunov functions of laws that know the model, and identities between laws.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Bench, PERIOD, Run};
 use phihat_model::Workspace;

@@ -1,10 +1,4 @@
 //! What every rival has to pass: found through the list, so that a new one cannot be left out.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::panic,
-    reason = "tests: a panic is the report"
-)]
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,4 @@
 //! Closed forms on joints without coupling: what each law leaves of a load, and where it stops being stable.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::PERIOD;
 use crate::support::joints::{Joints, Point};

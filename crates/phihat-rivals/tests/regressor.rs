@@ -1,5 +1,4 @@
 //! The regressor's momentum form and its identifiable columns.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use crate::support::Bench;
 use phihat_model::Workspace;

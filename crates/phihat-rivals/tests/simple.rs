@@ -1,5 +1,4 @@
 //! PD, computed torque, the H-infinity PID, and the proposed law among them.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use crate::support::{Bench, PERIOD};
 use phihat_rivals::{All, Tuning, rival};

@@ -1,6 +1,5 @@
 //! The plant's integrators are as accurate as they say. Wrong if a stage were misplaced: RK4 must converge
 //! at fourth order against the adaptive reference, and an arm left alone must keep its energy.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use phihat_model::{Model, Robot, Workspace};
 use phihat_sim::{Acceleration, Rk4, integrate_adaptive};

@@ -1,6 +1,5 @@
 //! A long run is handed over in blocks. Wrong if that changed a bit of its record or its figures, or if memory grew with
 //! the length of the run.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::convert::Infallible;
 

@@ -1,7 +1,5 @@
 //! The seam for other controllers.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
-
 use crate::support::read;
 use phihat::{Form, JointDesign, JointGains};
 use phihat_sim::{Driver, Moment, SimError, Simulation, Stepped};

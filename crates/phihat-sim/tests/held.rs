@@ -1,7 +1,6 @@
 //! A start that is held, and torque that is fed forward, against physics: an arm that is held by its own gravity stays where it is, and
 //! one whose dynamics are known leaves nothing to estimate.
 //! Wrong if a law took over another torque than the one that acts, or was told what it is fed at another instant.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::path::Path;
 

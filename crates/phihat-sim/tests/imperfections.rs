@@ -1,6 +1,5 @@
 //! What hurts in a laboratory: drives, sensors and messages, each against its closed form. Wrong if an
 //! effect had another size, sign or timing than its key says, or left a mark where it is absent.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{ROD_INERTIA, rod_study, run};
 use phihat_sim::{Outcome, Survival, Trace};

@@ -1,11 +1,5 @@
 //! Torque interfaces of real robots: what they add is counted once, and their rules stop who breaks them.
 //! Wrong if an interface added the wrong torque, or let through what the robot would refuse.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stdout,
-    reason = "tests: a panic is the report"
-)]
 
 use crate::support::{read, rod_study, run};
 use phihat_model::Workspace;

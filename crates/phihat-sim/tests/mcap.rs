@@ -1,7 +1,6 @@
 //! A log for ROS tools. Wrong if a message of it, read by its layout on the wire and not by what wrote it, held another number than the
 //! trace, or if one were missing. Other people's readers look at one in the Python step.
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use std::collections::BTreeMap;
 

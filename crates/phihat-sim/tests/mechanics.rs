@@ -1,6 +1,5 @@
 //! What a joint meets on its way: stiction, springs, stops, walls, loads, each against its closed form.
 //! Wrong if one had another size, sign or place than its key says, or left a mark where it is absent.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{ROD_INERTIA, gains, read, rod_study, run};
 use phihat_sim::{Outcome, Simulation};

@@ -1,6 +1,5 @@
 //! Every reference is twice continuously differentiable, and goes where it says. Wrong if a derivative did
 //! not belong to its function, or a junction had a jump.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use phihat_model::Workspace;
 use phihat_sim::Motion;

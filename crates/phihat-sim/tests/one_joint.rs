@@ -1,6 +1,5 @@
 //! A rod on a hinge has closed-form answers. Wrong if an effect of the world had the wrong size, sign or
 //! timing.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{ROD_INERTIA, gains, rod_study, run};
 use phihat::{Delay, JointState, Measurement, Reference};

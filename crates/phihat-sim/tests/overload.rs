@@ -1,6 +1,5 @@
 //! What a motion needs of the drives, against a pendulum's closed form and the torque of a run. Wrong if a need, an instant, a limit or
 //! the factor to a slower motion were another, or if a shipped study needed more than its drives have.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use std::f64::consts::TAU;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! The Parquet file holds what the CSV file holds. Wrong if a column were mixed up or a row misplaced.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{rod_study, run};
 use parquet::file::reader::{FileReader, SerializedFileReader};

@@ -1,6 +1,5 @@
 //! Studies with a `[supervisor]`. Wrong if the supervisor costs accuracy where nothing happens, if a fault does
 //! not show in the trace and stop the arm, or if an arm starts again by itself.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{rod_study, run};
 use phihat::{Events, Fault, Mode};

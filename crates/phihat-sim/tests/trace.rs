@@ -1,6 +1,5 @@
 //! A trace is the same for the same study, survives its file to the last bit, and its figures are what a
 //! second calculation finds. Wrong if anything hidden took part in a run, or a column were mixed up.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use crate::support::{rod_study, run};
 use phihat_sim::{Metrics, Trace};

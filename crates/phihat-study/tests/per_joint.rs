@@ -2,8 +2,6 @@
 //!
 //! Wrong if a table by name puts a value on another joint than the one it names.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use crate::support::{read, with_line};
 
 fn inertia(text: &str) -> Vec<f64> {

@@ -2,8 +2,6 @@
 //!
 //! `PHIHAT_BLESS=1` writes them anew. Wrong if `docs/` describes another format than the one read.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use crate::support::{GOOD, root, studies, with_line};
 use serde_json::Value;
 

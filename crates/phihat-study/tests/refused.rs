@@ -2,8 +2,6 @@
 //!
 //! Wrong if a bad study is read, or if a message sends its reader to another line or key.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use std::fs;
 use std::path::Path;
 

@@ -2,8 +2,6 @@
 //!
 //! Wrong if a column moves the wrong joint, or if a bad file is read.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use std::path::PathBuf;
 
 use crate::support::{read_in, with_reference};

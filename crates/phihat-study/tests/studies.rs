@@ -2,8 +2,6 @@
 //!
 //! Wrong if a published study is refused, or if a key's value does not arrive at its field.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failure here is a failed test")]
-
 use crate::support::{GOOD, read, studies, with_line, with_reference};
 use phihat::{Form, VelocitySource};
 use phihat_study::{Curve, LawRequest, Payload, Push, Reference, Start, Study};

@@ -1,5 +1,4 @@
 //! `[supervisor]`: what is read, and what is refused. Wrong if keys that contradict each other got through.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
 use phihat_study::{RequestedMode, Study};
 

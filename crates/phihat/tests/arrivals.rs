@@ -1,6 +1,5 @@
 //! Which samples are fresh, and over which time they are integrated. Wrong at the edges of the rules that the options
 //! state: age, window of sequence numbers, shortest and longest interval, samples lost of the last 64.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Arm, FIRST, T, T_NS, at};

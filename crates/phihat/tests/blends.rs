@@ -1,6 +1,5 @@
 //! From one reference, one set of gains, one law to another. Wrong if what is blended is another curve than the stated
 //! one, or if a torque jumps, comes back late, or not at all.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{FIRST, SECOND};

@@ -1,11 +1,6 @@
 //! Changing gains, inertia or order while a load is held does not jump the torque. Wrong if `resume` did
 //! not put the difference into φ̂; the naive change must jump.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::large_types_passed_by_value,
-    reason = "tests: a panic is the report"
-)]
+#![allow(clippy::large_types_passed_by_value, reason = "tests: a panic is the report")]
 
 use crate::support::Loop;
 use phihat::{Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference};

@@ -1,6 +1,5 @@
 //! Designs, before anything runs. Wrong if an estimator with a root in the right half-plane were accepted or a stable
 //! one refused, or if the start gains had another pole than is said.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::Dice;
 use phihat::{

@@ -1,6 +1,5 @@
 //! The observer form and the literal form are one law: unsaturated, from the same φ̂(0), their torques
 //! differ by O(T). Wrong if a coefficient of Lemma 1 or of (T4) were wrong, for any order.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Loop, gains};
 use phihat::{Form, Reference};

@@ -1,6 +1,5 @@
 //! Finite garbage: 1e305 rad/s is a number, and no velocity of an arm. Wrong if such a sample leaves a trace, so that
 //! later good ones are refused or answered differently, in any part that remembers something.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use phihat::{
     Controller, Form, GainError, JointDesign, JointGains, JointOptions, JointRange, JointState,

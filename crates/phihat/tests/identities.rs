@@ -1,5 +1,4 @@
 //! Multiplied out, the law is controllers that people know. Wrong if any gain were weighted wrongly.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{KD, KP, Loop, gains};
 use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};

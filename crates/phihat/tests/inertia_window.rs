@@ -1,7 +1,6 @@
 //! The sampled loop is stable for a joint inertia inside a window and unstable outside, at the reference
 //! values (literal form, backward-difference integrals, exact velocity, 1 kHz). Wrong if the running law
 //! were not the one those values were computed for by eigenvalues.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Loop, gains};
 use phihat::{Delay, Form, Reference};

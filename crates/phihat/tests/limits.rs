@@ -1,6 +1,5 @@
 //! Whatever comes in, what goes out is finite, within the limits, and says what happened. Wrong if a NaN,
 //! an infinity or a huge number became a torque, or if a limit acted silently.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Loop, gains};
 use phihat::{

@@ -1,6 +1,5 @@
 //! The mode machine against a table of rules, written down again in another form. Wrong if any sequence of
 //! requests and faults reaches a mode, an action or a refusal that the rules do not say.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,6 +1,5 @@
 //! When an arm is stopped, to the sample: the guard's edges, and the monitors against what they state, reckoned from the
 //! whole past in place of a recursion. Wrong if one fires early, late or never.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Dice, FIRST, SECOND};

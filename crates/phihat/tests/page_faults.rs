@@ -1,7 +1,6 @@
 //! A tick of the supervised controller touches no new memory. Wrong if a million ticks after warm-up cause one
 //! page fault. (One test in its file: page faults are counted for the whole process.)
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests: a panic is the report")]
 
 use phihat::{
     Form, JointDesign, JointGains, JointOptions, Limits, Measurement, ModeRequest, Options,

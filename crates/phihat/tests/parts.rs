@@ -1,6 +1,5 @@
 //! The parts at the boundary. Wrong if a torque could reach another joint, if a record lost count, if an integral
 //! drifted, or if a scalar guard let a bad pattern through.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::Dice;
 use phihat::{

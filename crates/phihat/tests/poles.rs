@@ -1,6 +1,5 @@
 //! The sampled estimator has exactly the poles `e^{s_i T}` of its continuous design. Wrong if φ̂ did not
 //! obey the linear recurrence that these poles, taken from closed forms, define.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Loop, gains};
 use phihat::{Form, Reference};

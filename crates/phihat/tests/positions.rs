@@ -2,8 +2,6 @@
 //! prediction and its feed-forward are exact, and limits do not wind it up. Wrong if it confused a sample with the
 //! next, a torque with the one before, or a sign.
 #![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::cast_possible_truncation,
     reason = "tests: a panic is the report, and single precision is one of them"
 )]

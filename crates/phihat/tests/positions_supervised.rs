@@ -1,11 +1,6 @@
 //! The law from positions under supervision: it engages from a held torque, tracks, bears lost samples and a change of
 //! gains, and stops, without a step in torque. Wrong if the supervisor forgot what only this law remembers.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::large_types_passed_by_value,
-    reason = "tests: a panic is the report"
-)]
+#![allow(clippy::large_types_passed_by_value, reason = "tests: a panic is the report")]
 
 use std::collections::VecDeque;
 

@@ -1,6 +1,5 @@
 //! Joint limits, sample by sample. Wrong if a torque passes that could not be braked before the end of the range, if a
 //! hard limit is not where it is said, if a reference is kept elsewhere, or if an estimate grows outward at the end.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::{Dice, FIRST, SECOND};
 use crate::joint::{INERTIA, Joint, T, T_NS, gains};

@@ -1,6 +1,5 @@
 //! The reference governor. Wrong if any reference leaves its limits, overshoots, does not arrive, or if one that
 //! keeps the limits is touched.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::{Arm, Dice, FIRST, SECOND, T, at};
 use phihat::{Events, JointOptions, MotionLimits, Reference, Shaper};

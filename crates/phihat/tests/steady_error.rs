@@ -1,6 +1,5 @@
 //! The loop is a type-m servo: constant, ramp and parabolic φ leave no steady error at m = 1, 2, 3.
 //! Wrong if the sampled loop had fewer than m integrators; the order below must show an error.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::support::{Loop, gains};
 use phihat::{Form, Reference};

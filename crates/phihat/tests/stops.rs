@@ -1,6 +1,5 @@
 //! What a stopped arm does, and when its brakes are asked for. Wrong if torque stays where a drive does not do what it is
 //! told, if a moving arm loses its torque, or if the brakes are late.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Arm, SECOND, T_NS, at};

@@ -1,5 +1,4 @@
 //! Starting, stopping and starting again. Wrong if torque or pose jump, or if anything moves by itself.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::{Arm, Dice, FIRST, SECOND, at};
 use phihat::{JointOptions, Mode, ModeRequest, Refusal};

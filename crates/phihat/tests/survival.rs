@@ -1,5 +1,4 @@
 //! What the limits and monitors are for. Wrong if a joint winds up, runs into its stop, hunts, shakes or runs away.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use crate::arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at, gains};
 use phihat::{

@@ -1,6 +1,5 @@
 //! Mirror the robot and the torque mirrors, bit for bit; permute the joints and the torques permute.
 //! Wrong if a sign, an index or a state were shared between joints.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests: a panic is the report")]
 
 use phihat::{
     Command, Controller, Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference,

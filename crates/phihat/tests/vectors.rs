@@ -2,8 +2,6 @@
 //! same bits. What the numbers should be is tested elsewhere; here they are written down
 //! (`PHIHAT_BLESS=1 cargo test -p phihat vectors`) and kept.
 
-#![allow(clippy::unwrap_used, reason = "a test's helpers may")]
-
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -1,10 +1,5 @@
 //! The real core in a loop that is written anew: sensor, delay, drive and an inertia solved exactly.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    unreachable_pub,
-    reason = "each test uses a part; a panic is the report"
-)]
+#![allow(dead_code, unreachable_pub, reason = "each test uses a part; a panic is the report")]
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,5 @@
 //! Shared by the tests: oracles, random numbers, comparisons.
 #![allow(dead_code, reason = "each test uses a part")]
-#![allow(clippy::expect_used, reason = "a test may stop at what should not happen")]
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,5 @@
 //! A plant and a loop of the tests' own: exact sensors, torque held over a sample, torque limits.
-#![allow(dead_code, clippy::unwrap_used, reason = "tests; each file uses its part")]
+#![allow(dead_code, reason = "tests; each file uses its part")]
 
 pub(crate) mod joints;
 

@@ -1,6 +1,5 @@
 //! A good study, and good studies that differ from it in one line.
 #![allow(dead_code, reason = "each test file uses its own part")]
-#![allow(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 use std::path::{Path, PathBuf};
 
