@@ -1,6 +1,6 @@
 //! `phihat drive`: a study's law in closed loop on whatever is at the other end of a link.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
@@ -37,6 +37,9 @@ pub(crate) struct Drive {
     /// Use these gains (a gains.json) in place of those the study states.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
+    /// Follow the motion of this file in place of the study's (CSV: `t_s` and every joint's name, rad), to its last sample.
+    #[arg(long, value_name = "FILE", conflicts_with = "first_motion")]
+    reference: Option<PathBuf>,
     /// What is at the other end: `sim`, phihat's own world, or a Franka: `fci://HOST`, with `:PORT` and `?protocol=5` if need be.
     #[arg(long, value_name = "LINK", default_value = "sim")]
     on: String,
@@ -80,25 +83,25 @@ static STOP: AtomicBool = AtomicBool::new(false);
 
 impl Drive {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let prepared = prepare(&self.options()?)?;
+        let mut prepared = prepare(&self.options()?)?;
         if prepared.is_refused() {
             return Ok(self.refused(&prepared));
         }
         if !self.json {
             println!("{}", lines(&prepared.checks));
-            announced(&prepared).into_iter().for_each(|told| println!("{told}"));
+            if let Some(told) = announced(&prepared) {
+                println!("{told}");
+            }
         }
-        let first = prepared.first.clone();
-        let (prepared, beside) = self.ros.beside(prepared)?;
+        let first = prepared.first.clone().map(Box::new);
         let folder = prepared.folder.clone();
-        let page = folder.join("report.html");
-        let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
-        let leave = Leave { folder: &folder, page: Some(&page) };
-        let driven = prepared.drive(leave, &mut shown, &STOP)?;
+        let beside = self.ros.beside(&mut prepared)?;
+        let driven = driven(prepared, &folder)?;
         let counts = beside.ended();
         write_layout(self.layout.as_deref(), &driven.done)?;
         let measured = first.map(|first| self.first.measured(&first, &folder)).transpose()?;
         let missing = measured.as_ref().is_some_and(|found| found.all().is_none());
+        let page = folder.join("report.html");
         if self.json {
             let mut all = document(&driven.done, &folder, Some(&page));
             all["drive"] = driven.document.clone();
@@ -112,8 +115,12 @@ impl Drive {
         } else {
             show(&driven.done, &folder, Some(&page));
             println!("{}", told(&driven));
-            counts.iter().for_each(|counts| println!("{}", counted(counts)));
-            measured.iter().for_each(|found| println!("{}", verdict(found, &folder)));
+            if let Some(counts) = &counts {
+                println!("{}", counted(counts));
+            }
+            if let Some(found) = &measured {
+                println!("{}", verdict(found, &folder));
+            }
         }
         self.page.show(&page);
         Ok(if driven.good() && !missing { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -138,7 +145,8 @@ impl Drive {
         let accept = accept.collect::<Result<_, _>>()?;
         let first = self.first.asked()?;
         let (processor, recover) = (self.processor, self.recover);
-        Ok(DriveOptions { run, on, accept, processor, recover, first })
+        let reference = self.reference.clone();
+        Ok(DriveOptions { run, on, accept, processor, recover, first, reference })
     }
 
     /// Tells why nothing moves.
@@ -151,6 +159,15 @@ impl Drive {
         eprintln!("{}\nerror: {why}", lines(&prepared.checks));
         ExitCode::from(2)
     }
+}
+
+/// Drives, until it is over or a person stops it.
+#[inline(never)]
+fn driven(prepared: Prepared, folder: &Path) -> Result<Box<Driven>, Failure> {
+    let page = folder.join("report.html");
+    let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
+    let leave = Leave { folder, page: Some(&page) };
+    Ok(Box::new(prepared.drive(leave, &mut shown, &STOP)?))
 }
 
 /// A line per check.

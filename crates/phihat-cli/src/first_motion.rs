@@ -21,8 +21,8 @@ const JOINTS: &str = "joints.toml";
 pub(crate) struct First {
     /// Move each joint a little, one after the other, about where the arm stands, in place of the study's motion, and measure inertia,
     /// friction and φ: under cautious gains, which need no certificate.
-    #[arg(long, conflicts_with = "gains")]
-    first_motion: bool,
+    #[arg(long = "first-motion", id = "first_motion", conflicts_with = "gains")]
+    asked: bool,
     /// Of a first motion: how far a joint moves to either side.
     #[arg(long, value_name = "RAD", default_value_t = 0.05, requires = "first_motion")]
     amplitude_rad: f64,
@@ -51,7 +51,7 @@ impl First {
                 return Err(Failure::plain(valid));
             }
         }
-        Ok(self.first_motion.then_some(FirstMotion {
+        Ok(self.asked.then_some(FirstMotion {
             amplitude: self.amplitude_rad,
             torque_share: self.torque_share,
             inertia_within: self.inertia_within,
@@ -118,15 +118,11 @@ fn line(joint: &MeasuredJoint) -> String {
     let name = &joint.name;
     let (low, high) = joint.study_kg_m2;
     let told = if low < high { format!("{low:.4} … {high:.4}") } else { format!("{low:.4}") };
-    match (joint.as_told(), &joint.found) {
-        (Some(same), Some(found)) => {
-            let word = if same { "as the study says" } else { "NOT as the study says" };
-            let friction = 0.5 * found.phi_jump_max_nm;
-            format!("{name}: inertia {word} ({told} kg·m²); dry friction at most {friction:.2} N·m")
-        }
-        _ => {
-            let why = joint.why.as_deref().unwrap_or("it did not move");
-            format!("{name}: not measured: {why}")
-        }
-    }
+    let (Some(same), Some(found)) = (joint.as_told(), &joint.found) else {
+        let why = joint.why.as_deref().unwrap_or("it did not move");
+        return format!("{name}: not measured: {why}");
+    };
+    let word = if same { "as the study says" } else { "NOT as the study says" };
+    let friction = 0.5 * found.phi_jump_max_nm;
+    format!("{name}: inertia {word} ({told} kg·m²); dry friction at most {friction:.2} N·m")
 }

@@ -12,17 +12,17 @@ use crate::failure::Failure;
 pub(crate) struct Ros {
     /// A ROS 2 node beside the drive (builds with the feature `ros2`): publishes joint states, reference, error, torque, φ̂, mode and
     /// diagnostics, and takes trajectories and positions where the study's supervisor shapes the reference; never a torque.
-    #[arg(long)]
-    ros2: bool,
+    #[arg(long = "ros2", id = "ros2")]
+    asked: bool,
     /// Of ROS 2: the DDS domain.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
-    ros2_domain: u16,
+    #[arg(long = "ros2-domain", value_name = "NUMBER", default_value_t = 0)]
+    domain: u16,
     /// Of ROS 2: use the interface with this address alone. May be given several times [default: all interfaces].
-    #[arg(long, value_name = "ADDRESS", requires = "ros2")]
-    ros2_interface: Vec<IpAddr>,
+    #[arg(long = "ros2-interface", value_name = "ADDRESS", requires = "ros2")]
+    interface: Vec<IpAddr>,
     /// Of ROS 2: publish every so many samples.
-    #[arg(long, value_name = "SAMPLES", default_value_t = 2, requires = "ros2")]
-    ros2_every: u64,
+    #[arg(long = "ros2-every", value_name = "SAMPLES", default_value_t = 2, requires = "ros2")]
+    every: u64,
 }
 
 /// A node that runs beside a drive, or none.
@@ -34,25 +34,21 @@ pub(crate) struct Beside;
 #[cfg(feature = "ros2")]
 impl Ros {
     /// Starts the node that is asked for, and puts it beside a drive.
-    pub(crate) fn beside(&self, prepared: Prepared) -> Result<(Prepared, Beside), Failure> {
+    pub(crate) fn beside(&self, prepared: &mut Prepared) -> Result<Beside, Failure> {
         use phihat_drive::{RosNode, RosOptions};
-        if !self.ros2 {
-            return Ok((prepared, Beside(None)));
+        if !self.asked {
+            return Ok(Beside(None));
         }
-        let options = RosOptions {
-            domain: self.ros2_domain,
-            networks: self.ros2_interface.clone(),
-            every: self.ros2_every,
-        };
+        let options =
+            RosOptions { domain: self.domain, networks: self.interface.clone(), every: self.every };
         let takes = prepared.takes_targets();
         let (node, (tap, targets)) =
             RosNode::start(prepared.study(), &options, takes).map_err(Failure::plain)?;
-        let prepared = prepared.shown_to(tap);
-        let prepared = match targets {
-            Some(targets) => prepared.led_by(targets),
-            None => prepared,
-        };
-        Ok((prepared, Beside(Some(node))))
+        prepared.shown_to(tap);
+        if let Some(targets) = targets {
+            prepared.led_by(targets);
+        }
+        Ok(Beside(Some(node)))
     }
 }
 
@@ -67,12 +63,13 @@ impl Beside {
 #[cfg(not(feature = "ros2"))]
 impl Ros {
     /// Says that there is no node, where one is asked for.
-    pub(crate) fn beside(&self, prepared: Prepared) -> Result<(Prepared, Beside), Failure> {
-        if self.ros2 {
+    #[expect(clippy::needless_pass_by_ref_mut, reason = "as with the feature")]
+    pub(crate) fn beside(&self, _: &mut Prepared) -> Result<Beside, Failure> {
+        if self.asked {
             let why = "--ros2: this build has no node; `cargo install --path crates/phihat-cli --features ros2` makes one that has";
             return Err(Failure::plain(why));
         }
-        Ok((prepared, Beside))
+        Ok(Beside)
     }
 }
 

@@ -44,6 +44,8 @@ pub struct DriveOptions {
     pub recover: bool,
     /// A first motion in place of the study's, about where the arm stands, under gains that nobody designed.
     pub first: Option<FirstMotion>,
+    /// A motion (CSV) in place of the study's.
+    pub reference: Option<PathBuf>,
 }
 
 /// A drive whose checks are done.
@@ -109,10 +111,16 @@ pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
 
 #[inline(never)]
 fn prepare_whole(options: &DriveOptions, run: &RunOptions) -> Result<Prepared, DriveError> {
-    let (session, folder) = run.open()?;
+    let again = || -> Result<Box<Study>, SessionError> {
+        let (path, study) = (&options.run.study, phihat_session::read(&options.run.study)?);
+        match &options.reference {
+            Some(file) => phihat_session::referred(&study, path, file),
+            None => Ok(study),
+        }
+    };
+    let (session, folder) = run.open_study(again()?)?;
     let facts = options.on.facts(session.study())?;
     let mut robot = connected(&options.on, &facts, session.study())?;
-    let again = || phihat_session::read(&options.run.study);
     let about = About { session: &session, first: None, facts: &facts, options };
     let checks = about.checked(robot.as_mut(), again)?;
     Ok(Prepared {
@@ -230,16 +238,14 @@ impl Prepared {
         self.session.study()
     }
 
-    /// The same, shown to somebody while it runs.
-    #[must_use]
-    pub fn shown_to(self, tap: Box<dyn Tap>) -> Self {
-        Self { tap: Some(tap), ..self }
+    /// Shows each sample to somebody while it runs.
+    pub fn shown_to(&mut self, tap: Box<dyn Tap>) {
+        self.tap = Some(tap);
     }
 
-    /// The same, told by somebody where to go; see [`Self::takes_targets`].
-    #[must_use]
-    pub fn led_by(self, targets: Arc<Targets>) -> Self {
-        Self { targets: Some(targets), ..self }
+    /// Lets somebody tell where to go; see [`Self::takes_targets`].
+    pub fn led_by(&mut self, targets: Arc<Targets>) {
+        self.targets = Some(targets);
     }
 
     /// Whether somebody else may say where to go: the supervisor shapes what is asked of it, and this is no first motion.
@@ -300,6 +306,8 @@ fn command(options: &DriveOptions) -> String {
     let mut words = vec![format!("phihat drive {}", options.run.study.display())];
     words.extend(options.run.gains.as_ref().map(|gains| format!("--gains {}", gains.display())));
     words.push(options.on.words());
+    let from = options.reference.as_ref();
+    words.extend(from.map(|file| format!("--reference {}", file.display())));
     words.extend(options.first.map(|first| {
         format!(
             "--first-motion --amplitude-rad {:?} --torque-share {:?}",

@@ -23,88 +23,23 @@
 mod asked;
 mod messages;
 mod node;
+mod told;
 
-use std::net::IpAddr;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use phihat_sim::Row;
 use phihat_study::Study;
 use rtrb::{Producer, RingBuffer};
-use serde::Serialize;
-use thiserror::Error;
 
 use crate::hooks::{Tap, Targets};
 use crate::tape::{Arrival, Cycle};
 use node::Node;
-
-/// Joints of a message that goes through the ring.
-const JOINTS_MOST: usize = 32;
+use told::{JOINTS_MOST, Shown, Snapshot};
+pub use told::{RosCounts, RosError, RosOptions};
 
 /// Samples that the node may be behind before they are left out.
 const RING: usize = 1024;
-
-/// What a node is told.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RosOptions {
-    /// The DDS domain.
-    pub domain: u16,
-    /// Addresses of the interfaces that are used; none: all.
-    pub networks: Vec<IpAddr>,
-    /// Every how many samples joint states are published.
-    pub every: u64,
-}
-
-/// How many messages of each kind there were.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct RosCounts {
-    /// Samples that were published, as five messages each.
-    pub states: u64,
-    /// Messages about the mode.
-    pub modes: u64,
-    /// Messages of diagnostics.
-    pub diagnostics: u64,
-    /// Positions that were asked for.
-    pub commands: u64,
-    /// Trajectories that were asked for.
-    pub trajectories: u64,
-    /// Of both, those that were left out.
-    pub refused: u64,
-    /// Samples that the node was too slow for.
-    pub dropped: u64,
-}
-
-/// Why there is no node.
-#[derive(Debug, Error)]
-pub enum RosError {
-    /// DDS does not start, or a topic cannot be made.
-    #[error("--ros2: {0}")]
-    Node(String),
-    /// The arm has more joints than a message through the ring.
-    #[error("--ros2: {0} joints; up to {JOINTS_MOST} are valid")]
-    Joints(usize),
-}
-
-/// One joint of a sample.
-#[derive(Debug, Clone, Copy, Default)]
-struct Shown {
-    q: f64,
-    dq: f64,
-    tau: f64,
-    q_desired: f64,
-    dq_desired: f64,
-    command: f64,
-    phi_hat: f64,
-}
-
-/// One sample, of fixed size.
-#[derive(Debug, Clone, Copy)]
-struct Snapshot {
-    cycle: Cycle,
-    lost: u64,
-    dropped: u64,
-    joints: [Shown; JOINTS_MOST],
-}
 
 /// The end that is shown each sample.
 struct RosTap {

@@ -17,7 +17,7 @@ use super::asked::{Joint, Refused, Way};
 use super::messages::{
     Array, DiagnosticArray, DiagnosticStatus, Header, JointState, JointTrajectory, KeyValue, Text,
 };
-use super::{RosCounts, RosError, RosOptions, Shown, Snapshot};
+use super::told::{RosCounts, RosError, RosOptions, Shown, Snapshot};
 use crate::hooks::Targets;
 
 /// How long the node rests where there is nothing to do.
