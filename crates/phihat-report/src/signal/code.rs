@@ -209,7 +209,9 @@ mod tests {
 
     fn coded(values: &[f64]) -> Coded {
         let mut coded = Coded::default();
-        values.iter().for_each(|value| coded.push(*value));
+        for value in values {
+            coded.push(*value);
+        }
         coded
     }
 
