@@ -198,12 +198,11 @@
   // Puts the cursor of every plot where the clock is.
   function place(t) {
     placing = true;
-    const k = nearest(t);
     for (const { u, chart } of plots) {
-      if (chart.phase || k < 0 || u.scales.x.min == null) continue;
-      const left = u.valToPos(times[k], "x");
-      const seen = left >= 0 && left <= u.over.clientWidth;
-      u.setCursor(seen ? { left, top: 10 } : { left: -10, top: -10 }, false, false);
+      if (chart.phase || !times.length || u.scales.x.min == null) continue;
+      const [left, width] = [u.valToPos(t, "x"), u.over.clientWidth];
+      const seen = left >= -1 && left <= width + 1;
+      u.setCursor(seen ? { left: Math.min(Math.max(left, 0), width), top: 10 } : { left: -10, top: -10 }, false, false);
     }
     placing = false;
     moveDots(t);

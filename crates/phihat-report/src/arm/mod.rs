@@ -30,7 +30,8 @@ pub struct Arm {
 /// A link and how it hangs on its parent.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmLink {
-    /// Its name.
+    /// Its name; no page needs it.
+    #[serde(skip)]
     pub name: String,
     /// The link that it hangs on; `None`: the root.
     pub parent: Option<usize>,

@@ -1,7 +1,7 @@
 // What a reader would see: opens report pages in headless Chromium and asserts it.
 //
 //   cd crates/phihat-report/tests/browser && npm ci
-//   node check.mjs PAGE.html...                  ordinary pages: every check
+//   node check.mjs PAGE.html...                  ordinary pages: every check; what is shown against trace.csv beside the page
 //   node check.mjs --hostile PAGE.html...        pages full of hostile names: nothing may run
 //   node check.mjs --comparison PAGE.html...     pages of a comparison: sorting, links, phone, paper
 //   node check.mjs --reproduction PAGE.html...   pages of the paper's reproduction
@@ -11,8 +11,9 @@
 // is 0 only if nothing failed.
 
 import { chromium } from "playwright-core";
-import { existsSync, mkdirSync } from "node:fs";
-import { basename, resolve } from "node:path";
+import { existsSync, mkdirSync, readFileSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
+import { basename, dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const words = process.argv.slice(2);
@@ -22,6 +23,8 @@ const reproduction = words.includes("--reproduction");
 const pages = words.filter((word) => !word.startsWith("--"));
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 // How every page is looked at.
 const VIEWS = [
@@ -51,7 +54,7 @@ async function open(browser, file, options) {
 
 // Number of canvases, and of those that hold more than one colour.
 const canvases = (page) => page.evaluate(() => {
-  const all = [...document.querySelectorAll("canvas")];
+  const all = [...document.querySelectorAll(".u-wrap canvas")];
   const drawn = all.filter((c) => {
     const pixels = new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer);
     return new Set(pixels).size > 4;
@@ -76,8 +79,222 @@ async function looks(browser, file) {
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
+    if (view !== "phone") await accessible(page, name, view);
     await context.close();
   }
+}
+
+// No fault that axe calls serious or critical.
+async function accessible(page, name, view) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
+  const grave = found.violations.filter((one) => ["serious", "critical"].includes(one.impact));
+  const told = grave.map((one) => `${one.id} (${one.nodes.length}): ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`);
+  check(name, `${view}: axe finds no serious fault`, grave.length === 0, told.join("; "));
+}
+
+// The arm: it is drawn, plays, and shares its instant with the plots.
+async function moves(browser, file) {
+  const name = basename(file);
+  check(name, "less than 4 MB", statSync(file).size < 4e6, `${statSync(file).size}`);
+  const opened = [];
+  for (let k = 0; k < 3; k += 1) {
+    const { context, page } = await open(browser, file, { viewport: { width: 1280, height: 900 } });
+    opened.push(await page.evaluate(() => performance.getEntriesByType("navigation")[0].loadEventEnd));
+    await context.close();
+  }
+  check(name, "opens in less than a second", Math.min(...opened) < 1000, opened.join(" "));
+
+  const { context, page, seen } = await open(browser, file, { viewport: { width: 1280, height: 1400 } });
+  await page.waitForFunction(() => document.getElementById("arm-view")?.paint);
+  const data = await page.evaluate(() => JSON.parse(document.getElementById("record").textContent));
+  // Colours of the picture: how many, and all of them as one number.
+  const picture = () => page.evaluate(() => {
+    const all = new Uint32Array(document.getElementById("arm-view").pixels().buffer);
+    return { colours: new Set(all).size, sum: all.reduce((sum, v, i) => (sum + v * (i % 8191 + 1)) % 9007199254740881, 0) };
+  });
+  const clock = async () => Number((await page.locator("#clock").textContent()).split(" ")[0]);
+  const settled = () => page.waitForTimeout(250);
+  const first = await picture();
+  check(name, "the arm is drawn", first.colours > 200, `${first.colours} colours`);
+  check(name, "it does not move by itself", (await clock()) === 0);
+  check(name, "its poster gives way", !(await page.locator(".poster").isVisible()));
+
+  await page.focus("#time");
+  await page.keyboard.press("End");
+  await settled();
+  const end = await picture();
+  check(name, "the slider goes to the end", Math.abs((await clock()) - data.end_s) < 2e-3 && end.sum !== first.sum, `${await clock()}`);
+  const legend = async () => Number(await page.locator(".u-legend .u-value").first().textContent());
+  check(name, "the plots follow the slider", Math.abs((await legend()) - data.end_s) < 1e-3 * data.end_s + 1e-3, `${await legend()}`);
+
+  await page.focus("#arm-view");
+  await page.keyboard.press("Home");
+  await page.keyboard.press("ArrowRight");
+  await settled();
+  const one = await clock();
+  check(name, "right goes on, Home begins", one > 0 && one < 0.05 * data.end_s, `${one}`);
+  await page.keyboard.press("Space");
+  await page.waitForFunction((from) => Number(document.getElementById("clock").textContent.split(" ")[0]) > from, one);
+  await page.keyboard.press("Space");
+  await settled();
+  const stopped = await clock();
+  await settled();
+  check(name, "the space bar plays and pauses", stopped > one && (await clock()) === stopped, `${one} ${stopped}`);
+  const before = await picture();
+  await page.keyboard.press("Shift+ArrowLeft");
+  const turned = await picture();
+  await page.keyboard.press("0");
+  check(name, "keys turn the view and bring it back", turned.sum !== before.sum && (await picture()).sum === before.sum);
+  await page.locator("#arm-view").scrollIntoViewIfNeeded();
+  const box = await page.locator("#arm-view").boundingBox();
+  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 320, box.y + 230, { steps: 3 });
+  await page.mouse.up();
+  check(name, "a drag turns the view", (await picture()).sum !== before.sum);
+  for (const box of ["#ghost", "#path"]) {
+    const with_ = await picture();
+    await page.uncheck(box);
+    check(name, `${box} is drawn`, (await picture()).sum !== with_.sum);
+  }
+  await page.selectOption("#magnify", "1");
+  const own = await picture();
+  await page.selectOption("#magnify", "1000");
+  check(name, "the error is magnified", (await picture()).sum !== own.sum);
+
+  const plot = page.locator(".u-over").first();
+  await plot.scrollIntoViewIfNeeded();
+  const at = await timeAt(page, plot, 0.37);
+  await settled();
+  check(name, "the arm follows the plots' cursor", Math.abs((await clock()) - at) < 2e-3 + 1e-3 * at, `${at} ${await clock()}`);
+
+  // The page's kinematics and that of the picture made beforehand.
+  const [t, tip] = await page.locator(".poster svg").evaluate((svg) => [Number(svg.dataset.time), svg.dataset.tip.split(" ").map(Number)]);
+  const drawn = await page.evaluate((t) => document.getElementById("arm-view").tipAt(t), t);
+  check(name, "the tip is where the record has it", Math.hypot(...drawn.map((x, i) => x - tip[i])) < 1e-4, `${drawn} ${tip}`);
+  check(name, "nothing was said on the console", seen.errors.length === 0, seen.errors.join("; "));
+  await context.close();
+
+  const bare = await open(browser, file, { javaScriptEnabled: false });
+  check(name, "without scripts: a picture of the arm", await bare.page.locator(".poster svg").isVisible());
+  await bare.context.close();
+}
+
+// The trace beside a page: of each joint, each column.
+function traceOf(file) {
+  const path = `${dirname(resolve(file))}/trace.csv`;
+  if (!existsSync(path)) return null;
+  const [head, ...rows] = readFileSync(path, "utf8").trimEnd().split("\n");
+  const columns = head.split(",");
+  const joints = new Map();
+  for (const row of rows) {
+    const cells = row.split(",");
+    if (!joints.has(cells[1])) joints.set(cells[1], Object.fromEntries(columns.map((name) => [name, []])));
+    const own = joints.get(cells[1]);
+    columns.forEach((column, i) => own[column].push(i === 1 ? cells[i] : Number(cells[i])));
+  }
+  return joints;
+}
+
+const COLUMNS = { q: ["q_rad", 1], q_d: ["q_desired_rad", 1], e: ["e_rad", 1e3], "ė": ["de_rad_s", 1e3], "τ applied": ["tau_applied_nm", 1], "τ commanded": ["tau_command_nm", 1], "φ": ["phi_nm", 1], "φ̂": ["phi_hat_nm", 1] };
+const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
+
+// What is shown at a zoom has the extremes of the trace: in its data, and in its pixels.
+async function honest(browser, file) {
+  const [name, trace] = [basename(file), traceOf(file)];
+  if (!trace) return;
+  const { context, page, seen } = await open(browser, file, { viewport: { width: 1280, height: 1200 }, acceptDownloads: true });
+  const data = await page.evaluate(() => JSON.parse(document.getElementById("record").textContent));
+  const span = data.end_s;
+  const zooms = [[0, span], [0.1 * span, 0.9 * span], [0.31 * span, 0.34 * span], [0.5 * span, 0.502 * span], [0, 0.05 * span], [0.97 * span, span]];
+  for (const joint of [0, data.joints.length - 1]) {
+    await page.selectOption("#joint", String(joint));
+    await page.uncheck("#bounds");
+    const own = trace.get(data.joints[joint]);
+    for (const [from, to] of zooms) {
+      const shown = await page.evaluate(([from, to]) => {
+        const plots = document.getElementById("cards").plots().filter(({ chart }) => !chart.phase);
+        plots[0].u.setScale("x", { min: from, max: to });
+        return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(plots.map(({ u, chart }) => {
+          const { min, max } = u.scales.x;
+          const inside = u.data[0].map((t) => t >= min && t <= max);
+          const values = chart.curves.map((curve, i) => [curve.label, u.data[i + 1].filter((v, k) => inside[k] && v != null)]);
+          // Rows of the canvas that the first curve's colour touches.
+          const colour = u.series[1]._stroke.match(/\w\w/g).map((h) => parseInt(h, 16));
+          const { left, top, width, height } = u.bbox;
+          const pixels = u.ctx.getImageData(left, top, width, height).data;
+          const rows = [];
+          for (let p = 0; p < pixels.length; p += 4) if (pixels[p + 3] > 150 && colour.every((c, i) => Math.abs(pixels[p + i] - c) < 60)) rows.push(Math.floor(p / 4 / Math.round(width)));
+          return { stem: chart.stem, curves: chart.curves.length, from: min, to: max, values, rows: [rows[0], rows.at(-1)], height, y: [u.scales.y.min, u.scales.y.max] };
+        })))));
+      }, [from, to]);
+      for (const chart of shown) {
+        for (const [label, values] of chart.values) {
+          if (!COLUMNS[label]) continue;
+          const [column, scale] = COLUMNS[label];
+          const all = own[column].map((v) => scale * v);
+          const inside = all.filter((_, k) => own.t_s[k] >= chart.from && own.t_s[k] <= chart.to);
+          const [[low, high], [least, most]] = [extremes(values), extremes(inside)];
+          const size = Math.max(...extremes(all).map(Math.abs));
+          check(name, `joint ${joint}, ${label}, ${from.toFixed(3)} … ${to.toFixed(3)} s: as many samples as the trace`, values.length === inside.length || data.each > 1, `${values.length} ${inside.length}`);
+          check(name, `joint ${joint}, ${label}, ${from.toFixed(3)} … ${to.toFixed(3)} s: extremes of the trace`, Math.max(Math.abs(low - least), Math.abs(high - most)) <= 1e-5 * size, `${low} ${least}, ${high} ${most}`);
+          if (chart.stem !== "error") continue;
+          const row = (v) => (chart.y[1] - v) / (chart.y[1] - chart.y[0]) * chart.height;
+          // Its line comes from the sample before and goes on to the one after.
+          const [first, last] = [own.t_s.findIndex((t) => t >= chart.from), own.t_s.findLastIndex((t) => t <= chart.to)];
+          const [under, over] = extremes(all.slice(Math.max(0, first - 1), last + 2));
+          const [top, bottom] = chart.rows;
+          const reaches = top < row(most) + 4 && bottom > row(least) - 4;
+          const keeps = top > row(over) - 4 && bottom < row(under) + 4;
+          check(name, `joint ${joint}, ${from.toFixed(3)} … ${to.toFixed(3)} s: the pixels reach the extremes`, reaches && keeps, `${top} ${row(most)} ${row(over)}, ${bottom} ${row(least)} ${row(under)}`);
+        }
+      }
+    }
+  }
+
+  // Files of what is seen.
+  const [from, to] = [0.31 * span, 0.34 * span];
+  await page.evaluate(([from, to]) => document.getElementById("cards").plots()[0].u.setScale("x", { min: from, max: to }), [from, to]);
+  await page.waitForTimeout(100);
+  const saved = async (what) => {
+    const [download] = await Promise.all([page.waitForEvent("download"), page.locator(what).first().click()]);
+    return readFileSync(await download.path(), "utf8");
+  };
+  const csv = (await saved("#csv")).trimEnd().split("\n");
+  const own = trace.get(data.joints.at(-1));
+  const inside = own.t_s.filter((t) => t >= from && t <= to);
+  const column = csv[0].split(",").findIndex((head) => head.includes(" e ["));
+  const cells = csv.slice(1).map((row) => row.split(",").map(Number));
+  const wanted = (t) => 1e3 * own.e_rad[own.t_s.indexOf(t)];
+  check(name, "CSV: the selected samples", cells.length === inside.length && cells.every((row, k) => row[0] === inside[k]), `${cells.length} ${inside.length}`);
+  check(name, "CSV: the trace's values", cells.every((row) => Math.abs(row[column] - wanted(row[0])) < 1e-5 * Math.max(...own.e_rad.map(Math.abs)) * 1e3));
+  const svg = await saved(".tools button");
+  const drawn = await page.evaluate((svg) => { const d = new DOMParser().parseFromString(svg, "image/svg+xml"); return [d.querySelectorAll("parsererror").length, d.querySelectorAll("path").length, d.querySelector("text")?.textContent]; }, svg);
+  check(name, "SVG: a figure with its title", drawn[0] === 0 && drawn[1] > 4 && drawn[2].includes(data.joints.at(-1)), drawn.join(" "));
+  // The browser remarks that this check reads pixels.
+  const said = seen.errors.filter((text) => !text.includes("willReadFrequently"));
+  check(name, "nothing was said on the console", said.length === 0, said.join("; "));
+  await context.close();
+  await touches(browser, file, span);
+}
+
+// A finger that goes sideways zooms every plot.
+async function touches(browser, file, span) {
+  const name = basename(file);
+  const { context, page } = await open(browser, file, { viewport: { width: 390, height: 800 }, hasTouch: true, isMobile: true });
+  const plot = page.locator(".u-over").first();
+  await plot.evaluate((e) => e.scrollIntoView({ block: "center" }));
+  const box = await plot.boundingBox();
+  const session = await context.newCDPSession(page);
+  const touch = (type, share) => session.send("Input.dispatchTouchEvent", { type, touchPoints: share == null ? [] : [{ x: box.x + share * box.width, y: box.y + 80 }] });
+  await touch("touchStart", 0.4);
+  for (const share of [0.45, 0.5, 0.55, 0.6]) await touch("touchMove", share);
+  await touch("touchEnd");
+  await page.waitForTimeout(200);
+  const seen = await page.evaluate(() => document.getElementById("cards").plots().filter(({ chart }) => !chart.phase).map(({ u }) => [u.scales.x.min, u.scales.x.max]));
+  check(name, "a finger sideways zooms every plot", seen.every(([a, b]) => Math.abs(a - 0.4 * span) < 0.06 * span && Math.abs(b - 0.6 * span) < 0.06 * span), JSON.stringify(seen[0]));
+  await context.close();
 }
 
 // The x range as the axis' first and last tick labels would tell it: read from the legend at both ends.
@@ -257,7 +474,7 @@ if (!executablePath || pages.length === 0) {
   process.exit(1);
 }
 if (shots) mkdirSync(shots, { recursive: true });
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 for (const file of pages) {
   try {
     if (hostile) await harmless(browser, file);
@@ -266,6 +483,8 @@ for (const file of pages) {
     else {
       await looks(browser, file);
       await works(browser, file);
+      await moves(browser, file);
+      await honest(browser, file);
     }
   } catch (error) {
     check(basename(file), "the check itself", false, error.message);
