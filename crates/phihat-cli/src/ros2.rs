@@ -63,7 +63,6 @@ impl Beside {
 #[cfg(not(feature = "ros2"))]
 impl Ros {
     /// Says that there is no node, where one is asked for.
-    #[expect(clippy::needless_pass_by_ref_mut, reason = "as with the feature")]
     pub(crate) fn beside(&self, _: &mut Prepared) -> Result<Beside, Failure> {
         if self.asked {
             let why = "--ros2: this build has no node; `cargo install --path crates/phihat-cli --features ros2` makes one that has";

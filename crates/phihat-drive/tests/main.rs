@@ -14,4 +14,5 @@ mod franka;
 mod franka_cycles;
 mod links;
 mod no_allocation;
+mod referred;
 mod same_trace;

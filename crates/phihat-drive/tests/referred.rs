@@ -1,17 +1,14 @@
 //! A motion from a file in place of the study's. Wrong if another motion were driven, if a joint got another's column, or if a file that is
 //! no motion of this arm were driven or left anything.
-#![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
-mod support;
 
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use crate::support::{HOSTILE, PLAIN, SUPERVISED, folder};
 use phihat_drive::{CheckName, DriveOptions, End, State, prepare};
 use phihat_session::{Leave, RunOptions};
 use phihat_sim::Trace;
-use support::{HOSTILE, PLAIN, SUPERVISED, folder};
 
 /// A file of a second and a half, joints in another order than the arm's.
 fn motion(head: &str, second: impl Fn(f64) -> f64) -> String {

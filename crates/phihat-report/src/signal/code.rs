@@ -113,7 +113,7 @@ fn whole(values: &[f64], quantum: f64) -> Vec<i64> {
     let mut before = 0;
     let value = |value: &f64| {
         if value.is_finite() {
-            #[allow(clippy::cast_possible_truncation, reason = "at most 2^BITS quanta")]
+            #[expect(clippy::cast_possible_truncation, reason = "at most 2^BITS quanta")]
             let quanta = (value / quantum).round() as i64;
             before = quanta;
         }
