@@ -179,6 +179,14 @@ async function moves(browser, file) {
   const bare = await open(browser, file, { javaScriptEnabled: false });
   check(name, "without scripts: a picture of the arm", await bare.page.locator(".poster svg").isVisible());
   await bare.context.close();
+
+  const flat = await browser.newContext();
+  await flat.addInitScript(() => { HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...more) { return kind === "webgl2" ? null : own.call(this, kind, ...more); })(HTMLCanvasElement.prototype.getContext); });
+  const still = await flat.newPage();
+  await still.goto(pathToFileURL(resolve(file)).href);
+  await still.waitForTimeout(500);
+  check(name, "without WebGL: a picture of the arm, and plots", (await still.locator(".poster svg").isVisible()) && !(await still.locator(".stage").isVisible()) && (await still.locator(".u-wrap canvas").count()) > 5);
+  await flat.close();
 }
 
 // The trace beside a page: of each joint, each column.
