@@ -114,7 +114,8 @@ async function moves(browser, file) {
     return { colours: new Set(all).size, sum: all.reduce((sum, v, i) => (sum + v * (i % 8191 + 1)) % 9007199254740881, 0) };
   });
   const clock = async () => Number((await page.locator("#clock").textContent()).split(" ")[0]);
-  const settled = () => page.waitForTimeout(250);
+  // Until what was asked for is drawn, however slow that is.
+  const settled = async () => { await page.waitForTimeout(200); await page.evaluate(() => { document.getElementById("arm-view").paint(); return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); }); };
   const first = await picture();
   check(name, "the arm is drawn", first.colours > 200, `${first.colours} colours`);
   check(name, "it does not move by itself", (await clock()) === 0);
