@@ -32,11 +32,13 @@ const MDBOOK: &str = "0.5.4";
 const COMMANDS: &str = "docs/book/src/reference/commands.md";
 
 /// Figures of the book and of the README: page whose commands make them, study, name.
-const FIGURES: [(&str, &str, &str); 4] = [
+const FIGURES: [(&str, &str, &str); 6] = [
     ("tutorial", "panda_design", "error"),
     ("tutorial", "panda_design", "inertia-window"),
     ("tutorial", "panda_design", "trade-off"),
+    ("tutorial", "panda_design", "arm"),
     ("how-to/franka", "panda", "error"),
+    ("how-to/franka", "panda", "arm"),
 ];
 
 /// Documents outside of the book whose links are followed too.
@@ -116,7 +118,7 @@ fn stale(what: &str) -> String {
 }
 
 /// Every figure as its page's commands have just drawn it, and as it is kept.
-fn figures(root: &Path) -> [(PathBuf, PathBuf); 4] {
+fn figures(root: &Path) -> [(PathBuf, PathBuf); 6] {
     FIGURES.map(|(page, study, name)| {
         let made = format!("{SCRATCH}/{page}/out/{study}/figures/{name}.svg");
         let kept = format!("{SOURCE}/figures/{study}-{name}.svg");

@@ -79,7 +79,12 @@
   const PATH = 500;
   const stride = Math.max(1, Math.ceil(times.length / PATH));
   const path = [];
-  for (let k = 0; k < times.length; k += stride) path.push([times[k], origin(poses(desired(k))[tip])]);
+  let [least, largest] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (let k = 0; k < times.length; k += stride) {
+    const places = poses(desired(k)).map(origin);
+    path.push([times[k], places[tip]]);
+    for (const p of places) [least, largest] = [least.map((x, i) => Math.min(x, p[i])), largest.map((x, i) => Math.max(x, p[i]))];
+  }
 
   // The largest factor that keeps the magnified error a small motion.
   const FACTORS = [1, 3, 10, 30, 100, 300, 1000];
@@ -212,10 +217,12 @@
 
   // ── The camera.
   const middle = path.reduce((sum, [, p]) => V.add(sum, V.times(p, 1 / path.length)), [0, 0, 0]);
-  const target = V.add(V.times(middle, 0.5), [0, 0, 0.06 * reach]);
-  const HOME = { azimuth: Math.atan2(middle[1], middle[0]) - 1.05, elevation: 0.32, distance: 1.9 * reach };
-  const eye = { ...HOME };
+  // A ball around all that the arm ever fills, a little above the legend.
+  const radius = 0.5 * V.norm(V.sub(largest, least)) + 0.06 * reach;
+  const target = V.add(V.times(V.add(least, largest), 0.5), [0, 0, -0.1 * radius]);
   const FIELD = 0.52;
+  const HOME = { azimuth: Math.atan2(middle[1], middle[0]) - 1.05, elevation: 0.32, distance: 0.98 * radius / Math.sin(FIELD / 2) };
+  const eye = { ...HOME };
   function camera(aspect) {
     const { azimuth, elevation, distance } = eye;
     const back = [Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation)];
@@ -316,8 +323,8 @@
     }
     const down = V.norm(gravity);
     if (down > 0) {
-      const from = [edge * -0.42 * Math.cos(HOME.azimuth - 1.2), edge * -0.42 * Math.sin(HOME.azimuth - 1.2), floor + 0.42 * reach];
-      const to = V.add(from, V.times(V.unit(gravity), 0.24 * reach));
+      const from = V.add(target, [-1.15 * radius * Math.sin(HOME.azimuth), 1.15 * radius * Math.cos(HOME.azimuth), 0.3 * radius]);
+      const to = V.add(from, V.times(V.unit(gravity), 0.22 * reach));
       arrow(from, to, 0.008 * reach, ink.gravity);
       labels.push([from, `gravity ${show(down)} m/s²`]);
     }

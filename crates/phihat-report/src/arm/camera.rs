@@ -23,24 +23,31 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// One that looks from the side at what the tip does.
-    pub(super) fn of(arm: &Arm, path: &[[f64; 3]]) -> Self {
+    /// One that looks from the side at what the tip does, and sees all that the arm ever fills.
+    pub(super) fn of(arm: &Arm, path: &[[f64; 3]], all: &[[f64; 3]]) -> Self {
         let count = path.len().max(1) as f64;
         let middle: [f64; 3] =
             core::array::from_fn(|i| path.iter().map(|p| p[i]).sum::<f64>() / count);
-        let reach = arm.reach();
-        let target = [0.5 * middle[0], 0.5 * middle[1], 0.5 * middle[2] + 0.05 * reach];
+        let end = |i: usize, pick: fn(f64, f64) -> f64| {
+            all.iter().map(|p| p[i]).reduce(pick).unwrap_or(0.0)
+        };
+        let least: [f64; 3] = core::array::from_fn(|i| end(i, f64::min));
+        let largest: [f64; 3] = core::array::from_fn(|i| end(i, f64::max));
+        let half: [f64; 3] = core::array::from_fn(|i| 0.5 * (largest[i] - least[i]));
+        let radius = norm(half) + 0.06 * arm.reach();
+        let mut target: [f64; 3] = core::array::from_fn(|i| least[i] + half[i]);
+        target[2] -= 0.1 * radius;
         let azimuth = libm::atan2(middle[1], middle[0]) - ASIDE;
         let (sa, ca) = libm::sincos(azimuth);
         let (se, ce) = libm::sincos(ELEVATION);
         let back = [ce * ca, ce * sa, se];
-        let from = core::array::from_fn(|i| target[i] + 2.1 * reach * back[i]);
+        let from = core::array::from_fn(|i| target[i] + 3.9 * radius * back[i]);
         Self {
             from,
             right: [-sa, ca, 0.0],
             up: [-se * ca, -se * sa, ce],
             back,
-            focal: 2.1 * HEIGHT,
+            focal: 1.9 * HEIGHT,
         }
     }
 

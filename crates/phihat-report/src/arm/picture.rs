@@ -57,12 +57,12 @@ impl<'a> Motion<'a> {
             wanted.iter().zip(&errors).map(|(q, e)| q[*k] + by * 1e-3 * e[*k]).collect()
         };
         let desired: Vec<_> = at.iter().map(|k| row(k, 0.0)).collect();
-        let tip: Vec<_> =
-            desired.iter().filter_map(|q| Some(arm.places(q).get(arm.tip)?.p)).collect();
+        let origins: Vec<_> = desired.iter().map(|q| arm.origins(q)).collect();
+        let tip: Vec<_> = origins.iter().filter_map(|all| all.get(arm.tip).copied()).collect();
         let whole = drawing.end_s / (count - 1).max(1) as f64;
         Some(Self {
             arm,
-            camera: Camera::of(arm, &tip),
+            camera: Camera::of(arm, &tip, &origins.concat()),
             t: at.iter().map(|k| *k as f64 * whole).collect(),
             drawn: at.iter().map(|k| row(k, factor)).collect(),
             errors: errors.into_iter().map(|e| fine.iter().map(|k| e[*k]).collect()).collect(),

@@ -114,7 +114,8 @@ async function moves(browser, file) {
     return { colours: new Set(all).size, sum: all.reduce((sum, v, i) => (sum + v * (i % 8191 + 1)) % 9007199254740881, 0) };
   });
   const clock = async () => Number((await page.locator("#clock").textContent()).split(" ")[0]);
-  const settled = () => page.waitForTimeout(250);
+  // Until what was asked for is drawn, however slow that is.
+  const settled = async () => { await page.waitForTimeout(200); await page.evaluate(() => { document.getElementById("arm-view").paint(); return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); }); };
   const first = await picture();
   check(name, "the arm is drawn", first.colours > 200, `${first.colours} colours`);
   check(name, "it does not move by itself", (await clock()) === 0);
@@ -179,6 +180,14 @@ async function moves(browser, file) {
   const bare = await open(browser, file, { javaScriptEnabled: false });
   check(name, "without scripts: a picture of the arm", await bare.page.locator(".poster svg").isVisible());
   await bare.context.close();
+
+  const flat = await browser.newContext();
+  await flat.addInitScript(() => { HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...more) { return kind === "webgl2" ? null : own.call(this, kind, ...more); })(HTMLCanvasElement.prototype.getContext); });
+  const still = await flat.newPage();
+  await still.goto(pathToFileURL(resolve(file)).href);
+  await still.waitForTimeout(500);
+  check(name, "without WebGL: a picture of the arm, and plots", (await still.locator(".poster svg").isVisible()) && !(await still.locator(".stage").isVisible()) && (await still.locator(".u-wrap canvas").count()) > 5);
+  await flat.close();
 }
 
 // The trace beside a page: of each joint, each column.
