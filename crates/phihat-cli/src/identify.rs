@@ -99,18 +99,52 @@ pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
              phi_rate_max_nm_s = {}\nphi_jump_max_nm = {}\n# torque_max_nm = \n# velocity_max_rad_s = \n\
              # position_min_rad = \n# position_max_rad = \n",
             joint.name,
-            figures(joint.inertia.low_kg_m2),
-            figures(joint.inertia.high_kg_m2),
-            figures(joint.phi_rate_max_nm_s),
-            figures(joint.phi_jump_max_nm),
+            at_least(joint.inertia.low_kg_m2),
+            at_most(joint.inertia.high_kg_m2),
+            at_most(joint.phi_rate_max_nm_s),
+            at_most(joint.phi_jump_max_nm),
         );
     }
     text
 }
 
-/// Four significant figures, as TOML writes a number.
-fn figures(value: f64) -> String {
-    let text = format!("{value:.3e}");
-    let rounded: f64 = text.parse().unwrap_or(value);
-    format!("{rounded:?}")
+/// Four significant figures of a bound from below, as TOML writes a number.
+fn at_least(bound: f64) -> String {
+    outward(bound, false)
+}
+
+/// The same of a bound from above.
+fn at_most(bound: f64) -> String {
+    outward(bound, true)
+}
+
+/// The next number of four significant figures that leaves an interval no narrower.
+fn outward(bound: f64, above: bool) -> String {
+    let four = |value: f64| format!("{value:.3e}").parse().unwrap_or(value);
+    let near: f64 = four(bound);
+    let step = 10.0_f64.powf(near.abs().log10().floor() - 3.0);
+    let wide = match above {
+        true if near < bound => four(near + step),
+        false if near > bound => four(near - step),
+        _ => near,
+    };
+    format!("{wide:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{at_least, at_most};
+
+    #[test]
+    fn four_figures_never_narrow_an_interval() {
+        for k in 1..2000_u32 {
+            let x = 1e-4 * f64::from(k).powf(1.7);
+            let (low, high): (f64, f64) =
+                (at_least(x).parse().unwrap(), at_most(x).parse().unwrap());
+            assert!(low <= x && x <= high, "{low} {x} {high}");
+            assert!(high - low <= 1.1e-3 * x, "{low} {x} {high}");
+        }
+        assert_eq!([at_least(0.0), at_most(0.0), at_most(0.25)], ["0.0", "0.0", "0.25"]);
+        assert_eq!([at_least(1.23456), at_most(1.23456)], ["1.234", "1.235"]);
+    }
 }
