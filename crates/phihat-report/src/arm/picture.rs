@@ -102,14 +102,16 @@ pub(crate) fn poster(drawing: &Drawing) -> Option<String> {
 }
 
 /// The whole run as a picture that moves, over the errors of its joints, as SVG.
-pub(crate) fn animation(drawing: &Drawing, bound_mrad: Option<f64>) -> Option<String> {
+///
+/// `bound`: what every joint's error is allowed \[mrad\], and from when on \[s\].
+pub(crate) fn animation(drawing: &Drawing, bound: Option<(f64, f64)>) -> Option<String> {
     let motion = Motion::of(drawing)?;
     let mut svg = head(
         HEIGHT + STRIP,
         "The arm as it moves, beside its desired pose, over the errors of its joints",
     );
     motion.paint(&mut svg, 0..motion.t.len());
-    motion.strip(&mut svg, bound_mrad);
+    motion.strip(&mut svg, bound);
     Some(svg + "</svg>")
 }
 
@@ -258,7 +260,8 @@ impl Motion<'_> {
     }
 
     /// The errors of all joints, and where in them the picture is.
-    fn strip(&self, svg: &mut String, bound: Option<f64>) {
+    fn strip(&self, svg: &mut String, bound: Option<(f64, f64)>) {
+        let (bound, from) = (bound.map(|bound| bound.0), bound.map_or(0.0, |bound| bound.1));
         let (left, right) = (64.0, WIDTH - 20.0);
         let (top, bottom) = (HEIGHT + 12.0, HEIGHT + STRIP - 34.0);
         let most = self.errors.iter().flatten().fold(0.0, |most: f64, e| most.max(e.abs()));
@@ -275,7 +278,8 @@ impl Motion<'_> {
         for level in bound.into_iter().flat_map(|bound| [bound, -bound]) {
             let _ = write!(
                 svg,
-                "<path d=\"M{left} {l:.1}H{right}\" stroke=\"#5a5a5b\" stroke-dasharray=\"6 6\"/>",
+                "<path d=\"M{from:.1} {l:.1}H{right}\" stroke=\"#5a5a5b\" stroke-dasharray=\"6 6\"/>",
+                from = x(from),
                 l = y(level)
             );
         }
@@ -300,7 +304,7 @@ impl Motion<'_> {
             words = bottom + 22.0,
             end = line(&stated(end)),
             middle = 0.5 * (left + right),
-            dashed = if bound.is_some() { ", dashed: its bound" } else { "" },
+            dashed = if bound.is_some() { ", dashed: what is allowed" } else { "" },
         );
         for level in [bound.unwrap_or(0.9 * most), -bound.unwrap_or(0.9 * most)] {
             let _ = write!(

@@ -103,7 +103,8 @@ fn arm(record: &Record<'_>) -> Option<Figure> {
     let mut bounds = record.metrics.joints.iter().map(|joint| joint.error_spec_rad);
     let first = bounds.next().flatten();
     let same = |bound: Option<f64>| bound.map(f64::to_bits) == first.map(f64::to_bits);
-    let bound = first.filter(|_| bounds.all(same)).map(|bound| MILLI * bound);
+    let bound = first.filter(|_| bounds.all(same));
+    let bound = bound.map(|bound| (MILLI * bound, record.metrics.settle_s));
     let svg = animation(record.drawing, bound)?;
     Some(Figure { name: "arm".to_owned(), title: "The arm as it moves".to_owned(), svg })
 }

@@ -113,13 +113,17 @@ fn whole(values: &[f64], quantum: f64) -> Vec<i64> {
     let mut before = 0;
     let value = |value: &f64| {
         if value.is_finite() {
-            #[expect(clippy::cast_possible_truncation, reason = "at most 2^BITS quanta")]
-            let quanta = (value / quantum).round() as i64;
-            before = quanta;
+            before = integer(value / quantum);
         }
         before
     };
     values.iter().map(value).collect()
+}
+
+/// The nearest integer of a number below 2⁵⁰: beside 1.5·2⁵² the last bit of a number is worth 1.
+fn integer(value: f64) -> i64 {
+    const BESIDE: f64 = 6_755_399_441_055_744.0;
+    (value + BESIDE).to_bits().wrapping_sub(BESIDE.to_bits()).cast_signed()
 }
 
 /// Positive and negative numbers in turn.
