@@ -11,7 +11,6 @@ mod support;
 mod facts;
 mod first_motion;
 mod franka;
-mod franka_cycles;
 mod links;
 mod no_allocation;
 mod referred;

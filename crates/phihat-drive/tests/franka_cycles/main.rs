@@ -1,5 +1,14 @@
 //! Cycles over the Franka Control Interface, many of them: `PHIHAT_CYCLES=3600000` for an hour. Wrong if the control thread allocated in a
-//! cycle, if memory grew, or if the error did.
+//! cycle, if memory grew, or if the error did. A program of its own: memory is the process's, and other tests' would count.
+#![allow(
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests: a panic is the report"
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
 
 use std::net::Ipv4Addr;
 use std::sync::atomic::AtomicBool;
