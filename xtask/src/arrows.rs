@@ -155,6 +155,7 @@ const CRATES: [Row; 21] = [
             "phihat-campaign",
             "phihat-compare",
             "phihat-design",
+            "phihat-drive",
             "phihat-model",
             "phihat-paper",
             "phihat-report",

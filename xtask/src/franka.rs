@@ -24,7 +24,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
     let program = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
     let words = [
-        "xtask/src/franka.py".to_owned(),
+        "examples/franka/sim.py".to_owned(),
         folder.display().to_string(),
         root.join(program).display().to_string(),
     ];

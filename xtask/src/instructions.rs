@@ -56,6 +56,23 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
 }
 
+/// Counts the cycles of a drive's control thread: supervisor, law, motion and record, and what its link costs.
+pub(crate) fn drive(root: &Path) -> Result<(), String> {
+    let program = build(root, "phihat-drive")?;
+    for (class, what) in [
+        ("loop", "over a link that costs nothing"),
+        ("fci5", "over the Franka Control Interface, version 5"),
+        ("fci10", "over the Franka Control Interface, version 10"),
+    ] {
+        let (few, many) = (300, 1300);
+        let each =
+            (count(&program, class, many)? - count(&program, class, few)?) / f64::from(many - few);
+        println!("{class}: {each:.0} instructions per cycle of 7 joints, {what}");
+    }
+    println!("(without those of the system's kernel)");
+    Ok(())
+}
+
 /// The bench for any processor: callgrind does not know the newest instructions.
 pub(crate) fn build(root: &Path, package: &str) -> Result<String, String> {
     let output = Command::new("cargo")

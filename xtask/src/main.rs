@@ -55,6 +55,7 @@ const USAGE: &str = "usage:
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
   cargo xtask franka           `phihat drive` on a Franka that somebody else simulates, by the clock: a motion, a pause that is borne, one
                                that is not, a jump (minutes)
+  cargo xtask drive-cost       counts the instructions of a cycle of the control thread of `phihat drive`
   cargo xtask ros2             `phihat drive --ros2` beside another DDS: every kind of message both ways, counts compared (half a minute
                                beyond the build, which compiles DDS)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
@@ -74,6 +75,7 @@ fn main() -> ExitCode {
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
+        Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),
         Some((verb, rest)) if verb == "ros2" => ros2::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "zoo" => zoo::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "laws" => laws::run(&shell::root(), rest),

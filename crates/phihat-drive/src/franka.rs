@@ -8,7 +8,7 @@ use phihat_sim::Sample;
 use phihat_study::Study;
 
 use crate::facts::{Adds, Clock, Facts, Stops, Tells};
-use crate::link::{Link, LinkFault, Wait};
+use crate::link::{Link, LinkFault, Readiness, Standing, Wait};
 use crate::system::HostClock;
 
 /// Time from one state to the next \[ns\].
@@ -128,25 +128,6 @@ impl FrankaLink {
         })
     }
 
-    /// The newest state; `None`: none came yet.
-    pub fn state(&self) -> Option<&RobotState> {
-        self.client.last()
-    }
-
-    /// The version that is spoken.
-    pub fn protocol(&self) -> Protocol {
-        self.client.protocol()
-    }
-
-    /// The arm's description that the robot hands out (URDF); version 10 alone.
-    ///
-    /// # Errors
-    ///
-    /// [`FciError`], as of [`Client::model`].
-    pub fn description(&mut self) -> Result<String, FciError> {
-        self.client.model()
-    }
-
     /// The command that an echo is, before it was rounded; else the echo.
     fn unrounded(&self, echo: &[f64; JOINTS]) -> [f64; JOINTS] {
         let (sent, count) = &self.sent;
@@ -215,6 +196,25 @@ fn fault(why: &FciError) -> LinkFault {
 impl Link for FrankaLink {
     fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    fn standing(&self) -> Option<Standing> {
+        let state = self.client.last()?;
+        let readiness = match (state.mode, state.reflex_reason.is_empty()) {
+            (RobotMode::Idle, _) => Readiness::Ready,
+            (RobotMode::Reflex, false) => {
+                Readiness::Stopped(format!("it stopped by itself: {}", state.reflex_reason))
+            }
+            (RobotMode::Reflex, true) => Readiness::Stopped("it stopped by itself".to_owned()),
+            (mode, _) => Readiness::Busy(format!("its mode is {mode:?}")),
+        };
+        Some(Standing { q: state.q.to_vec(), readiness })
+    }
+
+    /// Of version 10 alone.
+    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+        let tells = self.client.protocol() == Protocol::V10;
+        tells.then(|| self.client.model().map_err(|why| fault(&why)))
     }
 
     fn start(&mut self) -> Result<(), LinkFault> {

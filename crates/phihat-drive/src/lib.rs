@@ -48,6 +48,7 @@ mod link;
 mod machine;
 mod on;
 mod order;
+mod other_end;
 mod preflight;
 mod prepared;
 #[cfg(feature = "ros2")]
@@ -72,12 +73,12 @@ pub use facts::{Adds, Clock, Facts, Mismatch, Stops, Tells};
 pub use finding::{Finding, SystemError, is_preempt_rt};
 pub use franka::{FrankaAddress, FrankaLink};
 pub use hooks::{Tap, Targets};
-pub use link::{Link, LinkFault, Wait};
+pub use link::{Link, LinkFault, Readiness, Standing, Wait};
 pub use machine::{Machine, MachineOptions};
 pub use on::{On, OnError};
 pub use order::{Order, OrderError};
 pub use preflight::{Check, CheckName, State};
-pub use prepared::{DriveOptions, Driven, Prepared, prepare};
+pub use prepared::{DriveOptions, Driven, Prepared, prepare, prepare_on};
 #[cfg(feature = "ros2")]
 pub use ros2::{RosCounts, RosError, RosNode, RosOptions};
 pub use sim::SimLink;

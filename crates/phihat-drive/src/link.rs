@@ -67,6 +67,26 @@ impl LinkFault {
     }
 }
 
+/// Whether a robot takes torques.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Readiness {
+    /// It does.
+    Ready,
+    /// It stopped by itself, for this reason; [`Link::recover`] leads out of it.
+    Stopped(String),
+    /// It does not, for this reason.
+    Busy(String),
+}
+
+/// How a robot stands before it is started.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// Position of each joint \[rad, m\], in the order of the link.
+    pub q: Vec<f64>,
+    /// Whether it takes torques.
+    pub readiness: Readiness,
+}
+
 /// A robot, or what stands for one.
 ///
 /// The loop calls [`start`](Self::start) once, then [`wait`](Self::wait) and [`send`](Self::send) in turn, and
@@ -80,6 +100,16 @@ impl LinkFault {
 pub trait Link {
     /// What is true of the other end; it does not change.
     fn facts(&self) -> &Facts;
+
+    /// How the robot stands now, before it is started; `None`: an arm that begins where its study does.
+    fn standing(&self) -> Option<Standing> {
+        None
+    }
+
+    /// The description (URDF) that the robot itself hands out; `None`: it hands out none.
+    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+        None
+    }
 
     /// Brings the robot to where it takes torques.
     ///
@@ -132,5 +162,54 @@ pub trait Link {
         Self: Sized,
     {
         None
+    }
+}
+
+/// A robot of any kind.
+pub(crate) type Robot = Box<dyn Link + Send>;
+
+impl<L: Link + ?Sized> Link for Box<L> {
+    fn facts(&self) -> &Facts {
+        (**self).facts()
+    }
+
+    fn standing(&self) -> Option<Standing> {
+        (**self).standing()
+    }
+
+    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+        (**self).description()
+    }
+
+    fn start(&mut self) -> Result<(), LinkFault> {
+        (**self).start()
+    }
+
+    fn wait(&mut self, sample: &mut Sample) -> Wait {
+        (**self).wait(sample)
+    }
+
+    fn send(&mut self, tau: &[f64]) {
+        (**self).send(tau);
+    }
+
+    fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
+        (**self).acted(joint, inertia)
+    }
+
+    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
+        (**self).finish(tau)
+    }
+
+    fn recover(&mut self) -> Result<(), LinkFault> {
+        (**self).recover()
+    }
+
+    fn now_ns(&self) -> Option<u64> {
+        (**self).now_ns()
+    }
+
+    fn late_ns(&self) -> Option<u64> {
+        (**self).late_ns()
     }
 }

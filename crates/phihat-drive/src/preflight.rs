@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use phihat_design::{Gains, arm_inside_window};
-use phihat_fci::{Protocol, RobotMode};
 use phihat_model::Joint;
 use phihat_session::{Done, FirstStudy, SessionError, arm};
 use phihat_sim::{Motion, SimError, overload};
@@ -13,8 +12,9 @@ use serde::Serialize;
 use crate::described::apart;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
-use crate::franka::FrankaLink;
+use crate::link::{Link as _, Readiness, Robot, Standing};
 use crate::machine::Machine;
+use crate::order::Order;
 
 /// A check, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -222,30 +222,26 @@ const START_MAX: f64 = 0.05;
 /// Whether a robot takes torques, and stands where the motion begins; `recovers`: it is brought back first, if it stopped.
 pub(crate) fn robot(
     study: &Study,
-    link: Option<&FrankaLink>,
+    (standing, order): (Option<&Standing>, &Order),
     recovers: bool,
 ) -> Result<Check, SimError> {
     let name = CheckName::Robot;
-    let Some(state) = link.and_then(FrankaLink::state) else {
+    let Some(Standing { q, readiness }) = standing else {
         return Ok(Check::not_asked(name, "of a simulated arm"));
     };
-    let stopped = state.mode == RobotMode::Reflex && recovers;
-    if state.mode != RobotMode::Idle && !stopped {
-        let found = match (state.mode, state.reflex_reason.is_empty()) {
-            (RobotMode::Reflex, false) => format!("it stopped by itself: {}", state.reflex_reason),
-            (mode, _) => format!("its mode is {mode:?}"),
-        };
-        return Ok(Check::failed(
-            name,
-            found,
-            "a robot that is idle; `--recover` leads out of a reflex",
-        ));
+    match readiness {
+        Readiness::Ready => {}
+        Readiness::Stopped(_) if recovers => {}
+        Readiness::Stopped(found) | Readiness::Busy(found) => {
+            let valid = "a robot that is idle; `--recover` leads out of a reflex";
+            return Ok(Check::failed(name, found, valid));
+        }
     }
     let most = study.supervisor.as_ref().map_or(START_MAX, |asked| asked.start_mismatch_max);
     let motion = Motion::of(study)?;
-    let off = study.robot.joints.iter().zip(state.q).enumerate().map(|(i, (joint, q))| {
+    let off = study.robot.joints.iter().enumerate().map(|(i, joint)| {
         let [wanted, ..] = motion.told(i, 0.0);
-        (joint, q, wanted)
+        (joint, q.get(order.place(i)).copied().unwrap_or(f64::NAN), wanted)
     });
     let far: Vec<_> = off.filter(|(_, q, wanted)| beyond((q - wanted).abs(), most)).collect();
     if far.is_empty() {
@@ -268,14 +264,14 @@ fn beyond(figure: f64, most: f64) -> bool {
 const INERTIA_APART_MAX: f64 = 0.05;
 
 /// Whether the description that a robot hands out is of the arm that the study is about.
-pub(crate) fn description(study: &Study, link: Option<&mut FrankaLink>) -> Check {
+pub(crate) fn description(study: &Study, robot: Option<&mut Robot>) -> Check {
     let name = CheckName::Description;
-    let Some(link) = link else { return Check::not_asked(name, "of a simulated arm") };
-    if link.protocol() == Protocol::V5 {
-        return Check::not_asked(name, "of a robot of version 5, which hands out none");
-    }
+    let Some(robot) = robot else { return Check::not_asked(name, "of a simulated arm") };
+    let Some(told) = robot.description() else {
+        return Check::not_asked(name, "of a robot that hands out none");
+    };
     let valid = "a study about this arm, made of its description by `phihat new`";
-    let told = match link.description() {
+    let told = match told {
         Ok(told) => told,
         Err(why) => return Check::failed(name, why.to_string(), valid),
     };

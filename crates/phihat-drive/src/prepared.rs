@@ -18,11 +18,11 @@ use crate::error::DriveError;
 use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
-use crate::franka::FrankaLink;
 use crate::hooks::{Tap, Targets};
-use crate::link::{Link, LinkFault};
+use crate::link::{Link, LinkFault, Robot};
 use crate::on::On;
 use crate::order::Order;
+use crate::other_end::OtherEnd;
 use crate::preflight::{self, Check, CheckName, State};
 use crate::sim::SimLink;
 use crate::system;
@@ -58,8 +58,7 @@ pub struct Prepared {
     /// The first motion that was asked for.
     pub first: Option<FirstStudy>,
     options: DriveOptions,
-    /// A robot that is connected, and stands.
-    robot: Option<FrankaLink>,
+    end: OtherEnd,
     tap: Option<Box<dyn Tap>>,
     targets: Option<Arc<Targets>>,
 }
@@ -101,16 +100,36 @@ impl Driven {
 ///
 /// [`DriveError`]: the study or the gains cannot be used, or no robot answers. That a check does not pass is in [`Prepared::checks`].
 pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
+    prepare_at(options, None)
+}
+
+/// The same over a link of the caller's own; what the options say is at the other end is not looked at.
+///
+/// # Errors
+///
+/// As of [`prepare`].
+pub fn prepare_on(
+    options: &DriveOptions,
+    link: Box<dyn Link + Send>,
+) -> Result<Prepared, DriveError> {
+    prepare_at(options, Some(link))
+}
+
+fn prepare_at(options: &DriveOptions, own: Option<Robot>) -> Result<Prepared, DriveError> {
     // What may be gone past is decided by the checks below.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
     match &options.first {
-        None => prepare_whole(options, &run),
-        Some(asked) => prepare_first(options, &run, asked),
+        None => prepare_whole(options, &run, own),
+        Some(asked) => prepare_first(options, &run, asked, own),
     }
 }
 
 #[inline(never)]
-fn prepare_whole(options: &DriveOptions, run: &RunOptions) -> Result<Prepared, DriveError> {
+fn prepare_whole(
+    options: &DriveOptions,
+    run: &RunOptions,
+    own: Option<Robot>,
+) -> Result<Prepared, DriveError> {
     let again = || -> Result<Box<Study>, SessionError> {
         let (path, study) = (&options.run.study, phihat_session::read(&options.run.study)?);
         match &options.reference {
@@ -119,20 +138,10 @@ fn prepare_whole(options: &DriveOptions, run: &RunOptions) -> Result<Prepared, D
         }
     };
     let (session, folder) = run.open_study(again()?)?;
-    let facts = options.on.facts(session.study())?;
-    let mut robot = connected(&options.on, &facts, session.study())?;
-    let about = About { session: &session, first: None, facts: &facts, options };
-    let checks = about.checked(robot.as_mut(), again)?;
-    Ok(Prepared {
-        session,
-        folder,
-        checks,
-        first: None,
-        options: options.clone(),
-        robot,
-        tap: None,
-        targets: None,
-    })
+    let mut end = OtherEnd::of(own, &options.on, session.study())?;
+    let checks = About { session: &session, first: None, options }.checked(&mut end, again)?;
+    let options = options.clone();
+    Ok(Prepared { session, folder, checks, first: None, options, end, tap: None, targets: None })
 }
 
 #[inline(never)]
@@ -140,32 +149,26 @@ fn prepare_first(
     options: &DriveOptions,
     run: &RunOptions,
     asked: &FirstMotion,
+    own: Option<Robot>,
 ) -> Result<Prepared, DriveError> {
     let study = phihat_session::read(&options.run.study)?;
-    let facts = options.on.facts(&study)?;
-    let mut robot = connected(&options.on, &facts, &study)?;
-    let center = stands(&study, robot.as_ref())?;
+    let mut end = OtherEnd::of(own, &options.on, &study)?;
+    let center = stands(&study, &end)?;
     let first = first_study(&study, &center, asked, &options.run.study)?;
     let (session, folder) = run.open_study(first.study.clone())?;
-    let about = About { session: &session, first: Some(&first), facts: &facts, options };
-    let checks = about.checked(robot.as_mut(), || Ok(first.study.clone()))?;
-    Ok(Prepared {
-        session,
-        folder,
-        checks,
-        first: Some(first),
-        options: options.clone(),
-        robot,
-        tap: None,
-        targets: None,
-    })
+    let about = About { session: &session, first: Some(&first), options };
+    let checks = about.checked(&mut end, || Ok(first.study.clone()))?;
+    let (first, options) = (Some(first), options.clone());
+    Ok(Prepared { session, folder, checks, first, options, end, tap: None, targets: None })
 }
 
 /// Where an arm stands: by what the robot says, else where the study begins.
-fn stands(study: &Study, robot: Option<&FrankaLink>) -> Result<Vec<f64>, DriveError> {
+fn stands(study: &Study, end: &OtherEnd) -> Result<Vec<f64>, DriveError> {
     let joints = study.robot.joints.len();
-    if let Some(state) = robot.and_then(FrankaLink::state) {
-        return Ok(state.q.iter().copied().take(joints).collect());
+    if let Some(standing) = end.robot.as_ref().and_then(Link::standing) {
+        let order = end.order(study)?;
+        let at = |i| standing.q.get(order.place(i)).copied().unwrap_or_default();
+        return Ok((0..joints).map(at).collect());
     }
     let motion = Motion::of(study)?;
     Ok((0..joints).map(|i| motion.at(i, 0.0)[0]).collect())
@@ -175,7 +178,6 @@ fn stands(study: &Study, robot: Option<&FrankaLink>) -> Result<Vec<f64>, DriveEr
 struct About<'a> {
     session: &'a Session,
     first: Option<&'a FirstStudy>,
-    facts: &'a Facts,
     options: &'a DriveOptions,
 }
 
@@ -184,30 +186,29 @@ impl About<'_> {
     #[inline(never)]
     fn checked(
         &self,
-        robot: Option<&mut FrankaLink>,
+        end: &mut OtherEnd,
         again: impl Fn() -> Result<Box<Study>, SessionError>,
     ) -> Result<Vec<Check>, DriveError> {
-        let Self { session, first, facts, options } = self;
+        let Self { session, first, options } = self;
         let (study, gains, path) = (session.study(), session.gains(), &options.run.study);
-        let rehearsed = (facts.clock != Clock::LockStep).then(|| self.rehearse(again()?));
-        let rehearsed = rehearsed.transpose()?;
+        let rehearsed = (!end.is_rehearsal()).then(|| self.rehearse(again()?)).transpose()?;
         let (certificate, window) = match first {
             None => (preflight::certificate(study, gains), preflight::window(study, path, gains)?),
             Some(first) => preflight::cautious(first),
         };
-        let mut checks = vec![
+        let order = end.order(study)?;
+        let standing = end.robot.as_ref().and_then(Link::standing);
+        let checks = [
             certificate,
             window,
             preflight::motion(study, path)?,
-            preflight::profile(study, facts),
-            preflight::supervisor(study, facts),
-            preflight::robot(study, robot.as_deref(), options.recover)?,
-        ];
-        checks.extend([
-            preflight::description(study, robot),
-            preflight::real_time(facts),
+            preflight::profile(study, &end.facts),
+            preflight::supervisor(study, &end.facts),
+            preflight::robot(study, (standing.as_ref(), &order), options.recover)?,
+            preflight::description(study, end.robot.as_mut()),
+            preflight::real_time(&end.facts),
             preflight::rehearsal(rehearsed.as_ref()),
-        ]);
+        ];
         Ok(checks.into_iter().map(|check| check.unless(&options.accept)).collect())
     }
 
@@ -218,13 +219,6 @@ impl About<'_> {
         let gains = (self.session.gains().clone(), gains);
         Ok(Session::new(study, path, Some(gains), true)?.rehearse())
     }
-}
-
-/// A robot, where there is one at the other end.
-fn connected(on: &On, facts: &Facts, study: &Study) -> Result<Option<FrankaLink>, DriveError> {
-    let On::Franka(address) = on else { return Ok(None) };
-    let link = FrankaLink::connect(address, facts.clone(), study);
-    link.map(Some).map_err(|why| DriveError::Robot { at: on.words(), why })
 }
 
 impl Prepared {
@@ -274,17 +268,17 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, options, robot, tap, targets, .. } = self;
-        let mut tap = tap;
+        let Self { session, checks, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
-        let command = command(&options);
+        let OtherEnd { words: at, robot, .. } = end;
+        let command = command(&options, &at);
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
             let (tap, targets) = (tap.take(), targets.as_deref());
-            let (checks, options, names) = (&checks[..], &options, &names[..]);
-            let mut way = Way { checks, options, stop, names, samples, tap, targets };
+            let (at, checks, options, names) = (&at[..], &checks[..], &options, &names[..]);
+            let mut way = Way { at, checks, options, stop, names, samples, tap, targets };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -302,10 +296,10 @@ impl Prepared {
 }
 
 /// The command that makes the record again.
-fn command(options: &DriveOptions) -> String {
+fn command(options: &DriveOptions, at: &str) -> String {
     let mut words = vec![format!("phihat drive {}", options.run.study.display())];
     words.extend(options.run.gains.as_ref().map(|gains| format!("--gains {}", gains.display())));
-    words.push(options.on.words());
+    words.push(at.to_owned());
     let from = options.reference.as_ref();
     words.extend(from.map(|file| format!("--reference {}", file.display())));
     words.extend(options.first.map(|first| {
@@ -320,6 +314,7 @@ fn command(options: &DriveOptions) -> String {
 
 /// What the way of a drive needs to know beside its link.
 struct Way<'a> {
+    at: &'a str,
     checks: &'a [Check],
     options: &'a DriveOptions,
     stop: &'a AtomicBool,
@@ -406,7 +401,7 @@ impl Way<'_> {
         let faults: Vec<Value> =
             evidence.faults.iter().map(|(t, name)| json!({ "t_s": t, "fault": name })).collect();
         let document = json!({
-            "on": self.options.on.words(),
+            "on": self.at,
             "link": link,
             "checks": self.checks,
             "settings": given,
@@ -433,7 +428,7 @@ impl Way<'_> {
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
             .collect();
         let mut facts = vec![
-            ("driven".to_owned(), self.options.on.words()),
+            ("driven".to_owned(), self.at.to_owned()),
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
         for (label, times) in [("woke late", late), ("controller took", took)] {

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use crate::support::{HOSTILE, PLAIN, SUPERVISED, folder};
-use phihat_drive::{CheckName, DriveOptions, End, On, prepare};
+use crate::support::{HOSTILE, PLAIN, SUPERVISED, folder, sides};
+use phihat_drive::{CheckName, DriveOptions, End, On, SimLink, prepare, prepare_on};
 use phihat_session::{Leave, RunOptions, RunRecord};
 use serde_json::json;
 
@@ -134,4 +134,28 @@ fn by_the_clock_the_trace_is_the_same() {
     let text = PLAIN.replace("duration_s = 2.0", "duration_s = 0.3").replace("[reference]", lossy);
     fs::write(&path, text.replace("settle_s = 1.0", "settle_s = 0.1")).unwrap();
     assert!(same(&path, On::SimRealTime) > 0);
+}
+
+/// A link that a user of the library brings is looked at and driven as the ones that are known here.
+#[test]
+fn a_link_of_ones_own_is_driven_too() {
+    let path = folder("own").join("own.toml");
+    fs::write(&path, format!("{PLAIN}{SUPERVISED}")).unwrap();
+    let out = path.with_extension("out");
+    let run = RunOptions { study: path.clone(), out: Some(out.clone()), ..RunOptions::default() };
+    let run = RunOptions { uncertified: true, ..run };
+    let (session, _) = run.open().unwrap();
+    let study = session.study().clone();
+    let (_, world) = sides(&study);
+    let (_, trace) = session.run(|_| ());
+    let mut csv = Vec::new();
+    trace.write_csv(&mut csv).unwrap();
+    let accept = vec![CheckName::Certificate, CheckName::Window];
+    let options = DriveOptions { run, accept, ..DriveOptions::default() };
+    let prepared = prepare_on(&options, Box::new(SimLink::lock_step(&study, world))).unwrap();
+    assert!(!prepared.is_refused(), "{:?}", prepared.checks);
+    let leave = Leave { folder: &out, page: None };
+    let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
+    assert!(fs::read(out.join("trace.csv")).unwrap() == csv);
+    assert_eq!(driven.document["on"], "over the simulated arm");
 }

@@ -12,6 +12,7 @@ mod failure;
 mod gains;
 mod json;
 mod laws;
+mod link;
 mod own_law;
 mod plant;
 mod position_gains;
@@ -31,6 +32,8 @@ mod _phihat {
     use super::controller::Controller;
     #[pymodule_export]
     use super::gains::Gains;
+    #[pymodule_export]
+    use super::link::drive;
     #[pymodule_export]
     use super::plant::Plant;
     #[pymodule_export]

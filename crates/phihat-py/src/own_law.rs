@@ -29,7 +29,8 @@ pub(crate) struct Declared {
 /// What the law raised first, wherever it did.
 pub(crate) type Raised = Arc<Mutex<Option<PyErr>>>;
 
-fn kept(raised: &Raised, why: PyErr) {
+/// Keeps what is raised first.
+pub(crate) fn kept(raised: &Raised, why: PyErr) {
     raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
 }
 

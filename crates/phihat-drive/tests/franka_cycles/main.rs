@@ -10,89 +10,19 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-use std::net::Ipv4Addr;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
+use crate::support::served::{self, DRIVEN, Served};
 use crate::support::{PANDA, names, study};
 use allocation_counter::measure;
 use phihat_design::requested_gains;
 use phihat_drive::{
     Desk, End, FrankaAddress, FrankaLink, Link as _, Order, Plan, Reader, cycles, ring,
 };
-use phihat_fci::{
-    Ending, FciError, Host, Pace, Packets, Protocol, RobotSide, Rules, Sensed, World,
-};
-use phihat_sim::{Simulation, WorldSide};
-
-/// What is driven: an hour and more of it, with losses on both ways.
-const REST: &str = r#"
-[spec]
-settle_s = 1.0
-[world.network]
-command_loss = 0.01
-sample_loss = 0.01
-[supervisor]
-error_stop_rad = 0.2
-[reference]
-kind = "sines"
-center = "ready"
-fade_in_s = 1.0
-[[reference.sine]]
-amplitude_rad = 0.1
-frequency_hz = 0.3
-"#;
-
-/// A simulated arm behind the interface.
-struct Served {
-    side: WorldSide,
-    sensed: Sensed,
-    due: bool,
-    last: Option<u64>,
-    ended: Option<Ending>,
-}
-
-impl World for Served {
-    type Error = FciError;
-
-    fn begin(&mut self) -> Result<(), FciError> {
-        Ok(())
-    }
-
-    fn sensed(&mut self) -> Sensed {
-        if core::mem::take(&mut self.due)
-            && let Some(sensed) = self.side.sense()
-        {
-            let sample = sensed.sample;
-            for (i, joint) in sample.joints.iter().enumerate() {
-                (self.sensed.q[i], self.sensed.dq[i]) = (joint.q, joint.dq);
-                self.sensed.tau_j_d[i] = sample.accepted[i];
-            }
-            self.sensed.arrives = self.last != Some(sample.sequence);
-            self.last = Some(sample.sequence);
-        }
-        self.sensed
-    }
-
-    fn step(&mut self, torque: &[f64; 7]) {
-        self.side.act(torque);
-        self.due = true;
-    }
-
-    fn is_over(&self) -> bool {
-        self.side.is_over()
-    }
-
-    fn ended(&mut self, ending: Ending, _: Packets) -> Result<(), FciError> {
-        self.ended = Some(ending);
-        Ok(())
-    }
-
-    fn is_done(&mut self) -> bool {
-        self.ended.is_some()
-    }
-}
+use phihat_fci::{Ending, Protocol};
+use phihat_sim::Simulation;
 
 /// Largest |e| \[rad\] in the second tenth of the cycles and in the last.
 fn errors(mut reader: Reader, count: u64) -> [f64; 2] {
@@ -126,18 +56,14 @@ fn resident() -> u64 {
 
 /// Drives so many cycles; allocations of the control thread, errors, and by how much memory grew \[kB\].
 fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
-    let study = study(&format!("duration_s = 3900.0\nseed = 5\n{PANDA}{REST}"));
+    let study = study(&format!("duration_s = 3900.0\nseed = 5\n{PANDA}{DRIVEN}"));
     let gains = requested_gains(&study).unwrap();
     let names = names(&study);
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
     let (mut control, side) = Simulation::new(&study, &law).unwrap().apart();
-    let pace = Pace::LockStep { patience: Duration::from_mins(1) };
-    let rules = Rules { torque_step_max: Some(1.0), losses_max: Some(20), ..Rules::NONE };
-    let robot = RobotSide::new(rules, String::new());
-    let mut host = Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, robot).unwrap();
+    let mut host = served::listening();
     let address = FrankaAddress { host: host.address().to_string(), protocol: Some(protocol) };
-    let sensed = Sensed::default();
-    let mut world = Served { side, sensed, due: true, last: None, ended: None };
+    let mut world = Served::of(side);
     let serving = thread::spawn(move || {
         host.serve(&mut world).unwrap();
         world.ended

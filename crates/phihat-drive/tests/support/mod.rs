@@ -1,6 +1,8 @@
 //! Studies and their two sides.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub(crate) mod served;
+
 use std::path::{Path, PathBuf};
 
 use phihat::{Form, JointDesign, JointGains};

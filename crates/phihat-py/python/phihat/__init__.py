@@ -9,6 +9,7 @@ True
 >>> controller = phihat.Controller(gains)                   # the law: one call per sample
 >>> mine = phihat.simulate("studies/panda.toml", controller=my_law)     # your own law in the same world
 >>> arm = phihat.Supervisor(gains)                          # and around it what a real arm needs
+>>> phihat.drive("studies/panda.toml", my_robot)            # the whole of it on your own robot     # doctest: +SKIP
 
 Everything is in SI units and radians; the error is measured minus desired, ``e = q - q_des``. Arrays have one
 entry per joint in the order of ``joint_names``.
@@ -28,6 +29,7 @@ from ._phihat import Controller, Gains, PositionGains, Robot, Sample, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
 from ._document import Study
+from ._drive import Driven, Link, drive
 from .own import ArmFacts, Law, Plant
 from .study import compare, design, faults, read_run, report, reproduce, robots, simulate, verify
 from .trace import Trace
@@ -39,11 +41,13 @@ __all__ = [
     "ArmFacts",
     "Controller",
     "Crosscheck",
+    "Driven",
     "Error",
     "Gains",
     "GainsError",
     "Infeasible",
     "Law",
+    "Link",
     "Plant",
     "PositionGains",
     "Refuted",
@@ -58,6 +62,7 @@ __all__ = [
     "compare",
     "crosscheck",
     "design",
+    "drive",
     "faults",
     "read_run",
     "report",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _phihat
 from .._errors import ArgumentError
-from ._joints import joint_ids, motors, torque_limits
+from ._motors import Motors, steps_per
 
 Array = NDArray[np.float64]
 Reference = Callable[[float], tuple[Array, Array, Array]]
@@ -44,18 +44,12 @@ class Attached:
             found, limit = f"{len(names)} joints", f"{len(gains.joint_names)}, as the gains have"
             raise ArgumentError(f"joints: {found}; it must be {limit}", field="joints", value=found, limit=limit)
         self.joints = names
-        ids = joint_ids(model, names)
         self._model, self._data = model, data
-        self._qpos, self._dof = model.jnt_qposadr[ids].copy(), model.jnt_dofadr[ids].copy()
-        self._motors, self._factors = motors(model, ids)
-        own = torque_limits(model, ids, self._motors, self._factors)
+        self._motors = Motors(model, data, names, gravity)
         unlimited = _phihat.Controller(gains)
-        most = np.minimum(unlimited.torque_max, own)
+        most = np.minimum(unlimited.torque_max, self._motors.torque_max)
         self.controller = _phihat.Controller(gains, torque_max=most.tolist())
-        self._compensated = _check_gravity(model, ids, gravity)
-        self._scratch = mujoco.MjData(model) if self._compensated else None
-        self._added = np.zeros(len(ids))
-        _check_rate(model, self.controller.period)
+        steps_per(self.controller.period, model, "the gains")
         self._reference = reference if reference is not None else self._hold()
         self._start = float(data.time)
         self.samples = 0
@@ -67,14 +61,10 @@ class Attached:
         # A sample is due when its time has come, up to rounding of the simulator's clock.
         if t < self.samples * period - 1e-6 * period:
             return
-        applied = np.asarray(self._data.qfrc_actuator[self._dof]) - self._added
-        if self.samples == 0:
-            applied = np.zeros(len(self.joints))
+        applied = self._motors.applied() if self.samples else np.zeros(len(self.joints))
         q_des, dq_des, ddq_des = self._reference(self.samples * period)
-        q, dq = self._data.qpos[self._qpos], self._data.qvel[self._dof]
-        tau = self.controller.update(q, dq, q_des, dq_des, ddq_des, applied)
-        self._added = self._gravity()
-        self._data.ctrl[self._motors] = (tau + self._added) / self._factors
+        tau = self.controller.update(self._motors.q, self._motors.dq, q_des, dq_des, ddq_des, applied)
+        self._motors.command(tau)
         self.samples += 1
 
     def __call__(self, model: Any, data: Any) -> None:
@@ -105,18 +95,8 @@ class Attached:
 
     def _hold(self) -> Reference:
         zero = np.zeros(len(self.joints))
-        there = np.array(self._data.qpos[self._qpos])
+        there = self._motors.q
         return lambda _t: (there, zero, zero)
-
-    def _gravity(self) -> Array:
-        """The torque that the robot's own interface adds."""
-        if self._scratch is None:
-            return self._added
-        self._scratch.qpos[:] = self._data.qpos
-        self._scratch.qvel[:] = 0.0
-        mujoco.mj_fwdPosition(self._model, self._scratch)
-        mujoco.mj_fwdVelocity(self._model, self._scratch)
-        return np.array(self._scratch.qfrc_bias[self._dof])
 
 
 def attach(
@@ -149,28 +129,3 @@ def attach(
             period, or the model compensates gravity although it is said to act.
     """
     return Attached(model, data, gains, joints, reference, gravity)
-
-
-def _check_gravity(model: Any, ids: list[int], gravity: str) -> bool:
-    if gravity not in ("acting", "compensated"):
-        limit = '"acting" or "compensated"'
-        raise ArgumentError(f"gravity: {gravity!r}; it must be {limit}", field="gravity", value=gravity, limit=limit)
-    first = int(model.jnt_bodyid[ids[0]])
-    helped = [b for b in range(model.nbody) if model.body_rootid[b] == model.body_rootid[first]]
-    if any(model.body_gravcomp[b] != 0.0 for b in helped):
-        raise ArgumentError(
-            "gravity: bodies of the arm have gravcomp, a passive force that no torque limit knows of; remove it, and say "
-            'gravity="compensated" if the robot\'s interface adds gravity',
-            field="gravcomp",
-        )
-    return gravity == "compensated"
-
-
-def _check_rate(model: Any, period: float) -> None:
-    step = float(model.opt.timestep)
-    steps = round(period / step)
-    if steps < 1 or abs(steps * step - period) > 1e-9 * period:
-        limit = f"a whole part of {period} s"
-        raise ArgumentError(
-            f"timestep: {step} s; it must be {limit}, the period of the gains", field="timestep", value=step, limit=limit
-        )

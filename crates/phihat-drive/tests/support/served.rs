@@ -1,0 +1,90 @@
+//! A simulated Franka behind its interface.
+
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use phihat_fci::{Ending, FciError, Host, Pace, Packets, RobotSide, Rules, Sensed, World};
+use phihat_sim::WorldSide;
+
+/// What is driven: an hour and more of it, with losses on both ways.
+pub(crate) const DRIVEN: &str = r#"
+[spec]
+settle_s = 1.0
+[world.network]
+command_loss = 0.01
+sample_loss = 0.01
+[supervisor]
+error_stop_rad = 0.2
+[reference]
+kind = "sines"
+center = "ready"
+fade_in_s = 1.0
+[[reference.sine]]
+amplitude_rad = 0.1
+frequency_hz = 0.3
+"#;
+
+/// A simulated arm behind the interface.
+pub(crate) struct Served {
+    side: WorldSide,
+    sensed: Sensed,
+    due: bool,
+    last: Option<u64>,
+    /// How the motion ended.
+    pub(crate) ended: Option<Ending>,
+}
+
+impl Served {
+    /// The arm of a study.
+    pub(crate) fn of(side: WorldSide) -> Self {
+        Self { side, sensed: Sensed::default(), due: true, last: None, ended: None }
+    }
+}
+
+impl World for Served {
+    type Error = FciError;
+
+    fn begin(&mut self) -> Result<(), FciError> {
+        Ok(())
+    }
+
+    fn sensed(&mut self) -> Sensed {
+        if core::mem::take(&mut self.due)
+            && let Some(sensed) = self.side.sense()
+        {
+            let sample = sensed.sample;
+            for (i, joint) in sample.joints.iter().enumerate() {
+                (self.sensed.q[i], self.sensed.dq[i]) = (joint.q, joint.dq);
+                self.sensed.tau_j_d[i] = sample.accepted[i];
+            }
+            self.sensed.arrives = self.last != Some(sample.sequence);
+            self.last = Some(sample.sequence);
+        }
+        self.sensed
+    }
+
+    fn step(&mut self, torque: &[f64; 7]) {
+        self.side.act(torque);
+        self.due = true;
+    }
+
+    fn is_over(&self) -> bool {
+        self.side.is_over()
+    }
+
+    fn ended(&mut self, ending: Ending, _: Packets) -> Result<(), FciError> {
+        self.ended = Some(ending);
+        Ok(())
+    }
+
+    fn is_done(&mut self) -> bool {
+        self.ended.is_some()
+    }
+}
+
+/// Waits for a client of either version on the loopback, in lock-step.
+pub(crate) fn listening() -> Host {
+    let pace = Pace::LockStep { patience: Duration::from_mins(1) };
+    let rules = Rules { torque_step_max: Some(1.0), losses_max: Some(20), ..Rules::NONE };
+    Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, RobotSide::new(rules, String::new())).unwrap()
+}
