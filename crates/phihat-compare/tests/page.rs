@@ -185,7 +185,7 @@ fn marks_lie_where_their_figures_are() {
     let mut all = comparison([1.0, 10.0, 100.0, 0.1]);
     for row in &mut all.rows {
         for figures in row.cells.iter_mut().filter_map(|cell| cell.worst.as_mut()) {
-            figures.chatter_nm = figures.error_rms_rad.sqrt();
+            figures.noise = figures.error_rms_rad.sqrt();
         }
     }
     let page = comparison_page(&all, COMMAND);
@@ -199,7 +199,7 @@ fn marks_lie_where_their_figures_are() {
     let at: Vec<_> =
         plot.select(&marks).map(|path| place(path.value().attr("transform").unwrap())).collect();
     assert_eq!(at.len(), IDS.len());
-    // Decades of error are equal steps up, and the effort is their root: all on one straight line.
+    // Decades of error are equal steps up, and the noise is their root: all on one straight line.
     let step = at[1][1] - at[0][1];
     assert!(step < -50.0, "{at:?}");
     for (low, high) in [(1, 2), (3, 0)] {

@@ -16,6 +16,7 @@ mod names;
 mod outcome;
 mod quantity;
 mod scatter;
+mod story;
 mod summary;
 mod terms;
 mod ticks;
@@ -41,22 +42,32 @@ pub fn comparison_page(comparison: &Comparison, command: &str) -> String {
     let title = format!("Rivals compared: {}", arms.join(", "));
     let main = html! {
         (summary::heading(comparison, &title))
-        (summary::another_row(comparison))
+        @for arm in &comparison.arms {
+            h2 id=(anchor("arm", &arm.name)) { (line(&arm.name)) ": " (line(&arm.robot)) }
+            (story::story(comparison, arm))
+        }
+        h2 id="details" { "Behind it" }
         @for arm in &comparison.arms { (arm_part(comparison, arm)) }
-        (traces::traces(comparison, command))
-        (cards::cards(comparison))
+        (folded("When to pick another row", &summary::another_row(comparison)))
+        (folded("Every cell and its trace", &traces::traces(comparison, command)))
+        (folded("The laws", &cards::cards(comparison)))
         (terms::fairness(comparison, command))
         (terms::not_claimed())
     };
     Page { title: &title, style: STYLE, script: Some(SCRIPT) }.document(&main)
 }
 
+/// A part that is opened by a click, or by a link into it.
+fn folded(title: &str, body: &Markup) -> Markup {
+    html! { details.behind { summary { (title) } (body) } }
+}
+
 fn arm_part(comparison: &Comparison, arm: &ArmRecord) -> Markup {
-    html! {
-        h2 id=(anchor("arm", &arm.name)) { (line(&arm.name)) ": " (line(&arm.robot)) }
+    let body = html! {
         (figures::tables(comparison, arm))
         (scatter::plots(comparison, arm))
         (heat::map(comparison, arm))
         (ticks::table(comparison, arm))
-    }
+    };
+    folded(&format!("All figures of {}", line(&arm.name)), &body)
 }

@@ -1,4 +1,4 @@
-//! Error against chatter, and against effort where laws differ in it, logarithmic: a labelled mark per law.
+//! Error against torque noise, chatter, and effort where laws differ in it, logarithmic: a labelled mark per law.
 
 use crate::{ArmRecord, Comparison, Figures, GainsKind, Row};
 use maud::{Markup, html};
@@ -6,6 +6,7 @@ use phihat_rivals::Needs;
 
 use super::axis::Axis;
 use super::labels::{Place, places};
+use super::losses::is_proposed;
 use super::names::{main_world, title};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::anchor;
@@ -66,6 +67,13 @@ struct Against {
     of: fn(&Figures) -> f64,
 }
 
+const NOISE: Against = Against {
+    title: "Error against torque noise",
+    axis: "torque noise [% of the joint's limit]",
+    unit: "% of the torque limit",
+    of: |figures| 100.0 * figures.noise,
+};
+
 const CHATTER: Against = Against {
     title: "Error against chatter",
     axis: "mean change of torque per sample [N·m]",
@@ -79,6 +87,39 @@ const EFFORT: Against = Against {
     unit: "% of the torque limit",
     of: |figures| 100.0 * figures.effort,
 };
+
+/// The picture that the page opens with, and who is best in it.
+pub(super) fn noise(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    let Some(world) = main_world(comparison) else { return html! {} };
+    html! {
+        (plot(comparison, arm, world, &NOISE))
+        (named_best(comparison, arm, world))
+    }
+}
+
+/// The least errors of the picture among laws within the cap on noise: of all, without a model, and of the proposed ones.
+fn named_best(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Markup {
+    let cap = 100.0 * comparison.fairness.noise_cap;
+    let place = |row| point(comparison, row, world, NOISE.of);
+    let mut points: Vec<_> = comparison.rows_of(&arm.name).filter_map(place).collect();
+    points.retain(|point| point.price <= cap);
+    points.sort_by(|a, b| a.error.total_cmp(&b.error));
+    let least = |which: fn(&Point) -> bool| points.iter().find(|point| which(point));
+    let told = |point: &Point| {
+        let (error, noise) = (number(point.error), number(point.price));
+        format!("{}, {error} mrad at {noise} %", point.name)
+    };
+    html! { @if let Some(best) = points.first() { p.best-named {
+        "Least error within the cap on noise (" (stated(cap)) " %): " strong { (told(best)) }
+        @if best.kind != Kind::Free && let Some(free) = least(|point| point.kind == Kind::Free) {
+            "; without a model: " strong { (told(free)) }
+        }
+        @if !is_proposed(&best.id) && let Some(own) = least(|point| is_proposed(&point.id)) {
+            "; of the proposed laws: " strong { (told(own)) }
+        }
+        "."
+    } } }
+}
 
 /// The error against what it costs, each a figure.
 pub(super) fn plots(comparison: &Comparison, arm: &ArmRecord) -> Markup {
@@ -178,6 +219,7 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
                 g class=(class(point.kind)) {
                     title { (point.name) ": " (number(point.error)) " mrad, " (number(point.price)) " " (against.unit) }
                     (mark(point.kind, *x, *y))
+                    @if is_proposed(&point.id) { circle.ours cx=(format!("{x:.1}")) cy=(format!("{y:.1}")) r="9" {} }
                     a href=(format!("#{}", anchor("rival", &point.id))) {
                         text x=(format!("{:.1}", label.left)) y=(format!("{:.1}", label.centre + 4.0)) { (point.id) }
                     }
@@ -186,7 +228,9 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
         }
         p.key.kinds { @for (kind, class, words) in KINDS {
             span { svg viewBox="0 0 16 16" aria-hidden="true" { g class=(class) { (mark(kind, 8.0, 8.0)) } } " " (words) }
-        } }
+        }
+            span { svg viewBox="0 0 22 22" aria-hidden="true" { circle.ours cx="11" cy="11" r="9" {} } " the paper's law, and this project's" }
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use super::claims::verdict;
 use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::studies::Setting;
-use crate::compose::{axis, curve, figure, lines, marks, number, section, statement};
+use crate::compose::{axis, figure, lines, marks, number, section, statement, way};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Panel, Section, Verdict};
@@ -87,10 +87,10 @@ fn radial_rate(run: &Run) -> Result<f64, PartError> {
 
 fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
     let panel = |setting: Setting, form: Form| -> Result<_, PartError> {
-        let tips = runs.get(setting, form)?.tips(4)?;
+        let tips = runs.get(setting, form)?.tips(1)?;
         let series = vec![
-            curve("desired", tips.iter().map(|[_, wanted]| *wanted)),
-            curve("tip", tips.iter().map(|[tip, _]| *tip)),
+            way("desired", tips.iter().map(|[_, wanted]| *wanted)),
+            way("tip", tips.iter().map(|[tip, _]| *tip)),
             marks("start", tips.iter().take(1).map(|[tip, _]| *tip).collect()),
         ];
         let title = format!("{}, {} form", setting.label(), form_name(form));

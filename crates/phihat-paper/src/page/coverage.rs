@@ -8,7 +8,6 @@ use crate::record::Reproduction;
 
 pub(super) fn table(reproduction: &Reproduction) -> Markup {
     html! {
-        h2 id="coverage" { "What is covered" }
         p { "Counted from the references that every statement gives; what no statement covers is named." }
         div.scroll.words tabindex="0" role="region" aria-label="Table: coverage" {
             table.coverage {

@@ -1,6 +1,6 @@
 //! The page of the reproduction: every statement of the paper with its verdict, and what it rests on.
 
-use crate::record::{Reproduction, Section, Table};
+use crate::record::{Origin, Reproduction, Section, Table, Verdict};
 use maud::{Markup, PreEscaped, html};
 
 use crate::figure::draw as reproduction_figure;
@@ -13,28 +13,49 @@ mod statement;
 mod summary;
 mod words;
 
-/// The self-contained page of a reproduction. Nothing is loaded and no script runs: the choice of verdicts is
-/// made of styles.
+/// What searches, and opens what a link points at.
+const SCRIPT: &str = include_str!("reproduction.js");
+
+/// The self-contained page of a reproduction. Nothing is loaded. Its script searches, and opens what a link points at; without it the page
+/// reads as well, and the choice of verdicts is made of styles.
 pub fn reproduction_page(reproduction: &Reproduction) -> String {
     let main = html! {
         (overview::header(reproduction))
         (summary::summary(reproduction))
+        h2 id="statements" { "Every statement" }
         (overview::choice())
-        (overview::overview(reproduction))
-        (coverage::table(reproduction))
-        (overview::assumptions(reproduction))
         @for section in &reproduction.sections { (part(section)) }
+        (folded("overview", "By verdict", &overview::overview(reproduction)))
+        (folded("coverage", "What is covered", &coverage::table(reproduction)))
+        @if !reproduction.assumptions.is_empty() {
+            (folded("assumptions", "Assumptions", &overview::assumptions(reproduction)))
+        }
         (again(reproduction))
         (not_claimed())
     };
-    Page { title: "The paper, reproduced", style: include_str!("reproduction.css"), script: None }
-        .document(&main)
+    Page {
+        title: "The paper, reproduced",
+        style: include_str!("reproduction.css"),
+        script: Some(SCRIPT),
+    }
+    .document(&main)
+}
+
+/// A part that is opened by a click.
+fn folded(id: &str, title: &str, body: &Markup) -> Markup {
+    html! { details.part.more id=(id) { summary { h3 { (title) } } (body) } }
 }
 
 fn part(section: &Section) -> Markup {
     html! {
-        section.part id=(anchor("section", &section.id)) {
-            h2 { (prose(&section.title)) }
+        details.part id=(anchor("section", &section.id)) {
+            summary {
+                h3 { (prose(&section.title)) }
+                @for verdict in Verdict::ALL {
+                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
+                    @if count > 0 { span.tally title=(verdict.words()) { (verdict.sign()) " " (count) } }
+                }
+            }
             @for paragraph in &section.text { p { (prose(paragraph)) } }
             (statement::table(section))
             @for figure in &section.figures {

@@ -61,7 +61,6 @@ pub(super) fn choice() -> Markup {
 
 pub(super) fn overview(reproduction: &Reproduction) -> Markup {
     html! {
-        h2 id="overview" { "Overview" }
         div.overview { @for verdict in Verdict::ALL {
             @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
             section.group.(class) {
@@ -73,16 +72,6 @@ pub(super) fn overview(reproduction: &Reproduction) -> Markup {
             }
         } }
         (beside(reproduction))
-        nav aria-label="sections" {
-            h3 { "Sections" }
-            ol { @for section in &reproduction.sections { li {
-                a href=(format!("#{}", anchor("section", &section.id))) { (prose(&section.title)) }
-                @for verdict in Verdict::ALL {
-                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
-                    @if count > 0 { span.tally { (verdict.sign()) " " (count) } }
-                }
-            } } }
-        }
     }
 }
 
@@ -103,8 +92,7 @@ pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
     let using = |id: &str| {
         statements(reproduction).filter(|s| s.assumptions.iter().any(|a| a == id)).count()
     };
-    html! { @if !reproduction.assumptions.is_empty() {
-        h2 id="assumptions" { "Assumptions" }
+    html! {
         p { "What the paper does not print, what stands in its place, and how much it matters." }
         div.scroll.words tabindex="0" role="region" aria-label="Table: assumptions" {
             table {
@@ -130,5 +118,5 @@ pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
                 } }
             }
         }
-    } }
+    }
 }

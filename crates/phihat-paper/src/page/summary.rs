@@ -2,6 +2,10 @@
 
 use maud::{Markup, html};
 
+use phihat_report::kit::anchor;
+use phihat_report::kit::text::prose;
+
+use super::words::statements;
 use crate::coverage::coverage;
 use crate::record::{Origin, Reproduction, Section, Verdict};
 
@@ -46,6 +50,67 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
 ];
 
+/// What somebody who implements the paper has to do otherwise: the statement in which it was found, what to do, and why.
+const CORRECTIONS: [(&str, &str, &str); 5] = [
+    (
+        "remark5-parameters",
+        "Give the law a nominal inertia for each joint.",
+        "The factor M̄ of (5) and (6) is printed as 1. With the joint's own inertia the printed gains are stable at any; with 1, up to a few kg·m².",
+    ),
+    (
+        "lemma1-start",
+        "Start the estimate at zero, not the integrals.",
+        "Integrals at zero make the φ̂ of (9) and (10) begin at hundreds of N·m where the arm is off its path. The observer form of (8) begins at zero.",
+    ),
+    (
+        "saturation-in-phi",
+        "Feed the estimator with the torque that acted.",
+        "(9) and (10) do not know of a torque limit, and go on summing against it. With τ_applied − M̄q̈ the limit is a part of φ, as the paper says.",
+    ),
+    (
+        "theorem5-componentwise",
+        "Take no bound on an error from (40) or (44).",
+        "Row by row they bound nothing: the worst φ goes beyond the limits that (44) was solved for. Peak-to-peak (L₁) gains are the bound.",
+    ),
+    (
+        "table2-c2",
+        "Do not take the gains of order 2 in Table 2 for proved.",
+        "They violate A3, so Theorems 2, 3 and 5 say nothing about them. K̃ above 2b₀ is what A3 asks for.",
+    ),
+];
+
+/// The corrections, where their statements were tested.
+fn corrections(reproduction: &Reproduction) -> Markup {
+    let tested = |id: &str| statements(reproduction).find(|statement| statement.id == id);
+    let found: Vec<_> = CORRECTIONS
+        .iter()
+        .filter_map(|(id, to_do, why)| Some((tested(id)?, *to_do, *why)))
+        .collect();
+    html! { @if !found.is_empty() {
+        h2 id="corrections" {
+            @if found.len() == CORRECTIONS.len() { "Five corrections that you need if you implement this paper" }
+            @else { "Corrections that you need if you implement this paper" }
+        }
+        ol.corrections { @for (statement, to_do, why) in found { li {
+            strong { (to_do) } " " (why) " "
+            a href=(format!("#{}", anchor("claim", &statement.id))) { (prose(&statement.place)) }
+        } } }
+    } }
+}
+
+/// What cannot be told, by its places.
+fn untold(reproduction: &Reproduction) -> Markup {
+    let open: Vec<_> = reproduction.of(Origin::Paper, Verdict::Open).collect();
+    html! { @if !open.is_empty() { p {
+        "Cannot be told from what is printed: "
+        @for (k, statement) in open.iter().enumerate() {
+            @if k > 0 { "; " }
+            a href=(format!("#{}", anchor("claim", &statement.id))) { (prose(&statement.place)) }
+        }
+        "."
+    } } }
+}
+
 pub(super) fn summary(reproduction: &Reproduction) -> Markup {
     let [holds, corrected, refuted, open] =
         Verdict::ALL.map(|verdict| reproduction.of(Origin::Paper, verdict).count());
@@ -68,7 +133,10 @@ pub(super) fn summary(reproduction: &Reproduction) -> Markup {
                 (count(refuted, "is", "are")) " refuted as worded. " (open) " cannot be told from what is printed, and that says \
                  nothing against the paper."
             }
-            @if !groups.is_empty() { p { "Holds, as printed or with a correction: " (groups) "." } }
+            (corrections(reproduction))
+            h2 id="holds" { "What holds" }
+            @if !groups.is_empty() { p { "As printed or with a correction: " (groups) "." } }
+            (untold(reproduction))
             p {
                 "Every statement says how it was read, what was varied, and where its verdict would turn. Nothing was measured on the \
                  authors' arms: they are not published, and what is simulated in their place is assumed. Covered: " (covered) "."
@@ -79,12 +147,30 @@ pub(super) fn summary(reproduction: &Reproduction) -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use super::GROUPS;
+    use super::{CORRECTIONS, GROUPS};
+
+    fn kept() -> serde_json::Value {
+        let kept = include_str!("../../../../docs/reproduction/reproduction.json");
+        serde_json::from_str(kept).unwrap()
+    }
+
+    /// A correction stands where the statement was found wanting.
+    #[test]
+    fn every_correction_corrects_something() {
+        let kept = kept();
+        let sections = kept["sections"].as_array().unwrap().iter();
+        let all: Vec<_> =
+            sections.flat_map(|section| section["statements"].as_array().unwrap()).collect();
+        for (id, ..) in CORRECTIONS {
+            let statement = all.iter().find(|statement| statement["id"] == id).unwrap();
+            let verdict = statement["verdict"].as_str().unwrap();
+            assert!(["with_correction", "refuted"].contains(&verdict), "{id}: {verdict}");
+        }
+    }
 
     #[test]
     fn every_statement_of_the_paper_is_in_one_group() {
-        let kept = include_str!("../../../../docs/reproduction/reproduction.json");
-        let kept: serde_json::Value = serde_json::from_str(kept).unwrap();
+        let kept = kept();
         for section in kept["sections"].as_array().unwrap() {
             let id = section["id"].as_str().unwrap();
             let mut statements = section["statements"].as_array().unwrap().iter();

@@ -394,13 +394,25 @@ async function harmless(browser, file) {
   await context.close();
 }
 
-// The page of the reproduction: no script at all; the choice of verdicts is made of styles.
+// The page of the reproduction: what matters first, the rest folded; a search, a choice of verdicts that is made of styles.
 async function reproduced(browser, file) {
   const name = basename(file);
   for (const [view, options] of VIEWS) {
     const { context, page, seen } = await open(browser, file, options);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
+    const before = await page.evaluate(() => document.documentElement.scrollHeight / innerHeight);
+    check(name, `${view}: folded it is a few screens`, before < (view === "phone" ? 12 : 5), `${before.toFixed(1)}`);
+    if (shots) await page.screenshot({ path: `${shots}/${name}-${view}-folded.png`, fullPage: true });
+    await page.locator(".corrections a").first().click();
+    await page.waitForTimeout(50);
+    check(name, `${view}: a correction's link opens its statement`, await page.locator("tr:target").isVisible());
+    await page.fill("#search", "table 2 least");
+    const hits = await page.locator("tr.statement").evaluateAll((all) => all.filter((row) => row.checkVisibility()).map((row) => row.textContent.toLowerCase()));
+    const total = await page.locator("tr.statement").count();
+    check(name, `${view}: a search finds`, hits.length > 0 && hits.length < total && hits.every((text) => text.includes("table 2") && text.includes("least")), `${hits.length} of ${total}`);
+    await page.fill("#search", "");
+    await page.evaluate(() => document.querySelectorAll("details.part").forEach((part) => { part.open = true; }));
     const figures = await page.locator("figure svg[role=img]").evaluateAll((all) => all.map((svg) => svg.getBoundingClientRect()));
     check(name, `${view}: figures are seen`, figures.length > 0 && figures.every((box) => box.width > 250 && box.height > 80), `${figures.length}`);
     check(name, `${view}: no figure failed`, !(await page.content()).includes("could not be drawn"));
@@ -444,6 +456,10 @@ async function compares(browser, file) {
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
     check(name, `${view}: the plot is drawn`, (await page.locator(".plot > svg .mark").count()) > 1);
+    const screens = await page.evaluate(() => document.getElementById("details").getBoundingClientRect().top / innerHeight);
+    check(name, `${view}: at most ten screens before the details`, screens <= 10, screens.toFixed(1));
+    const first = await page.locator(".plot > svg").first().evaluate((svg) => svg.getBoundingClientRect().top / innerHeight);
+    check(name, `${view}: the picture begins on the first screen`, first < 1, first.toFixed(2));
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
@@ -452,6 +468,10 @@ async function compares(browser, file) {
 
   const { context, page, seen } = await open(browser, file, { viewport: { width: 1280, height: 900 } });
   const table = page.locator("table.sortable").first();
+  await page.evaluate(() => document.querySelectorAll("details.behind").forEach((part) => { part.open = true; }));
+  const ranks = page.locator("table.ranks").first();
+  const means = await ranks.locator("tbody tr").evaluateAll((rows) => rows.map((row) => Number(row.cells[1].textContent)));
+  check(name, "laws stand in the order of their mean places", means.length > 0 && means.every((v, k) => k === 0 || v >= means[k - 1]), means.join(" "));
   const heading = table.locator("thead th").nth(4);
   const keys = () => table.locator("tbody tr").evaluateAll((rows) => rows.map((row) => row.cells[4].dataset.v).filter((v) => v !== undefined).map(Number));
   const sorted = (values, sign) => values.every((v, k) => k === 0 || sign * (v - values[k - 1]) >= 0);
@@ -471,6 +491,7 @@ async function compares(browser, file) {
   await context.close();
 
   const bare = await open(browser, file, { javaScriptEnabled: false });
+  await bare.page.locator("details.behind > summary").first().click();
   check(name, "without scripts: plain tables", (await bare.page.locator("table.sortable").first().isVisible()) && (await bare.page.locator("th button").count()) === 0);
   await bare.context.close();
 }

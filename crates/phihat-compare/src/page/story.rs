@@ -1,0 +1,239 @@
+//! What the page opens with: the picture, who is best for whom, and the order of all laws in every world.
+
+use maud::{Markup, html};
+use phihat_report::kit::MILLI;
+use phihat_report::kit::anchor;
+use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::text::line;
+
+use super::losses::is_proposed;
+use super::names::{named, title};
+use super::outcome::unrest;
+use super::scatter;
+use super::words::is_designed;
+use crate::{ArmRecord, Cell, Comparison, GainsKind, Row, SATURATION};
+
+/// The part of an arm that is seen first.
+pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    html! {
+        (scatter::noise(comparison, arm))
+        (whose(comparison, arm))
+        (ranks(comparison, arm))
+    }
+}
+
+/// A row's cell in a world that gains were tuned for, where its arm followed without noise beyond the cap or life on a limit.
+fn quiet<'a>(comparison: &Comparison, row: &'a Row, world: &str) -> Option<&'a Cell> {
+    let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
+    unrest(comparison, cell).is_none().then_some(cell)
+}
+
+/// Worlds in which no joint is pushed beyond its torque limit.
+fn worlds(comparison: &Comparison) -> impl Iterator<Item = &str> {
+    comparison.worlds.iter().map(|world| world.name.as_str()).filter(|name| *name != SATURATION)
+}
+
+/// A figure of a row over all worlds without a push, as a geometric mean; `None` where it was not quiet in one of them.
+fn over_worlds(
+    comparison: &Comparison,
+    row: &Row,
+    of: impl Fn(&Cell) -> Option<f64>,
+) -> Option<f64> {
+    let each = |world| of(quiet(comparison, row, world)?).filter(|value| *value > 0.0);
+    let logs = worlds(comparison).map(|world| each(world).map(f64::ln));
+    let logs = logs.collect::<Option<Vec<f64>>>()?;
+    let count = logs.len();
+    (count > 0).then(|| (logs.iter().sum::<f64>() / count as f64).exp())
+}
+
+/// Root-mean-square error \[rad\] over worlds.
+fn error(comparison: &Comparison, row: &Row) -> Option<f64> {
+    over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.error_rms_rad))
+}
+
+/// Torque noise over worlds, as a share of the torque limit.
+fn noise(comparison: &Comparison, row: &Row) -> Option<f64> {
+    over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.noise))
+}
+
+fn needs_model(comparison: &Comparison, row: &Row) -> bool {
+    comparison.rival(&row.rival).is_none_or(|rival| !rival.needs.model_free())
+}
+
+/// Whether a row's specification holds in every world without a push.
+fn keeps(comparison: &Comparison, row: &Row) -> bool {
+    let kept = |cell: &Cell| cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0);
+    worlds(comparison).all(|world| quiet(comparison, row, world).is_some_and(kept))
+}
+
+/// A kind of user: what they say of themselves, which rows are for them, and what they prefer, smaller values first.
+struct User {
+    says: &'static str,
+    may: fn(&Comparison, &Row) -> bool,
+    prefers: fn(&Comparison, &Row) -> Option<f64>,
+}
+
+const USERS: [User; 6] = [
+    User {
+        says: "You have no model of your arm, and tune by hand or by search",
+        may: |all, row| !needs_model(all, row) && !is_designed(all.rival(&row.rival)),
+        prefers: error,
+    },
+    User {
+        says: "You have no model of your arm, and do not want to tune",
+        may: |all, row| is_designed(all.rival(&row.rival)),
+        prefers: error,
+    },
+    User {
+        says: "You have a model of your arm, not quite right",
+        may: needs_model,
+        prefers: error,
+    },
+    User {
+        says: "You need a bound that is stated before the arm moves",
+        may: |all, row| {
+            let stated = |world| {
+                quiet(all, row, world)
+                    .and_then(|cell| cell.worst.as_ref()?.bound_over_measured)
+                    .is_some_and(|ratio| ratio >= 1.0)
+            };
+            worlds(all).all(stated)
+        },
+        prefers: error,
+    },
+    User {
+        says: "You hear every encoder step: the torque has to be quiet, and the specification kept",
+        may: keeps,
+        prefers: noise,
+    },
+    User {
+        says: "Your processor is small",
+        may: keeps,
+        prefers: |_, row| row.cost.as_ref()?.instructions.map(|count| count as f64),
+    },
+];
+
+/// One sentence for each kind of user.
+fn whose(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    let chosen = USERS.iter().map(|user| (user.says, best(comparison, arm, user)));
+    let chosen: Vec<_> = chosen.collect();
+    html! {
+        h3 { "Which row for whom" }
+        p.hint {
+            "Of laws that followed in every world but “" (SATURATION) "”, without noise beyond the cap: geometric means over these worlds, "
+            "gains tuned. One tuning of one seed: differences below a fifth are within the tuner's scatter."
+        }
+        ul.users { @for (says, best) in chosen { li {
+            strong { (says) ": " }
+            @match best {
+                None => "no law of this comparison is for you.",
+                Some((row, rows)) => { (told(comparison, row)) (ours(comparison, row, &rows)) }
+            }
+        } } }
+    }
+}
+
+/// The best row for a user, and all that are for them, best first.
+fn best<'a>(
+    comparison: &'a Comparison,
+    arm: &'a ArmRecord,
+    user: &User,
+) -> Option<(&'a Row, Vec<&'a Row>)> {
+    let value = |row: &&Row| {
+        ((user.may)(comparison, row)).then(|| (user.prefers)(comparison, row)).flatten()
+    };
+    let rows = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
+    let mut rows: Vec<(f64, &Row)> = rows.filter_map(|row| Some((value(&row)?, row))).collect();
+    rows.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let rows: Vec<&Row> = rows.into_iter().map(|(_, row)| row).collect();
+    Some((*rows.first()?, rows))
+}
+
+/// `Name, 0.123 mrad at 0.04 % noise`.
+fn told(comparison: &Comparison, row: &Row) -> Markup {
+    let percent = |value: f64| number(100.0 * value);
+    html! {
+        a href=(format!("#{}", anchor("rival", &row.rival))) { (title(comparison, &row.rival)) }
+        @if let Some(rival) = comparison.rival(&row.rival).filter(|rival| !rival.needs.model_free()) {
+            " (needs " (line(&rival.needs_words)) ")"
+        }
+        @if let Some(error) = error(comparison, row) { ", " (number(MILLI * error)) " mrad rms" }
+        @if let Some(noise) = noise(comparison, row) { " at " (percent(noise)) " % torque noise" }
+        @if let Some(count) = row.cost.as_ref().and_then(|cost| cost.instructions) {
+            ", " (stated(count as f64)) " instructions"
+        }
+        "."
+    }
+}
+
+/// The best of the proposed laws for the same user, where it is not the best of all.
+fn ours(comparison: &Comparison, best: &Row, rows: &[&Row]) -> Markup {
+    let own = rows.iter().position(|row| is_proposed(&row.rival));
+    html! { @match own {
+        _ if is_proposed(&best.rival) => {}
+        Some(place) => @if let Some(row) = rows.get(place) {
+            " Of the proposed laws, place " (place + 1) " of " (rows.len()) ": " (told(comparison, row))
+        },
+        None => " None of the proposed laws is for you.",
+    } }
+}
+
+/// Place of a row in a world by its error, from 1, among rows that followed quietly.
+fn places<'a>(
+    comparison: &'a Comparison,
+    arm: &'a ArmRecord,
+    world: &str,
+) -> Vec<(&'a str, usize)> {
+    let error = |row: &Row| Some(quiet(comparison, row, world)?.worst.as_ref()?.error_rms_rad);
+    let rows = comparison.rows_of(&arm.name);
+    let mut rows: Vec<_> = rows.filter_map(|row| Some((error(row)?, row.rival.as_str()))).collect();
+    rows.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    rows.into_iter().enumerate().map(|(k, (_, id))| (id, k + 1)).collect()
+}
+
+/// Shades of places by their share of all.
+const SHADES: [(f64, &str); 3] = [(0.1, "r3"), (0.25, "r2"), (0.5, "r1")];
+
+/// Every law's place in every world.
+fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    let names: Vec<&str> = comparison.worlds.iter().map(|world| world.name.as_str()).collect();
+    let worlds: Vec<_> = names.iter().map(|world| places(comparison, arm, world)).collect();
+    let place = |id: &str, of: &[(&str, usize)]| of.iter().find(|(o, _)| *o == id).map(|p| p.1);
+    let all = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
+    let mut rows: Vec<(f64, &Row, Vec<Option<usize>>)> = all
+        .map(|row| {
+            let own: Vec<_> = worlds.iter().map(|of| place(&row.rival, of)).collect();
+            let last = |of: &Vec<(&str, usize)>| (of.len() + 1) as f64;
+            let sum = own.iter().zip(&worlds).map(|(own, of)| own.map_or(last(of), |k| k as f64));
+            (sum.sum::<f64>() / worlds.len().max(1) as f64, row, own)
+        })
+        .collect();
+    rows.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
+    let label = format!("Table: places on {}", line(&arm.name));
+    html! {
+        h3 { "Places by error, world by world" }
+        p.key {
+            span.r3 { "first tenth" } span.r2 { "first quarter" } span.r1 { "first half" } span.r0 { "behind" }
+            span.rnone { "– did not follow, or too noisy" }
+            " Sorted by the mean place; ● a proposed law."
+        }
+        div.scroll.tall tabindex="0" role="region" aria-label=(label) { table.ranks {
+            thead { tr {
+                th scope="col" { "law" } th scope="col" { "mean" }
+                @for world in &names { th scope="col" { (line(world)) } }
+            } }
+            tbody { @for (mean, row, own) in &rows { tr {
+                th scope="row" { @if is_proposed(&row.rival) { "● " } (named(comparison, row)) }
+                td { (stated((10.0 * mean).round() / 10.0)) }
+                @for (own, of) in own.iter().zip(&worlds) { (cell(*own, of.len())) }
+            } } }
+        } }
+    }
+}
+
+fn cell(place: Option<usize>, all: usize) -> Markup {
+    let Some(place) = place else { return html! { td.rnone { "–" } } };
+    let share = (place - 1) as f64 / all.max(1) as f64;
+    let class = SHADES.iter().find(|(most, _)| share < *most).map_or("r0", |(_, class)| class);
+    html! { td class=(class) title=(format!("place {place} of {all}")) { (place) } }
+}
