@@ -83,11 +83,11 @@ def test_a_drive_over_a_link_is_the_run(tmp_path: Path) -> None:
     driven = phihat.drive(study, link, accept=GONE_PAST, out=tmp_path / "out")
     assert driven.drive["end"] == "complete" and driven.drive["lost"] == 0
     assert link.written == len(run.t) == len(driven.trace.t)
-    for signal_name in ("q_measured", "dq_measured", "e", "tau_command"):
+    for signal_name in ("q_measured", "dq_measured", "q_desired", "tau_command"):
         assert np.array_equal(run[signal_name], driven.trace[signal_name]), signal_name
+    # The error of a robot is the one that it measured.
+    assert np.array_equal(driven.trace["e"], run["q_measured"] - run["q_desired"])
     assert (tmp_path / "out/drive.json").is_file() and (tmp_path / "out/report.html").is_file()
-    # What no robot knows is not told.
-    assert not driven.trace["phi"].any() and run["phi"].any()
 
 
 PANDA = """
@@ -128,9 +128,8 @@ def test_an_arm_in_mujoco_keeps_its_bound(tmp_path: Path) -> None:
     driven = phihat.drive(study, arm, out=tmp_path / "out")
     assert driven.good, driven
     e = np.abs(driven.trace["e"][driven.trace.t >= 2.0]).max(axis=0)
-    bound = np.array(driven.trace.gains.error_bound)
-    print("errors over bounds", (e / bound).round(3), driven.drive["on"])
-    assert (e < bound).all() and e.max() > 1e-5
+    print("errors over the specification's", (e / 5e-3).round(3), driven.drive["on"])
+    assert 1e-5 < e.max() < 5e-3
     # After the motion the arm was brought to rest: those samples are the robot's, and not the record's.
     assert data.time * 1000.0 == pytest.approx(5000 + driven.drive["stop_samples"])
     assert np.abs(data.qvel).max() < 0.02

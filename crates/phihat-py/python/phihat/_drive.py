@@ -30,7 +30,7 @@ class Link(Protocol):
     def period(self) -> float:
         """Time between samples [s], as the study's ``rate_hz`` says."""
 
-    def read(self) -> tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike] | None:
+    def read(self) -> Sequence[ArrayLike] | None:
         """The sample that is due: position [rad, m], velocity, and, where it is known, the torque [N m] that acted since the sample
         before. ``None``: this sample did not come. It is called once before the drive begins, to see where the arm stands."""
 
@@ -43,7 +43,8 @@ class Driven:
     """A drive that is over.
 
     Attributes:
-        trace: its record, as of a simulation. What no robot knows (the true ``phi``) is zero.
+        trace: its record, as of a simulation, of what the robot told: the error is the measured one, and ``phi`` is from measured
+            positions and torques.
         drive: what only a drive has, as in ``drive.json``: checks, why it ended, lost samples, the supervisor's faults.
         good: whether the arm followed its motion to the end and kept every bound.
         folder: where the record is.

@@ -32,6 +32,7 @@ __all__ = [
     "Supervisor",
     "Trace",
     "design",
+    "drive",
     "faults",
     "compare",
     "recorded",
