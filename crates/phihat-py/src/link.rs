@@ -56,32 +56,49 @@ pub(crate) fn drive(
     let options = DriveOptions { run, accept, reference, ..DriveOptions::default() };
     let raised = Raised::default();
     let link = Box::new(OwnLink::new(py, link, &raised)?);
-    let (raised, stop) = (&raised, &AtomicBool::new(false));
-    let refuse = |why| refused(py, why, raised);
-    let prepared = py.detach(|| prepare_on(&options, link)).map_err(refuse)?;
-    if let Some(why) = taken(raised) {
-        return Err(why);
-    }
+    let prepared = prepared(py, &options, link, &raised)?;
     let folder = prepared.folder.clone();
-    let driven = py.detach(|| driven(prepared, &folder, stop, raised)).map_err(refuse)?;
-    if let Some(why) = taken(raised) {
-        return Err(why);
-    }
-    let read = py.detach(|| phihat_session::recorded(&folder));
-    let (done, trace) = read.map_err(|e| failure::session(py, &e))?;
-    let document = json::to_python(py, &driven.document)?;
-    Ok((Trace::new(done, trace), document, driven.good(), folder))
+    let (document, good) = driven(py, prepared, &raised)?;
+    let document = json::to_python(py, &document)?;
+    Ok((read_back(py, &folder)?, document, good, folder))
 }
 
-fn driven(
-    prepared: Prepared,
-    folder: &Path,
-    stop: &AtomicBool,
+/// Every check; nothing moves.
+#[inline(never)]
+fn prepared(
+    py: Python<'_>,
+    options: &DriveOptions,
+    link: Box<OwnLink>,
     raised: &Raised,
-) -> Result<phihat_drive::Driven, DriveError> {
+) -> PyResult<Box<Prepared>> {
+    let prepared = py.detach(|| prepare_on(options, link).map(Box::new));
+    let prepared = prepared.map_err(|why| refused(py, why, raised))?;
+    taken(raised).map_or(Ok(prepared), Err)
+}
+
+/// Drives; `drive.json`, and whether all was well.
+#[inline(never)]
+fn driven(
+    py: Python<'_>,
+    prepared: Box<Prepared>,
+    raised: &Raised,
+) -> PyResult<(serde_json::Value, bool)> {
+    let (folder, stop) = (prepared.folder.clone(), AtomicBool::new(false));
     let page = folder.join("report.html");
-    let leave = Leave { folder, page: Some(&page) };
-    prepared.drive(leave, &mut Interrupted { stop, raised: Arc::clone(raised) }, stop)
+    let leave = Leave { folder: &folder, page: Some(&page) };
+    let mut watch = Interrupted { stop: &stop, raised: Arc::clone(raised) };
+    let driven = py.detach(|| {
+        prepared.drive(leave, &mut watch, &stop).map(|driven| (driven.good(), driven.document))
+    });
+    let (good, document) = driven.map_err(|why| refused(py, why, raised))?;
+    taken(raised).map_or(Ok((document, good)), Err)
+}
+
+#[inline(never)]
+fn read_back(py: Python<'_>, folder: &Path) -> PyResult<Trace> {
+    let read = py.detach(|| phihat_session::recorded(folder));
+    let (done, trace) = read.map_err(|e| failure::session(py, &e))?;
+    Ok(Trace::new(done, trace))
 }
 
 fn check(py: Python<'_>, word: &str) -> PyResult<CheckName> {
@@ -125,9 +142,13 @@ struct Interrupted<'a> {
     raised: Raised,
 }
 
+fn signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
+}
+
 impl Watch for Interrupted<'_> {
     fn progress(&mut self, _: u64, _: u64) {
-        if let Err(why) = Python::attach(|py| py.check_signals()) {
+        if let Err(why) = Python::attach(signals) {
             kept(&self.raised, why);
             self.stop.store(true, Ordering::SeqCst);
         }
