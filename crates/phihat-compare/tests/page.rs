@@ -210,6 +210,42 @@ fn marks_lie_where_their_figures_are() {
     roxmltree::Document::parse(&svg).unwrap();
 }
 
+/// What the page opens with names whoever is best, and puts nobody first who was too noisy.
+#[test]
+fn the_story_names_the_best_and_orders_all() {
+    let mut all = comparison([3.0, 0.2, 8.0, 1.0]);
+    let document = parsed(&all);
+    let best = text(select(&document, ".best-named")[0]);
+    let named = "Least error within the cap on noise (0.1 %): Computed torque, 0.4000 mrad at 0.01000 %; \
+                 without a model: Proposed, m = 1, 2.000 mrad at 0.01000 %; of the proposed laws: Proposed, m = 1,";
+    assert!(best.starts_with(named), "{best}");
+    let users: Vec<_> = select(&document, ".users li").into_iter().map(text).collect();
+    assert!(users[0].contains("do not want to tune") || users[0].contains("Proposed, m = 1"));
+    assert!(users[1].ends_with("no law of this comparison is for you."), "{}", users[1]);
+    assert!(users[2].contains("right: Computed torque (needs q, dq, model)"), "{}", users[2]);
+    assert!(users[2].contains("Of the proposed laws, place 2 of 4"), "{}", users[2]);
+    let order = |document: &Html| -> Vec<(String, String)> {
+        let rows = select(document, "table.ranks")[0];
+        let lines: Vec<_> = rows.select(&Selector::parse("tbody tr").unwrap()).collect();
+        let cell = |line: &ElementRef<'_>, of: &str| {
+            text(line.select(&Selector::parse(of).unwrap()).next().unwrap())
+        };
+        lines.iter().map(|line| (cell(line, "th a"), cell(line, "td"))).collect()
+    };
+    let names: Vec<_> = order(&document).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["Computed torque", "Proposed, m = 1", "PD", "Cascade"]);
+    for cell in all.rows.iter_mut().filter(|row| row.rival == IDS[1]).flat_map(|row| &mut row.cells)
+    {
+        if let Some(figures) = &mut cell.worst {
+            figures.noise = 2.0 * all.fairness.noise_cap;
+        }
+    }
+    let document = parsed(&all);
+    assert!(text(select(&document, ".best-named")[0]).contains(": Proposed, m = 1, 2.000 mrad"));
+    let (last, mean) = order(&document).pop().unwrap();
+    assert_eq!((last.as_str(), mean.as_str()), ("Computed torque", "4"));
+}
+
 #[test]
 fn torque_beyond_the_cap_is_marked_where_the_arm_followed() {
     let mut all = comparison([3.0, 2.0, 8.0, 1.0]);

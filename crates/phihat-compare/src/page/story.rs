@@ -8,7 +8,7 @@ use phihat_report::kit::text::line;
 
 use super::losses::is_proposed;
 use super::names::{named, title};
-use super::outcome::unrest;
+use super::outcome::{two_digits, unrest};
 use super::scatter;
 use super::words::is_designed;
 use crate::{ArmRecord, Cell, Comparison, GainsKind, Row, SATURATION};
@@ -51,9 +51,10 @@ fn error(comparison: &Comparison, row: &Row) -> Option<f64> {
     over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.error_rms_rad))
 }
 
-/// Torque noise over worlds, as a share of the torque limit.
+/// Torque noise in the world where it is worst, as a share of the torque limit; `None` where the row was not quiet in one of them.
 fn noise(comparison: &Comparison, row: &Row) -> Option<f64> {
-    over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.noise))
+    let each = |world| Some(quiet(comparison, row, world)?.worst.as_ref()?.noise);
+    worlds(comparison).map(each).try_fold(0.0, |most: f64, noise| Some(most.max(noise?)))
 }
 
 fn needs_model(comparison: &Comparison, row: &Row) -> bool {
@@ -66,11 +67,16 @@ fn keeps(comparison: &Comparison, row: &Row) -> bool {
     worlds(comparison).all(|world| quiet(comparison, row, world).is_some_and(kept))
 }
 
+/// Which rows are meant.
+type Which = fn(&Comparison, &Row) -> bool;
+
 /// A kind of user: what they say of themselves, which rows are for them, and what they prefer, smaller values first.
 struct User {
     says: &'static str,
-    may: fn(&Comparison, &Row) -> bool,
+    may: Which,
     prefers: fn(&Comparison, &Row) -> Option<f64>,
+    /// Of which rows the best is told too, and how they are called.
+    also: Option<(&'static str, Which)>,
 }
 
 const USERS: [User; 6] = [
@@ -78,16 +84,19 @@ const USERS: [User; 6] = [
         says: "You have no model of your arm, and tune by hand or by search",
         may: |all, row| !needs_model(all, row) && !is_designed(all.rival(&row.rival)),
         prefers: error,
+        also: None,
     },
     User {
         says: "You have no model of your arm, and do not want to tune",
         may: |all, row| is_designed(all.rival(&row.rival)),
         prefers: error,
+        also: None,
     },
     User {
         says: "You have a model of your arm, not quite right",
-        may: needs_model,
+        may: |_, _| true,
         prefers: error,
+        also: Some(("laws that use it", needs_model)),
     },
     User {
         says: "You need a bound that is stated before the arm moves",
@@ -100,37 +109,68 @@ const USERS: [User; 6] = [
             worlds(all).all(stated)
         },
         prefers: error,
+        also: None,
     },
     User {
         says: "You hear every encoder step: the torque has to be quiet, and the specification kept",
         may: keeps,
         prefers: noise,
+        also: None,
     },
     User {
         says: "Your processor is small",
         may: keeps,
         prefers: |_, row| row.cost.as_ref()?.instructions.map(|count| count as f64),
+        also: None,
     },
 ];
 
 /// One sentence for each kind of user.
 fn whose(comparison: &Comparison, arm: &ArmRecord) -> Markup {
-    let chosen = USERS.iter().map(|user| (user.says, best(comparison, arm, user)));
-    let chosen: Vec<_> = chosen.collect();
+    let chosen: Vec<_> = USERS.iter().map(|user| (user, best(comparison, arm, user))).collect();
     html! {
         h3 { "Which row for whom" }
         p.hint {
             "Of laws that followed in every world but “" (SATURATION) "”, without noise beyond the cap: geometric means over these worlds, "
-            "gains tuned. One tuning of one seed: differences below a fifth are within the tuner's scatter."
+            "gains tuned; the noise is that of the worst world."
+            @if let Some(apart) = scatter_of_tuning(comparison, arm) {
+                " One tuning of one seed: the disturbance observer and the proposed law of m = 1 are one law under two names, and their errors came out up to "
+                (two_digits(apart)) " times apart. Nearer than that, this page tells no two laws apart."
+            }
         }
-        ul.users { @for (says, best) in chosen { li {
-            strong { (says) ": " }
+        ul.users { @for (user, best) in chosen { li {
+            strong { (user.says) ": " }
             @match best {
                 None => "no law of this comparison is for you.",
-                Some((row, rows)) => { (told(comparison, row)) (ours(comparison, row, &rows)) }
+                Some((row, rows)) => {
+                    (told(comparison, row)) (ours(comparison, row, &rows)) (also(comparison, user, &rows))
+                }
             }
         } } }
     }
+}
+
+/// One law under two names.
+const SAME: [&str; 2] = ["disturbance-observer", "proposed-1"];
+
+/// By how many times the errors of one law under two names differ at most, world by world.
+fn scatter_of_tuning(comparison: &Comparison, arm: &ArmRecord) -> Option<f64> {
+    let row = |id: &str| comparison.rows_of(&arm.name).find(|row| row.rival == id);
+    let [a, b] = SAME.map(row);
+    let (a, b) = (a?, b?);
+    let error = |row, world| Some(quiet(comparison, row, world)?.worst.as_ref()?.error_rms_rad);
+    let ratios = worlds(comparison).filter_map(|world| Some(error(a, world)? / error(b, world)?));
+    ratios.map(|ratio| ratio.max(1.0 / ratio)).reduce(f64::max)
+}
+
+/// The best of the rows that a user asks for by name.
+fn also(comparison: &Comparison, user: &User, rows: &[&Row]) -> Markup {
+    let Some((called, of)) = user.also else { return html! {} };
+    let found = rows.iter().find(|row| of(comparison, row));
+    html! { @match found {
+        Some(row) => { " Of " (called) ": " (told(comparison, row)) }
+        None => { " None of " (called) " followed quietly." }
+    } }
 }
 
 /// The best row for a user, and all that are for them, best first.
@@ -158,7 +198,7 @@ fn told(comparison: &Comparison, row: &Row) -> Markup {
             " (needs " (line(&rival.needs_words)) ")"
         }
         @if let Some(error) = error(comparison, row) { ", " (number(MILLI * error)) " mrad rms" }
-        @if let Some(noise) = noise(comparison, row) { " at " (percent(noise)) " % torque noise" }
+        @if let Some(noise) = noise(comparison, row) { " at " (percent(noise)) " % torque noise at most" }
         @if let Some(count) = row.cost.as_ref().and_then(|cost| cost.instructions) {
             ", " (stated(count as f64)) " instructions"
         }
