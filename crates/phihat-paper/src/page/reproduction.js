@@ -12,10 +12,12 @@
   label.append("search ", input);
   choice.append(label, count);
 
-  const rows = [...document.querySelectorAll("tr.statement")].map((row) => [row, row.textContent.toLowerCase()]);
+  // Without the marks that only keep a line from breaking.
+  const plain = (text) => text.replaceAll("\u2060", "").replaceAll("\u00a0", " ").toLowerCase();
+  const rows = [...document.querySelectorAll("tr.statement")].map((row) => [row, plain(row.textContent)]);
 
   function search() {
-    const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const words = plain(input.value).split(/\s+/).filter(Boolean);
     let found = 0;
     for (const [row, text] of rows) {
       row.hidden = !words.every((word) => text.includes(word));
