@@ -24,11 +24,12 @@ fn effort_is_drawn_where_laws_differ_in_it_and_its_equality_is_told_elsewhere() 
         let found: Vec<_> = select(&parsed(all), "figure.plot").into_iter().map(text).collect();
         (found.iter().filter(|t| t.contains("Error against effort")).count(), found.len())
     };
-    assert_eq!(plots(&all), (2, 4));
+    // Two arms, each with noise, chatter and effort.
+    assert_eq!(plots(&all), (2, 6));
     for figures in all.rows.iter_mut().flat_map(|r| &mut r.cells).filter_map(|c| c.worst.as_mut()) {
         figures.effort = 0.18;
     }
-    assert_eq!(plots(&all), (0, 2));
+    assert_eq!(plots(&all), (0, 4));
     let page = text(parsed(&all).root_element());
     assert!(page.contains("4 of 4 laws take 18 to 18 % of the limit"), "{page}");
 }
