@@ -206,8 +206,13 @@ class Interrupts(InPlant):
 def test_ctrl_c_is_a_safe_stop(tmp_path: Path) -> None:
     study = written(tmp_path, duration=60.0, guard=GUARD)
     link = Interrupts(study)
-    with pytest.raises(KeyboardInterrupt):
-        phihat.drive(study, link, accept=["certificate", "window"], out=tmp_path / "out")
+    # A test that runs in the background of a shell is started with the signal ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            phihat.drive(study, link, accept=["certificate", "window"], out=tmp_path / "out")
+    finally:
+        signal.signal(signal.SIGINT, before)
     trace = phihat.read_run(tmp_path / "out")
     assert 700 < len(trace.t) < 20_000
     assert np.abs(trace["dq"][-1]).max() < 0.05
