@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::shell::{cargo, command};
+use crate::shell::cargo;
 use crate::venv;
 
 /// The robot, and what it runs in. The last one brings the description of the arm that it simulates.
@@ -22,11 +22,5 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let folder = root.join("target/franka");
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
-    let program = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
-    let words = [
-        "examples/franka/sim.py".to_owned(),
-        folder.display().to_string(),
-        root.join(program).display().to_string(),
-    ];
-    command(root, &python, &words.iter().map(String::as_str).collect::<Vec<_>>())
+    venv::script(root, &python, ("examples/franka/sim.py", &folder), "target/release/phihat")
 }

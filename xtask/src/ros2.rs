@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::shell::{cargo, command};
+use crate::shell::cargo;
 use crate::venv;
 
 /// The other DDS, which brings its own C library.
@@ -18,11 +18,5 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "-p", "phihat-cli", "--features", "ros2"])?;
-    let program = format!("target/debug/phihat{}", std::env::consts::EXE_SUFFIX);
-    let words = [
-        "xtask/src/ros2.py".to_owned(),
-        folder.display().to_string(),
-        root.join(program).display().to_string(),
-    ];
-    command(root, &python, &words.iter().map(String::as_str).collect::<Vec<_>>())
+    venv::script(root, &python, ("xtask/src/ros2.py", &folder), "target/debug/phihat")
 }

@@ -16,6 +16,18 @@ pub(crate) fn of_list(root: &Path, venv: &Path, list: &Path) -> Result<String, S
     made(root, venv, &wanted, &["-r", &list.display().to_string()])
 }
 
+/// Runs a script: `python SCRIPT FOLDER PROGRAM`, with a program of this workspace.
+pub(crate) fn script(
+    root: &Path,
+    python: &str,
+    (script, folder): (&str, &Path),
+    program: &str,
+) -> Result<(), String> {
+    let program = root.join(format!("{program}{}", std::env::consts::EXE_SUFFIX));
+    let (folder, program) = (folder.display().to_string(), program.display().to_string());
+    command(root, python, &[script, &folder, &program])
+}
+
 /// Makes an environment, unless the stamp in it is what is `wanted`; `told` is what the installer is told.
 fn made(root: &Path, venv: &Path, wanted: &str, told: &[&str]) -> Result<String, String> {
     let python = venv.join("bin/python").display().to_string();

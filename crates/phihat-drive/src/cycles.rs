@@ -191,10 +191,11 @@ pub fn cycles<L: Link>(
             tally.end = End::Asked;
             break;
         }
-        let report = cycle.report.filter(|report| report.fault.is_some());
-        faulted = report.map(|_| faulted.unwrap_or(tally.cycles));
-        let over = plan.fault_samples.zip(faulted).map(|(most, at)| tally.cycles - at >= most);
-        if report.is_some_and(|report| over == Some(true) || over.is_some() && report.brake) {
+        let fault = cycle.report.filter(|report| report.fault.is_some());
+        faulted = fault.map(|_| faulted.unwrap_or(tally.cycles));
+        if let (Some(most), Some(fault), Some(since)) = (plan.fault_samples, fault, faulted)
+            && (fault.brake || tally.cycles - since >= most)
+        {
             tally.end = End::Faulted;
             break;
         }

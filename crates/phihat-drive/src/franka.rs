@@ -8,7 +8,7 @@ use phihat_sim::Sample;
 use phihat_study::Study;
 
 use crate::facts::{Adds, Clock, Facts, Stops, Tells};
-use crate::link::{Link, LinkFault, Readiness, Standing, Wait};
+use crate::link::{Link, LinkFault, Readiness, Standing, Unreadable, Wait};
 use crate::system::HostClock;
 
 /// Time from one state to the next \[ns\].
@@ -212,9 +212,9 @@ impl Link for FrankaLink {
     }
 
     /// Of version 10 alone.
-    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+    fn description(&mut self) -> Option<Result<String, Unreadable>> {
         let tells = self.client.protocol() == Protocol::V10;
-        tells.then(|| self.client.model().map_err(|why| fault(&why)))
+        tells.then(|| self.client.model().map_err(Unreadable::from))
     }
 
     fn start(&mut self) -> Result<(), LinkFault> {

@@ -73,7 +73,7 @@ pub use facts::{Adds, Clock, Facts, Mismatch, Stops, Tells};
 pub use finding::{Finding, SystemError, is_preempt_rt};
 pub use franka::{FrankaAddress, FrankaLink};
 pub use hooks::{Tap, Targets};
-pub use link::{Link, LinkFault, Readiness, Standing, Wait};
+pub use link::{Link, LinkFault, Readiness, Standing, Unreadable, Wait};
 pub use machine::{Machine, MachineOptions};
 pub use on::{On, OnError};
 pub use order::{Order, OrderError};

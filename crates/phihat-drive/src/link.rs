@@ -87,6 +87,9 @@ pub struct Standing {
     pub readiness: Readiness,
 }
 
+/// Why a robot's description cannot be had, in the words of its link.
+pub type Unreadable = Box<dyn core::error::Error + Send + Sync>;
+
 /// A robot, or what stands for one.
 ///
 /// The loop calls [`start`](Self::start) once, then [`wait`](Self::wait) and [`send`](Self::send) in turn, and
@@ -107,7 +110,7 @@ pub trait Link {
     }
 
     /// The description (URDF) that the robot itself hands out; `None`: it hands out none.
-    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+    fn description(&mut self) -> Option<Result<String, Unreadable>> {
         None
     }
 
@@ -177,7 +180,7 @@ impl<L: Link + ?Sized> Link for Box<L> {
         (**self).standing()
     }
 
-    fn description(&mut self) -> Option<Result<String, LinkFault>> {
+    fn description(&mut self) -> Option<Result<String, Unreadable>> {
         (**self).description()
     }
 

@@ -163,20 +163,24 @@ fn what_a_first_motion_measures_holds_what_the_arm_is() {
     assert!(wide < 1.4, "{wide}");
 }
 
+/// The arm as the study says, with a good encoder and little friction.
+fn plain() -> String {
+    ARM.replace("ROTORS", "")
+        .replace("BITS", "18")
+        .replace("DRY", "0.05")
+        .replace("VISCOUS", "0.0")
+        .replace("PAYLOAD", "")
+        .replace("LOSS", "0.0")
+}
+
 /// A drive that is wired the wrong way round, that is dead, or weak: it stops within what the supervisor bears, or finds what it is.
 #[test]
 fn a_drive_that_does_what_it_likes_stops_near() {
     let folder = folder("first-motion-faults");
     for (gain, stops) in [(-1.0, true), (0.0, true), (0.5, false)] {
-        let text = ARM
-            .replace("ROTORS", "")
-            .replace("BITS", "18")
-            .replace("DRY", "0.05")
-            .replace("VISCOUS", "0.0")
-            .replace("PAYLOAD", "")
-            .replace("LOSS", "0.0");
         let text = format!(
-            "{text}[[fault]]\nkind = \"drive_gain\"\njoint = \"joint2\"\nstart_s = 0.0\nduration_s = 100.0\nsize = {gain:?}\n"
+            "{}[[fault]]\nkind = \"drive_gain\"\njoint = \"joint2\"\nstart_s = 0.0\nduration_s = 100.0\nsize = {gain:?}\n",
+            plain()
         );
         let study = written(&folder, "arm.toml", &text);
         let told = FirstMotion::default();
@@ -201,13 +205,7 @@ fn a_drive_that_does_what_it_likes_stops_near() {
 #[test]
 fn what_cannot_be_moved_safely_is_refused() {
     let folder = folder("first-motion-refused");
-    let plain = ARM
-        .replace("ROTORS", "")
-        .replace("BITS", "18")
-        .replace("DRY", "0.05")
-        .replace("VISCOUS", "0.0")
-        .replace("PAYLOAD", "")
-        .replace("LOSS", "0.0");
+    let plain = plain();
     // A guess that may be off by twenty, on a loop that is late.
     let late = written(
         &folder,

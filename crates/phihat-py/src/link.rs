@@ -238,10 +238,14 @@ impl Link for OwnLink {
     }
 
     fn standing(&self) -> Option<Standing> {
-        let read = self.call(|py| self.read(py)).ok()?;
-        let nowhere = || vec![f64::NAN; self.facts.width];
-        let q = read.map_or_else(nowhere, |(q, _, _)| q);
-        Some(Standing { q, readiness: Readiness::Ready })
+        let first = self.call(|py| self.read(py)).ok()?;
+        Some(first.map_or_else(
+            || {
+                let readiness = Readiness::Busy("its first sample did not come".to_owned());
+                Standing { q: Vec::new(), readiness }
+            },
+            |(q, ..)| Standing { q, readiness: Readiness::Ready },
+        ))
     }
 
     fn start(&mut self) -> Result<(), LinkFault> {

@@ -55,12 +55,12 @@ const CORRECTIONS: [(&str, &str, &str); 5] = [
     (
         "remark5-parameters",
         "Give the law a nominal inertia for each joint.",
-        "The factor M̄ of (5) and (6) is printed as 1. With the joint's own inertia the printed gains are stable at any; with 1, up to a few kg·m².",
+        "The factor M̄ of (5) and (6) is printed as 1. With the joint's own inertia the printed gains are stable at any constant inertia; with 1, a joint that is heavy enough is not.",
     ),
     (
         "lemma1-start",
         "Start the estimate at zero, not the integrals.",
-        "Integrals at zero make the φ̂ of (9) and (10) begin at hundreds of N·m where the arm is off its path. The observer form of (8) begins at zero.",
+        "Integrals at zero make the φ̂ of (9) and (10) begin far from it where the arm is off its path. The observer form of (8) begins at zero.",
     ),
     (
         "saturation-in-phi",
@@ -75,7 +75,7 @@ const CORRECTIONS: [(&str, &str, &str); 5] = [
     (
         "table2-c2",
         "Do not take the gains of order 2 in Table 2 for proved.",
-        "They violate A3, so Theorems 2, 3 and 5 say nothing about them. K̃ above 2b₀ is what A3 asks for.",
+        "They violate A3, so Theorems 2, 3 and 5 say nothing about them; with b₀ as printed no K̃ has a certificate.",
     ),
 ];
 

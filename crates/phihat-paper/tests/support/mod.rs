@@ -7,7 +7,7 @@ use phihat_paper::{
     Reproduction, Section, Series, Statement, Table, Verdict,
 };
 
-/// Two sections, a statement of every verdict, a table, and every kind of figure.
+/// Two sections, a statement of every verdict (one of them among the corrections at the top of the page), a table, and every kind of figure.
 pub(crate) fn reproduction() -> Reproduction {
     Reproduction {
         format: FORMAT,
@@ -38,7 +38,7 @@ pub(crate) fn reproduction() -> Reproduction {
                 text: vec![],
                 statements: vec![
                     statement("table2-b", Verdict::Refuted),
-                    statement("table2-c", Verdict::Open),
+                    statement("table2-c2", Verdict::Open),
                 ],
                 tables: vec![Table {
                     id: "table-2-values".into(),
