@@ -146,5 +146,15 @@ fn browser(root: &Path) -> Result<(), String> {
     pages.sort();
     let mut arguments = vec!["check.mjs", "--hostile"];
     arguments.extend(pages.iter().map(String::as_str));
-    command(&folder, "node", &arguments)
+    command(&folder, "node", &arguments)?;
+    studio(root, &folder)
+}
+
+/// `phihat studio` in a browser, with the Panda under the gains of the main job.
+fn studio(root: &Path, folder: &Path) -> Result<(), String> {
+    cargo(root, &["build", "--release", "--package", "phihat-cli"])?;
+    let at = |path: &str| root.join(path).display().to_string();
+    let program = at(&format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX));
+    let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
+    command(folder, "node", &["studio.mjs", &program, &study, &gains])
 }
