@@ -4,6 +4,18 @@
 //! `phihat run`, bit for bit. [`Studio`] serves it to pages of this machine: a thread keeps real time, pages get pictures of it and
 //! give orders that act between two samples, and what their gains promise is found beside it.
 //!
+//! # Example
+//!
+//! ```no_run
+//! use phihat_studio::StudioOptions;
+//!
+//! let study = "studies/first.toml".into();
+//! let studio = StudioOptions { study, gains: None, folder: ".".into(), port: 0 }.open()?;
+//! println!("open {}", studio.link());
+//! studio.serve()?;
+//! # Ok::<(), phihat_studio::StudioError>(())
+//! ```
+//!
 //! # Who is let in
 //!
 //! Connections of this machine, with the key that was printed, from no page of another origin. Nothing is read or written outside of the

@@ -157,7 +157,7 @@ impl Live {
         if joint.is_some_and(|joint| joint >= self.joints()) {
             return Err(StudioError::refused("the arm has no such joint"));
         }
-        let size = offer.size(size).map_err(StudioError::Refused)?;
+        let size = offer.size(size)?;
         if self.came.len() >= FAULTS_MAX {
             return Err(StudioError::refused("too much came in this run: begin again"));
         }

@@ -3,6 +3,8 @@
 use phihat_study::FaultKind;
 use serde::Serialize;
 
+use crate::error::StudioError;
+
 /// One kind of fault on offer.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Offer {
@@ -99,11 +101,11 @@ pub(crate) fn offered(word: &str) -> Option<&'static Offer> {
 
 impl Offer {
     /// The size that is taken of what was asked; `None`: nothing acts. Wrong sizes are an error.
-    pub(crate) fn size(&self, asked: Option<f64>) -> Result<Option<f64>, String> {
+    pub(crate) fn size(&self, asked: Option<f64>) -> Result<Option<f64>, StudioError> {
         let Some(size) = asked else { return Ok(None) };
         if !(self.low..=self.high).contains(&size) {
             let (word, low, high, unit) = (self.word, self.low, self.high, self.unit);
-            return Err(format!("{word}: {low} to {high} {unit} is taken").trim_end().to_owned());
+            return Err(StudioError::refused(format!("{word}: {low} to {high} {unit} is taken")));
         }
         let nothing = self.neutral.is_some_and(|neutral| (size - neutral).abs() < 1e-12);
         Ok((!nothing).then_some(size))
@@ -122,9 +124,9 @@ mod tests {
             for not in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300] {
                 assert!(offer.size(Some(not)).is_err(), "{}: {not}", offer.word);
             }
-            assert_eq!(offer.size(None), Ok(None));
+            assert_eq!(offer.size(None).unwrap(), None);
         }
-        assert_eq!(offered("push").unwrap().size(Some(0.0)), Ok(None));
+        assert_eq!(offered("push").unwrap().size(Some(0.0)).unwrap(), None);
         assert!(offered("sensor_nan").is_none());
     }
 }

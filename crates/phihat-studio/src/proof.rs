@@ -206,10 +206,11 @@ fn found(study: &Study, arm: &Arm, times: f64) -> Result<Gains, StudioError> {
 }
 
 /// Largest error of each joint \[rad\] by the tube.
-fn proved(begin: &Begin) -> Result<Vec<f64>, String> {
+fn proved(begin: &Begin) -> Result<Vec<f64>, StudioError> {
     let study = &begin.study;
-    let motion = Motion::of(study).map_err(|why| why.to_string())?;
+    let motion = Motion::of(study)?;
     let desired = Desired::of(study, |joint, t| motion.told(joint, t));
-    let tube = tube(study, &begin.gains, &desired).map_err(|why| why.to_string())?;
+    let tube =
+        tube(study, &begin.gains, &desired).map_err(|why| StudioError::refused(why.to_string()))?;
     Ok(tube.joints.iter().map(|joint| joint.error_max_rad).collect())
 }
