@@ -30,10 +30,11 @@ impl Gate {
 
     /// Whether a request may go on.
     pub(crate) fn lets(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), No> {
+        self.host(uri, headers)?;
+        // After it: a page of another origin does not use up what ours may ask.
         if !self.in_time() {
             return Err(No(StatusCode::TOO_MANY_REQUESTS, "too many requests"));
         }
-        self.host(uri, headers)?;
         let path = uri.path();
         match *method {
             Method::GET

@@ -305,7 +305,8 @@ fn slow_and_many_clients_are_bounded() {
     let open = all.iter().filter(|stream| {
         stream.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
         let mut byte = [0; 1];
-        !matches!((*stream).read(&mut byte), Ok(0))
+        let mut reader = *stream;
+        !matches!(reader.read(&mut byte), Ok(0))
     });
     let open = open.count();
     assert!(open <= 64, "{open} of 1000 connections are kept");
