@@ -150,11 +150,12 @@ fn browser(root: &Path) -> Result<(), String> {
     studio(root, &folder)
 }
 
-/// `phihat studio` in a browser, with the Panda under the gains of the main job.
+/// `phihat studio` in a browser: the Panda under the gains of the main job, and a study whose gains are stated.
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
     cargo(root, &["build", "--release", "--package", "phihat-cli"])?;
     let at = |path: &str| root.join(path).display().to_string();
     let program = at(&format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX));
     let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
-    command(folder, "node", &["studio.mjs", &program, &study, &gains])
+    command(folder, "node", &["studio.mjs", &program, &study, &gains])?;
+    command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])
 }

@@ -328,9 +328,11 @@
       out.textContent = `× ${show(Number(wish[name].toPrecision(3)))}${bounds}`;
       wished();
     });
+    if (name !== "error" && !state.scales) { input.disabled = true; out.textContent = "–"; }
     row.append(label, input, out);
     $("sliders").append(row);
   }
+  if (!state.scales) $("sliders").append(element("p", "hint", "Gains of a law from positions hang together: they follow the error that is wished, or the study."));
   let lastSeconds = null;
   function numbers(found, seconds) {
     if (seconds != null) lastSeconds = seconds;

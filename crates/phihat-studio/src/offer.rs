@@ -113,7 +113,6 @@ impl Offer {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
     use super::{OFFERS, offered};
 

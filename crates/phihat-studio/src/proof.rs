@@ -44,6 +44,8 @@ pub(crate) struct Proof {
     told: Mutex<String>,
     begin: Mutex<Begin>,
     taken: Mutex<Option<Gains>>,
+    /// The arm of the study, once it was looked at.
+    arm: Mutex<Option<Arm>>,
 }
 
 /// What is done with gains that are armed.
@@ -64,6 +66,7 @@ impl Proof {
             told: Mutex::new("{}".to_owned()),
             begin: Mutex::new(begin),
             taken: Mutex::new(None),
+            arm: Mutex::new(None),
         })
     }
 
@@ -81,6 +84,7 @@ impl Proof {
     pub(crate) fn turn_to(&self, begin: Begin) {
         *self.begin.lock().unwrap_or_else(PoisonError::into_inner) = begin;
         *self.taken.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *self.arm.lock().unwrap_or_else(PoisonError::into_inner) = None;
         self.newest.fetch_add(1, Ordering::SeqCst);
     }
 
@@ -101,6 +105,7 @@ impl Proof {
         let own = Arc::clone(self);
         let thread = std::thread::Builder::new().name("phihat-numbers".to_owned());
         let begun = thread.spawn(move || {
+            own.look_ahead();
             loop {
                 let (number, wish) = own.next();
                 own.answer(number, wish, &take);
@@ -123,7 +128,7 @@ impl Proof {
         let began = now();
         let begin = self.begin.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let mut document = json!({ "ask": number, "error": wish.error, "factors": wish.factors() });
-        match looked(&begin, wish) {
+        match self.arm_of(&begin.study).and_then(|arm| looked(&begin, &arm, wish)) {
             Err(why) => document["refused"] = why.to_string().into(),
             Ok((next, numbers)) => {
                 document["numbers"] = json!(numbers);
@@ -138,6 +143,23 @@ impl Proof {
         }
         document["seconds"] = began.elapsed().as_secs_f64().into();
         self.tell(number, &document);
+    }
+
+    /// The arm of a study, whose postures take long to search: once per study.
+    fn arm_of(&self, study: &Study) -> Result<Arm, StudioError> {
+        let mut known = self.arm.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(arm) = &*known {
+            return Ok(arm.clone());
+        }
+        let arm = arm_along(study).map_err(|why| StudioError::refused(why.to_string()))?;
+        Ok(known.insert(arm).clone())
+    }
+
+    /// Looks at the arm before anybody asks.
+    fn look_ahead(&self) {
+        let begin = self.begin.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        // Whoever asks is told what is wrong with it.
+        let _ = self.arm_of(&begin.study);
     }
 
     fn tell(&self, number: u64, document: &Value) {
@@ -172,16 +194,15 @@ impl Proof {
 }
 
 /// The gains of a wish with their numbers.
-fn looked(begin: &Begin, wish: Wish) -> Result<(Begin, Numbers), StudioError> {
+fn looked(begin: &Begin, arm: &Arm, wish: Wish) -> Result<(Begin, Numbers), StudioError> {
     let study = &begin.study;
-    let arm = arm_along(study).map_err(|why| StudioError::refused(why.to_string()))?;
     let base = if (wish.error - 1.0).abs() < 1e-9 {
         begin.gains.clone()
     } else {
-        found(study, &arm, wish.error)?
+        found(study, arm, wish.error)?
     };
     let gains = wish.factors().of(study, &base)?;
-    let numbers = Numbers::of(study, &arm, &gains);
+    let numbers = Numbers::of(study, arm, &gains);
     Ok((Begin { study: study.clone(), gains }, numbers))
 }
 

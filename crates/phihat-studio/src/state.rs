@@ -1,5 +1,6 @@
 //! What a page is told of a study when it opens.
 
+use phihat::Form;
 use phihat_model::JointKind;
 use phihat_session::drawn_arm;
 use phihat_sim::Motion;
@@ -31,6 +32,7 @@ pub(crate) fn state(begin: &Begin, warnings: &[String], name: &str) -> Value {
         "bounds": study.spec.error_bound,
         "settle_s": study.spec.settle,
         "rate_hz": 1e9 / study.control.period_ns as f64,
+        "scales": study.control.form != Form::Positions,
         "method": begin.gains.method,
         "supervised": study.supervisor.is_some(),
         "arm": drawn_arm(study),

@@ -82,6 +82,7 @@ fn traversals(place: &Place) -> Vec<Attempt> {
 }
 
 /// Bytes that are no request, or too large a one.
+#[expect(clippy::too_many_lines, reason = "a list of attempts")]
 fn malformed(place: &Place) -> Vec<Attempt> {
     let ours = place.head("GET /state");
     let post = place.head("POST /meet") + "Content-Type: application/json\r\n";
@@ -153,6 +154,7 @@ fn malformed(place: &Place) -> Vec<Attempt> {
 }
 
 /// Documents that are wrong: none is obeyed.
+#[expect(clippy::too_many_lines, reason = "a list of attempts")]
 fn documents() -> Vec<(&'static str, &'static str, String)> {
     let deep = "[".repeat(100_000);
     let meet = |size: &str| format!("{{\"what\":\"push\",\"joint\":1,\"size\":{size}}}");
@@ -271,7 +273,7 @@ fn links_lead_nowhere() {
     let above = place.folder.parent().unwrap();
     std::fs::write(above.join("secret.urdf"), "<robot name=\"the secret\"/>").unwrap();
     let link = |to: &str, name: &str| {
-        std::os::unix::fs::symlink(above.join(to), place.folder.join(name)).unwrap()
+        std::os::unix::fs::symlink(above.join(to), place.folder.join(name)).unwrap();
     };
     link("secret.urdf", "arm.urdf");
     link("made.toml", "linked.toml");

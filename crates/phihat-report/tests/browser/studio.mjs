@@ -55,17 +55,15 @@ async function accessible(page, view) {
   check(`${view}: axe finds no serious fault`, grave.length === 0, grave.map((one) => `${one.id}: ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`).join("; "));
 }
 
-const shown = (page) => page.evaluate(() => document.getElementById("arm-view").shown);
-const frames = (page) => page.evaluate(() => document.getElementById("arm-view").frames);
-
 async function works() {
   const { context, page, errors } = await opened({ viewport: { width: 1300, height: 1000 }, colorScheme: "light" });
-  const [before, from] = [await frames(page), await shown(page)];
-  const began = Date.now();
-  await page.waitForTimeout(3000);
-  const seconds = (Date.now() - began) / 1e3;
-  const rate = (await frames(page) - before) / seconds;
-  const reached = ((await shown(page)).t - from.t) / seconds;
+  const mark = () => page.evaluate(() => { const { frames, shown } = document.getElementById("arm-view"); return { frames, t: shown.t, at: performance.now() / 1e3 }; });
+  const first = await mark();
+  await page.waitForTimeout(4000);
+  const last = await mark();
+  const seconds = last.at - first.at;
+  const rate = (last.frames - first.frames) / seconds;
+  const reached = (last.t - first.t) / seconds;
   check("30 pictures per second come", rate >= 30, rate.toFixed(1));
   check("the run keeps real time", Math.abs(reached - 1) < 0.05, `${reached.toFixed(3)} times real time`);
 
@@ -76,7 +74,7 @@ async function works() {
   await page.evaluate(() => {
     const canvas = document.getElementById("arm-view");
     globalThis.pushed = null;
-    canvas.addEventListener("pointermove", () => { globalThis.pushed ??= { at: performance.now(), seen: null }; }, { once: true, capture: true });
+    addEventListener("pointermove", () => { globalThis.pushed ??= { at: performance.now(), seen: null }; }, { once: true, capture: true });
     const look = () => { if (pushed && pushed.seen == null && canvas.shown.acting.some(([word]) => word === "push")) pushed.seen = performance.now(); if (!pushed?.seen) setTimeout(look, 1); };
     look();
   });
@@ -104,11 +102,13 @@ async function works() {
   check("keys push a joint, pick up and drop a payload", true);
 
   // A slider of the gains: new numbers.
-  await page.locator("#gain-outer").focus();
-  await page.keyboard.press("ArrowRight");
-  await page.waitForFunction(() => document.getElementById("numbers").dataset.seconds, null, { timeout: 30000 });
-  const took = Number(await page.locator("#numbers").getAttribute("data-seconds"));
-  check("new numbers within a second", took < 1, `${took.toFixed(2)} s: ${(await page.locator("#numbers").innerText()).slice(0, 160).replaceAll("\n", " ")}`);
+  if (await page.locator("#gain-outer").isEnabled()) {
+    await page.locator("#gain-outer").focus();
+    await page.keyboard.press("ArrowRight");
+    await page.waitForFunction(() => document.getElementById("numbers").dataset.seconds, null, { timeout: 30000 });
+    const took = Number(await page.locator("#numbers").getAttribute("data-seconds"));
+    check("new numbers within a second", took < 1, `${took.toFixed(2)} s: ${(await page.locator("#numbers").innerText()).slice(0, 160).replaceAll("\n", " ")}`);
+  } else console.log("gains of a law from positions have no sliders");
 
   // The study's text: an error with its line, and none when it is mended.
   const text = await page.locator("#text").inputValue();
