@@ -132,12 +132,17 @@ impl Live {
         Some((t_ns, &self.rows))
     }
 
+    /// Whether it came to its end.
+    pub fn is_whole(&self) -> bool {
+        self.world.abort().is_none() && self.k >= self.world.samples()
+    }
+
     /// Why there are no more samples.
     pub fn ending(&self) -> String {
         match self.world.abort() {
             Some(abort) => format!("the robot's interface stopped: {}", abort.reason),
-            None if self.time() + 0.5e-9 < self.study.duration => "the arm diverged".to_owned(),
-            None => "the run is at its end".to_owned(),
+            None if self.is_whole() => "the run is at its end".to_owned(),
+            None => "the arm diverged".to_owned(),
         }
     }
 

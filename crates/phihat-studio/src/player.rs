@@ -234,8 +234,10 @@ impl Run {
                 break;
             }
             let Some((_, rows)) = self.live.step() else {
-                self.over = Some(self.live.ending());
-                break;
+                if self.round().is_err() {
+                    self.over = Some(self.live.ending());
+                }
+                return;
             };
             self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
             if began.elapsed() > TICK * 4 {
@@ -245,6 +247,21 @@ impl Run {
         if due - self.live.time() > BEHIND * self.speed {
             self.anchor_now();
         }
+    }
+
+    /// A motion that came to its end begins anew, with what acts; one that ended otherwise does not.
+    fn round(&mut self) -> Result<(), StudioError> {
+        if !self.live.is_whole() {
+            return Err(StudioError::refused(self.live.ending()));
+        }
+        let mut next = Live::new(&self.begin)?;
+        for (kind, joint, size) in self.live.acting() {
+            next.meet_named(kind.word(), joint, Some(size))?;
+        }
+        self.live = next;
+        self.anchor_now();
+        self.pictured.1 = 0.0;
+        Ok(())
     }
 
     fn picture(&mut self) {
