@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// A page of this machine shows the simulated arm in real time: drag a joint to push it, drop and pick up a payload, add friction, noise, losses
 /// and faults, change gains and the error that is wished and see what is certified of them, edit the study, save what came as
 /// one that `phihat run` repeats. It listens on this machine alone, reads and writes nothing outside of the folder that it is
-/// started in, and ends with Ctrl-C. It never talks to a robot.
+/// started in, and ends with Ctrl-C. It never talks to a robot. In builds with the feature `studio`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example (then open the address that it prints):\n  phihat studio studies/first.toml"
@@ -72,7 +72,7 @@ impl Studio {
         let Self { study, gains: _, port: _, open: _, json: _ } = self;
         let study = study.display();
         Err(Failure::plain(format!(
-            "no studio of {study}: this phihat is built without the feature `studio`"
+            "no studio of {study}: this phihat is built without the feature `studio`; in a clone: cargo run --release -p phihat-cli --features studio -- studio"
         )))
     }
 }
