@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type Row = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 21] = [
+const CRATES: [Row; 22] = [
     (
         "phihat",
         &[],
@@ -85,6 +85,19 @@ const CRATES: [Row; 21] = [
         "one loop for every robot behind a link, which it knows by its facts alone; the links, the simulated arm and a Franka; the checks before it, and how well a machine keeps time",
     ),
     (
+        "phihat-studio",
+        &[
+            "phihat",
+            "phihat-design",
+            "phihat-model",
+            "phihat-report",
+            "phihat-session",
+            "phihat-sim",
+            "phihat-study",
+        ],
+        "a run that goes on while faults come, and the pages of this machine that look on and give orders; the only crate with a web server",
+    ),
+    (
         "phihat-campaign",
         &[
             "phihat",
@@ -143,6 +156,7 @@ const CRATES: [Row; 21] = [
             "phihat-rivals",
             "phihat-session",
             "phihat-sim",
+            "phihat-studio",
             "phihat-study",
         ],
         "the binary `phihat`, one file per verb: arguments, tables, progress, exit codes",

@@ -146,5 +146,16 @@ fn browser(root: &Path) -> Result<(), String> {
     pages.sort();
     let mut arguments = vec!["check.mjs", "--hostile"];
     arguments.extend(pages.iter().map(String::as_str));
-    command(&folder, "node", &arguments)
+    command(&folder, "node", &arguments)?;
+    studio(root, &folder)
+}
+
+/// `phihat studio` in a browser: the Panda under the gains of the main job, and a study whose gains are stated.
+fn studio(root: &Path, folder: &Path) -> Result<(), String> {
+    cargo(root, &["build", "--release", "--package", "phihat-cli", "--features", "studio"])?;
+    let at = |path: &str| root.join(path).display().to_string();
+    let program = at(&format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX));
+    let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
+    command(folder, "node", &["studio.mjs", &program, &study, &gains])?;
+    command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])
 }

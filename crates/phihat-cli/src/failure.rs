@@ -113,6 +113,16 @@ impl From<OwnError> for Failure {
     }
 }
 
+#[cfg(feature = "studio")]
+impl From<phihat_studio::StudioError> for Failure {
+    fn from(why: phihat_studio::StudioError) -> Self {
+        match why {
+            phihat_studio::StudioError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
 impl From<CompareError> for Failure {
     /// A name that there is not comes with the nearest one that there is.
     fn from(why: CompareError) -> Self {

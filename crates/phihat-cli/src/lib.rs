@@ -38,6 +38,7 @@ mod ros2;
 mod run;
 mod serve;
 mod shown;
+mod studio;
 mod table;
 mod terminal;
 mod verify;
@@ -82,6 +83,7 @@ enum Verb {
     Drive(drive::Drive),
     Realtime(realtime::Realtime),
     Serve(serve::Serve),
+    Studio(studio::Studio),
     Faults(faults::Faults),
     Compare(compare::Compare),
     Report(report::Report),
@@ -143,6 +145,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Drive(drive) => drive.execute(),
         Verb::Realtime(realtime) => realtime.execute(),
         Verb::Serve(serve) => serve.execute(),
+        Verb::Studio(studio) => studio.execute(),
         Verb::Faults(faults) => faults.execute(),
         Verb::Compare(compare) => compare.execute(),
         Verb::Report(report) => report.execute(),

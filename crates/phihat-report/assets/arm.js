@@ -522,5 +522,22 @@
   canvas.tipAt = (t) => origin(poses(desired(nearest(t)))[tip]);
   canvas.pixels = () => { render(); const all = new Uint8Array(4 * canvas.width * canvas.height); gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all); return all; };
   canvas.paint = render;
+  // Where each joint is on the screen, and where the tip goes there as the joint turns forward: what a hand takes hold of.
+  canvas.grips = () => {
+    const k = nearest(clock.t);
+    const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+    const { matrix } = camera(w / h);
+    const at = poses(view.factor === 1 ? actual(k) : magnified(k, view.factor));
+    const seen = (p) => { const [x, y, d] = [0, 1, 3].map((r) => matrix[r] * p[0] + matrix[4 + r] * p[1] + matrix[8 + r] * p[2] + matrix[12 + r]); return [(x / d + 1) / 2 * w, (1 - y / d) / 2 * h]; };
+    return links.flatMap((link, i) => {
+      if (link.joint == null) return [];
+      const [p, z, end] = [origin(at[i]), V.unit(turned(at[i], link.axis)), origin(at[tip])];
+      const moves = link.slides ? z : V.cross(z, V.sub(end, p));
+      const [a, b] = [seen(end), seen(V.add(end, V.times(V.norm(moves) > 1e-9 ? V.unit(moves) : z, 0.05 * reach)))];
+      const far = Math.hypot(b[0] - a[0], b[1] - a[1]);
+      const [x, y] = seen(p);
+      return [{ joint: link.joint, x, y, way: far > 1e-3 ? [(b[0] - a[0]) / far, (b[1] - a[1]) / far] : [1, 0] }];
+    });
+  };
   render();
 });

@@ -28,6 +28,7 @@ pub mod kit;
 mod limit;
 mod limited;
 mod page;
+pub mod parts;
 mod payload;
 mod policy;
 mod record;

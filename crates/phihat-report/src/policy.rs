@@ -7,6 +7,8 @@ use sha2::{Digest, Sha256};
 /// uPlot 1.6.32, see `assets/README.md`.
 pub(crate) const PLOT_SCRIPT: &str = include_str!("../assets/uPlot.iife.min.js");
 const PLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
+/// The view of the arm.
+pub(crate) const ARM_SCRIPT: &str = include_str!("../assets/arm.js");
 /// Our script.
 pub(crate) const PAGE_SCRIPT: &str = concat!(
     include_str!("../assets/signals.js"),

@@ -4,8 +4,8 @@ use phihat_model::Outline;
 use phihat_report::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce};
 use phihat_study::{Fault, FaultKind, Study};
 
-/// The arm of a study.
-pub(crate) fn arm(study: &Study) -> Arm {
+/// The arm of a study, and what acts on it, as pages draw it.
+pub fn arm(study: &Study) -> Arm {
     let (robot, world) = (&study.robot, &study.world);
     let outline = robot.model.outline();
     let find = |frame: &str| outline.iter().position(|link| link.name == frame);

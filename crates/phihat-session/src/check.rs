@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use phihat_design::{DesignError, requested_gains};
+use phihat_design::{DesignError, Gains, requested_gains};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study, StudyError};
 use serde::Serialize;
@@ -101,13 +101,34 @@ pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
         Ok(gains) => (gains, Vec::new()),
         Err(why) => (None, vec![Mistake::of(&why, path)]),
     };
-    let study = match Study::check(path) {
-        Ok(study) => Box::new(study),
+    match Study::check(path) {
+        Ok(study) => looked(Box::new(study), path, gains, errors),
         Err(found) => {
             errors.splice(..0, found.iter().map(Mistake::from));
-            return Looked { study: None, errors, warnings: Vec::new() };
+            Looked { study: None, errors, warnings: Vec::new() }
         }
-    };
+    }
+}
+
+/// As [`check`], of a text that would stand at this path.
+pub fn check_text(text: &str, path: &Path) -> Looked {
+    let base = path.parent().unwrap_or(Path::new(""));
+    match Study::check_text(text, &path.display().to_string(), base) {
+        Ok(study) => looked(Box::new(study), path, None, Vec::new()),
+        Err(found) => {
+            let errors = found.iter().map(Mistake::from).collect();
+            Looked { study: None, errors, warnings: Vec::new() }
+        }
+    }
+}
+
+/// What is wrong with a study that could be read.
+fn looked(
+    study: Box<Study>,
+    path: &Path,
+    gains: Option<(Gains, &Path)>,
+    mut errors: Vec<Mistake>,
+) -> Looked {
     let mut warnings = study.robot.warnings.clone();
     let unfit = if gains.is_some() || requested_gains(&study).is_some() {
         match Session::new(study.clone(), path, gains, false) {

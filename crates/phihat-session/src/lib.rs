@@ -65,9 +65,10 @@ mod watch;
 mod words;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
+pub use arm::arm as drawn_arm;
 pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
 pub use budget::{BudgetFiles, Tried, budget, write_budget};
-pub use check::{Looked, Mistake, check};
+pub use check::{Looked, Mistake, check, check_text};
 pub use design::{Advice, arm, designed, designed_for, read};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};

@@ -147,6 +147,11 @@ impl Session {
         &self.warnings
     }
 
+    /// The study as it is run, completed by its gains, and the gains.
+    pub fn into_parts(self) -> (Box<Study>, Gains) {
+        (self.study, self.gains)
+    }
+
     /// The gains chosen.
     pub fn into_gains(self) -> Gains {
         self.gains

@@ -1,6 +1,9 @@
 //! The closed loop, cut where a robot's wire would be.
 
+use phihat_study::Study;
+
 use crate::control::ControlSide;
+use crate::error::SimError;
 use crate::rows::Acted;
 use crate::sample::Sample;
 use crate::simulation::{Divergence, Ended, Simulation, diverged, ended};
@@ -140,6 +143,22 @@ impl WorldSide {
     pub fn acted(&self, joint: usize, inertia: f64) -> Acted {
         let (ddq, tau, phi) = self.world.acted(joint, inertia);
         Acted { q: self.q[joint], dq: self.dq[joint], ddq, tau, phi }
+    }
+
+    /// From the next sample on, what goes wrong is what this study says: the study of this run with other faults. What they leave
+    /// of the past is as it was, so a run that meets a fault at its start is the run of a study that had it from the beginning,
+    /// bit for bit, where no more integration steps are needed.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError`]: a payload does not fit, or a fault makes the arm too stiff for any step. Nothing has changed then.
+    pub fn meet(&mut self, study: &Study) -> Result<(), SimError> {
+        self.world.meet(study, &self.names)
+    }
+
+    /// Integration steps per sample.
+    pub fn substeps(&self) -> u32 {
+        self.world.substeps()
     }
 
     /// Why the robot's interface stopped, if it did.

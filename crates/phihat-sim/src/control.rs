@@ -135,6 +135,13 @@ impl ControlSide {
         self
     }
 
+    /// The same, where another one ran until now: it goes on from the torque that was commanded last, without a step.
+    #[must_use]
+    pub fn after(self, before: &Self) -> Self {
+        let held: Vec<f64> = before.commands.iter().map(|command| command.tau).collect();
+        Self { starts: false, ..self }.taking_over(Some(&held))
+    }
+
     /// From here on a safe stop is asked for, whatever the study asks; `false`: there is no supervisor that could be asked.
     pub fn stop(&mut self) -> bool {
         match &mut self.brain {

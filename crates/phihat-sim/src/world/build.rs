@@ -10,7 +10,7 @@ use super::fault::Acts;
 use super::forces::Push;
 use super::friction::Friction;
 use super::payload::{Carried, loaded};
-use super::plant::{Parts, Plant};
+use super::plant::{Met, Parts, Plant};
 use super::shape::Shape;
 use super::spring::{EndStop, Transmission};
 use crate::error::SimError;
@@ -42,6 +42,16 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
         faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
     };
     Ok(Plant::new(parts, start_state(study, motion)))
+}
+
+/// Takes the faults of a study that is the plant's own but for them; with what the plant met before.
+pub(super) fn meet(plant: &mut Plant, study: &Study) -> Result<Met, SimError> {
+    Ok(plant.met(Met {
+        carried: Carried::new(study)?,
+        pushes: pushes(study),
+        faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
+        shapes: Shape::all(study),
+    }))
 }
 
 fn of_plant(kind: FaultKind) -> bool {

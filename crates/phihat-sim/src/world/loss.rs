@@ -45,6 +45,11 @@ impl Loss {
         })
     }
 
+    /// Goes on where another one was.
+    pub(super) fn after(self, before: Option<&Self>) -> Self {
+        Self { bad: before.is_some_and(|before| before.bad), ..self }
+    }
+
     /// Whether message `k`, at time `t` \[s\], is lost.
     pub(super) fn lost(&mut self, k: u64, t: f64) -> bool {
         let probability = if self.bad { self.after_bad } else { self.after_good };

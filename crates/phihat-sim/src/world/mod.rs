@@ -24,7 +24,7 @@ pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
 pub(crate) use payload::loaded;
 
-use phihat_study::Study;
+use phihat_study::{Fault, FaultKind, Study};
 
 use crate::error::SimError;
 use crate::motion::Motion;
@@ -74,6 +74,30 @@ impl World {
             period,
             substeps: study.world.substeps,
         })
+    }
+
+    /// Takes the faults of a study that is this world's own but for them. No change where that fails.
+    pub(crate) fn meet(&mut self, study: &Study, names: &[String]) -> Result<(), SimError> {
+        let before = build::meet(&mut self.plant, study)?;
+        let (needed, joint) = self.plant.steps_needed(self.period);
+        if needed > STEPS_MAX {
+            self.plant.met(before);
+            let joint = names[joint].clone();
+            return Err(SimError::TooStiff { joint, substeps: STEPS_MAX, needed });
+        }
+        // A world without them keeps the steps that it was begun with.
+        let stiffens = |fault: &Fault| matches!(fault.kind, FaultKind::Brake | FaultKind::Friction);
+        if needed > self.substeps && study.faults.iter().any(stiffens) {
+            self.substeps = needed.saturating_add(needed.div_ceil(2)).min(STEPS_MAX);
+        }
+        self.path.meet(study);
+        self.sensing.meet(study);
+        Ok(())
+    }
+
+    /// Integration steps per sample.
+    pub(crate) fn substeps(&self) -> u32 {
+        self.substeps
     }
 
     /// What the controller gets at sample `k`, time `t_ns`.

@@ -51,6 +51,15 @@ impl CommandPath {
         })
     }
 
+    /// Takes the faults of a study that is this one's own but for them.
+    pub(super) fn meet(&mut self, study: &Study) {
+        let kinds = (FaultKind::CommandLoss, Effect::CommandLoss, Effect::FaultCommandLoss);
+        let loss = Loss::new(study.world.network.command, &study.faults, kinds, study.seed);
+        self.loss = loss.map(|loss| loss.after(self.loss.as_ref()));
+        let stop = |fault: &&Fault| fault.kind == FaultKind::ControllerStop;
+        self.stops = study.faults.iter().filter(stop).cloned().collect();
+    }
+
     /// As if so much torque per joint had been sent for long.
     pub(super) fn held(&mut self, torque: &[f64]) {
         for (i, torque) in torque.iter().enumerate() {

@@ -1,5 +1,7 @@
 //! The arm that answers: its state, and how it goes on.
 
+use core::mem;
+
 use phihat_study::Fault;
 
 use super::bristle::Bristle;
@@ -28,6 +30,15 @@ pub(super) struct Parts {
     pub(super) faults: Vec<Fault>,
     /// Friction of a cold joint over that of a warm one, and the time constant between \[s\].
     pub(super) warm_up: Option<(f64, f64)>,
+}
+
+/// What faults make of a plant.
+#[derive(Debug)]
+pub(super) struct Met {
+    pub(super) carried: Carried,
+    pub(super) pushes: Vec<Push>,
+    pub(super) faults: Vec<Fault>,
+    pub(super) shapes: Option<Vec<Shape>>,
 }
 
 /// The plant and its state.
@@ -98,6 +109,16 @@ impl Plant {
             tau_start: zero.clone(),
             tau_mean: zero,
             discarded: state,
+        }
+    }
+
+    /// Meets other faults from now on; with what it met before.
+    pub(super) fn met(&mut self, next: Met) -> Met {
+        Met {
+            carried: mem::replace(&mut self.forces.carried, next.carried),
+            pushes: mem::replace(&mut self.forces.pushes, next.pushes),
+            faults: mem::replace(&mut self.faults, next.faults),
+            shapes: mem::replace(&mut self.forces.shapes, next.shapes),
         }
     }
 

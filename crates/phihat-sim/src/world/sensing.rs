@@ -81,6 +81,15 @@ impl Sensing {
         .delayed_by(asked.delay_samples)
     }
 
+    /// Takes the faults of a study that is this one's own but for them.
+    pub(super) fn meet(&mut self, study: &Study) {
+        let kinds = (FaultKind::SampleLoss, Effect::SampleLoss, Effect::FaultSampleLoss);
+        let loss = Loss::new(study.world.network.sample, &study.faults, kinds, study.seed);
+        self.loss = loss.map(|loss| loss.after(self.loss.as_ref()));
+        self.errors = Errors::new(study);
+        self.faults = study.faults.iter().filter(|f| of_sensor(f.kind)).cloned().collect();
+    }
+
     /// Room for messages on their way: as if the driver had been running before the start.
     fn delayed_by(mut self, samples: u32) -> Self {
         if let Some(way) = &mut self.way {

@@ -1,0 +1,162 @@
+// What a person sees and does in `phihat studio`: starts it, opens it in headless Chromium, and asserts it.
+//
+//   cd crates/phihat-report/tests/browser && npm ci
+//   node studio.mjs PHIHAT STUDY [GAINS]
+//
+// With SHOTS=FOLDER it leaves pictures there; with STRICT=1 rates and times are asserted. The last line is `N passed, N failed`; the exit code is 0 only if nothing failed.
+
+import { chromium } from "playwright-core";
+import { spawn } from "node:child_process";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { basename, join, resolve } from "node:path";
+import { createInterface } from "node:readline";
+
+const [program, study, gains] = process.argv.slice(2);
+const shots = process.env.SHOTS;
+const count = { passed: 0, failed: 0 };
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+function check(what, holds, detail = "") {
+  count[holds ? "passed" : "failed"] += 1;
+  console.log(`${holds ? "ok" : "FAILED"}: ${what} ${detail}`);
+}
+
+// What depends on who else uses the machine: told always, asserted with STRICT=1.
+const timed = (what, holds, detail) => (holds || process.env.STRICT ? check(what, holds, detail) : console.log(`slow here: ${what} ${detail}`));
+
+// A folder of its own, so that what is saved is nowhere else.
+const folder = mkdtempSync(join(tmpdir(), "phihat-studio-"));
+copyFileSync(study, join(folder, basename(study)));
+const words = ["studio", basename(study), "--json", ...(gains ? ["--gains", resolve(gains)] : [])];
+const studio = spawn(resolve(program), words, { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
+const line = await new Promise((done, fail) => {
+  createInterface({ input: studio.stdout }).once("line", done);
+  studio.once("exit", (code) => fail(new Error(`phihat studio ended: ${code}`)));
+});
+const { open: link } = JSON.parse(line);
+
+const executablePath = process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+
+async function opened(options) {
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  const errors = [];
+  page.on("console", (m) => { if (["error", "warning"].includes(m.type())) errors.push(m.text()); });
+  page.on("pageerror", (e) => errors.push(e.message));
+  await page.goto(link);
+  await page.waitForFunction(() => document.getElementById("arm-view")?.frames > 5 && document.getElementById("arm-view").paint, null, { timeout: 60000 });
+  return { context, page, errors };
+}
+
+async function accessible(page, view) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
+  const grave = found.violations.filter((one) => ["serious", "critical"].includes(one.impact));
+  check(`${view}: axe finds no serious fault`, grave.length === 0, grave.map((one) => `${one.id}: ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`).join("; "));
+}
+
+async function works() {
+  const { context, page, errors } = await opened({ viewport: { width: 1300, height: 1000 }, colorScheme: "light" });
+  const mark = () => page.evaluate(() => { const { frames, shown } = document.getElementById("arm-view"); return { frames, t: shown.t, at: performance.now() / 1e3 }; });
+  // From its start, so that a motion with an end does not come to it meanwhile.
+  await page.locator("#again").click();
+  await page.waitForTimeout(500);
+  const first = await mark();
+  await page.waitForTimeout(4000);
+  const last = await mark();
+  const seconds = last.at - first.at;
+  const rate = (last.frames - first.frames) / seconds;
+  const reached = (last.t - first.t) / seconds;
+  timed("30 pictures per second come", rate >= 30, rate.toFixed(1));
+  timed("the run keeps real time", Math.abs(reached - 1) < 0.05, `${reached.toFixed(3)} times real time`);
+
+  // A drag on a joint pushes it: from the hand to the picture that shows the push, and the error that it makes.
+  const grip = await page.evaluate(() => { const box = document.getElementById("arm-view").getBoundingClientRect(); const grips = document.getElementById("arm-view").grips(); const g = grips[Math.min(1, grips.length - 1)]; return { x: box.left + g.x, y: box.top + g.y, way: g.way, joint: g.joint }; });
+  await page.mouse.move(grip.x, grip.y);
+  await page.mouse.down();
+  await page.evaluate(() => {
+    const canvas = document.getElementById("arm-view");
+    globalThis.pushed = null;
+    addEventListener("pointermove", () => { globalThis.pushed ??= { at: performance.now(), seen: null }; }, { once: true, capture: true });
+    const look = () => { if (pushed && pushed.seen == null && canvas.shown.acting.some(([word]) => word === "push")) pushed.seen = performance.now(); if (!pushed?.seen) setTimeout(look, 1); };
+    look();
+  });
+  await page.mouse.move(grip.x + 40 * grip.way[0], grip.y + 40 * grip.way[1]);
+  await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 10000 });
+  const reaction = await page.evaluate(() => pushed.seen - pushed.at);
+  timed("a push is seen in under 100 ms", reaction < 100, `${reaction.toFixed(0)} ms`);
+  if (shots) await page.screenshot({ path: `${shots}/studio-pushed.png` });
+  await page.mouse.up();
+  await page.waitForFunction(() => !document.getElementById("arm-view").shown.acting.some(([word]) => word === "push"), null, { timeout: 10000 });
+  check("letting go ends the push", true);
+
+  // By keys alone.
+  await page.locator("#arm-view").focus();
+  await page.keyboard.press("3");
+  check("a number picks a joint", (await page.locator("#joint").inputValue()) === "2");
+  await page.keyboard.down("ArrowRight");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word, joint]) => word === "push" && joint === 2), null, { timeout: 10000 });
+  await page.keyboard.up("ArrowRight");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 10000 });
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word]) => word === "payload"), null, { timeout: 10000 });
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 10000 });
+  check("keys push a joint, pick up and drop a payload", true);
+
+  // A slider of the gains: new numbers.
+  if (await page.locator("#gain-outer").isEnabled()) {
+    await page.locator("#gain-outer").focus();
+    await page.keyboard.press("ArrowRight");
+    await page.waitForFunction(() => document.getElementById("numbers").dataset.seconds, null, { timeout: 30000 });
+    const took = Number(await page.locator("#numbers").getAttribute("data-seconds"));
+    timed("new numbers within a second", took < 1, `${took.toFixed(2)} s: ${(await page.locator("#numbers").innerText()).slice(0, 160).replaceAll("\n", " ")}`);
+  } else console.log("gains of a law from positions have no sliders");
+
+  // The study's text: an error with its line, and none when it is mended.
+  const text = await page.locator("#text").inputValue();
+  await page.locator("#text").fill(text.replace("duration_s", "duration"));
+  await page.waitForFunction(() => document.querySelectorAll("#mistakes li:not(.warning)").length > 0, null, { timeout: 20000 });
+  check("a mistake is told with its place", /line \d+/.test(await page.locator("#mistakes").innerText()), await page.locator("#mistakes").innerText());
+  if (shots) await page.locator("#text").scrollIntoViewIfNeeded().then(() => page.screenshot({ path: `${shots}/studio-mistake.png` }));
+  await page.locator("#text").fill(text);
+  await page.waitForFunction(() => document.querySelectorAll("#mistakes li:not(.warning)").length === 0, null, { timeout: 20000 });
+  await page.locator("#name").fill("kept");
+  await page.locator("#save-run").click();
+  await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("saved"), null, { timeout: 10000 });
+  check("a run is saved as a study", readFileSync(join(folder, "kept.toml"), "utf8").includes("duration_s"));
+  check("says nothing on the console", errors.length === 0, errors.join("; "));
+  await context.close();
+}
+
+async function looks() {
+  for (const width of [1300, 390]) {
+    for (const colorScheme of ["light", "dark"]) {
+      const { context, page, errors } = await opened({ viewport: { width, height: 900 }, colorScheme });
+      await page.waitForTimeout(1500);
+      const view = `${width} ${colorScheme}`;
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      check(`${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
+      check(`${view}: says nothing on the console`, errors.length === 0, errors.join("; "));
+      await accessible(page, view);
+      if (shots) await page.screenshot({ path: `${shots}/studio-${width}-${colorScheme}.png`, fullPage: true });
+      await context.close();
+    }
+  }
+}
+
+if (shots) mkdirSync(shots, { recursive: true });
+try {
+  await works();
+  await looks();
+} catch (why) {
+  check("no step took too long", false, why.message);
+} finally {
+  await browser.close();
+  studio.kill();
+}
+console.log(`${count.passed} passed, ${count.failed} failed`);
+process.exit(count.failed ? 1 : 0);

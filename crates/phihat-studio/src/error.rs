@@ -1,0 +1,33 @@
+//! What can go wrong in a studio.
+
+use phihat_session::SessionError;
+use phihat_sim::SimError;
+use thiserror::Error;
+
+/// Why a studio does not open, or does not do what it was asked.
+#[derive(Debug, Error)]
+pub enum StudioError {
+    /// The study cannot be run.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// The world cannot meet what was asked for.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+    /// The port cannot be listened on, or a thread not be begun.
+    #[error("cannot listen on port {port}: {why}; --port 0 takes any that is free")]
+    Listen {
+        /// The port.
+        port: u16,
+        /// What the system says.
+        why: std::io::Error,
+    },
+    /// What was asked for is not on offer.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl StudioError {
+    pub(crate) fn refused(why: impl Into<String>) -> Self {
+        Self::Refused(why.into())
+    }
+}

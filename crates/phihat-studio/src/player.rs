@@ -1,0 +1,299 @@
+//! The thread on which a run goes on, in real time; orders act between two samples.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use phihat_sim::Row;
+use serde::Serialize;
+use serde_json::{Value, json};
+use tokio::sync::{oneshot, watch};
+
+use crate::error::StudioError;
+use crate::live::{Begin, Live};
+use crate::offer::Offer;
+
+/// From one look at the orders to the next.
+const TICK: Duration = Duration::from_millis(4);
+/// From one picture to the next: 40 per second.
+const FRAME: Duration = Duration::from_millis(25);
+/// A run that is so far behind real time gives up catching up.
+const BEHIND: f64 = 0.2;
+/// Orders that may wait.
+const ORDERS_MAX: usize = 64;
+
+/// What a run is told.
+pub(crate) enum Order {
+    /// An offer acts on a joint with a size, or ends.
+    Meet(&'static Offer, Option<usize>, Option<f64>),
+    /// So many times real time; 0 waits.
+    Speed(f64),
+    /// From the start again, with these gains and nothing that came.
+    Again,
+    /// These gains from the next sample on.
+    Gains(Box<Begin>),
+    /// Another study, from its start.
+    Other(Box<Begin>),
+    /// Which sections came, for a study of this run.
+    Tell,
+}
+
+/// An order with who waits for what came of it.
+struct Asked {
+    order: Order,
+    answer: oneshot::Sender<Result<Value, StudioError>>,
+}
+
+/// Who gives orders to the thread.
+#[derive(Debug, Clone)]
+pub(crate) struct Player {
+    orders: SyncSender<Asked>,
+    pub(crate) frames: watch::Receiver<Arc<str>>,
+}
+
+/// Least and largest since the last picture.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Range(f64, f64);
+
+impl Range {
+    const NONE: Self = Self(f64::INFINITY, f64::NEG_INFINITY);
+
+    fn take(&mut self, x: f64) {
+        *self = Self(if x < self.0 { x } else { self.0 }, if x > self.1 { x } else { self.1 });
+    }
+}
+
+/// What one joint shows.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Shown {
+    q: f64,
+    qd: f64,
+    e: Range,
+    tau: Range,
+    phi: f64,
+}
+
+/// One picture, as a page gets it.
+#[derive(Debug, Serialize)]
+struct Frame<'a> {
+    /// Its number.
+    n: u64,
+    t: f64,
+    joints: &'a [Shown],
+    acting: Vec<(&'static str, Option<usize>, f64)>,
+    /// So many times real time: asked for, and reached.
+    speed: (f64, f64),
+    over: Option<String>,
+}
+
+impl Player {
+    /// Begins the thread.
+    pub(crate) fn begin(begin: Begin) -> Result<(Self, JoinHandle<()>), StudioError> {
+        let live = Live::new(&begin)?;
+        let (orders, asked) = sync_channel(ORDERS_MAX);
+        let (told, frames) = watch::channel(Arc::from("{}"));
+        let mut run = Run::new(begin, live, told);
+        let thread = std::thread::Builder::new().name("phihat-run".to_owned());
+        let thread = thread.spawn(move || run.go_on(&asked));
+        let thread = thread.map_err(|why| StudioError::refused(why.to_string()))?;
+        Ok((Self { orders, frames }, thread))
+    }
+
+    /// Gives an order, and waits for what comes of it.
+    pub(crate) async fn ask(&self, order: Order) -> Result<Value, StudioError> {
+        let (answer, answered) = oneshot::channel();
+        match self.orders.try_send(Asked { order, answer }) {
+            Ok(()) => {}
+            Err(TrySendError::Full(_)) => {
+                return Err(StudioError::refused("too many orders wait: slower, please"));
+            }
+            Err(TrySendError::Disconnected(_)) => {
+                return Err(StudioError::refused("the run is gone"));
+            }
+        }
+        answered.await.unwrap_or_else(|_| Err(StudioError::refused("the run is gone")))
+    }
+
+    /// Gives an order from a thread that may wait; whether it was obeyed at once.
+    pub(crate) fn order(&self, order: Order) -> bool {
+        let (answer, answered) = oneshot::channel();
+        let given = self.orders.try_send(Asked { order, answer }).is_ok();
+        let done = if given { answered.blocking_recv().ok() } else { None };
+        done.is_some_and(|done| done.is_ok_and(|value| value["now"] == true))
+    }
+}
+
+/// A run and its clock.
+struct Run {
+    begin: Begin,
+    live: Live,
+    told: watch::Sender<Arc<str>>,
+    shown: Vec<Shown>,
+    n: u64,
+    speed: f64,
+    over: Option<String>,
+    /// Real time, and the run's, from which both are counted.
+    anchor: (Instant, f64),
+    /// The same at the last picture.
+    pictured: (Instant, f64),
+    reached: f64,
+}
+
+#[expect(clippy::disallowed_methods, reason = "real time is its subject")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+impl Run {
+    fn new(begin: Begin, live: Live, told: watch::Sender<Arc<str>>) -> Self {
+        let none = Shown { q: 0.0, qd: 0.0, e: Range::NONE, tau: Range::NONE, phi: 0.0 };
+        let start = (now(), 0.0);
+        Self {
+            shown: vec![none; live.joints()],
+            begin,
+            live,
+            told,
+            n: 0,
+            speed: 1.0,
+            over: None,
+            anchor: start,
+            pictured: start,
+            reached: 0.0,
+        }
+    }
+
+    /// Until nobody gives orders any more.
+    fn go_on(&mut self, orders: &Receiver<Asked>) {
+        loop {
+            match orders.recv_timeout(TICK) {
+                Ok(Asked { order, answer }) => {
+                    // Whoever asked may be gone.
+                    let _ = answer.send(self.obey(order));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            self.catch_up();
+            if self.pictured.0.elapsed() >= FRAME {
+                self.picture();
+            }
+        }
+    }
+
+    fn anchor_now(&mut self) {
+        self.anchor = (now(), self.live.time());
+    }
+
+    fn obey(&mut self, order: Order) -> Result<Value, StudioError> {
+        match order {
+            Order::Meet(offer, joint, size) => {
+                self.live.meet(offer, joint, size)?;
+                Ok(json!({ "t": self.live.time() }))
+            }
+            Order::Speed(speed) => {
+                self.speed = speed;
+                self.anchor_now();
+                Ok(json!({ "speed": speed }))
+            }
+            Order::Again => {
+                self.live = Live::new(&self.begin)?;
+                self.over = None;
+                self.anchor_now();
+                self.pictured.1 = 0.0;
+                Ok(json!({ "t": 0.0 }))
+            }
+            Order::Gains(begin) => {
+                let now = self.over.is_none() && self.live.take_gains(&begin)?;
+                self.begin = *begin;
+                Ok(json!({ "now": now }))
+            }
+            Order::Other(begin) => {
+                let live = Live::new(&begin)?;
+                let told = self.told.clone();
+                let n = self.n;
+                *self = Self { n, ..Self::new(*begin, live, told) };
+                Ok(json!({ "t": 0.0 }))
+            }
+            Order::Tell => {
+                let (sections, substeps) = self.live.sections();
+                Ok(json!({ "sections": sections, "substeps": substeps, "t": self.live.time() }))
+            }
+        }
+    }
+
+    /// Goes on to where real time is.
+    fn catch_up(&mut self) {
+        if self.over.is_some() || self.speed <= 0.0 {
+            return;
+        }
+        let due = self.anchor.1 + self.speed * self.anchor.0.elapsed().as_secs_f64();
+        let began = now();
+        loop {
+            if self.live.time() > due {
+                break;
+            }
+            let Some((_, rows)) = self.live.step() else {
+                if self.round().is_err() {
+                    self.over = Some(self.live.ending());
+                }
+                return;
+            };
+            self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
+            if began.elapsed() > TICK * 4 {
+                break;
+            }
+        }
+        if due - self.live.time() > BEHIND * self.speed {
+            self.anchor_now();
+        }
+    }
+
+    /// A motion that came to its end begins anew, with what acts; one that ended otherwise does not.
+    fn round(&mut self) -> Result<(), StudioError> {
+        if !self.live.is_whole() {
+            return Err(StudioError::refused(self.live.ending()));
+        }
+        let mut next = Live::new(&self.begin)?;
+        for (kind, joint, size) in self.live.acting() {
+            next.meet_named(kind.word(), joint, Some(size))?;
+        }
+        self.live = next;
+        self.anchor_now();
+        self.pictured.1 = 0.0;
+        Ok(())
+    }
+
+    fn picture(&mut self) {
+        let (since, from) = self.pictured;
+        let elapsed = since.elapsed().as_secs_f64();
+        let rate = (self.live.time() - from) / elapsed.max(1e-6);
+        self.reached += 0.1 * (rate - self.reached);
+        self.pictured = (now(), self.live.time());
+        self.n += 1;
+        let acting = self.live.acting().map(|(kind, joint, size)| (kind.word(), joint, size));
+        let frame = Frame {
+            n: self.n,
+            t: self.live.time(),
+            joints: &self.shown,
+            acting: acting.collect(),
+            speed: (self.speed, self.reached),
+            over: self.over.clone(),
+        };
+        let text = serde_json::to_string(&frame).unwrap_or_default();
+        self.told.send_replace(Arc::from(text));
+        for shown in &mut self.shown {
+            (shown.e, shown.tau) = (Range::NONE, Range::NONE);
+        }
+    }
+}
+
+impl Shown {
+    fn take(&mut self, row: &Row) {
+        self.q = row.acted.q;
+        self.qd = row.reference.q;
+        self.phi = row.command.phi_hat;
+        self.e.take(row.acted.q - row.reference.q);
+        self.tau.take(row.command.tau);
+    }
+}

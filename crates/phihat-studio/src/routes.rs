@@ -1,0 +1,414 @@
+//! What a page can ask for.
+
+use std::convert::Infallible;
+use std::future::Future;
+use std::path::PathBuf;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::extract::{Request, State};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use hyper::body::{Body as _, Bytes, Frame};
+use phihat_report::parts;
+use phihat_session::{Session, check_text};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+
+use crate::error::StudioError;
+use crate::folder::Folder;
+use crate::gate::{Gate, No};
+use crate::live::Begin;
+use crate::offer::offered;
+use crate::player::{Order, Player};
+use crate::proof::{Proof, Wish};
+use crate::state::state;
+use crate::text;
+
+/// Bytes of a request's body.
+const BODY_MAX: usize = 256 * 1024;
+/// How long a body may take.
+const BODY: Duration = Duration::from_secs(5);
+/// Pages that look on at a time.
+const LIVE_MAX: usize = 8;
+/// Studies that are looked at, at a time.
+const CHECKS_MAX: usize = 2;
+
+/// What all requests share.
+pub(crate) struct Shared {
+    pub(crate) gate: Gate,
+    pub(crate) player: Player,
+    pub(crate) proof: Arc<Proof>,
+    pub(crate) folder: Folder,
+    pub(crate) open: Mutex<Open>,
+    live: Arc<Semaphore>,
+    checks: Arc<Semaphore>,
+}
+
+/// The study that is open.
+#[derive(Debug, Clone)]
+pub(crate) struct Open {
+    pub(crate) begin: Begin,
+    pub(crate) warnings: Vec<String>,
+    /// Where its text stands, or would.
+    pub(crate) path: PathBuf,
+}
+
+type Of = State<Arc<Shared>>;
+
+impl Shared {
+    pub(crate) fn new(
+        gate: Gate,
+        player: Player,
+        proof: Arc<Proof>,
+        folder: Folder,
+        open: Open,
+    ) -> Arc<Self> {
+        let (live, checks) = (Semaphore::new(LIVE_MAX), Semaphore::new(CHECKS_MAX));
+        let open = Mutex::new(open);
+        Arc::new(Self {
+            gate,
+            player,
+            proof,
+            folder,
+            open,
+            live: live.into(),
+            checks: checks.into(),
+        })
+    }
+
+    fn opened(&self) -> Open {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// All that is answered.
+pub(crate) fn router(shared: Arc<Shared>) -> Router {
+    let asset =
+        |kind: &'static str, text: &'static str| get(move || async move { typed(kind, text) });
+    let script = "text/javascript; charset=utf-8";
+    let style: &'static str = concat_style();
+    Router::new()
+        .route(
+            "/",
+            get(|| async {
+                typed("text/html; charset=utf-8", include_str!("../assets/studio.html"))
+            }),
+        )
+        .route("/studio.js", asset(script, include_str!("../assets/studio.js")))
+        .route("/arm.js", asset(script, parts::ARM_SCRIPT))
+        .route("/plot.js", asset(script, parts::PLOT_SCRIPT))
+        .route("/studio.css", asset("text/css; charset=utf-8", style))
+        .route("/favicon.ico", get(|| async { StatusCode::NO_CONTENT }))
+        .route("/state", get(tell_state))
+        .route("/live", get(look_on))
+        .route("/proof", get(tell_proof))
+        .route("/meet", post(meet))
+        .route("/run", post(run))
+        .route("/gains", post(gains))
+        .route("/check", post(check))
+        .route("/open", post(open))
+        .route("/save", post(save))
+        .fallback(|| async { refuse(StatusCode::NOT_FOUND, "nothing is here") })
+        .layer(from_fn_with_state(Arc::clone(&shared), gated))
+        .with_state(shared)
+}
+
+/// The styles of all pages, the arm's, and those of this one.
+fn concat_style() -> &'static str {
+    static STYLE: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    STYLE.get_or_init(|| format!("{}\n{}", parts::style(), include_str!("../assets/studio.css")))
+}
+
+fn typed(kind: &'static str, text: &'static str) -> Response {
+    ([(header::CONTENT_TYPE, kind)], text).into_response()
+}
+
+fn answer(value: &Value) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], value.to_string()).into_response()
+}
+
+fn refuse(status: StatusCode, why: &str) -> Response {
+    let mut response = answer(&json!({ "error": why }));
+    *response.status_mut() = status;
+    response
+}
+
+fn answered(done: Result<Value, StudioError>) -> Response {
+    match done {
+        Ok(value) => answer(&value),
+        Err(why) => refuse(StatusCode::UNPROCESSABLE_ENTITY, &why.to_string()),
+    }
+}
+
+/// Nothing is loaded from elsewhere, framed, kept, or told to others.
+const SAFE: [(&str, &str); 6] = [
+    (
+        "content-security-policy",
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
+
+async fn gated(State(shared): Of, request: Request, next: Next) -> Response {
+    let let_in = shared.gate.lets(request.method(), request.uri(), request.headers());
+    let mut response = match let_in {
+        Ok(()) => next.run(request).await,
+        Err(No(status, why)) => refuse(status, why),
+    };
+    for (name, value) in SAFE {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// The document of a request, where it is one of this shape and came in time.
+async fn document<T: DeserializeOwned>(request: Request) -> Result<T, Response> {
+    let most = u64::try_from(BODY_MAX).unwrap_or(u64::MAX);
+    if request.body().size_hint().lower() > most {
+        return Err(refuse(StatusCode::PAYLOAD_TOO_LARGE, "256 kB are taken"));
+    }
+    let read = tokio::time::timeout(BODY, to_bytes(request.into_body(), BODY_MAX)).await;
+    let Ok(read) = read else {
+        return Err(refuse(StatusCode::REQUEST_TIMEOUT, "the body takes too long"));
+    };
+    let Ok(bytes) = read else {
+        return Err(refuse(StatusCode::PAYLOAD_TOO_LARGE, "256 kB are taken"));
+    };
+    serde_json::from_slice(&bytes).map_err(|why| refuse(StatusCode::BAD_REQUEST, &why.to_string()))
+}
+
+async fn tell_state(State(shared): Of) -> Response {
+    let Open { begin, warnings, path } = shared.opened();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    answer(&state(&begin, &warnings, &name))
+}
+
+/// What the gains that were asked for last amount to.
+async fn tell_proof(State(shared): Of) -> Response {
+    let text = shared.proof.told();
+    ([(header::CONTENT_TYPE, "application/json")], text).into_response()
+}
+
+/// What acts on the arm: an offer, its joint, its size; no size: it ends.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Meet {
+    what: String,
+    joint: Option<usize>,
+    size: Option<f64>,
+}
+
+async fn meet(State(shared): Of, request: Request) -> Response {
+    let Meet { what, joint, size } = match document(request).await {
+        Ok(asked) => asked,
+        Err(no) => return no,
+    };
+    let Some(offer) = offered(&what) else {
+        return refuse(StatusCode::UNPROCESSABLE_ENTITY, "nothing of this name is on offer");
+    };
+    answered(shared.player.ask(Order::Meet(offer, joint, size)).await)
+}
+
+/// How time goes on.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Run {
+    speed: Option<f64>,
+    #[serde(default)]
+    again: bool,
+}
+
+/// So many times real time at most.
+const SPEED_MAX: f64 = 10.0;
+
+async fn run(State(shared): Of, request: Request) -> Response {
+    let Run { speed, again } = match document(request).await {
+        Ok(asked) => asked,
+        Err(no) => return no,
+    };
+    let order = match speed {
+        _ if again => Order::Again,
+        Some(speed) if (0.0..=SPEED_MAX).contains(&speed) => Order::Speed(speed),
+        _ => return refuse(StatusCode::UNPROCESSABLE_ENTITY, "a speed is 0 to 10"),
+    };
+    answered(shared.player.ask(order).await)
+}
+
+async fn gains(State(shared): Of, request: Request) -> Response {
+    let wish: Wish = match document(request).await {
+        Ok(wish) => wish,
+        Err(no) => return no,
+    };
+    answered(shared.proof.ask(wish).map(|number| json!({ "ask": number })))
+}
+
+/// A study's text.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    text: String,
+}
+
+/// Something that takes long, where few do already.
+async fn aside<T: Send + 'static>(
+    shared: &Shared,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Response> {
+    let busy = || refuse(StatusCode::SERVICE_UNAVAILABLE, "other studies are being looked at");
+    let Ok(held) = Arc::clone(&shared.checks).try_acquire_owned() else { return Err(busy()) };
+    let done = tokio::task::spawn_blocking(move || {
+        let done = work();
+        drop(held);
+        done
+    });
+    done.await.map_err(|_| refuse(StatusCode::INTERNAL_SERVER_ERROR, "phihat failed at it: a bug"))
+}
+
+async fn check(State(shared): Of, request: Request) -> Response {
+    let Text { text } = match document(request).await {
+        Ok(asked) => asked,
+        Err(no) => return no,
+    };
+    if let Err(why) = shared.folder.holds(&text) {
+        return answered(Err(why));
+    }
+    let path = shared.opened().path;
+    let looked = aside(&shared, move || check_text(&text, &path)).await;
+    match looked {
+        Ok(looked) => answer(&json!({ "errors": looked.errors, "warnings": looked.warnings })),
+        Err(no) => no,
+    }
+}
+
+async fn open(State(shared): Of, request: Request) -> Response {
+    let Text { text } = match document(request).await {
+        Ok(asked) => asked,
+        Err(no) => return no,
+    };
+    if let Err(why) = shared.folder.holds(&text) {
+        return answered(Err(why));
+    }
+    let path = shared.opened().path;
+    let opened = match aside(&shared, move || opened(&text, path)).await {
+        Ok(Ok(opened)) => opened,
+        Ok(Err(why)) => return answered(Err(why)),
+        Err(no) => return no,
+    };
+    let begun = shared.player.ask(Order::Other(Box::new(opened.begin.clone()))).await;
+    if begun.is_ok() {
+        shared.proof.turn_to(opened.begin.clone());
+        *shared.open.lock().unwrap_or_else(PoisonError::into_inner) = opened;
+    }
+    answered(begun)
+}
+
+/// A study's text, ready to be run; its gains are designed where it leaves them to the design.
+fn opened(text: &str, path: PathBuf) -> Result<Open, StudioError> {
+    let study = text::study(text, &path)?;
+    let session = Session::new(study, &path, None, false)?;
+    let warnings = session.warnings().to_vec();
+    let (study, gains) = session.into_parts();
+    Ok(Open { begin: Begin { study, gains }, warnings, path })
+}
+
+/// A name for what came of a run.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Save {
+    name: String,
+    /// Another text than that of the run: what stands in the editor.
+    text: Option<String>,
+}
+
+async fn save(State(shared): Of, request: Request) -> Response {
+    let Save { name, text } = match document(request).await {
+        Ok(asked) => asked,
+        Err(no) => return no,
+    };
+    answered(saved(&shared, &name, text).await)
+}
+
+async fn saved(shared: &Shared, name: &str, text: Option<String>) -> Result<Value, StudioError> {
+    let place = shared.folder.place(name)?;
+    let mut all = Vec::new();
+    let mut command = format!("phihat run {name}.toml");
+    if let Some(text) = text {
+        all.push((place, text));
+    } else {
+        let came = shared.player.ask(Order::Tell).await?;
+        let study = shared.opened().begin.study;
+        all.push((place.clone(), text::with_what_came(&study.text, &came)));
+        if let Some(gains) = shared.proof.taken() {
+            let gains = gains.to_json().map_err(|why| StudioError::refused(why.to_string()))?;
+            all.push((place.with_extension("gains.json"), gains));
+            command = format!("{command} --gains {name}.gains.json");
+        }
+    }
+    shared.folder.write(&all)?;
+    Ok(json!({ "saved": format!("{name}.toml"), "command": command }))
+}
+
+/// Pictures as they come.
+async fn look_on(State(shared): Of) -> Response {
+    let Ok(held) = Arc::clone(&shared.live).try_acquire_owned() else {
+        return refuse(StatusCode::SERVICE_UNAVAILABLE, "eight pages look on already");
+    };
+    let events = Events { frames: shared.player.frames.clone(), _held: held };
+    let body = Body::new(Stream { next: Box::pin(events.next()) });
+    ([(header::CONTENT_TYPE, "text/event-stream")], body).into_response()
+}
+
+/// What one page listens to. Of pictures that it is too slow for, it gets the last one.
+struct Events {
+    frames: watch::Receiver<Arc<str>>,
+    _held: OwnedSemaphorePermit,
+}
+
+impl Events {
+    async fn next(mut self) -> (Option<Bytes>, Self) {
+        let bytes = match self.frames.changed().await {
+            Ok(()) => Some(Bytes::from(format!("data: {}\n\n", &*self.frames.borrow_and_update()))),
+            Err(_) => None,
+        };
+        (bytes, self)
+    }
+}
+
+type Following = Pin<Box<dyn Future<Output = (Option<Bytes>, Events)> + Send>>;
+
+/// The body of a response that goes on.
+struct Stream {
+    next: Following,
+}
+
+impl hyper::body::Body for Stream {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        match self.next.as_mut().poll(cx) {
+            Poll::Pending => Poll::Pending,
+            Poll::Ready((None, _)) => Poll::Ready(None),
+            Poll::Ready((Some(bytes), events)) => {
+                self.next = Box::pin(events.next());
+                Poll::Ready(Some(Ok(Frame::data(bytes))))
+            }
+        }
+    }
+}

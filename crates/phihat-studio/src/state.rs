@@ -1,0 +1,54 @@
+//! What a page is told of a study when it opens.
+
+use phihat::Form;
+use phihat_model::JointKind;
+use phihat_session::drawn_arm;
+use phihat_sim::Motion;
+use phihat_study::Study;
+use serde_json::{Value, json};
+
+use crate::live::Begin;
+use crate::offer::OFFERS;
+
+/// Postures of the motion that a page draws its path from.
+const POSTURES: u32 = 400;
+/// Of a motion that goes on for longer, so much is drawn \[s\].
+const DRAWN: f64 = 60.0;
+
+/// Everything that does not change while a run goes on.
+pub(crate) fn state(begin: &Begin, warnings: &[String], name: &str) -> Value {
+    let study = &*begin.study;
+    let joints = &study.robot.joints;
+    let slides = |joint: &phihat_model::Joint| joint.kind == JointKind::Prismatic;
+    json!({
+        "study": study.name,
+        "title": study.title,
+        "robot": study.robot.name,
+        "name": name,
+        "text": study.text,
+        "joints": joints.iter().map(|joint| &joint.name).collect::<Vec<_>>(),
+        "slides": joints.iter().map(slides).collect::<Vec<_>>(),
+        "torque_max": (0..joints.len()).map(|i| study.limits(i).0).collect::<Vec<_>>(),
+        "bounds": study.spec.error_bound,
+        "settle_s": study.spec.settle,
+        "rate_hz": 1e9 / study.control.period_ns as f64,
+        "scales": study.control.form != Form::Positions,
+        "method": begin.gains.method,
+        "supervised": study.supervisor.is_some(),
+        "arm": drawn_arm(study),
+        "path": path(study),
+        "offers": OFFERS,
+        "warnings": warnings,
+    })
+}
+
+/// Where the motion goes: times and desired positions.
+fn path(study: &Study) -> Value {
+    let Ok(motion) = Motion::of(study) else { return Value::Null };
+    let length = study.duration.min(DRAWN);
+    let times = (0..POSTURES).map(|k| length * f64::from(k) / f64::from(POSTURES - 1));
+    let times: Vec<f64> = times.collect();
+    let at =
+        |t: &f64| (0..study.robot.joints.len()).map(|i| motion.at(i, *t)[0]).collect::<Vec<_>>();
+    json!({ "t": times, "q": times.iter().map(at).collect::<Vec<_>>() })
+}

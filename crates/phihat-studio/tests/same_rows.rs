@@ -1,0 +1,150 @@
+//! A studio's run against `phihat run`. Wrong if its rows were another run's in a single bit, or if a saved run were not repeated.
+
+use phihat_session::RunOptions;
+use phihat_sim::{Row, Trace};
+use phihat_studio::{Begin, Live};
+use serde_json::json;
+
+use crate::support::{document, folder, place, status};
+
+fn begin(study: &std::path::Path) -> Begin {
+    let options = RunOptions { study: study.to_owned(), ..RunOptions::default() };
+    let (study, gains) = options.open().unwrap().0.into_parts();
+    Begin { study, gains }
+}
+
+/// The trace of `phihat run`.
+fn trace(study: &std::path::Path) -> Trace {
+    let options = RunOptions { study: study.to_owned(), ..RunOptions::default() };
+    options.open().unwrap().0.run(|_| ()).1
+}
+
+fn is_sample(rows: &[Row], trace: &Trace, k: usize) {
+    for (row, joint) in rows.iter().zip(&trace.joints) {
+        let here = [
+            row.acted.q,
+            row.acted.dq,
+            row.acted.tau,
+            row.command.tau,
+            row.command.phi_hat,
+            row.measurement.q,
+        ];
+        let there = [
+            joint.q[k],
+            joint.dq[k],
+            joint.tau_applied[k],
+            joint.tau_command[k],
+            joint.phi_hat[k],
+            joint.q_measured[k],
+        ];
+        assert_eq!(here.map(f64::to_bits), there.map(f64::to_bits), "{} at sample {k}", joint.name);
+    }
+}
+
+#[test]
+fn an_undisturbed_run_is_that_of_phihat_run_bit_for_bit() {
+    let study = folder("same-rows").join("arm.toml");
+    let whole = trace(&study);
+    let mut live = Live::new(&begin(&study)).unwrap();
+    for k in 0..whole.len() {
+        let (t_ns, rows) = live.step().unwrap();
+        assert_eq!(t_ns, whole.t_ns[k]);
+        is_sample(rows, &whole, k);
+    }
+    // It goes on where the study's run ends.
+    assert!(live.is_undisturbed() && live.step().is_some());
+}
+
+#[test]
+fn a_run_that_met_faults_is_repeated_by_the_study_that_is_saved() {
+    let folder = folder("repeated");
+    let study = folder.join("arm.toml");
+    let mut live = Live::new(&begin(&study)).unwrap();
+    let mut rows = Vec::new();
+    for k in 0..900 {
+        let meets: &[(&str, Option<usize>, Option<f64>)] = match k {
+            100 => &[("push", Some(1), Some(3.25)), ("sensor_noise", None, Some(1e-5))],
+            140 => &[("push", Some(1), Some(-2.0))],
+            205 => &[
+                ("push", Some(1), None),
+                ("payload", None, Some(0.7)),
+                ("sample_loss", None, Some(0.2)),
+            ],
+            400 => &[("drive_gain", Some(0), Some(0.8)), ("sample_loss", None, None)],
+            610 => &[
+                ("payload", None, None),
+                ("drive_gain", Some(0), None),
+                ("push", Some(2), Some(0.5)),
+            ],
+            _ => &[],
+        };
+        for (word, joint, size) in meets {
+            live.meet_named(word, *joint, *size).unwrap();
+        }
+        rows.push(live.step().unwrap().1.to_vec());
+    }
+    let (sections, substeps) = live.sections();
+    assert_eq!(substeps, None);
+    let again = folder.join("again.toml");
+    std::fs::write(&again, format!("{}{sections}", crate::support::STUDY)).unwrap();
+    let whole = trace(&again);
+    for (k, rows) in rows.iter().enumerate() {
+        is_sample(rows, &whole, k);
+    }
+}
+
+#[test]
+fn gains_are_changed_without_a_step_in_the_torque() {
+    let study = folder("bumpless").join("arm.toml");
+    let mut live = Live::new(&begin(&study)).unwrap();
+    let mut before = [0.0; 3];
+    for _ in 0..150 {
+        let rows = live.step().unwrap().1;
+        before.iter_mut().zip(rows).for_each(|(tau, row)| *tau = row.command.tau);
+    }
+    let mut other = begin(&study);
+    for joint in &mut other.gains.joints {
+        joint.kp_per_s2 *= 1.44;
+        joint.kd_per_s *= 1.2;
+    }
+    assert!(live.take_gains(&other).unwrap());
+    let rows = live.step().unwrap().1;
+    for (tau, row) in before.iter().zip(rows) {
+        assert!((tau - row.command.tau).abs() < 1e-9, "{tau} then {}", row.command.tau);
+    }
+}
+
+#[test]
+fn a_page_pushes_drags_gains_checks_and_saves() {
+    let place = place("works");
+    assert_eq!(status(&place.get(&format!("/?key={}", place.key))), 200);
+    assert_eq!(document(&place.get("/state"))["joints"].as_array().unwrap().len(), 3);
+    let met = document(&place.post("/meet", r#"{"what":"push","joint":1,"size":2.0}"#));
+    assert!(met["t"].as_f64().unwrap() >= 0.0, "{met}");
+    let asked =
+        document(&place.post("/gains", r#"{"error":1,"outer":1.1,"estimator":1,"inertia":1}"#));
+    let found = loop {
+        let found = document(&place.get("/proof"));
+        if found["ask"] == asked["ask"] {
+            break found;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    };
+    assert_eq!(found["numbers"]["armed"], true, "{found}");
+    assert!((found["numbers"]["joints"][0]["kp"].as_f64().unwrap() - 484.0).abs() < 1e-9);
+    let wrong = crate::support::STUDY.replace("rate_hz", "rate_khz");
+    let checked = document(&place.post("/check", &json!({ "text": wrong }).to_string()));
+    let error = &checked["errors"][0];
+    assert!(
+        error["line"].is_u64() && error["key"].as_str().unwrap().contains("rate_khz"),
+        "{checked}"
+    );
+    let saved = place.post("/save", r#"{"name":"kept"}"#);
+    assert_eq!(status(&saved), 200, "{saved}");
+    let text = std::fs::read_to_string(place.folder.join("kept.toml")).unwrap();
+    assert!(
+        text.contains("kind = \"push\"") && place.folder.join("kept.gains.json").is_file(),
+        "{text}"
+    );
+    trace(&place.folder.join("kept.toml"));
+}
