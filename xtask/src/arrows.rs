@@ -85,19 +85,6 @@ const CRATES: [Row; 22] = [
         "one loop for every robot behind a link, which it knows by its facts alone; the links, the simulated arm and a Franka; the checks before it, and how well a machine keeps time",
     ),
     (
-        "phihat-studio",
-        &[
-            "phihat",
-            "phihat-design",
-            "phihat-model",
-            "phihat-report",
-            "phihat-session",
-            "phihat-sim",
-            "phihat-study",
-        ],
-        "a run that goes on while faults come, and the pages of this machine that look on and give orders; the only crate with a web server",
-    ),
-    (
         "phihat-campaign",
         &[
             "phihat",
@@ -124,6 +111,21 @@ const CRATES: [Row; 22] = [
             "phihat-study",
         ],
         "the rivals tuned alike, run in the same worlds and judged, and the page of it",
+    ),
+    (
+        "phihat-studio",
+        &[
+            "phihat",
+            "phihat-compare",
+            "phihat-design",
+            "phihat-model",
+            "phihat-report",
+            "phihat-rivals",
+            "phihat-session",
+            "phihat-sim",
+            "phihat-study",
+        ],
+        "a run that goes on while faults come, another law beside it, or a record that is played; and the pages of this machine that look on and give orders; the only crate with a web server",
     ),
     (
         "phihat-paper",

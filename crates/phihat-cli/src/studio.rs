@@ -11,15 +11,19 @@ use crate::failure::Failure;
 ///
 /// A page of this machine shows the simulated arm in real time: drag a joint to push it, drop and pick up a payload, add friction, noise, losses
 /// and faults, change gains and the error that is wished and see what is certified of them, edit the study, save what came as
-/// one that `phihat run` repeats. It listens on this machine alone, reads and writes nothing outside of the folder that it is
+/// one that `phihat run` repeats; run another law beside phihat's. Or play what was recorded, with --replay. It listens on this machine alone, reads and writes nothing outside of the folder that it is
 /// started in, and ends with Ctrl-C. It never talks to a robot. In builds with the feature `studio`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example (then open the address that it prints):\n  phihat studio studies/first.toml"
 )]
 pub(crate) struct Studio {
-    /// The study file (TOML).
-    study: PathBuf,
+    /// The study file (TOML); with --replay of a record's folder it is not needed.
+    #[arg(required_unless_present = "replay")]
+    study: Option<PathBuf>,
+    /// Play what was recorded: the folder of a run or a drive, or a log (MCAP) with /joint_states of the study's arm.
+    #[arg(long, value_name = "RECORD", conflicts_with = "gains")]
+    replay: Option<PathBuf>,
     /// Use these gains (a gains.json) in place of those the study states.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
@@ -40,6 +44,7 @@ impl Studio {
         let options = phihat_studio::StudioOptions {
             study: self.study.clone(),
             gains: self.gains.clone(),
+            replay: self.replay.clone(),
             folder: PathBuf::from("."),
             port: self.port,
         };
@@ -69,10 +74,13 @@ impl Studio {
 
     #[cfg(not(feature = "studio"))]
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let Self { study, gains: _, port: _, open: _, json: _ } = self;
-        let study = study.display();
+        let Self { study, replay, gains: _, port: _, open: _, json: _ } = self;
+        let what = study
+            .as_ref()
+            .or(replay.as_ref())
+            .map_or(String::new(), |path| format!(" of {}", path.display()));
         Err(Failure::plain(format!(
-            "no studio of {study}: this phihat is built without the feature `studio`; in a clone: cargo run --release -p phihat-cli --features studio -- studio"
+            "no studio{what}: this phihat is built without the feature `studio`; in a clone: cargo run --release -p phihat-cli --features studio -- studio"
         )))
     }
 }

@@ -43,6 +43,8 @@
   const first = new Map();
   const now = { live: false, q: [], q_d: [], e: [] };
   const listeners = [];
+  // What the view draws beside the arm: the desired pose, or the arm under the other law.
+  let beside = null;
   const clock = {
     t: 0,
     joint: 0,
@@ -59,6 +61,7 @@
     },
     t,
     signal: (j, label) => {
+      if (now.live && label === "q_d" && beside && $("law-ghost").checked) return [[beside[j]]];
       if (now.live) return [[now[label][j]]];
       const name = `${j} ${label}`;
       if (!first.has(name)) first.set(name, [column(j, label)]);
@@ -89,7 +92,7 @@
   // ── Plots of the last seconds: least and largest of each picture.
   const SPAN = 10;
   function plot(place, label, limits) {
-    const data = [[], [], []];
+    const data = [[], [], [], [], []];
     const axis = (text, size) => ({ label: text, size, labelSize: 20, stroke: ink("--ink"), grid: { stroke: ink("--grid"), width: 1 }, ticks: { stroke: ink("--grid"), width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" });
     const dashed = (u) => {
       const c = u.ctx;
@@ -106,7 +109,7 @@
     const u = new uPlot({
       width: width(), height: 200, legend: { show: false }, cursor: { show: false },
       scales: { x: { time: false, range: (_, low, high) => [Math.max(0, high - SPAN), Math.max(SPAN, high)] }, y: { range: (_, low, high) => { const all = [low, high, ...limits(clock.joint)].filter((v) => v != null && Number.isFinite(v)); const [a, b] = [Math.min(...all), Math.max(...all)]; const pad = 0.08 * (b - a) || 1; return [a - pad, b + pad]; } } },
-      series: [{}, { stroke: ink("--curve-0"), width: 1.2, points: { show: false } }, { stroke: ink("--curve-0"), width: 1.2, points: { show: false } }],
+      series: [{}, ...["--curve-0", "--curve-0", "--curve-1", "--curve-1"].map((name) => ({ stroke: ink(name), width: 1.2, points: { show: false } }))],
       bands: [{ series: [2, 1], fill: ink("--band") }],
       axes: [axis("t [s]", 42), axis(label(0), 52)],
       hooks: { draw: [dashed] },
@@ -114,12 +117,15 @@
     addEventListener("resize", () => u.setSize({ width: width(), height: 200 }));
     return {
       clear() { data.forEach((list) => { list.length = 0; }); u.axes[1].label = label(clock.joint); u.setData(data); },
-      add(time, low, high) {
+      // Least and largest of phihat's law, and of the other one where there is one.
+      add(time, [low, high], [otherLow, otherHigh]) {
         if (data[0].length && time <= data[0].at(-1)) this.clear();
-        data[0].push(time); data[1].push(low); data[2].push(high);
+        [time, low, high, otherLow, otherHigh].forEach((v, k) => data[k].push(v));
         while (data[0][0] < time - SPAN) data.forEach((list) => list.shift());
       },
       paint() { u.setData(data); },
+      // Largest size of what is seen, of a pair of columns.
+      most: (k) => data[k].reduce((sum, low, at) => Math.max(sum, Math.abs(low ?? 0), Math.abs(data[k + 1][at] ?? 0)), 0),
     };
   }
   const plots = [
@@ -180,7 +186,7 @@
   const push = slowly((size) => rows[0].meet(size));
 
   // ── Pictures of the run.
-  let over = null;
+  let [over, otherOver] = [null, null];
   function frame(shown) {
     if (!shown.joints) return;
     now.q = shown.joints.map((joint) => joint.q);
@@ -188,9 +194,12 @@
     now.e = shown.joints.map((joint) => 1e3 * (joint.q - joint.qd));
     const j = clock.joint;
     const { e, tau } = shown.joints[j];
+    const other = shown.other?.[j];
+    beside = shown.other ? shown.other.map((joint) => joint.q) : (state.record_s == null && shown.other_over ? beside : null);
     if (e[0] != null) {
-      plots[0].add(shown.t, 1e3 * e[0], 1e3 * e[1]);
-      plots[1].add(shown.t, tau[0], tau[1]);
+      const there = other?.e[0] != null;
+      plots[0].add(shown.t, [1e3 * e[0], 1e3 * e[1]], there ? [1e3 * other.e[0], 1e3 * other.e[1]] : [null, null]);
+      plots[1].add(shown.t, tau, there ? other.tau : [null, null]);
     }
     acting = shown.acting;
     clock.t = shown.t;
@@ -203,6 +212,9 @@
     }
     rows.forEach((row) => row.turn());
     $("pace").textContent = `${shown.speed[1].toFixed(2)} × real time`;
+    if (shown.other_over !== otherOver) { otherOver = shown.other_over; if (otherOver) tell(`${$("law").selectedOptions[0]?.text}: ${otherOver}`); }
+    if (document.activeElement !== $("seek")) $("seek").value = shown.t;
+    $("seek-at").textContent = `${shown.t.toFixed(2)} s`;
     if (shown.over !== over) { over = shown.over; if (over) tell(`${over}: begin again`); }
     canvas.frames = (canvas.frames ?? 0) + 1;
     canvas.shown = shown;
@@ -237,6 +249,15 @@
   $("again").addEventListener("click", again);
   $("rate").addEventListener("change", speed);
 
+  if (state.record_s != null) {
+    $("seek-row").hidden = false;
+    $("seek").max = state.record_s;
+    $("again").textContent = "from its begin";
+    for (const id of ["desk", "study"]) $(id).hidden = true;
+    const to = slowly((t) => order("/seek", { t }));
+    $("seek").addEventListener("input", () => to(Number($("seek").value)));
+  }
+
   // ── Hands: a joint that is dragged is pushed; keys.
   const strength = (j) => 0.4 * (state.torque_max[j] ?? 50);
   let held = null;
@@ -244,7 +265,7 @@
     const box = canvas.getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];
     const near = (canvas.grips?.() ?? []).map((grip) => ({ ...grip, far: Math.hypot(grip.x - x, grip.y - y) })).sort((a, b) => a.far - b.far)[0];
-    if (!near || near.far > 28) return;
+    if (!near || near.far > 28 || state.record_s != null) return;
     event.stopImmediatePropagation();
     canvas.setPointerCapture(event.pointerId);
     pick(near.joint);
@@ -273,11 +294,11 @@
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const known = {
       " ": pause,
-      p: () => order("/meet", { what: "payload", joint: null, size: acting.some(([word]) => word === "payload") ? null : 2 }),
+      p: () => state.record_s == null && order("/meet", { what: "payload", joint: null, size: acting.some(([word]) => word === "payload") ? null : 2 }),
       Home: again,
       End: () => {},
     }[event.key] ?? (/^[1-9]$/.test(event.key) && Number(event.key) <= n ? () => pick(Number(event.key) - 1) : null)
-      ?? (!event.shiftKey && pushKeys[event.key] ? () => { pressed.add(event.key); push(2 * pushKeys[event.key] * strength(clock.joint)); } : null);
+      ?? (!event.shiftKey && state.record_s == null && pushKeys[event.key] ? () => { pressed.add(event.key); push(2 * pushKeys[event.key] * strength(clock.joint)); } : null);
     if (!known) return;
     event.preventDefault();
     event.stopImmediatePropagation();
@@ -357,6 +378,71 @@
     place.dataset.seconds = String(lastSeconds);
   }
 
+  // ── Measurements that come late: the law is not told.
+  {
+    const row = element("div", "row");
+    const [label, input, out] = [element("label", "", "measurements late by"), element("input"), element("output", "", `${state.late} samples`)];
+    label.htmlFor = input.id = "late";
+    Object.assign(input, { type: "range", min: 0, max: 8, step: 1, value: state.late });
+    const late = slowly((samples) => order("/late", { samples }));
+    input.addEventListener("input", () => {
+      out.textContent = `${input.value} samples`;
+      row.classList.toggle("acts", Number(input.value) !== state.late);
+      late(Number(input.value));
+    });
+    row.append(label, input, out);
+    row.title = "Begins anew: both laws with what acts. The gains stay.";
+    $("offers").append(row);
+  }
+
+  // ── Another law beside it.
+  {
+    const law = $("law");
+    law.append(new Option("none", ""));
+    for (const one of state.laws) law.append(new Option(`${one.title}${one.model ? " (has a model)" : ""}`, one.id));
+    const body = $("law-figures").tBodies[0];
+    const wanted = slowly((asked) => order("/beside", asked));
+    law.addEventListener("change", () => {
+      const chosen = state.laws.find((one) => one.id === law.value);
+      $("scalars").replaceChildren();
+      $("law-figures").hidden = $("law-words").hidden = !chosen;
+      plots.forEach((plot) => plot.clear());
+      if (!chosen) { wanted({ law: null }); return; }
+      $("law-words").textContent = chosen.law;
+      const values = chosen.scalars.map((scalar) => scalar.default);
+      chosen.scalars.forEach((scalar, k) => {
+        const row = element("div", "row");
+        const [label, input, out] = [element("label", "", scalar.name.replaceAll("_", " ")), element("input"), element("output")];
+        label.htmlFor = input.id = `scalar-${scalar.name}`;
+        row.title = scalar.meaning;
+        const [low, high] = [Math.min(scalar.low, scalar.default), Math.max(scalar.high, scalar.default)].map(Math.log10);
+        Object.assign(input, { type: "range", min: low, max: high, step: (high - low) / 200 || 1, value: Math.log10(scalar.default) });
+        const words = () => { out.textContent = `${show(Number(values[k].toPrecision(3)))} ${scalar.unit}`; };
+        input.addEventListener("input", () => {
+          // Powers round: a value stays in its range.
+          values[k] = Math.min(Math.max(10 ** Number(input.value), Math.min(scalar.low, scalar.default)), Math.max(scalar.high, scalar.default));
+          words();
+          wanted({ law: chosen.id, values });
+        });
+        words();
+        row.append(label, input, out);
+        $("scalars").append(row);
+      });
+      wanted({ law: chosen.id, values: [] });
+    });
+    setInterval(() => {
+      if ($("law-figures").hidden) return;
+      const lines = [["phihat", 1], [law.selectedOptions[0].text, 3]].map(([name, k]) => {
+        const line = element("tr");
+        const head = element("th", "", name);
+        head.scope = "row";
+        line.append(head, element("td", "", `${show(plots[0].most(k))} ${unit(clock.joint)}`), element("td", "", `${show(plots[1].most(k))} ${torqueUnit(clock.joint)}`));
+        return line;
+      });
+      body.replaceChildren(...lines);
+    }, 250);
+  }
+
   // ── The study.
   const text = $("text");
   text.value = state.text;
@@ -366,6 +452,85 @@
     text.focus();
     text.setSelectionRange(before + (column_ ?? 1) - 1, before + (text.value.split("\n")[line - 1] ?? "").length);
   }
+  // What may stand where the cursor is: keys of its section, or what the key before it may be.
+  const schema = state.record_s == null ? await ask("/schema").catch(() => null) : null;
+  // A section, of whatever shape: one, a list of them, or kinds of it, whose keys are offered together.
+  const plain = (of) => {
+    if (!of) return null;
+    if (of.properties) return of;
+    if (of.items) return plain(of.items);
+    const kinds = (of.oneOf ?? of.anyOf ?? []).map(plain).filter(Boolean);
+    if (!kinds.length) return null;
+    const kind = { ...kinds[0].properties.kind, enum: kinds.flatMap((one) => words(one.properties.kind)) };
+    return { properties: { ...Object.assign({}, ...kinds.map((one) => one.properties)), ...(kind.enum.length ? { kind } : {}) } };
+  };
+  function sectionAt(lines) {
+    const header = lines.findLast((line) => /^\s*\[/.test(line));
+    const way = header ? header.replace(/[[\]]|#.*/g, "").trim().split(/\s*\.\s*/) : [];
+    return way.reduce((section, name) => plain(section?.properties?.[name] ?? {}), plain(schema));
+  }
+  const words = (of) => [of, ...(of?.oneOf ?? of?.anyOf ?? [])].flatMap((one) => one?.enum ?? (one?.const === undefined ? [] : [one.const]));
+  function offered() {
+    const at = text.selectionStart;
+    const lines = text.value.slice(0, at).split("\n");
+    const line = lines.pop();
+    const inValue = line.match(/^\s*([\w-]+)\s*=\s*"?([\w-]*)$/);
+    const section = sectionAt(lines);
+    if (!section) return [];
+    if (inValue) {
+      const [, key, begun] = inValue;
+      const from = at - line.length + line.indexOf("=") + 1;
+      return words(section.properties[key]).filter((word) => String(word).startsWith(begun)).map((word) => ({ name: JSON.stringify(word), says: "", from, put: ` ${JSON.stringify(word)}` }));
+    }
+    const begun = line.match(/^\s*([\w-]*)$/);
+    if (!begun) return [];
+    return Object.entries(section.properties).filter(([name]) => name.startsWith(begun[1])).map(([name, of]) => {
+      const inner = plain(of);
+      const path = [...(lines.findLast((one) => /^\s*\[/.test(one))?.replace(/[[\]]|#.*/g, "").trim().split(".") ?? []), name].join(".");
+      const list = of.type === "array" || (of.oneOf ?? of.anyOf ?? []).some((one) => one.items && plain(one));
+      return { name, says: of.description ?? "", from: at - begun[1].length, put: inner ? (list ? `[[${path}]]\n` : `[${path}]\n`) : `${name} = ` };
+    });
+  }
+  const menu = $("words");
+  let [shown_, chosen] = [[], 0];
+  function close() { menu.hidden = true; text.removeAttribute("aria-activedescendant"); }
+  function mark() {
+    [...menu.children].forEach((item, k) => item.setAttribute("aria-selected", String(k === chosen)));
+    text.setAttribute("aria-activedescendant", `word-${chosen}`);
+    menu.children[chosen]?.scrollIntoView({ block: "nearest" });
+  }
+  function take(one) {
+    text.setRangeText(one.put, one.from, text.selectionStart, "end");
+    close();
+    text.focus();
+    text.dispatchEvent(new Event("input"));
+  }
+  function propose() {
+    shown_ = offered();
+    chosen = 0;
+    menu.replaceChildren(...shown_.map((one, k) => {
+      const item = element("li");
+      item.id = `word-${k}`;
+      item.setAttribute("role", "option");
+      item.append(element("code", "", one.name), ` ${one.says}`);
+      item.addEventListener("mousedown", (event) => { event.preventDefault(); take(one); });
+      return item;
+    }));
+    menu.hidden = shown_.length === 0;
+    if (shown_.length) mark();
+  }
+  text.addEventListener("keydown", (event) => {
+    if (event.key === " " && event.ctrlKey) { event.preventDefault(); propose(); return; }
+    if (menu.hidden) return;
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (step) { chosen = (chosen + step + shown_.length) % shown_.length; mark(); }
+    else if (event.key === "Enter") take(shown_[chosen]);
+    else if (event.key === "Escape") close();
+    else return;
+    event.preventDefault();
+  });
+  text.addEventListener("input", () => { if (!menu.hidden) propose(); });
+  text.addEventListener("blur", close);
   let checking = 0;
   async function check() {
     const number = checking += 1;

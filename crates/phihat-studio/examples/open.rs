@@ -12,7 +12,13 @@ fn main() -> Result<(), StudioError> {
     let mut files = files.map(PathBuf::from);
     let study = files.next().unwrap_or_else(|| "studies/first.toml".into());
     let folder = PathBuf::from(".");
-    let studio = StudioOptions { study, gains: files.next(), folder, port: 0 }.open()?;
+    let studio = StudioOptions {
+        study: Some(study),
+        gains: files.next(),
+        folder,
+        ..StudioOptions::default()
+    }
+    .open()?;
     println!("{{\"open\":{:?}}}", studio.link());
     studio.serve()
 }

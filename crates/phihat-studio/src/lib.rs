@@ -10,7 +10,7 @@
 //! use phihat_studio::StudioOptions;
 //!
 //! let study = "studies/first.toml".into();
-//! let studio = StudioOptions { study, gains: None, folder: ".".into(), port: 0 }.open()?;
+//! let studio = StudioOptions { study: Some(study), folder: ".".into(), ..StudioOptions::default() }.open()?;
 //! println!("open {}", studio.link());
 //! studio.serve()?;
 //! # Ok::<(), phihat_studio::StudioError>(())
@@ -26,6 +26,7 @@
 //! The arm is simulated; a studio never talks to a robot. Whoever can read this process's output, or its memory, has the key.
 #![forbid(unsafe_code)]
 
+mod beside;
 mod error;
 mod folder;
 mod gate;
@@ -34,12 +35,16 @@ mod numbers;
 mod offer;
 mod player;
 mod proof;
+mod recorded;
 mod routes;
+mod sampled;
+mod stage;
 mod state;
 mod studio;
 mod text;
 mod wire;
 
+pub use beside::Beside;
 pub use error::StudioError;
 pub use live::{Begin, Live};
 pub use studio::{Studio, StudioOptions};

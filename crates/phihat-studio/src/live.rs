@@ -4,6 +4,7 @@ use phihat_design::Gains;
 use phihat_sim::{ControlSide, Row, Simulation, WorldSide};
 use phihat_study::{Fault, FaultKind, Reference, Study};
 
+use crate::beside::Beside;
 use crate::error::StudioError;
 use crate::offer::{Offer, offered};
 
@@ -59,11 +60,27 @@ impl Live {
     ///
     /// [`StudioError`]: the study cannot be simulated with these gains.
     pub fn new(begin: &Begin) -> Result<Self, StudioError> {
+        Self::with(begin, Begin::sides)
+    }
+
+    /// Begins a run of another law on the arm, bare: a supervisor of the study is not asked.
+    ///
+    /// # Errors
+    ///
+    /// [`StudioError`]: the law does not apply to this arm, or the study cannot be simulated.
+    pub fn beside(begin: &Begin, law: &Beside) -> Result<Self, StudioError> {
+        Self::with(begin, |begin| law.sides(begin))
+    }
+
+    fn with(
+        begin: &Begin,
+        sides: impl FnOnce(&Begin) -> Result<(ControlSide, WorldSide), StudioError>,
+    ) -> Result<Self, StudioError> {
         let mut begin = begin.clone();
         if matches!(begin.study.reference, Reference::Sines { .. } | Reference::Waypoints { .. }) {
             begin.study.duration = begin.study.duration.max(LONG);
         }
-        let (control, world) = begin.sides()?;
+        let (control, world) = sides(&begin)?;
         let n = begin.study.robot.joints.len();
         Ok(Self {
             own: begin.study.faults.clone(),
@@ -91,6 +108,13 @@ impl Live {
         let (control, _) = begin.sides()?;
         self.control = control.after(&self.control);
         Ok(true)
+    }
+
+    /// Other scalars of the law take over at the next sample, without a step in the torque.
+    pub(crate) fn take_law(&mut self, begin: &Begin, law: &Beside) -> Result<(), StudioError> {
+        let (control, _) = law.sides(begin)?;
+        self.control = control.after(&self.control);
+        Ok(())
     }
 
     /// Joints of the arm.

@@ -5,14 +5,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use phihat_sim::Row;
 use serde::Serialize;
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
+use crate::beside::Beside;
 use crate::error::StudioError;
-use crate::live::{Begin, Live};
+use crate::live::Begin;
 use crate::offer::Offer;
+use crate::sampled::Sampled;
+use crate::stage::Stage;
 
 /// From one look at the orders to the next.
 const TICK: Duration = Duration::from_millis(4);
@@ -35,6 +37,12 @@ pub(crate) enum Order {
     Gains(Box<Begin>),
     /// Another study, from its start.
     Other(Box<Begin>),
+    /// Another law beside this one, or none.
+    Beside(Option<Beside>),
+    /// Measurements come so many samples late.
+    Late(u32),
+    /// A record goes to a time \[s\].
+    Seek(f64),
     /// Which sections came, for a study of this run.
     Tell,
 }
@@ -81,6 +89,9 @@ struct Frame<'a> {
     n: u64,
     t: f64,
     joints: &'a [Shown],
+    /// The same of the arm under the other law, while that goes on.
+    other: Option<&'a [Shown]>,
+    other_over: Option<&'a str>,
     acting: Vec<(&'static str, Option<usize>, f64)>,
     /// So many times real time: asked for, and reached.
     speed: (f64, f64),
@@ -89,11 +100,10 @@ struct Frame<'a> {
 
 impl Player {
     /// Begins the thread.
-    pub(crate) fn begin(begin: Begin) -> Result<(Self, JoinHandle<()>), StudioError> {
-        let live = Live::new(&begin)?;
+    pub(crate) fn begin(stage: Stage) -> Result<(Self, JoinHandle<()>), StudioError> {
         let (orders, asked) = sync_channel(ORDERS_MAX);
         let (told, frames) = watch::channel(Arc::from("{}"));
-        let mut run = Run::new(begin, live, told);
+        let mut run = Run::new(stage, told);
         let thread = std::thread::Builder::new().name("phihat-run".to_owned());
         let thread = thread.spawn(move || run.go_on(&asked));
         let thread = thread.map_err(|why| StudioError::refused(why.to_string()))?;
@@ -124,12 +134,13 @@ impl Player {
     }
 }
 
-/// A run and its clock.
+/// What is on, and its clock.
 struct Run {
-    begin: Begin,
-    live: Live,
+    stage: Stage,
     told: watch::Sender<Arc<str>>,
     shown: Vec<Shown>,
+    /// Of the other law; whether there was a sample of it since the last picture.
+    beside: (Vec<Shown>, bool),
     n: u64,
     speed: f64,
     over: Option<String>,
@@ -146,13 +157,13 @@ fn now() -> Instant {
 }
 
 impl Run {
-    fn new(begin: Begin, live: Live, told: watch::Sender<Arc<str>>) -> Self {
-        let none = Shown { q: 0.0, qd: 0.0, e: Range::NONE, tau: Range::NONE, phi: 0.0 };
+    fn new(stage: Stage, told: watch::Sender<Arc<str>>) -> Self {
         let start = (now(), 0.0);
+        let shown = vec![Shown::NONE; stage.joints()];
         Self {
-            shown: vec![none; live.joints()],
-            begin,
-            live,
+            beside: (shown.clone(), false),
+            shown,
+            stage,
             told,
             n: 0,
             speed: 1.0,
@@ -182,42 +193,58 @@ impl Run {
     }
 
     fn anchor_now(&mut self) {
-        self.anchor = (now(), self.live.time());
+        self.anchor = (now(), self.stage.time());
+    }
+
+    /// Its time is another than it would be: it goes on from there.
+    fn jumped(&mut self) {
+        self.over = None;
+        self.anchor_now();
+        self.pictured.1 = self.stage.time();
     }
 
     fn obey(&mut self, order: Order) -> Result<Value, StudioError> {
         match order {
-            Order::Meet(offer, joint, size) => {
-                self.live.meet(offer, joint, size)?;
-                Ok(json!({ "t": self.live.time() }))
-            }
+            Order::Meet(offer, joint, size) => self.stage.pair()?.meet(offer, joint, size),
             Order::Speed(speed) => {
                 self.speed = speed;
                 self.anchor_now();
                 Ok(json!({ "speed": speed }))
             }
+            Order::Gains(begin) => {
+                let runs = self.over.is_none();
+                self.stage.pair()?.gains(*begin, runs)
+            }
+            Order::Tell => Ok(self.stage.pair()?.tell()),
             Order::Again => {
-                self.live = Live::new(&self.begin)?;
-                self.over = None;
-                self.anchor_now();
-                self.pictured.1 = 0.0;
+                self.stage.again()?;
+                self.jumped();
                 Ok(json!({ "t": 0.0 }))
             }
-            Order::Gains(begin) => {
-                let now = self.over.is_none() && self.live.take_gains(&begin)?;
-                self.begin = *begin;
-                Ok(json!({ "now": now }))
+            Order::Beside(law) => {
+                let done = self.stage.pair()?.beside(law)?;
+                self.jumped();
+                Ok(done)
+            }
+            Order::Late(samples) => {
+                let done = self.stage.pair()?.late(samples)?;
+                self.jumped();
+                Ok(done)
+            }
+            Order::Seek(t) => {
+                self.stage.seek(t)?;
+                self.jumped();
+                // It is seen where it stands still, too.
+                if let Some((rows, _)) = self.stage.step() {
+                    self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
+                }
+                Ok(json!({ "t": self.stage.time() }))
             }
             Order::Other(begin) => {
-                let live = Live::new(&begin)?;
-                let told = self.told.clone();
-                let n = self.n;
-                *self = Self { n, ..Self::new(*begin, live, told) };
+                self.stage.pair()?;
+                let next = Self::new(Stage::live(*begin)?, self.told.clone());
+                *self = Self { n: self.n, ..next };
                 Ok(json!({ "t": 0.0 }))
-            }
-            Order::Tell => {
-                let (sections, substeps) = self.live.sections();
-                Ok(json!({ "sections": sections, "substeps": substeps, "t": self.live.time() }))
             }
         }
     }
@@ -230,70 +257,62 @@ impl Run {
         let due = self.anchor.1 + self.speed * self.anchor.0.elapsed().as_secs_f64();
         let began = now();
         loop {
-            if self.live.time() > due {
+            if self.stage.time() > due {
                 break;
             }
-            let Some((_, rows)) = self.live.step() else {
-                if self.round().is_err() {
-                    self.over = Some(self.live.ending());
+            let Some((rows, beside)) = self.stage.step() else {
+                match self.stage.round() {
+                    Ok(()) => self.jumped(),
+                    Err(why) => self.over = Some(why),
                 }
                 return;
             };
             self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
+            if let Some(rows) = beside {
+                self.beside.0.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
+                self.beside.1 = true;
+            }
             if began.elapsed() > TICK * 4 {
                 break;
             }
         }
-        if due - self.live.time() > BEHIND * self.speed {
+        if due - self.stage.time() > BEHIND * self.speed {
             self.anchor_now();
         }
-    }
-
-    /// A motion that came to its end begins anew, with what acts; one that ended otherwise does not.
-    fn round(&mut self) -> Result<(), StudioError> {
-        if !self.live.is_whole() {
-            return Err(StudioError::refused(self.live.ending()));
-        }
-        let mut next = Live::new(&self.begin)?;
-        for (kind, joint, size) in self.live.acting() {
-            next.meet_named(kind.word(), joint, Some(size))?;
-        }
-        self.live = next;
-        self.anchor_now();
-        self.pictured.1 = 0.0;
-        Ok(())
     }
 
     fn picture(&mut self) {
         let (since, from) = self.pictured;
         let elapsed = since.elapsed().as_secs_f64();
-        let rate = (self.live.time() - from) / elapsed.max(1e-6);
+        let rate = (self.stage.time() - from) / elapsed.max(1e-6);
         self.reached += 0.1 * (rate - self.reached);
-        self.pictured = (now(), self.live.time());
+        self.pictured = (now(), self.stage.time());
         self.n += 1;
-        let acting = self.live.acting().map(|(kind, joint, size)| (kind.word(), joint, size));
         let frame = Frame {
             n: self.n,
-            t: self.live.time(),
+            t: self.stage.time(),
             joints: &self.shown,
-            acting: acting.collect(),
+            other: self.beside.1.then_some(self.beside.0.as_slice()),
+            other_over: self.stage.other_is_over(),
+            acting: self.stage.acting(),
             speed: (self.speed, self.reached),
             over: self.over.clone(),
         };
         let text = serde_json::to_string(&frame).unwrap_or_default();
         self.told.send_replace(Arc::from(text));
-        for shown in &mut self.shown {
+        for shown in self.shown.iter_mut().chain(&mut self.beside.0) {
             (shown.e, shown.tau) = (Range::NONE, Range::NONE);
         }
+        self.beside.1 = false;
     }
 }
 
 impl Shown {
-    fn take(&mut self, row: &Row) {
-        self.q = row.acted.q;
-        self.qd = row.reference.q;
-        self.phi = row.command.phi_hat;
-        self.e.take(row.acted.q - row.reference.q);
-        self.tau.take(row.command.tau);
+    const NONE: Self = Self { q: 0.0, qd: 0.0, e: Range::NONE, tau: Range::NONE, phi: 0.0 };
+
+    fn take(&mut self, at: &Sampled) {
+        (self.q, self.qd, self.phi) = (at.q, at.q_d, at.phi_hat);
+        self.e.take(at.e);
+        self.tau.take(at.tau);
     }
 }

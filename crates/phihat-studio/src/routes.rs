@@ -16,13 +16,16 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use hyper::body::{Body as _, Bytes, Frame};
+use phihat_design::Gains;
 use phihat_report::parts;
 use phihat_session::{Session, check_text};
+use phihat_study::Study;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 
+use crate::beside::Wanted;
 use crate::error::StudioError;
 use crate::folder::Folder;
 use crate::gate::{Gate, No};
@@ -46,7 +49,8 @@ const CHECKS_MAX: usize = 2;
 pub(crate) struct Shared {
     pub(crate) gate: Gate,
     pub(crate) player: Player,
-    pub(crate) proof: Arc<Proof>,
+    /// `None`: a record is played, which has no gains that could be changed.
+    pub(crate) proof: Option<Arc<Proof>>,
     pub(crate) folder: Folder,
     pub(crate) open: Mutex<Open>,
     live: Arc<Semaphore>,
@@ -56,10 +60,35 @@ pub(crate) struct Shared {
 /// The study that is open.
 #[derive(Debug, Clone)]
 pub(crate) struct Open {
-    pub(crate) begin: Begin,
+    pub(crate) study: Box<Study>,
+    /// `None`: another controller's record is played.
+    pub(crate) gains: Option<Gains>,
     pub(crate) warnings: Vec<String>,
     /// Where its text stands, or would.
     pub(crate) path: PathBuf,
+    /// Of a record that is played.
+    pub(crate) played: Option<Played>,
+}
+
+/// What a page is told of a record before it is played.
+#[derive(Debug, Clone)]
+pub(crate) struct Played {
+    /// Its length \[s\].
+    pub(crate) length: f64,
+    /// Times and desired positions to draw a path from.
+    pub(crate) path: (Vec<f64>, Vec<Vec<f64>>),
+}
+
+impl Open {
+    /// What a run is begun with, where this is one.
+    pub(crate) fn begin(&self) -> Option<Begin> {
+        let gains = self.gains.clone().filter(|_| self.played.is_none())?;
+        Some(Begin { study: self.study.clone(), gains })
+    }
+}
+
+fn only_looked_at() -> StudioError {
+    StudioError::refused("what was recorded can only be looked at")
 }
 
 type Of = State<Arc<Shared>>;
@@ -68,7 +97,7 @@ impl Shared {
     pub(crate) fn new(
         gate: Gate,
         player: Player,
-        proof: Arc<Proof>,
+        proof: Option<Arc<Proof>>,
         folder: Folder,
         open: Open,
     ) -> Arc<Self> {
@@ -111,9 +140,13 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
         .route("/state", get(tell_state))
         .route("/live", get(look_on))
         .route("/proof", get(tell_proof))
+        .route("/schema", get(|| async { typed("application/json", schema()) }))
         .route("/meet", post(meet))
         .route("/run", post(run))
         .route("/gains", post(gains))
+        .route("/beside", post(beside))
+        .route("/late", post(late))
+        .route("/seek", post(seek))
         .route("/check", post(check))
         .route("/open", post(open))
         .route("/save", post(save))
@@ -191,14 +224,18 @@ async fn document<T: DeserializeOwned>(request: Request) -> Result<T, Response> 
 }
 
 async fn tell_state(State(shared): Of) -> Response {
-    let Open { begin, warnings, path } = shared.opened();
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    answer(&state(&begin, &warnings, &name))
+    answer(&state(&shared.opened()))
+}
+
+/// The schema of a study, from which an editor completes keys.
+fn schema() -> &'static str {
+    static SCHEMA: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    SCHEMA.get_or_init(phihat_study::schema)
 }
 
 /// What the gains that were asked for last amount to.
 async fn tell_proof(State(shared): Of) -> Response {
-    let text = shared.proof.told();
+    let text = shared.proof.as_ref().map_or_else(|| "{}".to_owned(), |proof| proof.told());
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
@@ -252,7 +289,50 @@ async fn gains(State(shared): Of, request: Request) -> Response {
         Ok(wish) => wish,
         Err(no) => return no,
     };
-    answered(shared.proof.ask(wish).map(|number| json!({ "ask": number })))
+    let asked = shared.proof.as_ref().ok_or_else(only_looked_at).and_then(|proof| proof.ask(wish));
+    answered(asked.map(|number| json!({ "ask": number })))
+}
+
+/// Another law beside phihat's, or none.
+async fn beside(State(shared): Of, request: Request) -> Response {
+    let wanted: Wanted = match document(request).await {
+        Ok(wanted) => wanted,
+        Err(no) => return no,
+    };
+    match wanted.beside() {
+        Ok(law) => answered(shared.player.ask(Order::Beside(law)).await),
+        Err(why) => answered(Err(why)),
+    }
+}
+
+/// By how many samples measurements come late.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Late {
+    samples: u32,
+}
+
+async fn late(State(shared): Of, request: Request) -> Response {
+    let Late { samples } = match document(request).await {
+        Ok(late) => late,
+        Err(no) => return no,
+    };
+    answered(shared.player.ask(Order::Late(samples)).await)
+}
+
+/// A time of a record \[s\].
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Seek {
+    t: f64,
+}
+
+async fn seek(State(shared): Of, request: Request) -> Response {
+    let Seek { t } = match document(request).await {
+        Ok(seek) => seek,
+        Err(no) => return no,
+    };
+    answered(shared.player.ask(Order::Seek(t)).await)
 }
 
 /// A study's text.
@@ -307,9 +387,12 @@ async fn open(State(shared): Of, request: Request) -> Response {
         Ok(Err(why)) => return answered(Err(why)),
         Err(no) => return no,
     };
-    let begun = shared.player.ask(Order::Other(Box::new(opened.begin.clone()))).await;
+    let (Some(begin), Some(proof)) = (opened.begin(), &shared.proof) else {
+        return answered(Err(only_looked_at()));
+    };
+    let begun = shared.player.ask(Order::Other(Box::new(begin.clone()))).await;
     if begun.is_ok() {
-        shared.proof.turn_to(opened.begin.clone());
+        proof.turn_to(begin);
         *shared.open.lock().unwrap_or_else(PoisonError::into_inner) = opened;
     }
     answered(begun)
@@ -321,7 +404,7 @@ fn opened(text: &str, path: PathBuf) -> Result<Open, StudioError> {
     let session = Session::new(study, &path, None, false)?;
     let warnings = session.warnings().to_vec();
     let (study, gains) = session.into_parts();
-    Ok(Open { begin: Begin { study, gains }, warnings, path })
+    Ok(Open { study, gains: Some(gains), warnings, path, played: None })
 }
 
 /// A name for what came of a run.
@@ -349,9 +432,12 @@ async fn saved(shared: &Shared, name: &str, text: Option<String>) -> Result<Valu
         all.push((place, text));
     } else {
         let came = shared.player.ask(Order::Tell).await?;
-        let study = shared.opened().begin.study;
-        all.push((place.clone(), text::with_what_came(&study.text, &came)));
-        if let Some(gains) = shared.proof.taken() {
+        let open = shared.opened();
+        all.push((place.clone(), text::with_what_came(&open.study.text, &came)));
+        let taken = shared.proof.as_ref().and_then(|proof| proof.taken());
+        // A design would know of measurements that come late.
+        let kept = open.gains.filter(|_| came["late"].is_u64());
+        if let Some(gains) = taken.or(kept) {
             let gains = gains.to_json().map_err(|why| StudioError::refused(why.to_string()))?;
             all.push((place.with_extension("gains.json"), gains));
             command = format!("{command} --gains {name}.gains.json");

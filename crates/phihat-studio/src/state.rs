@@ -7,8 +7,9 @@ use phihat_sim::Motion;
 use phihat_study::Study;
 use serde_json::{Value, json};
 
-use crate::live::Begin;
+use crate::beside::laws;
 use crate::offer::OFFERS;
+use crate::routes::Open;
 
 /// Postures of the motion that a page draws its path from.
 const POSTURES: u32 = 400;
@@ -16,8 +17,9 @@ const POSTURES: u32 = 400;
 const DRAWN: f64 = 60.0;
 
 /// Everything that does not change while a run goes on.
-pub(crate) fn state(begin: &Begin, warnings: &[String], name: &str) -> Value {
-    let study = &*begin.study;
+pub(crate) fn state(open: &Open) -> Value {
+    let Open { study, gains, warnings, path: place, played } = open;
+    let name = place.file_stem().unwrap_or_default().to_string_lossy();
     let joints = &study.robot.joints;
     let slides = |joint: &phihat_model::Joint| joint.kind == JointKind::Prismatic;
     json!({
@@ -33,10 +35,16 @@ pub(crate) fn state(begin: &Begin, warnings: &[String], name: &str) -> Value {
         "settle_s": study.spec.settle,
         "rate_hz": 1e9 / study.control.period_ns as f64,
         "scales": study.control.form != Form::Positions,
-        "method": begin.gains.method,
+        "method": gains.as_ref().map_or("another controller's", |gains| gains.method.as_str()),
         "supervised": study.supervisor.is_some(),
         "arm": drawn_arm(study),
-        "path": path(study),
+        "path": played.as_ref().map_or_else(
+            || path(study),
+            |played| json!({ "t": played.path.0, "q": played.path.1 }),
+        ),
+        "record_s": played.as_ref().map(|played| played.length),
+        "late": study.sensor.delay_samples,
+        "laws": laws(),
         "offers": OFFERS,
         "warnings": warnings,
     })

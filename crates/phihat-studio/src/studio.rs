@@ -4,7 +4,7 @@ use std::hash::{BuildHasher as _, RandomState};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
-use phihat_session::RunOptions;
+use phihat_session::{RunOptions, files, recorded};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
@@ -14,16 +14,21 @@ use crate::gate::Gate;
 use crate::live::Begin;
 use crate::player::{Order, Player};
 use crate::proof::Proof;
-use crate::routes::{Open, Shared, router};
+use crate::recorded::Recorded;
+use crate::routes::{Open, Played, Shared, router};
+use crate::stage::Stage;
+use crate::text;
 use crate::wire::serve;
 
 /// What a studio is told.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct StudioOptions {
-    /// The study file (TOML).
-    pub study: PathBuf,
+    /// The study file (TOML); `None`: that of the record that is played.
+    pub study: Option<PathBuf>,
     /// A gains document in place of those that the study states or leaves to the design.
     pub gains: Option<PathBuf>,
+    /// A record to be played: the folder of a run or a drive, or a log of joint states (MCAP) of the study's arm.
+    pub replay: Option<PathBuf>,
     /// Where studies are written, and all that is read after the start.
     pub folder: PathBuf,
     /// Port on this machine that is listened on; 0: any that is free.
@@ -39,6 +44,7 @@ pub struct Studio {
     key: String,
     folder: Folder,
     open: Open,
+    stage: Stage,
 }
 
 impl StudioOptions {
@@ -49,26 +55,62 @@ impl StudioOptions {
     /// [`StudioError`]: the study cannot be run, as `phihat run` says it; or the port is taken.
     pub fn open(&self) -> Result<Studio, StudioError> {
         let folder = Folder::at(&self.folder)?;
-        let options = RunOptions {
-            study: self.study.clone(),
-            gains: self.gains.clone(),
-            ..RunOptions::default()
+        let (open, stage) = match &self.replay {
+            Some(record) => self.replay(record)?,
+            None => self.live(&folder)?,
         };
-        let (session, _) = options.open()?;
-        let warnings = session.warnings().to_vec();
-        let (study, gains) = session.into_parts();
-        let name = self.study.file_name().map_or_else(|| "study.toml".into(), PathBuf::from);
-        let begin = Begin { study, gains };
-        let path = folder_of(&folder, &self.study, &name);
         let failed = |why| StudioError::Listen { port: self.port, why };
         let builder = || tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = builder().map_err(failed)?;
         let at = (Ipv4Addr::LOCALHOST, self.port);
         let listener = runtime.block_on(TcpListener::bind(at)).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        let open = Open { begin, warnings, path };
-        Ok(Studio { runtime, listener, address, key: key(), folder, open })
+        Ok(Studio { runtime, listener, address, key: key(), folder, open, stage })
     }
+
+    fn live(&self, folder: &Folder) -> Result<(Open, Stage), StudioError> {
+        let study = self.study.clone();
+        let study =
+            study.ok_or_else(|| StudioError::refused("which study? or --replay a record"))?;
+        let options =
+            RunOptions { study: study.clone(), gains: self.gains.clone(), ..RunOptions::default() };
+        let (session, _) = options.open()?;
+        let warnings = session.warnings().to_vec();
+        let name = study.file_name().map_or_else(|| "study.toml".into(), PathBuf::from);
+        let path = folder_of(folder, &study, &name);
+        let (study, gains) = session.into_parts();
+        let stage = Stage::live(Begin { study: study.clone(), gains: gains.clone() })?;
+        Ok((Open { study, gains: Some(gains), warnings, path, played: None }, stage))
+    }
+
+    fn replay(&self, record: &Path) -> Result<(Open, Stage), StudioError> {
+        let is_log = record.extension().is_some_and(|end| end == "mcap");
+        let (study, gains, play) = match &self.study {
+            Some(path) if is_log => {
+                let study = text::study(&files::read(path)?, path)?;
+                let play = Recorded::of_log(record, &study)?;
+                (study, None, play)
+            }
+            None if is_log => {
+                let why = "a log names no arm: give the study of its arm as well";
+                return Err(StudioError::refused(why));
+            }
+            _ => {
+                let folder = if record.is_dir() { record } else { folder_beside(record) };
+                let (done, trace) = recorded(folder)?;
+                (done.study, done.gains, Recorded::of_trace(&trace))
+            }
+        };
+        let played = Some(Played { length: play.length(), path: play.path() });
+        let path = record.to_owned();
+        let warnings = Vec::new();
+        Ok((Open { study, gains, warnings, path, played }, Stage::Record(Box::new(play))))
+    }
+}
+
+/// The folder of a file of a record.
+fn folder_beside(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Where a study that is read again would stand: beside what it names, where that is inside of the working folder.
@@ -92,7 +134,7 @@ impl Studio {
 
     /// Name of the study.
     pub fn study(&self) -> &str {
-        &self.open.begin.study.name
+        &self.open.study.name
     }
 
     /// What is said before the run.
@@ -106,10 +148,12 @@ impl Studio {
     ///
     /// [`StudioError`]: the run cannot begin.
     pub fn serve(self) -> Result<(), StudioError> {
-        let (player, _thread) = Player::begin(self.open.begin.clone())?;
-        let proof = Proof::new(self.open.begin.clone());
-        let taker = player.clone();
-        proof.work(Box::new(move |begin| taker.order(Order::Gains(Box::new(begin)))))?;
+        let (player, _thread) = Player::begin(self.stage)?;
+        let proof = self.open.begin().map(Proof::new);
+        if let Some(proof) = &proof {
+            let taker = player.clone();
+            proof.work(Box::new(move |begin| taker.order(Order::Gains(Box::new(begin)))))?;
+        }
         let gate = Gate::new(self.address.port(), self.key);
         let shared = Shared::new(gate, player, proof, self.folder, self.open);
         self.runtime.block_on(serve(self.listener, router(shared)));

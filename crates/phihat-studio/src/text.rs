@@ -39,6 +39,48 @@ pub(crate) fn with_what_came(text: &str, came: &Value) -> String {
             whole.extend(["substeps = ", &steps.to_string(), "\n"]);
         }
     }
+    if let Some(late) = came["late"].as_u64() {
+        whole = with_key(&whole, "sensor", "sample_delay_samples", &late.to_string());
+    }
     whole += came["sections"].as_str().unwrap_or_default();
     whole
+}
+
+/// The text with another value of a key in a section that has a header of its own; without one, with such a section at its end.
+fn with_key(text: &str, section: &str, key: &str, value: &str) -> String {
+    let header = format!("[{section}]");
+    let is_header = |line: &&str| line.split('#').next().is_some_and(|line| line.trim() == header);
+    let says = |line: &str| {
+        let rest = line.trim_start().strip_prefix(key);
+        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let told = format!("{key} = {value}");
+    let Some(head) = text.lines().position(|line| is_header(&line)) else {
+        lines.extend([String::new(), header, told]);
+        return lines.join("\n") + "\n";
+    };
+    let length = lines[head + 1..].iter().position(|line| line.trim_start().starts_with('['));
+    let end = length.map_or(lines.len(), |length| head + 1 + length);
+    match (head + 1..end).find(|&k| says(&lines[k])) {
+        Some(k) => lines[k] = told,
+        None => lines.insert(head + 1, told),
+    }
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_key;
+
+    #[test]
+    fn a_key_is_put_where_its_section_is() {
+        let put = |text: &str| with_key(text, "sensor", "late", "2");
+        assert_eq!(put("[a]\nlate = 1\n"), "[a]\nlate = 1\n\n[sensor]\nlate = 2\n");
+        assert_eq!(put("[sensor] # eyes\nx = 1\n[b]\n"), "[sensor] # eyes\nlate = 2\nx = 1\n[b]\n");
+        assert_eq!(
+            put("[sensor]\nx = 1\nlate=7 # s\n[b]\nlate = 3\n"),
+            "[sensor]\nx = 1\nlate = 2\n[b]\nlate = 3\n"
+        );
+    }
 }

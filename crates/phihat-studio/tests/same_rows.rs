@@ -2,10 +2,10 @@
 
 use phihat_session::RunOptions;
 use phihat_sim::{Row, Trace};
-use phihat_studio::{Begin, Live};
+use phihat_studio::{Begin, Beside, Live, StudioOptions};
 use serde_json::json;
 
-use crate::support::{document, folder, place, status};
+use crate::support::{document, folder, place, serve, status};
 
 fn begin(study: &std::path::Path) -> Begin {
     let options = RunOptions { study: study.to_owned(), ..RunOptions::default() };
@@ -147,4 +147,101 @@ fn a_page_pushes_drags_gains_checks_and_saves() {
         "{text}"
     );
     trace(&place.folder.join("kept.toml"));
+}
+
+/// By the law's own formula; wrong if the other law were told, or sensed, anything but what phihat's is, or met other faults.
+#[test]
+fn the_other_law_runs_on_the_same_arm_and_meets_what_comes() {
+    let study = folder("beside").join("arm.toml");
+    let begin = begin(&study);
+    let law = Beside::new("pd", &[15.0, 0.8]).unwrap();
+    let mut live = Live::beside(&begin, &law).unwrap();
+    for k in 0..400 {
+        if k == 100 {
+            live.meet_named("payload", None, Some(0.7)).unwrap();
+        }
+        for (row, joint) in live.step().unwrap().1.iter().zip(&begin.gains.joints) {
+            let (m, w) = (row.measurement, row.reference);
+            let force = -225.0 * (m.q - w.q) - 24.0 * (m.dq - w.dq);
+            let tau = joint.inertia_kg_m2 * force;
+            assert!((row.command.tau - tau).abs() < 1e-9, "{tau} not {}", row.command.tau);
+        }
+    }
+    let mut text = crate::support::STUDY.to_owned();
+    text.extend([live.sections().0]);
+    assert!(text.contains("kind = \"payload\""), "{text}");
+    assert!(Live::beside(&begin, &Beside::new("super-twisting", &[]).unwrap()).is_ok());
+}
+
+#[test]
+fn a_page_sets_a_law_beside_it_and_makes_measurements_late() {
+    let place = place("beside-page");
+    for body in [
+        r#"{"law":"pd","values":[15,0.8]}"#,
+        r#"{"law":"pd","values":[25,0.8]}"#,
+        r#"{"law":"adrc"}"#,
+        r#"{"law":null}"#,
+    ] {
+        let done = place.post("/beside", body);
+        assert_eq!(status(&done), 200, "{body}: {done}");
+    }
+    for body in [
+        r#"{"law":"pd","values":[15]}"#,
+        r#"{"law":"pd","values":[15,1e9]}"#,
+        r#"{"law":"proposed-designed"}"#,
+        r#"{"law":"../pd"}"#,
+    ] {
+        assert_eq!(status(&place.post("/beside", body)), 422, "{body}");
+    }
+    assert_eq!(status(&place.post("/late", r#"{"samples":3}"#)), 200);
+    assert_eq!(status(&place.post("/late", r#"{"samples":9}"#)), 422);
+    assert_eq!(status(&place.post("/late", r#"{"samples":-1}"#)), 400);
+    assert_eq!(status(&place.post("/seek", r#"{"t":0.1}"#)), 422);
+    assert!(document(&place.get("/schema"))["properties"]["robot"].is_object());
+    assert_eq!(status(&place.post("/save", r#"{"name":"late"}"#)), 200);
+    let kept = place.folder.join("late.toml");
+    let options = RunOptions { study: kept, ..RunOptions::default() };
+    let (study, _) = options.open().unwrap().0.into_parts();
+    assert_eq!(study.sensor.delay_samples, 3);
+}
+
+/// Wrong if a picture showed another position, error or torque than the trace has at its time, or if an order were obeyed.
+#[test]
+fn what_was_recorded_is_played_and_nothing_is_done_to_it() {
+    let folder = folder("recorded");
+    let out = folder.join("out");
+    let options = RunOptions { study: folder.join("arm.toml"), ..RunOptions::default() };
+    let (done, trace) = options.open().unwrap().0.run(|_| ());
+    done.write(&trace, &out).unwrap();
+    let place = serve(&folder, StudioOptions { replay: Some(out), ..StudioOptions::default() });
+    assert_eq!(document(&place.get("/state"))["record_s"], 1.0);
+    assert_eq!(status(&place.post("/run", r#"{"speed":0}"#)), 200);
+    for k in [700_usize, 123] {
+        let t = trace.t_ns[k] as f64 * 1e-9;
+        assert_eq!(status(&place.post("/seek", &json!({ "t": t }).to_string())), 200);
+        let picture = place.picture(|shown| shown["joints"][0]["e"][0].is_number());
+        for (shown, joint) in picture["joints"].as_array().unwrap().iter().zip(&trace.joints) {
+            let told = [&shown["q"], &shown["qd"], &shown["e"][0], &shown["tau"][1], &shown["phi"]];
+            let kept = [
+                joint.q[k],
+                joint.q_desired[k],
+                joint.e[k],
+                joint.tau_command[k],
+                joint.phi_hat[k],
+            ];
+            let told = told.map(|v| v.as_f64().unwrap().to_bits());
+            assert_eq!(told, kept.map(f64::to_bits), "{} at {t} s", joint.name);
+        }
+    }
+    for (path, body) in [
+        ("/meet", r#"{"what":"push","joint":1,"size":2.0}"#),
+        ("/gains", r#"{"error":1,"outer":1.1,"estimator":1,"inertia":1}"#),
+        ("/beside", r#"{"law":"pd"}"#),
+        ("/late", r#"{"samples":1}"#),
+        ("/save", r#"{"name":"kept"}"#),
+        ("/open", &json!({ "text": crate::support::STUDY }).to_string()),
+    ] {
+        let answer = place.post(path, body);
+        assert!(status(&answer) == 422 && answer.contains("only be looked at"), "{path}: {answer}");
+    }
 }

@@ -1,6 +1,6 @@
 //! A studio of a small study, and a client that sends whatever bytes it is given.
 
-use std::io::{Read as _, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -67,17 +67,18 @@ pub(crate) fn folder(name: &str) -> PathBuf {
 /// A studio in a folder of its own.
 pub(crate) fn place(name: &str) -> Place {
     let folder = folder(name);
-    let options = StudioOptions {
-        study: folder.join("arm.toml"),
-        gains: None,
-        folder: folder.clone(),
-        port: 0,
-    };
+    let study = Some(folder.join("arm.toml"));
+    serve(&folder, StudioOptions { study, ..StudioOptions::default() })
+}
+
+/// A studio that works in a folder.
+pub(crate) fn serve(folder: &Path, options: StudioOptions) -> Place {
+    let options = StudioOptions { folder: folder.to_owned(), port: 0, ..options };
     let studio = options.open().unwrap();
     let (address, link) = (studio.address(), studio.link());
     let key = link.split("key=").nth(1).unwrap().to_owned();
     std::thread::spawn(move || studio.serve());
-    Place { address, key, folder }
+    Place { address, key, folder: folder.to_owned() }
 }
 
 impl Place {
@@ -119,6 +120,16 @@ impl Place {
             )
             .as_bytes(),
         )
+    }
+
+    /// The first picture of the run that is as it shall be.
+    pub(crate) fn picture(&self, is_it: impl Fn(&serde_json::Value) -> bool) -> serde_json::Value {
+        let mut stream = self.connect();
+        stream.write_all(format!("{}\r\n", self.head("GET /live")).as_bytes()).unwrap();
+        let lines = BufReader::new(stream).lines().map_while(Result::ok);
+        let pictures =
+            lines.filter_map(|line| serde_json::from_str(line.strip_prefix("data: ")?).ok());
+        pictures.into_iter().find(|shown| is_it(shown)).unwrap()
     }
 
     pub(crate) fn get(&self, path: &str) -> String {

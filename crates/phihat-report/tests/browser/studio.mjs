@@ -116,6 +116,43 @@ async function works() {
     timed("new numbers within a second", took < 1, `${took.toFixed(2)} s: ${(await page.locator("#numbers").innerText()).slice(0, 160).replaceAll("\n", " ")}`);
   } else console.log("gains of a law from positions have no sliders");
 
+  // Another law beside it: drawn, dashed by a figure, its scalars taken while it runs.
+  await page.locator("#law").selectOption("pd");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.other != null, null, { timeout: 20000 });
+  const scalar = page.locator("#scalars input").first();
+  await scalar.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => !document.getElementById("law-figures").hidden && /\d/.test(document.querySelector("#law-figures tbody tr:nth-child(2) td")?.textContent ?? ""), null, { timeout: 10000 });
+  await page.locator("#law-ghost").check();
+  check("another law runs beside it", (await page.locator("#law-figures tbody tr").count()) === 2, await page.locator("#law-figures").innerText());
+  if (shots) await page.screenshot({ path: `${shots}/studio-beside.png`, fullPage: true });
+  await page.locator("#law").selectOption("");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.other == null, null, { timeout: 10000 });
+  check("and goes again", true);
+
+  // Measurements that come later: both begin anew.
+  await page.locator("#late").focus();
+  const was = await page.locator("#late").inputValue();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.t < 2, null, { timeout: 20000 });
+  check("measurements come later", Number(await page.locator("#late").inputValue()) === Number(was) + 1);
+  await page.keyboard.press("ArrowLeft");
+
+  // Keys are offered where they may stand.
+  const whole = await page.locator("#text").inputValue();
+  await page.locator("#text").fill(`${whole}\n[sensor]\nenc`);
+  await page.locator("#text").press("Control+ ");
+  const keys = await page.locator("#words li code").allInnerTexts();
+  check("keys of the section are offered", keys.length === 1 && keys[0] === "encoder_bits", keys.join(" "));
+  await page.keyboard.press("Enter");
+  check("one is taken", (await page.locator("#text").inputValue()).endsWith("\nencoder_bits = "));
+  await page.locator("#text").fill(`${whole}\n[[fault]]\nkind = "pu`);
+  await page.locator("#text").press("Control+ ");
+  check("what a key may be is offered", (await page.locator("#words li code").allInnerTexts()).join(" ") === '"push"', (await page.locator("#words li code").allInnerTexts()).join(" "));
+  await page.keyboard.press("Escape");
+  check("and put away", await page.locator("#words").isHidden());
+  await page.locator("#text").fill(whole);
+
   // The study's text: an error with its line, and none when it is mended.
   const text = await page.locator("#text").inputValue();
   await page.locator("#text").fill(text.replace("duration_s", "duration"));
