@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::shell::EVERYTHING;
+
 /// Packages whose tests take longest: they begin first.
 const LONG: [&str; 4] = ["phihat-cli", "phihat-design", "phihat-certificate", "phihat-attack"];
 
@@ -26,6 +28,7 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
     let told = ["test", "--workspace", "--all-targets", "--no-run"];
     let built = Command::new("cargo")
         .args(told)
+        .args(EVERYTHING)
         .arg("--message-format=json-render-diagnostics")
         .current_dir(root)
         .stderr(Stdio::inherit())

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::book;
-use crate::shell::{cargo, command};
+use crate::shell::{cargo, command, tested};
 use crate::venv;
 
 /// What every C and C++ program here is compiled with.
@@ -167,12 +167,8 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
         let study = format!("studies/{name}.toml");
         let out = folder.join(name).display().to_string();
         let log = folder.join(format!("{name}.mcap")).display().to_string();
-        // As the step that looks at logs builds it.
-        let features = "phihat-session/mcap,phihat-sim/parquet";
-        let build = ["run", "--quiet", "--profile", "test", "-p", "phihat-session"];
-        let build = [&build[..], &["--features", features]].concat();
-        let line = [&build[..], &["--example", "log", "--", &study, &out, &log]].concat();
-        cargo(root, &line)?;
+        let program = tested(root, "phihat-session", "log")?.display().to_string();
+        command(root, &program, &[&study, &out, &log])?;
     }
     Ok(folder)
 }

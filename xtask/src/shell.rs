@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// The workspace's root folder.
 pub(crate) fn root() -> PathBuf {
@@ -21,6 +21,33 @@ pub(crate) fn command(folder: &Path, program: &str, args: &[&str]) -> Result<(),
 
 pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
     command(root, "cargo", args)
+}
+
+/// All that can be built in: one set of features for everything that is checked, so that nothing is compiled for each of them.
+pub(crate) const EVERYTHING: [&str; 2] =
+    ["--features", "phihat-cli/mcap,phihat-cli/parquet,phihat-cli/png,phihat-cli/studio"];
+
+/// A program of the workspace as its tests have it, with all features: an example of a package, or a binary.
+pub(crate) fn tested(root: &Path, package: &str, name: &str) -> Result<PathBuf, String> {
+    let output = Command::new("cargo")
+        .args(["build", "--workspace", "--profile", "test", "--examples", "--bins"])
+        .args(EVERYTHING)
+        .arg("--message-format=json-render-diagnostics")
+        .current_dir(root)
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|e| format!("cargo cannot be started: {e}"))?;
+    if !output.status.success() {
+        return Err(format!("{name} of {package} does not build"));
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    let found = text.lines().find_map(|line| {
+        let told: serde_json::Value = serde_json::from_str(line).ok()?;
+        let folder = Path::new(told["manifest_path"].as_str()?).parent()?;
+        let is_it = folder.ends_with(package) && told["target"]["name"] == name;
+        told["executable"].as_str().filter(|_| is_it).map(PathBuf::from)
+    });
+    found.ok_or_else(|| format!("cargo built no {name} of {package}"))
 }
 
 /// The text of a file.

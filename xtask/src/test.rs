@@ -4,35 +4,27 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use crate::shell::{cargo, command, root};
+use crate::shell::{EVERYTHING, cargo, command, root, tested};
 use crate::{attack, binaries, bindings, bless, book, instructions, mutants, rules, twice};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
 
-const STEPS: [Step; 22] = [
+const STEPS: [Step; 18] = [
     ("format", |root| cargo(root, &["fmt", "--all", "--check"])),
     ("house rules", rules::check),
     ("lints", |root| {
-        cargo(root, &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-Dwarnings"])?;
-        // What is not built by default.
-        let more = ["check", "-p", "phihat-cli", "--features", "png,mcap,parquet", "--quiet"];
-        cargo(root, &more)?;
+        let all = ["clippy", "--workspace", "--all-targets", "--quiet"];
+        cargo(root, &[&all[..], &EVERYTHING, &["--", "-Dwarnings"]].concat())?;
         // The core compiles with an older Rust than the rest: nothing of a newer library is in it.
         let core =
             ["clippy", "-p", "phihat", "--lib", "--quiet", "--", "-Dclippy::incompatible_msrv"];
         cargo(root, &core)
     }),
     ("Rust, command-line and report tests, and benches briefly", binaries::run),
-    ("traces as Parquet, logs as MCAP", |root| {
-        let features = ["--features", "parquet,mcap", "--test", "tests", "--"];
-        let tests = ["parquet::", "mcap::"];
-        cargo(root, &[&["test", "-p", "phihat-sim"][..], &features, &tests].concat())
+    ("documentation tests", |root| {
+        cargo(root, &[&["test", "--workspace", "--doc"][..], &EVERYTHING].concat())
     }),
-    ("figures as PNG", |root| {
-        cargo(root, &["test", "-p", "phihat-cli", "--features", "png", "--lib", "png"])
-    }),
-    ("documentation tests", |root| cargo(root, &["test", "--workspace", "--doc"])),
     ("documentation", documentation),
     ("the core cannot panic or allocate", rules::core_is_bare),
     ("instructions of a sample", instructions::check),
@@ -48,19 +40,27 @@ const STEPS: [Step; 22] = [
     ("the report in a browser", browser),
     ("C and C++", bindings::c),
     ("packages for a registry", |root| rules::packages(root, false)),
-    ("two builds, one library", |root| twice::run(root, Some("phihat-c"))),
-    ("some mutants of the core", mutants::rotate),
     ("Python", bindings::python),
 ];
 
-/// Runs every step, or those whose name contains an argument; stops at the first failure.
+/// Checks that are run by name alone: what they find does not come with a commit, or not often.
+const ASKED: [Step; 2] = [
+    ("two builds, one library", |root| twice::run(root, Some("phihat-c"))),
+    ("some mutants of the core", mutants::rotate),
+];
+
+/// Runs every step of [`STEPS`], or those of both lists whose name contains an argument; stops at the first failure.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let root = root();
     let start = Instant::now();
-    let chosen = |name: &str| args.is_empty() || args.iter().any(|a| name.contains(a.as_str()));
-    let steps: Vec<_> = STEPS.iter().filter(|(name, _)| chosen(name)).collect();
+    let chosen = |name: &str| args.iter().any(|a| name.contains(a.as_str()));
+    let steps: Vec<_> = if args.is_empty() {
+        STEPS.iter().collect()
+    } else {
+        STEPS.iter().chain(&ASKED).filter(|(name, _)| chosen(name)).collect()
+    };
     if steps.is_empty() {
-        let names: Vec<_> = STEPS.iter().map(|(name, _)| *name).collect();
+        let names: Vec<_> = STEPS.iter().chain(&ASKED).map(|(name, _)| *name).collect();
         return Err(format!("no step is named so; steps: {}", names.join(" · ")));
     }
     for (name, step) in &steps {
@@ -89,6 +89,7 @@ fn release(root: &Path) -> Result<(), String> {
 fn documentation(root: &Path) -> Result<(), String> {
     let status = Command::new("cargo")
         .args(["doc", "--workspace", "--no-deps", "--quiet"])
+        .args(EVERYTHING)
         .env("RUSTDOCFLAGS", "-Dwarnings")
         .current_dir(root)
         .status()
@@ -121,9 +122,10 @@ fn browser(root: &Path) -> Result<(), String> {
     command(&folder, "node", &["check.mjs", &pages[0], &pages[1], &pages[2]])?;
     // Made up, with everything that the page can show; and the paper's, where it was made.
     let made_up = root.join("target/reproduction-page").display().to_string();
-    let demo = ["run", "--quiet", "-p", "phihat-report", "--example", "demo", "--"];
-    let paper = ["run", "--quiet", "-p", "phihat-paper", "--example", "demo", "--"];
-    cargo(root, &[&paper[..], &[&made_up]].concat())?;
+    let demo = |package: &str, words: &[&str]| {
+        command(root, &tested(root, package, "demo")?.display().to_string(), words)
+    };
+    demo("phihat-paper", &[&made_up])?;
     let mut arguments = vec!["check.mjs".to_owned(), "--reproduction".to_owned()];
     arguments.push(format!("{made_up}/page.html"));
     let fresh = root.join("target/reproduction/report.html");
@@ -136,7 +138,7 @@ fn browser(root: &Path) -> Result<(), String> {
     cargo(root, &words.collect::<Vec<_>>())?;
     command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
     let hostile = root.join("target/hostile").display().to_string();
-    cargo(root, &[&demo[..], &[&hostile, "hostile"]].concat())?;
+    demo("phihat-report", &[&hostile, "hostile"])?;
     let mut pages: Vec<String> = std::fs::read_dir(&hostile)
         .map_err(|e| format!("{hostile}: {e}"))?
         .filter_map(|entry| entry.ok().map(|e| e.path()))
@@ -150,12 +152,12 @@ fn browser(root: &Path) -> Result<(), String> {
     studio(root, &folder)
 }
 
-/// `phihat studio` in a browser: the Panda under the gains of the main job, and a study whose gains are stated.
+/// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, and a record.
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
-    cargo(root, &["build", "--release", "--package", "phihat-cli", "--features", "studio"])?;
+    let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
     let at = |path: &str| root.join(path).display().to_string();
-    let program = at(&format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX));
     let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
     command(folder, "node", &["studio.mjs", &program, &study, &gains])?;
-    command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])
+    command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])?;
+    command(folder, "node", &["studio.mjs", &program, "--replay", &at("out/panda")])
 }

@@ -234,7 +234,10 @@ impl Run {
             Order::Seek(t) => {
                 self.stage.seek(t)?;
                 self.jumped();
-                // It is seen where it stands still, too.
+                // It is seen where it stands still, too, and what was before is not.
+                for shown in &mut self.shown {
+                    (shown.e, shown.tau) = (Range::NONE, Range::NONE);
+                }
                 if let Some((rows, _)) = self.stage.step() {
                     self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
                 }

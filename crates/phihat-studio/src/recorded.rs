@@ -135,9 +135,9 @@ impl Recorded {
         Some(rows)
     }
 
-    /// To the first sample at a time \[s\] or after it.
+    /// To the first sample at a time \[s\] or after it, to a nanosecond.
     pub(crate) fn seek(&mut self, t: f64) {
-        self.k = self.t.partition_point(|at| *at < t).min(self.t.len().saturating_sub(1));
+        self.k = self.t.partition_point(|at| *at < t - 1e-9).min(self.t.len().saturating_sub(1));
     }
 
     /// Desired positions at some hundred times, to draw a path from.
@@ -223,7 +223,7 @@ mod tests {
 
     use super::Recorded;
 
-    const STUDY: &str = "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[gains]\nbandwidth_rad_s = 20.0\n\
+    const STUDY: &str = "duration_s = 12.0\n[robot]\nname = \"planar3r\"\n[gains]\nbandwidth_rad_s = 20.0\n\
         estimator_bandwidth_rad_s = 60.0\ninertia_kg_m2 = 0.4\n[reference]\nkind = \"sines\"\n\
         center = \"ready\"\nfade_in_s = 0.3\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = 0.2\n";
 

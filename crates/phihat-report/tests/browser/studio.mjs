@@ -2,6 +2,7 @@
 //
 //   cd crates/phihat-report/tests/browser && npm ci
 //   node studio.mjs PHIHAT STUDY [GAINS]
+//   node studio.mjs PHIHAT --replay RECORD
 //
 // With SHOTS=FOLDER it leaves pictures there; with STRICT=1 rates and times are asserted. The last line is `N passed, N failed`; the exit code is 0 only if nothing failed.
 
@@ -14,6 +15,7 @@ import { basename, join, resolve } from "node:path";
 import { createInterface } from "node:readline";
 
 const [program, study, gains] = process.argv.slice(2);
+const record = study === "--replay" ? resolve(gains) : null;
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -28,8 +30,8 @@ const timed = (what, holds, detail) => (holds || process.env.STRICT ? check(what
 
 // A folder of its own, so that what is saved is nowhere else.
 const folder = mkdtempSync(join(tmpdir(), "phihat-studio-"));
-copyFileSync(study, join(folder, basename(study)));
-const words = ["studio", basename(study), "--json", ...(gains ? ["--gains", resolve(gains)] : [])];
+if (!record) copyFileSync(study, join(folder, basename(study)));
+const words = ["studio", "--json", ...(record ? ["--replay", record] : [basename(study), ...(gains ? ["--gains", resolve(gains)] : [])])];
 const studio = spawn(resolve(program), words, { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
 const line = await new Promise((done, fail) => {
   createInterface({ input: studio.stdout }).once("line", done);
@@ -169,6 +171,34 @@ async function works() {
   await context.close();
 }
 
+// A record: its time goes where the slider is, and what is shown is what the trace has there.
+async function plays() {
+  const { context, page, errors } = await opened({ viewport: { width: 1300, height: 1000 }, colorScheme: "light" });
+  const [head, ...lines] = readFileSync(join(record, "trace.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+  const [time, joint, position] = ["t_s", "joint", "q_rad"].map((name) => head.indexOf(name));
+  check("what can be done to a run is not offered", (await page.locator("#desk").isHidden()) && (await page.locator("#study").isHidden()));
+  await page.locator("#pause").click();
+  const seek = page.locator("#seek");
+  const most = Number(await seek.getAttribute("max"));
+  await seek.fill(String(Math.round(50 * most) / 100));
+  const asked = Number(await seek.inputValue());
+  await page.waitForFunction((t) => Math.abs(document.getElementById("arm-view").shown.t - t) < 0.05, asked, { timeout: 10000 });
+  const shown = await page.evaluate(() => document.getElementById("arm-view").shown);
+  const joints = await page.evaluate(() => globalThis.phihat.data.joints);
+  const first = lines.findIndex((line) => Number(line[time]) >= asked - 1e-9);
+  for (const [j, name] of joints.entries()) {
+    const there = lines[first + j];
+    check(`${name} is where the trace has it`, there[joint] === name && Number(there[position]) === shown.joints[j].q, `${shown.joints[j].q} and ${there[position]}`);
+  }
+  await page.locator("#pause").click();
+  await page.waitForFunction((t) => document.getElementById("arm-view").shown.t > t + 0.2, asked, { timeout: 10000 });
+  check("it goes on from there", true);
+  await page.locator("#arm-view").focus();
+  await page.keyboard.press("p");
+  check("says nothing on the console", errors.length === 0, errors.join("; "));
+  await context.close();
+}
+
 async function looks() {
   for (const width of [1300, 390]) {
     for (const colorScheme of ["light", "dark"]) {
@@ -179,7 +209,7 @@ async function looks() {
       check(`${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
       check(`${view}: says nothing on the console`, errors.length === 0, errors.join("; "));
       await accessible(page, view);
-      if (shots) await page.screenshot({ path: `${shots}/studio-${width}-${colorScheme}.png`, fullPage: true });
+      if (shots) await page.screenshot({ path: `${shots}/${record ? "replay" : "studio"}-${width}-${colorScheme}.png`, fullPage: true });
       await context.close();
     }
   }
@@ -187,7 +217,7 @@ async function looks() {
 
 if (shots) mkdirSync(shots, { recursive: true });
 try {
-  await works();
+  await (record ? plays() : works());
   await looks();
 } catch (why) {
   check("no step took too long", false, why.message);
