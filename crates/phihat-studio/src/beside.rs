@@ -6,8 +6,8 @@ use phihat_sim::{ControlSide, Simulation, WorldSide};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::begin::Begin;
 use crate::error::StudioError;
-use crate::live::Begin;
 
 /// A law with its free scalars.
 #[derive(Debug, Clone)]

@@ -26,6 +26,7 @@
 //! The arm is simulated; a studio never talks to a robot. Whoever can read this process's output, or its memory, has the key.
 #![forbid(unsafe_code)]
 
+mod begin;
 mod beside;
 mod error;
 mod folder;
@@ -33,6 +34,7 @@ mod gate;
 mod live;
 mod numbers;
 mod offer;
+mod open;
 mod player;
 mod proof;
 mod recorded;
@@ -44,7 +46,8 @@ mod studio;
 mod text;
 mod wire;
 
+pub use begin::Begin;
 pub use beside::Beside;
 pub use error::StudioError;
-pub use live::{Begin, Live};
+pub use live::Live;
 pub use studio::{Studio, StudioOptions};

@@ -1,9 +1,9 @@
 //! A study under control, sample by sample, with faults that come and go while it runs.
 
-use phihat_design::Gains;
-use phihat_sim::{ControlSide, Row, Simulation, WorldSide};
+use phihat_sim::{ControlSide, Row, WorldSide};
 use phihat_study::{Fault, FaultKind, Reference, Study};
 
+use crate::begin::Begin;
 use crate::beside::Beside;
 use crate::error::StudioError;
 use crate::offer::{Offer, offered};
@@ -29,28 +29,6 @@ pub struct Live {
     /// Those of the study itself.
     own: Vec<Fault>,
     steps: u32,
-}
-
-/// A study with its gains, ready to be begun any number of times.
-#[derive(Debug, Clone)]
-pub struct Begin {
-    /// The study, completed by the gains.
-    pub study: Box<Study>,
-    /// The gains.
-    pub gains: Gains,
-}
-
-impl Begin {
-    /// One control side and one world.
-    fn sides(&self) -> Result<(ControlSide, WorldSide), StudioError> {
-        let study = &self.study;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
-        let law = self
-            .gains
-            .joint_gains(&names, study.control.period_ns, study.control.form)
-            .map_err(|why| StudioError::refused(why.to_string()))?;
-        Ok(Simulation::new(study, &law)?.apart())
-    }
 }
 
 impl Live {

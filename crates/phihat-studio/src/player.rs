@@ -9,9 +9,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
+use crate::begin::Begin;
 use crate::beside::Beside;
 use crate::error::StudioError;
-use crate::live::Begin;
 use crate::offer::Offer;
 use crate::sampled::Sampled;
 use crate::stage::Stage;
@@ -266,7 +266,7 @@ impl Run {
             let Some((rows, beside)) = self.stage.step() else {
                 match self.stage.round() {
                     Ok(()) => self.jumped(),
-                    Err(why) => self.over = Some(why),
+                    Err(why) => self.over = Some(why.to_string()),
                 }
                 return;
             };

@@ -12,8 +12,8 @@ use phihat_study::Study;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::begin::Begin;
 use crate::error::StudioError;
-use crate::live::Begin;
 use crate::numbers::{Factors, Numbers};
 
 /// What a person asks of gains.

@@ -211,8 +211,6 @@ impl Cdr<'_> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use std::collections::BTreeMap;
     use std::io::Cursor;
     use std::path::Path;

@@ -16,10 +16,8 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use hyper::body::{Body as _, Bytes, Frame};
-use phihat_design::Gains;
 use phihat_report::parts;
 use phihat_session::{Session, check_text};
-use phihat_study::Study;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -29,8 +27,8 @@ use crate::beside::Wanted;
 use crate::error::StudioError;
 use crate::folder::Folder;
 use crate::gate::{Gate, No};
-use crate::live::Begin;
 use crate::offer::offered;
+use crate::open::Open;
 use crate::player::{Order, Player};
 use crate::proof::{Proof, Wish};
 use crate::state::state;
@@ -55,36 +53,6 @@ pub(crate) struct Shared {
     pub(crate) open: Mutex<Open>,
     live: Arc<Semaphore>,
     checks: Arc<Semaphore>,
-}
-
-/// The study that is open.
-#[derive(Debug, Clone)]
-pub(crate) struct Open {
-    pub(crate) study: Box<Study>,
-    /// `None`: another controller's record is played.
-    pub(crate) gains: Option<Gains>,
-    pub(crate) warnings: Vec<String>,
-    /// Where its text stands, or would.
-    pub(crate) path: PathBuf,
-    /// Of a record that is played.
-    pub(crate) played: Option<Played>,
-}
-
-/// What a page is told of a record before it is played.
-#[derive(Debug, Clone)]
-pub(crate) struct Played {
-    /// Its length \[s\].
-    pub(crate) length: f64,
-    /// Times and desired positions to draw a path from.
-    pub(crate) path: (Vec<f64>, Vec<Vec<f64>>),
-}
-
-impl Open {
-    /// What a run is begun with, where this is one.
-    pub(crate) fn begin(&self) -> Option<Begin> {
-        let gains = self.gains.clone().filter(|_| self.played.is_none())?;
-        Some(Begin { study: self.study.clone(), gains })
-    }
 }
 
 fn only_looked_at() -> StudioError {

@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
+use crate::begin::Begin;
 use crate::beside::Beside;
 use crate::error::StudioError;
-use crate::live::{Begin, Live};
+use crate::live::Live;
 use crate::offer::Offer;
 use crate::recorded::Recorded;
 use crate::sampled::Sampled;
@@ -112,12 +113,10 @@ impl Stage {
     }
 
     /// After its last sample: a motion that came to its end begins anew, with what acts; so does a record. Why it does not, else.
-    pub(crate) fn round(&mut self) -> Result<(), String> {
+    pub(crate) fn round(&mut self) -> Result<(), StudioError> {
         match self {
-            Self::Live(pair) if pair.live.is_whole() => {
-                pair.restart(pair.begin.clone(), true).map_err(|why| why.to_string())
-            }
-            Self::Live(pair) => Err(pair.live.ending()),
+            Self::Live(pair) if pair.live.is_whole() => pair.restart(pair.begin.clone(), true),
+            Self::Live(pair) => Err(StudioError::refused(pair.live.ending())),
             Self::Record(record) => {
                 record.seek(0.0);
                 Ok(())

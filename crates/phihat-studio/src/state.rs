@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::beside::laws;
 use crate::offer::OFFERS;
-use crate::routes::Open;
+use crate::open::Open;
 
 /// Postures of the motion that a page draws its path from.
 const POSTURES: u32 = 400;

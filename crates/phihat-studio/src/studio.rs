@@ -8,14 +8,15 @@ use phihat_session::{RunOptions, files, recorded};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
+use crate::begin::Begin;
 use crate::error::StudioError;
 use crate::folder::Folder;
 use crate::gate::Gate;
-use crate::live::Begin;
+use crate::open::{Open, Played};
 use crate::player::{Order, Player};
 use crate::proof::Proof;
 use crate::recorded::Recorded;
-use crate::routes::{Open, Played, Shared, router};
+use crate::routes::{Shared, router};
 use crate::stage::Stage;
 use crate::text;
 use crate::wire::serve;

@@ -1,0 +1,29 @@
+//! What a run is begun with.
+
+use phihat_design::Gains;
+use phihat_sim::{ControlSide, Simulation, WorldSide};
+use phihat_study::Study;
+
+use crate::error::StudioError;
+
+/// A study with its gains, ready to be begun any number of times.
+#[derive(Debug, Clone)]
+pub struct Begin {
+    /// The study, completed by the gains.
+    pub study: Box<Study>,
+    /// The gains.
+    pub gains: Gains,
+}
+
+impl Begin {
+    /// One control side and one world.
+    pub(crate) fn sides(&self) -> Result<(ControlSide, WorldSide), StudioError> {
+        let study = &self.study;
+        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let law = self
+            .gains
+            .joint_gains(&names, study.control.period_ns, study.control.form)
+            .map_err(|why| StudioError::refused(why.to_string()))?;
+        Ok(Simulation::new(study, &law)?.apart())
+    }
+}

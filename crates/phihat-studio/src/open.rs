@@ -1,0 +1,38 @@
+//! What is open: a study that runs, or a record that is played.
+
+use std::path::PathBuf;
+
+use phihat_design::Gains;
+use phihat_study::Study;
+
+use crate::begin::Begin;
+
+/// The study that is open.
+#[derive(Debug, Clone)]
+pub(crate) struct Open {
+    pub(crate) study: Box<Study>,
+    /// `None`: another controller's record is played.
+    pub(crate) gains: Option<Gains>,
+    pub(crate) warnings: Vec<String>,
+    /// Where its text stands, or would.
+    pub(crate) path: PathBuf,
+    /// Of a record that is played.
+    pub(crate) played: Option<Played>,
+}
+
+/// What a page is told of a record before it is played.
+#[derive(Debug, Clone)]
+pub(crate) struct Played {
+    /// Its length \[s\].
+    pub(crate) length: f64,
+    /// Times and desired positions to draw a path from.
+    pub(crate) path: (Vec<f64>, Vec<Vec<f64>>),
+}
+
+impl Open {
+    /// What a run is begun with, where this is one.
+    pub(crate) fn begin(&self) -> Option<Begin> {
+        let gains = self.gains.clone().filter(|_| self.played.is_none())?;
+        Some(Begin { study: self.study.clone(), gains })
+    }
+}
