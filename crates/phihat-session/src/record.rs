@@ -47,10 +47,10 @@ pub(crate) struct TraceFiles {
     csv: TraceWriter<Piece>,
     csv_path: PathBuf,
     #[cfg(feature = "parquet")]
-    parquet: phihat_sim::ParquetTrace<Piece>,
+    parquet: Box<phihat_sim::ParquetTrace<Piece>>,
     #[cfg(feature = "parquet")]
     parquet_path: PathBuf,
-    log: Option<Log>,
+    log: Option<Box<Log>>,
 }
 
 impl TraceFiles {
@@ -74,7 +74,7 @@ impl TraceFiles {
             csv,
             csv_path,
             #[cfg(feature = "parquet")]
-            parquet,
+            parquet: Box::new(parquet),
             #[cfg(feature = "parquet")]
             parquet_path,
             log: None,
@@ -90,7 +90,7 @@ impl TraceFiles {
     ) -> Result<Self, SessionError> {
         let log = Log::begin(log, study, gains)?;
         self.prepared.push(log.prepared_at().to_owned());
-        self.log = Some(log);
+        self.log = Some(Box::new(log));
         Ok(self)
     }
 
