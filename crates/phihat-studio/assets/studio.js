@@ -61,12 +61,12 @@
     },
     t,
     signal: (j, label) => {
-      if (now.live && label === "q_d" && beside && $("law-ghost").checked) return [[beside[j]]];
       if (now.live) return [[now[label][j]]];
       const name = `${j} ${label}`;
       if (!first.has(name)) first.set(name, [column(j, label)]);
       return first.get(name);
     },
+    ghost: (factor) => (now.live && beside && $("law-ghost").checked ? beside.map((q, j) => now.q_d[j] + factor * (q - now.q_d[j])) : null),
     nearest: () => (now.live ? 0 : t.length - 1),
     clock,
     show,

@@ -142,7 +142,7 @@ async function works() {
 
   // Keys are offered where they may stand.
   const whole = await page.locator("#text").inputValue();
-  await page.locator("#text").fill(`${whole}\n[sensor]\nenc`);
+  await page.locator("#text").fill(`${whole}\n[sensor]\nencoder_b`);
   await page.locator("#text").press("Control+ ");
   const keys = await page.locator("#words li code").allInnerTexts();
   check("keys of the section are offered", keys.length === 1 && keys[0] === "encoder_bits", keys.join(" "));
