@@ -227,7 +227,7 @@ const CRATES: [Row; 22] = [
 ];
 
 /// The crates that go to a registry.
-pub(crate) const PUBLISHED: [&str; 15] = [
+pub(crate) const PUBLISHED: [&str; 16] = [
     "phihat",
     "phihat-model",
     "phihat-study",
@@ -242,6 +242,7 @@ pub(crate) const PUBLISHED: [&str; 15] = [
     "phihat-campaign",
     "phihat-compare",
     "phihat-paper",
+    "phihat-studio",
     "phihat-cli",
 ];
 
