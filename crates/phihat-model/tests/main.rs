@@ -21,6 +21,7 @@ mod inverse_kinematics;
 mod jacobian;
 mod mass_matrix;
 mod no_allocation;
+mod operations;
 mod parts;
 mod pinocchio;
 mod quirks;

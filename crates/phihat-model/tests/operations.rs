@@ -1,0 +1,312 @@
+//! How many operations the dynamics take, counted exactly: a number type that writes down what is done with it. Fails if
+//! a change makes the dynamics do more (or less: then the table is to be told), whatever the machine is busy with; or if
+//! the operations that were written down, done again one by one, give other bits than the dynamics themselves.
+//!
+//! *Performed* is what the one-arm code does, four lanes counted as four. *Live* is what is left of it once products with
+//! 0 and 1 are folded, what is computed twice is computed once, and what no result needs is left out: what code written out
+//! for this one arm would do. Signs and sines are not counted.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+use phihat_model::{Model, Quad, Robot, Scalar, Workspace};
+
+use crate::support::Random;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Step {
+    /// Bits of a number.
+    Constant(u64),
+    Input(usize),
+    Sine(usize),
+    Cosine(usize),
+    Minus(usize),
+    Plus(usize, usize),
+    Less(usize, usize),
+    Times(usize, usize),
+    Over(usize, usize),
+}
+
+#[derive(Debug, Default)]
+struct Tape {
+    steps: Vec<Step>,
+    known: HashMap<Step, usize>,
+    performed: usize,
+}
+
+thread_local!(static TAPE: RefCell<Tape> = RefCell::default());
+
+/// A number that is written down; 0 is the constant zero on every tape.
+#[derive(Debug, Clone, Copy, Default)]
+struct Written(usize);
+
+impl Written {
+    fn put(step: Step) -> Self {
+        TAPE.with_borrow_mut(|tape| {
+            let next = tape.steps.len();
+            let at = *tape.known.entry(step).or_insert(next);
+            if at == next {
+                tape.steps.push(step);
+            }
+            Self(at)
+        })
+    }
+
+    fn step(self) -> Step {
+        TAPE.with_borrow(|tape| tape.steps[self.0])
+    }
+
+    fn constant(self) -> Option<f64> {
+        match self.step() {
+            Step::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// The number that this is the negative of.
+    fn negated(self) -> Option<Self> {
+        match self.step() {
+            Step::Minus(of) => Some(Self(of)),
+            _ => None,
+        }
+    }
+
+    fn sum(self, other: Self) -> Self {
+        match (self.constant(), other.constant()) {
+            (Some(a), Some(b)) => Self::splat(a + b),
+            (Some(0.0), _) => other,
+            (_, Some(0.0)) => self,
+            _ => match (self.negated(), other.negated()) {
+                (_, Some(b)) => self.difference(b),
+                (Some(a), _) => other.difference(a),
+                _ => Self::put(Step::Plus(self.0.min(other.0), self.0.max(other.0))),
+            },
+        }
+    }
+
+    fn difference(self, other: Self) -> Self {
+        match (self.constant(), other.constant()) {
+            (Some(a), Some(b)) => Self::splat(a - b),
+            (_, Some(0.0)) => self,
+            (Some(0.0), _) => -other,
+            _ if self.0 == other.0 => Self::splat(0.0),
+            _ => match other.negated() {
+                Some(b) => self.sum(b),
+                None => Self::put(Step::Less(self.0, other.0)),
+            },
+        }
+    }
+
+    fn product(self, other: Self) -> Self {
+        if let Some(a) = self.negated() {
+            return -a.product(other);
+        }
+        if let Some(b) = other.negated() {
+            return -self.product(b);
+        }
+        match (self.constant(), other.constant()) {
+            (Some(a), Some(b)) => Self::splat(a * b),
+            (Some(0.0), _) | (_, Some(0.0)) => Self::splat(0.0),
+            (Some(1.0), _) => other,
+            (_, Some(1.0)) => self,
+            (Some(-1.0), _) => -other,
+            (_, Some(-1.0)) => -self,
+            _ => Self::put(Step::Times(self.0.min(other.0), self.0.max(other.0))),
+        }
+    }
+}
+
+fn performed() {
+    TAPE.with_borrow_mut(|tape| tape.performed += 1);
+}
+
+impl Add for Written {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        performed();
+        self.sum(other)
+    }
+}
+
+impl Sub for Written {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        performed();
+        self.difference(other)
+    }
+}
+
+impl Mul for Written {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        performed();
+        self.product(other)
+    }
+}
+
+impl Div for Written {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        performed();
+        Self::put(Step::Over(self.0, other.0))
+    }
+}
+
+impl Neg for Written {
+    type Output = Self;
+    fn neg(self) -> Self {
+        match (self.constant(), self.negated()) {
+            (Some(value), _) => Self::splat(-value),
+            (_, Some(of)) => of,
+            _ => Self::put(Step::Minus(self.0)),
+        }
+    }
+}
+
+impl AddAssign for Written {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Written {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl Scalar for Written {
+    type Four = Quad<Self>;
+
+    fn splat(value: f64) -> Self {
+        // Of both zeros one: folding does not tell them apart.
+        Self::put(Step::Constant((value + 0.0).to_bits()))
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        (Self::put(Step::Sine(self.0)), Self::put(Step::Cosine(self.0)))
+    }
+}
+
+/// What was written down, as far as the results need it.
+struct Program {
+    steps: Vec<Step>,
+    live: Vec<bool>,
+    results: Vec<usize>,
+    performed: usize,
+}
+
+impl Program {
+    /// Writes down what `work` does with so many inputs.
+    fn of(inputs: usize, work: impl FnOnce(&[Written]) -> Vec<Written>) -> Self {
+        TAPE.with_borrow_mut(|tape| *tape = Tape::default());
+        let _ = Written::splat(0.0);
+        let inputs: Vec<_> = (0..inputs).map(|k| Written::put(Step::Input(k))).collect();
+        let results: Vec<usize> = work(&inputs).iter().map(|result| result.0).collect();
+        let Tape { steps, performed, .. } = TAPE.take();
+        let mut live = vec![false; steps.len()];
+        results.iter().for_each(|k| live[*k] = true);
+        for k in (0..steps.len()).rev() {
+            if !live[k] {
+                continue;
+            }
+            match steps[k] {
+                Step::Constant(_) | Step::Input(_) => (),
+                Step::Sine(a) | Step::Cosine(a) | Step::Minus(a) => live[a] = true,
+                Step::Plus(a, b) | Step::Less(a, b) | Step::Times(a, b) | Step::Over(a, b) => {
+                    (live[a], live[b]) = (true, true);
+                }
+            }
+        }
+        Self { steps, live, results, performed }
+    }
+
+    fn live(&self) -> usize {
+        let counted = |step: &Step| {
+            matches!(step, Step::Plus(..) | Step::Less(..) | Step::Times(..) | Step::Over(..))
+        };
+        self.steps.iter().zip(&self.live).filter(|(step, live)| **live && counted(step)).count()
+    }
+
+    /// Does it again, one operation after the other.
+    fn run(&self, inputs: &[f64]) -> Vec<f64> {
+        let mut values: Vec<f64> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let value = match *step {
+                Step::Constant(bits) => f64::from_bits(bits),
+                Step::Input(k) => inputs[k],
+                Step::Sine(a) => <f64 as Scalar>::sin_cos(values[a]).0,
+                Step::Cosine(a) => <f64 as Scalar>::sin_cos(values[a]).1,
+                Step::Minus(a) => -values[a],
+                Step::Plus(a, b) => values[a] + values[b],
+                Step::Less(a, b) => values[a] - values[b],
+                Step::Times(a, b) => values[a] * values[b],
+                Step::Over(a, b) => values[a] / values[b],
+            };
+            values.push(value);
+        }
+        self.results.iter().map(|k| values[*k]).collect()
+    }
+}
+
+/// One of the three algorithms, on any number type.
+#[derive(Debug, Clone, Copy)]
+enum Algorithm {
+    ForwardDynamics,
+    InverseDynamics,
+    MassMatrix,
+}
+
+impl Algorithm {
+    fn run<S: Scalar>(self, model: &Model, inputs: &[S]) -> Vec<S> {
+        let n = model.joint_count();
+        let ws = &mut Workspace::new(model);
+        let [q, dq, last] = [0, 1, 2].map(|part| &inputs[part * n..][..n]);
+        let zeros = |len: usize| vec![S::splat(0.0); len];
+        let mut out = zeros(n);
+        match self {
+            Self::ForwardDynamics => model.forward_dynamics(ws, q, dq, last, &mut out),
+            Self::InverseDynamics => model.inverse_dynamics(ws, q, dq, last, &mut out),
+            Self::MassMatrix => {
+                out = zeros(n * n);
+                model.mass_matrix(ws, q, &mut out);
+            }
+        }
+        out
+    }
+}
+
+/// Live and performed operations.
+fn counts(arm: &str, algorithm: Algorithm) -> (usize, usize) {
+    let model = Robot::named(arm).unwrap().model;
+    let n = model.joint_count();
+    let program = Program::of(3 * n, |inputs| algorithm.run(&model, inputs));
+    let mut random = Random(21);
+    for _ in 0..20 {
+        let inputs = random.vector(3 * n, 2.0);
+        let (again, itself) = (program.run(&inputs), algorithm.run(&model, &inputs));
+        // Folding leaves no sign of a zero.
+        let bits =
+            |values: &[f64]| -> Vec<u64> { values.iter().map(|x| (x + 0.0).to_bits()).collect() };
+        assert_eq!(bits(&again), bits(&itself), "{arm}: {algorithm:?}");
+    }
+    (program.live(), program.performed)
+}
+
+#[test]
+fn operations_of_the_dynamics_are_counted_exactly() {
+    use Algorithm::{ForwardDynamics, InverseDynamics, MassMatrix};
+    let all = [ForwardDynamics, InverseDynamics, MassMatrix];
+    for (arm, expected) in [
+        ("panda", [(1_353, 3_828), (722, 1_255), (429, 2_054)]),
+        ("iiwa14", [(1_689, 3_828), (837, 1_255), (645, 2_054)]),
+        ("ur5", [(818, 3_267), (454, 1_070), (239, 1_784)]),
+    ] {
+        let found = all.map(|algorithm| counts(arm, algorithm));
+        for (algorithm, (live, performed)) in all.iter().zip(found) {
+            println!("{arm} {algorithm:?}: {live} live, {performed} performed");
+        }
+        assert_eq!(found, expected, "{arm}: live and performed, of {all:?}");
+    }
+}
