@@ -398,7 +398,7 @@
     const { ink } = now;
     const solidAt = poses(view.factor === 1 ? actual(k) : magnified(k, view.factor));
     // A page may have something else to show beside the arm than what is desired.
-    const ghostAt = poses(globalThis.phihat.ghost?.(view.factor) ?? desired(k));
+    const ghostAt = poses(phihat.ghost?.(view.factor) ?? desired(k));
     gl.depthMask(false);
     lines(grid, [...ink.grid, 0.45], 1, edge, 0);
     // The shadow: everything flat on the floor, once per pixel.
