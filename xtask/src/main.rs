@@ -21,6 +21,7 @@ mod mutants;
 mod rivals;
 mod ros2;
 mod rules;
+mod screenshots;
 mod shell;
 mod test;
 mod twice;
@@ -53,6 +54,9 @@ const USAGE: &str = "usage:
   cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--folder FOLDER] [--fresh] [--debug]
                                other people's descriptions of arms: which load, whether Pinocchio finds the same torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
+  cargo xtask screenshots [OUT [PAGE …]]
+                               pictures of every page, of further ones and of the studio, to be looked at: 1300 and 390 px wide, light,
+                               dark and as they print (minutes)
   cargo xtask franka           `phihat drive` on a Franka that somebody else simulates, by the clock: a motion, a pause that is borne, one
                                that is not, a jump (minutes)
   cargo xtask drive-cost       counts the instructions of a cycle of the control thread of `phihat drive`
@@ -74,6 +78,7 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, rest)) if verb == "screenshots" => screenshots::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),
         Some((verb, rest)) if verb == "ros2" => ros2::run(&shell::root(), rest),

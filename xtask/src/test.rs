@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold, in the order of what fails fastest.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
@@ -103,8 +103,8 @@ fn main_job(root: &Path) -> Result<(), String> {
     studies.iter().try_for_each(|study| cargo(root, &["phihat", "run", study]))
 }
 
-/// The reports of [`main_job`], and those with hostile names, in headless Chromium.
-fn browser(root: &Path) -> Result<(), String> {
+/// Chromium, and what drives it: the folder of the checks in a browser.
+pub(crate) fn browser_tools(root: &Path) -> Result<PathBuf, String> {
     if Command::new("chromium").arg("--version").output().is_err() {
         println!("installing chromium");
         command(root, "apt-get", &["update", "-qq"])?;
@@ -114,11 +114,23 @@ fn browser(root: &Path) -> Result<(), String> {
     let folder = root.join("crates/phihat-report/tests/browser");
     let lines = ["ci", "--no-audit", "--no-fund", "--loglevel=error"];
     command(&folder, "npm", &lines)?;
+    Ok(folder)
+}
+
+/// The reports of [`main_job`], made where they are not there yet.
+pub(crate) fn reports(root: &Path) -> Result<Vec<String>, String> {
     let page = |study: &str| root.join("out").join(study).join("report.html").display().to_string();
-    let pages = ["panda", "first", "panda_design"].map(page);
+    let pages: Vec<_> = ["panda", "first", "panda_design"].map(page).into();
     if !pages.iter().all(|page| Path::new(page).exists()) {
         main_job(root)?;
     }
+    Ok(pages)
+}
+
+/// The reports of [`main_job`], and those with hostile names, in headless Chromium.
+fn browser(root: &Path) -> Result<(), String> {
+    let folder = browser_tools(root)?;
+    let pages = reports(root)?;
     command(&folder, "node", &["check.mjs", &pages[0], &pages[1], &pages[2]])?;
     // Made up, with everything that the page can show; and the paper's, where it was made.
     let made_up = root.join("target/reproduction-page").display().to_string();

@@ -118,6 +118,33 @@
     cone: lathe([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 0.9, 0.4], [0, 1, 0.9, 0.4]]),
     disc: lathe([[0, 0, 0, 1], [1, 0, 0, 1]], 64),
   };
+  // Shapes of links: coded points and corners; where faces meet at a small angle, they share a normal.
+  const shorts = (text) => { const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0)); return new Uint16Array(bytes.buffer); };
+  const SHARP = Math.cos(0.7);
+  const decoded = (shape) => {
+    const codes = shorts(shape.points);
+    return Array.from({ length: codes.length / 3 }, (_, k) => [0, 1, 2].map((i) => shape.low[i] + shape.step[i] * codes[3 * k + i]));
+  };
+  function surface(shape) {
+    const [points, corners] = [decoded(shape), shorts(shape.triangles)];
+    const faces = Array.from({ length: corners.length / 3 }, (_, k) => {
+      const own = [corners[3 * k], corners[3 * k + 1], corners[3 * k + 2]];
+      const [a, b, c] = own.map((i) => points[i]);
+      const area = V.cross(V.sub(b, a), V.sub(c, a));
+      return { own, area, unit: V.unit(area) };
+    });
+    const around = points.map(() => []);
+    for (const face of faces) for (const i of face.own) around[i].push(face);
+    return faces.flatMap(({ own, unit }) => own.flatMap((i) => {
+      const near = around[i].filter((other) => V.dot(other.unit, unit) > SHARP);
+      return [...points[i], ...V.unit(near.reduce((sum, other) => V.add(sum, other.area), unit.map((x) => 1e-12 * x)))];
+    }));
+  }
+  const surfaces = new Map((data.arm.shapes ?? []).map((shape) => [shape.link, `link ${shape.link}`]));
+  for (const shape of data.arm.shapes ?? []) MESHES[surfaces.get(shape.link)] = surface(shape);
+  // Of a joint's link and what is welded to it.
+  const mover = [];
+  links.forEach((link, i) => { mover[i] = link.joint ?? (link.parent == null ? null : mover[link.parent]); });
   const compile = (kind, text) => { const s = gl.createShader(kind); gl.shaderSource(s, text); gl.compileShader(s); return s; };
   function program(vertex, fragment) {
     const made = gl.createProgram();
@@ -262,6 +289,10 @@
   }
   function robot(at, ink) {
     links.forEach((link, i) => {
+      if (surfaces.size) {
+        if (surfaces.has(i)) draw(surfaces.get(i), at[i], clock.joint != null && mover[i] === clock.joint ? ink.picked : mover[i] == null ? ink.base : ink.body);
+        return;
+      }
       const p = origin(at[i]);
       if (link.parent != null) {
         const [a, b] = [0.84 * thickness[link.parent], 0.84 * thickness[i]];
@@ -273,6 +304,7 @@
       const axis = V.unit(turned(at[i], link.axis));
       draw("drum", along(axis, p, r, link.slides ? 1.6 * r : 1.2 * r), picked ? ink.picked : ink.joint);
     });
+    if (surfaces.size) return;
     const base = origin(at[0]);
     draw("drum", along([0, 0, 1], V.add(base, [0, 0, 0.02 * reach]), 1.75 * thickness[0], 0.02 * reach), ink.base);
     const hand = along(V.unit(turned(at[tip], [0, 0, 1])), origin(at[tip]), 0.5 * thickness[tip], 0.02 * reach);
@@ -366,7 +398,7 @@
     const { ink } = now;
     const solidAt = poses(view.factor === 1 ? actual(k) : magnified(k, view.factor));
     // A page may have something else to show beside the arm than what is desired.
-    const ghostAt = poses(globalThis.phihat.ghost?.(view.factor) ?? desired(k));
+    const ghostAt = poses(phihat.ghost?.(view.factor) ?? desired(k));
     gl.depthMask(false);
     lines(grid, [...ink.grid, 0.45], 1, edge, 0);
     // The shadow: everything flat on the floor, once per pixel.
@@ -522,6 +554,8 @@
   // What a test asks: where the tip is at a time, and whether something was drawn.
   canvas.tipAt = (t) => origin(poses(desired(nearest(t)))[tip]);
   canvas.pixels = () => { render(); const all = new Uint8Array(4 * canvas.width * canvas.height); gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all); return all; };
+  // Of a link's shape, the points in its own axes.
+  canvas.shapeOf = (link) => decoded(data.arm.shapes.find((shape) => shape.link === link));
   canvas.paint = render;
   // Where each joint is on the screen, and where the tip goes there as the joint turns forward: what a hand takes hold of.
   canvas.grips = () => {

@@ -42,7 +42,7 @@ mod tube;
 mod tube_section;
 mod verdict;
 
-pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce};
+pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
 pub use budget::budget_page;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};

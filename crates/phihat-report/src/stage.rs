@@ -3,11 +3,14 @@
 use maud::{Markup, PreEscaped, html};
 
 use crate::arm::poster;
+use crate::kit::text::line;
 use crate::record::Record;
 
 /// The view of the arm, or nothing where none is recorded.
 pub(crate) fn stage(record: &Record<'_>) -> Markup {
     let Some(poster) = poster(record.drawing) else { return html! {} };
+    let arm = record.drawing.arm.as_ref();
+    let drawn = arm.map_or("", |arm| arm.looks.as_str());
     html! {
         h2 id="arm" { "The arm" }
         figure.poster { (PreEscaped(poster)) }
@@ -42,7 +45,9 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
                 label { input type="checkbox" id="path" checked; " path" }
             }
             p.hint {
-                "Drag to turn, pinch or Ctrl and wheel to zoom, double-click to come back. Drawn from the arm's kinematics; a link is as thick as its mass asks. "
+                "Drag to turn, pinch or Ctrl and wheel to zoom, double-click to come back. "
+                @if drawn.is_empty() || arm.is_none_or(|arm| arm.shapes.is_empty()) { "Drawn from the arm's kinematics; a link is as thick as its mass asks. " }
+                @if !drawn.is_empty() { (line(drawn)) " " }
                 "The error is too small to be seen as it is: the factor is yours."
             }
         }

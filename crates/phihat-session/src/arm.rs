@@ -1,16 +1,28 @@
 //! A study's arm, and what acts on it from outside, as a page draws them.
 
-use phihat_model::Outline;
-use phihat_report::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce};
+use std::path::Path;
+
+use phihat_model::{Look, Outline};
+use phihat_report::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
 use phihat_study::{Fault, FaultKind, Study};
 
-/// The arm of a study, and what acts on it, as pages draw it.
-pub fn arm(study: &Study) -> Arm {
+/// Triangles of a page's arm at most: some 200 kB, and turned smoothly without a graphics processor.
+const TRIANGLES: usize = 12_000;
+/// Links whose shape could not be read, so many of which are told of one by one.
+const TOLD: usize = 3;
+
+/// The arm of a study, and what acts on it, as pages draw it; with the shapes of its description, those in files outside of the
+/// folder `within` left out, if one is given.
+pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
     let (robot, world) = (&study.robot, &study.world);
     let outline = robot.model.outline();
     let find = |frame: &str| outline.iter().position(|link| link.name == frame);
     let at = |frame: &str| find(frame).unwrap_or_default();
     let tip = at(&robot.tip);
+    let look = robot.look(TRIANGLES, within);
+    let shapes = look.shapes.iter();
+    let shapes =
+        shapes.filter_map(|s| Surface::of(find(&s.link)?, &s.points, &s.triangles)).collect();
     let faults = |kind| study.faults.iter().filter(move |fault| fault.kind == kind);
     let own = world.payload.iter().map(|own| Carried {
         link: at(&own.frame),
@@ -44,8 +56,33 @@ pub fn arm(study: &Study) -> Arm {
         torques: torques(study, faults(FaultKind::Push)),
         forces: world.forces.iter().map(force).collect(),
         walls: world.walls.iter().map(wall).collect(),
+        looks: told(&look),
+        shapes,
         links: outline.into_iter().map(link).collect(),
     }
+}
+
+/// What is drawn of a description's shapes, and what is not.
+fn told(look: &Look) -> String {
+    let Look { shapes, missing, triangles_read } = look;
+    let drawn: usize = shapes.iter().map(|shape| shape.triangles.len()).sum();
+    let mut text = match (shapes.len(), missing.len()) {
+        (0, 0) => return String::new(),
+        (0, _) => "None of the shapes of its URDF could be read.".to_owned(),
+        (links, _) if drawn < *triangles_read => format!(
+            "Drawn with the shapes that its URDF gives {links} links, {triangles_read} triangles, thinned to {drawn}."
+        ),
+        (links, _) => {
+            format!("Drawn with the shapes that its URDF gives {links} links, {drawn} triangles.")
+        }
+    };
+    for (link, why) in missing.iter().take(TOLD) {
+        text += &format!(" Not read, of {link}: {why}.");
+    }
+    if missing.len() > TOLD {
+        text += &format!(" And {} more.", missing.len() - TOLD);
+    }
+    text
 }
 
 fn link(outline: Outline) -> ArmLink {
@@ -89,7 +126,7 @@ mod tests {
             );
             let study = Study::from_text(&text, "study.toml", "".as_ref()).unwrap();
             let model = Robot::named(name).unwrap().model;
-            let (mut ws, arm) = (Workspace::new(&model), arm(&study));
+            let (mut ws, arm) = (Workspace::new(&model), arm(&study, None));
             for k in 0..20 {
                 let q: Vec<f64> = (0..model.joint_count())
                     .map(|j| f64::from(3 * k).sin() * (1.0 + j as f64))

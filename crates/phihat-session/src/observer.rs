@@ -35,7 +35,7 @@ impl<'a> RunObserver<'a> {
             measured: Measured::new(study),
             tube: gains.and_then(|gains| TubeSeen::new(gains, names.len())),
             drawing: Drawing::new(names, period_ns, samples, study.spec.settle)
-                .with_arm(crate::arm::arm(study)),
+                .with_arm(crate::arm::arm(study, None)),
         }
     }
 

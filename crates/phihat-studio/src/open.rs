@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use phihat_design::Gains;
+use phihat_report::Arm;
 use phihat_study::Study;
 
 use crate::begin::Begin;
@@ -11,6 +12,8 @@ use crate::begin::Begin;
 #[derive(Debug, Clone)]
 pub(crate) struct Open {
     pub(crate) study: Box<Study>,
+    /// Its arm, as it is drawn: made once, since shapes are read for it.
+    pub(crate) arm: Box<Arm>,
     /// `None`: another controller's record is played.
     pub(crate) gains: Option<Gains>,
     pub(crate) warnings: Vec<String>,

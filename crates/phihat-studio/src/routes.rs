@@ -17,7 +17,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use hyper::body::{Body as _, Bytes, Frame};
 use phihat_report::parts;
-use phihat_session::{Session, check_text};
+use phihat_session::{Session, check_text, drawn_arm};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -350,7 +350,8 @@ async fn open(State(shared): Of, request: Request) -> Response {
         return answered(Err(why));
     }
     let path = shared.opened().path;
-    let opened = match aside(&shared, move || opened(&text, path)).await {
+    let within = shared.folder.clone();
+    let opened = match aside(&shared, move || opened(&text, path, &within)).await {
         Ok(Ok(opened)) => opened,
         Ok(Err(why)) => return answered(Err(why)),
         Err(no) => return no,
@@ -366,13 +367,15 @@ async fn open(State(shared): Of, request: Request) -> Response {
     answered(begun)
 }
 
-/// A study's text, ready to be run; its gains are designed where it leaves them to the design.
-fn opened(text: &str, path: PathBuf) -> Result<Open, StudioError> {
+/// A study's text, ready to be run; its gains are designed where it leaves them to the design. What its arm looks like is read within the
+/// working folder alone.
+fn opened(text: &str, path: PathBuf, within: &Folder) -> Result<Open, StudioError> {
     let study = text::study(text, &path)?;
     let session = Session::new(study, &path, None, false)?;
     let warnings = session.warnings().to_vec();
     let (study, gains) = session.into_parts();
-    Ok(Open { study, gains: Some(gains), warnings, path, played: None })
+    let arm = Box::new(drawn_arm(&study, Some(within.path())));
+    Ok(Open { study, arm, gains: Some(gains), warnings, path, played: None })
 }
 
 /// A name for what came of a run.

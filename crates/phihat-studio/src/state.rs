@@ -2,7 +2,6 @@
 
 use phihat::Form;
 use phihat_model::JointKind;
-use phihat_session::drawn_arm;
 use phihat_sim::Motion;
 use phihat_study::Study;
 use serde_json::{Value, json};
@@ -18,7 +17,7 @@ const DRAWN: f64 = 60.0;
 
 /// Everything that does not change while a run goes on.
 pub(crate) fn state(open: &Open) -> Value {
-    let Open { study, gains, warnings, path: place, played } = open;
+    let Open { study, arm, gains, warnings, path: place, played } = open;
     let name = place.file_stem().unwrap_or_default().to_string_lossy();
     let joints = &study.robot.joints;
     let slides = |joint: &phihat_model::Joint| joint.kind == JointKind::Prismatic;
@@ -37,7 +36,7 @@ pub(crate) fn state(open: &Open) -> Value {
         "scales": study.control.form != Form::Positions,
         "method": gains.as_ref().map_or("another controller's", |gains| gains.method.as_str()),
         "supervised": study.supervisor.is_some(),
-        "arm": drawn_arm(study),
+        "arm": arm,
         "path": played.as_ref().map_or_else(
             || path(study),
             |played| json!({ "t": played.path.0, "q": played.path.1 }),

@@ -4,7 +4,7 @@ use std::hash::{BuildHasher as _, RandomState};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
-use phihat_session::{RunOptions, files, recorded};
+use phihat_session::{RunOptions, drawn_arm, files, recorded};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
@@ -81,7 +81,8 @@ impl StudioOptions {
         let path = folder_of(folder, &study, &name);
         let (study, gains) = session.into_parts();
         let stage = Stage::live(Begin { study: study.clone(), gains: gains.clone() })?;
-        Ok((Open { study, gains: Some(gains), warnings, path, played: None }, stage))
+        let arm = Box::new(drawn_arm(&study, None));
+        Ok((Open { study, arm, gains: Some(gains), warnings, path, played: None }, stage))
     }
 
     fn replay(&self, record: &Path) -> Result<(Open, Stage), StudioError> {
@@ -105,7 +106,9 @@ impl StudioOptions {
         let played = Some(Played { length: play.length(), path: play.path() });
         let path = record.to_owned();
         let warnings = Vec::new();
-        Ok((Open { study, gains, warnings, path, played }, Stage::Record(Box::new(play))))
+        let arm = Box::new(drawn_arm(&study, None));
+        let open = Open { study, arm, gains, warnings, path, played };
+        Ok((open, Stage::Record(Box::new(play))))
     }
 }
 

@@ -96,7 +96,7 @@ fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError
 }
 
 /// The text with prefixes declared that nobody declared: what other programs read beside us.
-fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> {
+pub(crate) fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> {
     scan::scan(text, origin)?;
     // Where C strings end, some programs write their last byte too.
     let mut text = Cow::Borrowed(text.trim_end_matches(['\0', '\u{feff}', '\u{1a}']));

@@ -3,10 +3,12 @@
 mod camera;
 mod kinematics;
 mod picture;
+mod surface;
 
 use serde::Serialize;
 
 pub(crate) use picture::{animation, poster};
+pub use surface::Surface;
 
 /// The arm, and what acts on it from outside: plain data.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
@@ -25,6 +27,12 @@ pub struct Arm {
     pub forces: Vec<PointForce>,
     /// Planes that it can touch.
     pub walls: Vec<Plane>,
+    /// What its links look like; where there is none, they are drawn from their masses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<Surface>,
+    /// In words: what is drawn of its description's shapes, and what is not, and why.
+    #[serde(skip)]
+    pub looks: String,
 }
 
 /// A link and how it hangs on its parent.

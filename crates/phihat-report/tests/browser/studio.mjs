@@ -7,12 +7,10 @@
 // With SHOTS=FOLDER it leaves pictures there; with STRICT=1 rates and times are asserted. The last line is `N passed, N failed`; the exit code is 0 only if nothing failed.
 
 import { chromium } from "playwright-core";
-import { spawn } from "node:child_process";
-import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
-import { basename, join, resolve } from "node:path";
-import { createInterface } from "node:readline";
+import { join, resolve } from "node:path";
+import { started } from "./started.mjs";
 
 const [program, study, gains] = process.argv.slice(2);
 const record = study === "--replay" ? resolve(gains) : null;
@@ -28,16 +26,7 @@ function check(what, holds, detail = "") {
 // What depends on who else uses the machine: told always, asserted with STRICT=1.
 const timed = (what, holds, detail) => (holds || process.env.STRICT ? check(what, holds, detail) : console.log(`slow here: ${what} ${detail}`));
 
-// A folder of its own, so that what is saved is nowhere else.
-const folder = mkdtempSync(join(tmpdir(), "phihat-studio-"));
-if (!record) copyFileSync(study, join(folder, basename(study)));
-const words = ["studio", "--json", ...(record ? ["--replay", record] : [basename(study), ...(gains ? ["--gains", resolve(gains)] : [])])];
-const studio = spawn(resolve(program), words, { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
-const line = await new Promise((done, fail) => {
-  createInterface({ input: studio.stdout }).once("line", done);
-  studio.once("exit", (code) => fail(new Error(`phihat studio ended: ${code}`)));
-});
-const { open: link } = JSON.parse(line);
+const { link, folder, stop } = await started(program, record ? { record } : { study, gains });
 
 const executablePath = process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
@@ -223,7 +212,7 @@ try {
   check("no step took too long", false, why.message);
 } finally {
   await browser.close();
-  studio.kill();
+  stop();
 }
 console.log(`${count.passed} passed, ${count.failed} failed`);
 process.exit(count.failed ? 1 : 0);

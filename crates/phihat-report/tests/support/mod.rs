@@ -118,6 +118,8 @@ fn arm(joints: usize) -> Arm {
         torques: vec![JointTorque { joint: 0, torque: 9.0, start: 0.5, end: 0.7 }],
         forces: Vec::new(),
         walls: Vec::new(),
+        shapes: Vec::new(),
+        looks: String::new(),
     }
 }
 
