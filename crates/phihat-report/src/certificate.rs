@@ -152,11 +152,11 @@ fn stability(certificate: &Certificate) -> Markup {
                 tbody { @for joint in &certificate.joints { tr {
                     th scope="row" { (line(&joint.name)) }
                     @match &joint.window {
-                        Some(window) => td { (number(window.low)) " … " (number(window.high)) },
+                        Some(window) => td { (number(window.low)) "\u{a0}…\u{a0}" (number(window.high)) },
                         None => td { "unstable" },
                     }
                     @if let Some(margins) = &joint.margins {
-                        td { (number(margins.gain_down)) " … " (number(margins.gain_up)) }
+                        td { (number(margins.gain_down)) "\u{a0}…\u{a0}" (number(margins.gain_up)) }
                         td { (number(margins.phase_deg)) }
                         td { (number(margins.delay_s * MILLI)) }
                         td { (number(margins.modulus)) }

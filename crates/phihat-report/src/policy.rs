@@ -15,7 +15,10 @@ pub(crate) const PAGE_SCRIPT: &str = concat!(
     include_str!("../assets/arm.js"),
     include_str!("../assets/export.js"),
     include_str!("../assets/page.js"),
+    include_str!("../assets/hover.js"),
 );
+/// What every page tells of a figure that somebody points at.
+pub(crate) const HOVER_SCRIPT: &str = include_str!("../assets/hover.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
 const ARM_STYLE: &str = include_str!("../assets/arm.css");
 /// uPlot's licence, which travels with every copy.
@@ -33,12 +36,6 @@ pub(crate) fn scripted_policy(script: &str, style: &str) -> String {
         "default-src 'none'; script-src '{script}'; style-src '{style}'; \
          base-uri 'none'; form-action 'none'"
     )
-}
-
-/// A page without scripts: nothing is loaded from anywhere, one style sheet runs by hash.
-pub(crate) fn still_policy(style: &str) -> String {
-    let style = hash(style);
-    format!("default-src 'none'; style-src '{style}'; base-uri 'none'; form-action 'none'")
 }
 
 /// Nothing is loaded from anywhere; scripts and styles run by hash only.

@@ -42,6 +42,18 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
 }
 
 /// Laws from positions.
+/// The unit of a gain that makes the `i`-th derivative of what an angle is off.
+fn unit_of_order(i: usize) -> Markup {
+    let text = match i {
+        0 => return html! {},
+        1 => "[1/s]".to_owned(),
+        2 => "[1/s²]".to_owned(),
+        3 => "[1/s³]".to_owned(),
+        _ => format!("[1/s^{i}]"),
+    };
+    html! { span.unit { (text) } }
+}
+
 fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
     let states = joints.iter().map(|(_, own)| own.correction.len()).max().unwrap_or(0);
     html! {
@@ -55,7 +67,7 @@ fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
                     th scope="col" { "K_d " span.unit { "[1/s]" } }
                     th scope="col" { "g" }
                     th scope="col" { "delay " span.unit { "[samples]" } }
-                    @for i in 0..states { th scope="col" { "ℓ_" (i) " " span.unit { "[1/s^" (i) "]" } } }
+                    @for i in 0..states { th scope="col" { "ℓ_" (i) " " (unit_of_order(i)) } }
                 } }
                 tbody { @for (joint, own) in joints { tr {
                     th scope="row" { (line(&joint.name)) }

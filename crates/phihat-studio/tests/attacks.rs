@@ -290,6 +290,33 @@ fn links_lead_nowhere() {
     assert!(!above.join("made.toml").exists());
 }
 
+/// A mesh that a page asks for by a study's text is read inside of the working folder alone, through links too.
+#[cfg(unix)]
+#[test]
+fn meshes_are_read_inside_alone() {
+    let place = place("meshes");
+    let above = place.folder.parent().unwrap();
+    let mesh = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n";
+    std::fs::write(above.join("secret.obj"), mesh).unwrap();
+    std::fs::write(place.folder.join("own.obj"), mesh).unwrap();
+    std::os::unix::fs::symlink(above.join("secret.obj"), place.folder.join("link.obj")).unwrap();
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../phihat-model/robots/planar3r");
+    let urdf = std::fs::read_to_string(format!("{robots}.urdf")).unwrap();
+    std::fs::copy(format!("{robots}.toml"), place.folder.join("planar3r.toml")).unwrap();
+    let study = crate::support::STUDY.replace("name = \"planar3r\"", "file = \"planar3r.toml\"");
+    for (file, shapes) in [("own.obj", 1), ("../secret.obj", 0), ("link.obj", 0)] {
+        let visual = format!("<visual><geometry><mesh filename=\"{file}\"/></geometry></visual>");
+        let (before, after) = urdf.split_once("<link name=\"link1\">").unwrap();
+        let text = format!("{before}<link name=\"link1\">{visual}{after}");
+        std::fs::write(place.folder.join("planar3r.urdf"), text).unwrap();
+        let answer = place.post("/open", &json!({ "text": study }).to_string());
+        assert_eq!(status(&answer), 200, "{answer}");
+        let state = document(&place.get("/state"));
+        let found = state["arm"]["shapes"].as_array().map_or(0, Vec::len);
+        assert_eq!(found, shapes, "{file}");
+    }
+}
+
 #[test]
 fn slow_and_many_clients_are_bounded() {
     let place = place("slow");

@@ -7,7 +7,7 @@ pub mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::policy::{scripted_policy, still_policy};
+use crate::policy::{HOVER_SCRIPT, scripted_policy};
 
 const PAGE_STYLE: &str = include_str!("../../assets/page.css");
 
@@ -35,7 +35,7 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// Styles beside those that all pages share (CSS).
     pub style: &'a str,
-    /// The one script, if there is any (JavaScript).
+    /// A script (JavaScript) beside that of all pages, which tells of a figure that somebody points at what it is.
     pub script: Option<&'a str>,
 }
 
@@ -43,13 +43,11 @@ impl Page<'_> {
     /// The page with this body.
     pub fn document(&self, main: &Markup) -> String {
         let style = format!("{PAGE_STYLE}\n{}", self.style);
-        let policy = match self.script {
-            Some(script) => scripted_policy(script, &style),
-            None => still_policy(&style),
-        };
+        let script = format!("{HOVER_SCRIPT}{}", self.script.unwrap_or_default());
+        let policy = scripted_policy(&script, &style);
         let body = html! {
             main { (main) }
-            @if let Some(script) = self.script { script { (PreEscaped(script)) } }
+            script { (PreEscaped(&script)) }
         };
         document(self.title, &policy, &style, &body)
     }
@@ -100,6 +98,27 @@ mod units {
         ] {
             assert_eq!(unit_of(turning, true), sliding);
             assert_eq!(unit_of(turning, false), turning);
+        }
+    }
+}
+
+#[cfg(test)]
+mod words {
+    /// What a page says that a word means is what the glossary says.
+    #[test]
+    fn are_those_of_the_glossary() {
+        let glossary = include_str!("../../../../GLOSSARY.md");
+        let script = crate::policy::HOVER_SCRIPT;
+        let told: Vec<_> = script
+            .lines()
+            .filter_map(|line| {
+                line.trim().strip_prefix("[/")?.split_once(", \"")?.1.split_once(": ")
+            })
+            .map(|(_, meaning)| meaning.trim_end_matches("\"],"))
+            .collect();
+        assert!(told.len() > 10);
+        for meaning in told {
+            assert!(glossary.contains(meaning), "{meaning}");
         }
     }
 }
