@@ -51,7 +51,7 @@ const USAGE: &str = "usage:
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
                                that differ; all of it is kept in docs/laws.md (half an hour; resumes)
-  cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--folder FOLDER] [--fresh] [--debug]
+  cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] [--any-build] [--folder FOLDER] [--fresh] [--debug]
                                other people's descriptions of arms: which load, whether Pinocchio finds the same torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
   cargo xtask screenshots [OUT [PAGE …]]

@@ -2,7 +2,8 @@
 `phihat new` and `phihat run`. Called by `cargo xtask zoo`; keeps docs/zoo.json and the tables of docs/zoo.md.
 
     python zoo.py FOLDER --fetch
-    python zoo.py FOLDER --zoo PROGRAM [--phihat PROGRAM] [--only NAME] [--jobs N] [--timeout S] [--fresh] [--docs FOLDER]
+    python zoo.py FOLDER --zoo PROGRAM [--phihat PROGRAM] [--only NAME] [--jobs N] [--timeout S] [--within S]
+        [--any-build] [--fresh] [--docs FOLDER]
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections import Counter
@@ -215,19 +217,21 @@ def examine(files: list[tuple[str, Path]], program: str) -> list[dict[str, Any]]
 class Runs:
     """`phihat new` and `phihat run` on each file; what was found is kept and not done again."""
 
-    def __init__(self, folder: Path, program: str, timeout: int, fresh: bool) -> None:
-        self.folder, self.program, self.timeout = folder / "runs", program, timeout
+    def __init__(self, folder: Path, program: str, timeout: int, fresh: bool, any_build: bool) -> None:
+        self.folder, self.program, self.timeout, self.any_build = folder / "runs", program, timeout, any_build
         self.made_by, self.lock = digest(Path(program))[:16], threading.Lock()
         self.journal = self.folder / "journal.jsonl"
         self.folder.mkdir(parents=True, exist_ok=True)
         if fresh:
             self.journal.unlink(missing_ok=True)
         self.known: dict[str, dict[str, Any]] = {}
+        self.of_others: dict[str, dict[str, Any]] = {}
         if self.journal.exists():
             for line in self.journal.read_text().splitlines():
                 try:
                     entry = json.loads(line)
                     self.known[entry["id"]] = entry["outcome"]
+                    self.of_others[entry["of"]] = entry["outcome"]
                 except (ValueError, KeyError):
                     continue
 
@@ -244,13 +248,21 @@ class Runs:
             return None, "", ""
         return process.returncode, process.stdout, process.stderr
 
-    def outcome(self, path: Path, row: dict[str, Any]) -> dict[str, Any]:
+    def asked(self, path: Path, row: dict[str, Any]) -> tuple[str, list[str]]:
+        """What is run, but for the build that runs it; and the words for a part of the file."""
         chain = row["chain"]
         part = ["--base", chain["base"], "--tip", chain["tip"]] if chain else []
-        key = f"{row['package']} {row['file']} {digest(path)[:16]} {self.made_by} {' '.join(part)}"
+        return f"{row['package']} {row['file']} {digest(path)[:16]} {' '.join(part)}", part
+
+    def found_before(self, path: Path, row: dict[str, Any]) -> dict[str, Any] | None:
+        of, _ = self.asked(path, row)
+        known = self.known.get(f"{of} {self.made_by}") or (self.of_others.get(of) if self.any_build else None)
         # What ran out of less time than there is now is tried again.
-        if (known := self.known.get(key)) is not None and known.get("after_s", self.timeout) >= self.timeout:
-            return known
+        enough = known is not None and known.get("after_s", self.timeout) >= self.timeout
+        return known if enough else None
+
+    def outcome(self, path: Path, row: dict[str, Any]) -> dict[str, Any]:
+        of, part = self.asked(path, row)
         room = self.folder / hashlib.sha256(f"{row['package']} {row['file']}".encode()).hexdigest()[:12]
         shutil.rmtree(room, ignore_errors=True)
         room.mkdir()
@@ -259,10 +271,11 @@ class Runs:
         for place, word in ((str(room / "study.toml"), "study.toml"), (str(path), path.name), (f"{room}/", "")):
             told = told.replace(place, word)
         found["why"] = told or None
+        found["build"] = self.made_by
         if found["outcome"] in GOOD:
             shutil.rmtree(room)
         with self.lock, self.journal.open("a") as file:
-            file.write(json.dumps({"id": key, "outcome": found}) + "\n")
+            file.write(json.dumps({"id": f"{of} {self.made_by}", "of": of, "outcome": found}) + "\n")
         return found
 
     def cut(self) -> dict[str, Any]:
@@ -343,17 +356,23 @@ def judged(document: dict[str, Any], code: int, certified: bool) -> dict[str, An
     return {"outcome": named.get(verdict, verdict), "why": told or "; ".join(over) or None}
 
 
-def run_all(rows: list[dict[str, Any]], paths: list[Path], runs: Runs, jobs: int) -> None:
+def run_all(rows: list[dict[str, Any]], paths: list[Path], runs: Runs, jobs: int, within: float) -> None:
+    """Short arms first; after `within` seconds no other file is begun, and rows without an outcome stay."""
     code, _, _ = runs.command("new", "--help")
     if code != 0:
         print("this phihat has no verb `new`: nothing is run", file=sys.stderr)
         return
     todo = [(row, path) for row, path in zip(rows, paths, strict=True) if row["loads"] != "no"]
+    todo.sort(key=lambda job: job[0]["joints"])
+    end = time.monotonic() + within
     done, lock = Counter[str](), threading.Lock()
 
     def one(job: tuple[dict[str, Any], Path]) -> None:
         row, path = job
-        row["run"] = runs.outcome(path, row)
+        known = runs.found_before(path, row)
+        if known is None and time.monotonic() >= end:
+            return
+        row["run"] = known or runs.outcome(path, row)
         with lock:
             done[row["run"]["outcome"]] += 1
             print(f"{sum(done.values())} of {len(todo)} · {row['run']['outcome']} · {row['file']}", file=sys.stderr)
@@ -428,7 +447,10 @@ def pages(document: dict[str, Any]) -> str:
     if ran:
         outcomes = Counter(row["run"]["outcome"] for row in ran)
         lines = [[text, outcomes[name]] for name, text in OUTCOMES.items() if outcomes[name] or name in GOOD]
-        lines.append(["all that load", len([row for row in rows if row["loads"] != "no"])])
+        loaded = [row for row in rows if row["loads"] != "no"]
+        if len(ran) < len(loaded):
+            lines.append(["not run: the time that was given had ended", len(loaded) - len(ran)])
+        lines.append(["all that load", len(loaded)])
         parts.append("**`phihat new FILE && phihat run`**\n\n" + table(["outcome", "files"], lines))
         lost = [row for row in ran if row["run"]["outcome"] not in GOOD]
         shown = [[row["package"], place(row), row["run"]["outcome"], (row["run"]["why"] or "").split("\n")[0][:240]] for row in lost]
@@ -496,6 +518,8 @@ def main() -> int:
     parser.add_argument("--only")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--timeout", type=int, default=900)
+    parser.add_argument("--within", type=float, default=float("inf"))
+    parser.add_argument("--any-build", action="store_true")
     parser.add_argument("--fresh", action="store_true")
     told = parser.parse_args()
     folder = told.folder.resolve()
@@ -511,7 +535,8 @@ def main() -> int:
             return 2
     rows = examine(files, told.zoo)
     if told.phihat:
-        run_all(rows, [path for _, path in files], Runs(folder, told.phihat, told.timeout, told.fresh), told.jobs)
+        runs = Runs(folder, told.phihat, told.timeout, told.fresh, told.any_build)
+        run_all(rows, [path for _, path in files], runs, told.jobs, told.within)
     elif told.docs:
         before = kept_runs(told.docs)
         for row in rows:

@@ -33,11 +33,13 @@ impl Told {
                 "--folder" => told.folder = Some(value()?.into()),
                 "--no-run" => told.no_run = true,
                 "--debug" => told.debug = true,
-                "--fresh" => told.rest.push(word.clone()),
-                "--only" | "--jobs" | "--timeout" => told.rest.extend([word.clone(), value()?]),
+                "--fresh" | "--any-build" => told.rest.push(word.clone()),
+                "--only" | "--jobs" | "--timeout" | "--within" => {
+                    told.rest.extend([word.clone(), value()?])
+                }
                 _ => {
                     return Err(format!(
-                        "zoo: {word}: [--folder FOLDER] [--only NAME] [--no-run] [--jobs N] [--timeout S] [--fresh] [--debug] are known"
+                        "zoo: {word}: [--folder FOLDER] [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] [--any-build] [--fresh] [--debug] are known"
                     ));
                 }
             }

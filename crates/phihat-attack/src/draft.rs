@@ -103,7 +103,7 @@ impl Draft {
         let (robot, _) = self.arm.section();
         let _ = writeln!(text, "\n[robot]\n{robot}\n\n[spec]\nsettle_s = {:?}", self.settle);
         let _ =
-            writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.design);
+            writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.known());
         self.ranges(&mut text);
         if let Laws::Typed(section) = &self.laws {
             text += section;
@@ -121,6 +121,13 @@ impl Draft {
             }
         }
         text + &self.rest
+    }
+
+    /// Lines of `[design]`, without those for a search where the laws are typed.
+    fn known(&self) -> String {
+        let typed = matches!(self.laws, Laws::Typed(_));
+        let kept = self.design.lines().filter(|line| !(typed && line.starts_with("orders")));
+        kept.map(|line| format!("{line}\n")).collect()
     }
 
     /// The scope, as keys of `[design]`.

@@ -63,7 +63,7 @@ fn heat_map(summary: &Summary) -> Markup {
     html! {
         h2 id="map" { "Heat map" }
         p.key {
-            "Worst excursion over the seeds, in mrad, against its bar: "
+            "Worst excursion over the seeds, in mrad (mm where an arm's joints slide), against its bar: "
             span.h0 { "to 25 %" } span.h1 { "to 50 %" } span.h2 { "to 75 %" } span.h3 { "to 100 %" }
             span.hmissed { "▲ beyond" } span.hbroken { "✗ something else missed" }
             span.hlisted { "no bar: listed" }
@@ -163,6 +163,9 @@ fn row(run: &RunRecord, command: &str) -> Markup {
     let show = |value: fn(&crate::faults::Cell) -> f64| {
         run.cell().map_or("–".to_owned(), |cell| number(value(cell)))
     };
+    // Where it is not that of the heading.
+    let own = run.cell().map(|cell| cell.way_unit.as_str()).filter(|unit| *unit != "mrad");
+    let own = own.map_or_else(String::new, |unit| format!("\u{a0}{unit}"));
     html! { tr id=(anchor(&run.name)) {
         th scope="row" { (line(&run.name)) }
         td { (show(|cell| cell.onset_s)) }
@@ -170,8 +173,8 @@ fn row(run: &RunRecord, command: &str) -> Markup {
         td { (event(run.cell().and_then(|cell| cell.noticed.as_ref()))) }
         td { (event(run.cell().and_then(|cell| cell.stopped.as_ref()))) }
         td { (run.cell().and_then(|cell| cell.stop_delay).map_or("–".to_owned(), |n| n.to_string())) }
-        td { (show(|cell| MILLI * cell.excursion_rad)) }
-        td { (show(|cell| MILLI * cell.error_end_rad)) }
+        td { (show(|cell| MILLI * cell.excursion_rad)) (own) }
+        td { (show(|cell| MILLI * cell.error_end_rad)) (own) }
         td.outside[!missed.is_empty()] {
             @if missed.is_empty() { "kept" } @else { (missed.join(", ")) }
             @if let Some(why) = run.cell().and_then(|cell| cell.refused.as_deref()) { " " (line(why)) }
@@ -201,7 +204,7 @@ fn bars(fault: &FaultRecord) -> String {
             End::Either => "goes on or stops",
         };
         let excursion =
-            bar.excursion_rad.map(|most| format!(", within {} mrad", stated(MILLI * most)));
+            bar.excursion_rad.map(|most| format!(", within {} mrad (mm)", stated(MILLI * most)));
         let noticed = bar.noticed_ms.map(|most| format!(", after {} ms at most", stated(most)));
         format!("{end}{}{}", noticed.unwrap_or_default(), excursion.unwrap_or_default())
     };

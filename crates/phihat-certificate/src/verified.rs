@@ -47,7 +47,10 @@ impl Certificate {
     pub fn verified(&self, gains: &Gains) -> Result<Verified, Refutation> {
         self.verify(gains)?;
         let alone = self.frozen.is_some();
-        let each = self.joints.iter().map(|joint| (joint.name.as_str(), proved(joint, alone)));
+        let each = self.joints.iter().map(|joint| {
+            let slides = gains.slides(&joint.name);
+            (joint.name.as_str(), proved(joint, alone, slides))
+        });
         let mut shown = merged(each);
         let range = |low: f64, high: f64| format!("μ in {low:.5} … {high:.5}");
         let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
@@ -122,18 +125,19 @@ impl Certificate {
             let found = "found along the study's own motion; this file cannot show it, only that it agrees with itself";
             list.push(whole("the tube", found.to_owned()));
             for joint in &tube.joints {
+                let (way, _) = units(gains.slides(&joint.name));
                 list.push(Statement {
                     joint: Some(joint.name.clone()),
                     what: format!("tube from t = {} s on", tube.settle_s),
                     value: format!(
-                        "|e| ≤ {:.4e} rad, |ė| ≤ {:.4e} rad/s",
+                        "|e| ≤ {:.4e} {way}, |ė| ≤ {:.4e} {way}/s",
                         joint.error_max_rad, joint.velocity_error_max_rad_s
                     ),
                 });
             }
         }
         let uncoupled = arm.basis != ArmBasis::Postures;
-        let of = |joint: &JointCertificate| trusted(joint, uncoupled);
+        let of = |joint: &JointCertificate| trusted(joint, uncoupled, gains.slides(&joint.name));
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
         list
     }
@@ -162,8 +166,9 @@ impl Certificate {
 }
 
 /// What is shown of one joint; where laws differ, some of it of the joint `alone`, and not of the arm.
-fn proved(joint: &JointCertificate, alone: bool) -> Vec<(String, String)> {
+fn proved(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
+    let (way, push) = units(slides);
     let by_itself = if alone { ", the joint by itself" } else { "" };
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     if let Some(window) = &joint.window {
@@ -185,16 +190,16 @@ fn proved(joint: &JointCertificate, alone: bool) -> Vec<(String, String)> {
         add("modulus margin", format!("{:.4}", margins.modulus));
     }
     if let Some(noise) = &joint.noise {
-        let share = format!("{:.4e} N·m", noise.change_max_nm);
+        let share = format!("{:.4e} {push}", noise.change_max_nm);
         add("change of torque per sample from the encoder, at most", share);
-        let rms = format!("{:.4e} N·m", noise.change_rms_nm);
+        let rms = format!("{:.4e} {push}", noise.change_rms_nm);
         add("the same, rms, errors uncorrelated", rms);
     }
     if let Some(step) = joint.step.as_ref().and_then(|step| step.step_rad) {
-        add("largest step of the reference within the limits", format!("{step:.4e} rad"));
+        add("largest step of the reference within the limits", format!("{step:.4e} {way}"));
     }
     if let Some(sampled) = &joint.sampled {
-        let gain = format!("{:.4e} rad/(rad/s²)", sampled.jump[1]);
+        let gain = format!("{:.4e} {way}/({way}/s²)", sampled.jump[1]);
         add("error per φ/M̄ of one joint, at the ratios tried", gain);
     }
     if let Some(continuous) = &joint.continuous {
@@ -210,8 +215,9 @@ fn proved(joint: &JointCertificate, alone: bool) -> Vec<(String, String)> {
 }
 
 /// What is taken on trust about one joint.
-fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
+fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
+    let (way, push) = units(slides);
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     let model = &joint.model;
     let form = match model.form {
@@ -241,14 +247,14 @@ fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
             hertz("drive", model.drive_bandwidth_hz),
         ),
     );
-    let quantum = joint.noise.as_ref().map(|noise| format!("{:.5e} rad", noise.quantum_rad));
+    let quantum = joint.noise.as_ref().map(|noise| format!("{:.5e} {way}", noise.quantum_rad));
     add("quantum of the encoder", quantum.unwrap_or_else(|| "none: position is exact".into()));
     let (torque, rate) = joint.limits;
     let limit = |value: Option<f64>, unit: &str| {
         value.map_or_else(|| "none".to_owned(), |value| format!("{value} {unit}"))
     };
-    add("torque limit", limit(torque, "N·m"));
-    add("torque-rate limit", limit(rate, "N·m/s"));
+    add("torque limit", limit(torque, push));
+    add("torque-rate limit", limit(rate, &format!("{push}/s")));
     if uncoupled && let Some(phi) = &joint.phi {
         let basis = match phi.basis {
             PhiBasis::Typed => "typed",
@@ -259,18 +265,23 @@ fn trusted(joint: &JointCertificate, uncoupled: bool) -> Vec<(String, String)> {
         add(
             "φ of this joint alone",
             format!(
-                "|φ̇| ≤ {} N·m/s, jumps ≤ {} N·m ({basis}: {})",
+                "|φ̇| ≤ {} {push}/s, jumps ≤ {} {push} ({basis}: {})",
                 phi.rate_nm_s, phi.jump_nm, phi.source
             ),
         );
         if let Some(bounds) = &joint.bounds {
             add(
                 "what follows if no joint moves another",
-                format!("|e| ≤ {:.5e} rad once settled", bounds.error_rad),
+                format!("|e| ≤ {:.5e} {way} once settled", bounds.error_rad),
             );
         }
     }
     list
+}
+
+/// Units of a joint's way and of what pushes it.
+fn units(slides: bool) -> (&'static str, &'static str) {
+    if slides { ("m", "N") } else { ("rad", "N·m") }
 }
 
 /// Lines that all joints have in common once, the rest joint by joint.

@@ -109,8 +109,11 @@ fn overview(summary: &Summary) -> String {
             let kept = of.iter().filter(|run| run.missed.is_empty()).count();
             format!("{kept}/{}", of.len())
         };
-        let worst = runs().filter_map(|run| run.cell()).map(|cell| cell.excursion_rad);
-        let worst = format!("{:.2} mrad", 1e3 * worst.fold(0.0, f64::max));
+        let cells = runs().filter_map(|run| run.cell());
+        let worst = cells.max_by(|a, b| a.excursion_rad.total_cmp(&b.excursion_rad));
+        let worst = worst.map_or_else(String::new, |cell| {
+            format!("{:.2} {}", 1e3 * cell.excursion_rad, cell.way_unit)
+        });
         let name = fault.name.clone();
         table.add_row([fault.row.clone(), name, level(1), level(2), level(3), worst]);
     }

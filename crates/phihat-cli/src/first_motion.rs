@@ -5,10 +5,13 @@ use std::path::Path;
 
 use clap::Args;
 use phihat_drive::Prepared;
+use phihat_model::JointKind;
+use phihat_report::kit::unit_of;
 use phihat_session::{
     FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, MeasuredJoint, files,
     first_measured,
 };
+use phihat_study::Study;
 
 use crate::failure::Failure;
 use crate::identify::sections;
@@ -67,6 +70,7 @@ impl First {
         let options = IdentifyOptions {
             width: FIRST_WIDTH,
             margin: self.margin,
+            slides: sliding(&first.study),
             ..IdentifyOptions::default()
         };
         let found = first_measured(&first.study, folder, &options)?;
@@ -75,6 +79,12 @@ impl First {
         }
         Ok(found)
     }
+}
+
+/// Names of the joints that slide.
+fn sliding(study: &Study) -> Vec<String> {
+    let joints = study.robot.joints.iter().filter(|joint| joint.kind == JointKind::Prismatic);
+    joints.map(|joint| joint.name.clone()).collect()
 }
 
 /// What will be done, before it is.
@@ -86,8 +96,10 @@ pub(crate) fn announced(prepared: &Prepared) -> Option<String> {
         // Infallible: a String takes everything.
         let _ = write!(
             text,
-            "\n  {}: at most {torque:.2} N·m, inertia guessed {guess:.4} kg·m²",
-            joint.name
+            "\n  {}: at most {torque:.2} {}, inertia guessed {guess:.4} {}",
+            joint.name,
+            unit_of("N·m", joint.kind == JointKind::Prismatic),
+            unit_of("kg·m²", joint.kind == JointKind::Prismatic)
         );
     }
     Some(text)
@@ -124,5 +136,9 @@ fn line(joint: &MeasuredJoint) -> String {
     };
     let word = if same { "as the study says" } else { "NOT as the study says" };
     let friction = 0.5 * found.phi_jump_max_nm;
-    format!("{name}: inertia {word} ({told} kg·m²); dry friction at most {friction:.2} N·m")
+    format!(
+        "{name}: inertia {word} ({told} {}); dry friction at most {friction:.2} {}",
+        unit_of("kg·m²", found.slides),
+        unit_of("N·m", found.slides)
+    )
 }

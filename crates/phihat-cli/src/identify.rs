@@ -36,6 +36,9 @@ pub(crate) struct Identify {
     /// What sizes and rates of φ are multiplied by: no record holds the worst that will come.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.5)]
     margin: f64,
+    /// Joints that slide, separated by commas: their positions are in m, their torques forces in N.
+    #[arg(long, value_name = "JOINT,…", value_delimiter = ',')]
+    slides: Vec<String>,
     /// Where to write the `[[joint]]` sections [default: standard output].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -62,6 +65,7 @@ impl Identify {
             from: self.from,
             width: 1e-3 * self.width_ms,
             margin: self.margin,
+            slides: self.slides.clone(),
         };
         let joints = identify(&options)?;
         let sections = sections(&joints, self.margin);
@@ -95,10 +99,11 @@ pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
         // Infallible: a String takes everything.
         let _ = write!(
             text,
-            "\n[[joint]]\nname = {:?}\ninertia_min_kg_m2 = {}\ninertia_max_kg_m2 = {}\n\
+            "\n[[joint]]\nname = {:?}\n{}inertia_min_kg_m2 = {}\ninertia_max_kg_m2 = {}\n\
              phi_rate_max_nm_s = {}\nphi_jump_max_nm = {}\n# torque_max_nm = \n# velocity_max_rad_s = \n\
              # position_min_rad = \n# position_max_rad = \n",
             joint.name,
+            if joint.slides { "slides = true\n" } else { "" },
             at_least(joint.inertia.low_kg_m2),
             at_most(joint.inertia.high_kg_m2),
             at_most(joint.phi_rate_max_nm_s),

@@ -18,11 +18,11 @@ fn planar(error: f64, more: &str) -> String {
 }
 
 /// An error a little below what is possible.
-fn just_too_small(folder: &Path, more: &str) -> (f64, Value) {
+fn just_too_small(folder: &Path, text: &dyn Fn(f64) -> String) -> (f64, Value) {
     let mut error = 1e-6;
     let mut told = Value::Null;
     for share in [1.0, 0.8, 0.5, 0.3] {
-        fs::write(folder.join("small.toml"), planar(error, more)).unwrap();
+        fs::write(folder.join("small.toml"), text(error)).unwrap();
         told = json(folder, &["design", "small.toml", "--json"]);
         if told["outcome"] == "infeasible" && share < 1.0 {
             return (error, told);
@@ -60,19 +60,25 @@ fn followed(text: &str, change: &Value) -> Option<String> {
 #[test]
 fn advice_leads_to_gains_as_typed_and_the_page_is_there() {
     let folder = folder("budget");
-    let (error, told) = just_too_small(&folder, "");
+    // Its dry friction is between nothing and somewhat more than the world's.
+    let unsure = |error: f64| {
+        let friction = "payload_max_kg = 0.3\ncoulomb_max_nm = 1.0";
+        planar(error, "").replacen("payload_max_kg = 0.3", friction, 1)
+    };
+    let (error, told) = just_too_small(&folder, &unsure);
     let budget = &told["budget"];
     let changes = budget["changes"].as_array().unwrap();
     println!("{error:e}\n{budget:#}");
     assert!(changes.iter().any(|change| change["helps"] == true), "{changes:#?}");
     for change in changes.iter().filter(|change| change["helps"] == true) {
-        let text = followed(&planar(error, ""), change).unwrap();
+        let text = followed(&unsure(error), change).unwrap();
         fs::write(folder.join("followed.toml"), &text).unwrap();
         let again = json(&folder, &["design", "followed.toml", "--json"]);
         assert_eq!(again["outcome"], "designed", "{change:#}\n{text}");
         let unproved = again["gains"]["certificate"]["unproved"].as_array();
         assert!(unproved.is_none_or(Vec::is_empty), "{change:#}: {unproved:?}");
     }
+    assert!(changes.iter().any(|change| change["key"] == "design.coulomb_max_nm"), "{changes:#?}");
     // The nearest law, joint by joint: parts that are not within others add up to the whole.
     for joint in budget["joints"].as_array().unwrap() {
         let total = joint["total_rad"].as_f64().unwrap();
@@ -102,6 +108,11 @@ fn advice_leads_to_gains_as_typed_and_the_page_is_there() {
     {
         assert!(page.contains(part), "{part}");
     }
+    // The front is drawn: a mark for each law that the document has.
+    let picture =
+        page.split("<figure").nth(1).and_then(|rest| rest.split("</svg>").next()).unwrap();
+    let laws = budget["front"].as_array().unwrap();
+    assert!(picture.matches("<circle").count() >= laws.len(), "{picture}");
     // For people: the same, and no inequality unless asked for.
     let plain = phihat(&folder, &["design", "small.toml"]);
     assert_eq!(plain.code, 1);

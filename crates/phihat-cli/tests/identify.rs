@@ -129,6 +129,32 @@ fn a_record_becomes_a_design_that_holds() {
     }
 }
 
+/// The numbers of a joint that slides mean m and N; they move alike.
+#[test]
+fn a_joint_that_slides_is_one_that_turns_with_other_units() {
+    let folder = folder("identify-slides");
+    let turns = study(&[(0.6, 0.8), (0.2, 0.4)], 3, "");
+    let slides = turns.replacen("name = \"first\"\n", "name = \"first\"\nslides = true\n", 1);
+    let run = |name: &str, text: &str| {
+        fs::write(folder.join(format!("{name}.toml")), text).unwrap();
+        let run = phihat(&folder, &["run", &format!("{name}.toml")]);
+        assert_eq!(run.code, 0, "{}", run.err);
+        let trace = fs::read_to_string(folder.join(format!("out/{name}/trace.csv"))).unwrap();
+        (run.out, trace)
+    };
+    let ((turned, one), (slid, other)) = (run("turns", &turns), run("slides", &slides));
+    assert!(one == other, "the numbers differ");
+    assert!(!turned.contains("mm") && slid.contains("mm/s"), "{slid}");
+    let identify = ["identify", "out/slides/trace.csv", "--from", "1", "--slides", "first"];
+    let told = phihat(&folder, &identify).out;
+    assert!(told.contains(" kg ") && told.contains(" N/s"), "{told}");
+    let sections: Vec<&str> = told.lines().skip_while(|line| *line != "[[joint]]").collect();
+    assert_eq!(sections[..3], ["[[joint]]", "name = \"first\"", "slides = true"]);
+    assert_eq!(told.matches("slides = true").count(), 1, "{told}");
+    let unknown = ["identify", "out/slides/trace.csv", "--slides", "third"];
+    refused(&folder, &unknown, &["trace.csv", "\"third\"", "first, second"]);
+}
+
 fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {
     let told = phihat(folder, arguments);
     assert!(told.code == 2 && (told.out.is_empty() || arguments[0] == "check"), "{}", told.err);

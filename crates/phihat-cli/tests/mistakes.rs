@@ -318,7 +318,7 @@ const IN_NAMES: [Mistake; 11] = [
     ),
 ];
 
-const TOGETHER: [Mistake; 9] = [
+const TOGETHER: [Mistake; 10] = [
     mistake(
         "motion beyond the limits",
         Own,
@@ -356,6 +356,13 @@ const TOGETHER: [Mistake; 9] = [
         ),
         "velocity_filter_hz",
         &["left to the design, while the study states its [gains]", "give a cut-off"],
+    ),
+    mistake(
+        "gains stated, and a search told what to look for",
+        First,
+        ("[gains]", "[design]\norders = [2]\n\n[gains]"),
+        "orders",
+        &["while the study states its [gains]", "leave out [gains] to have them found"],
     ),
     mistake(
         "filter above half of the rate",

@@ -116,13 +116,23 @@ fn at_both_ends(folder: &Path) {
 }
 
 #[test]
-fn without_a_torque_limit_it_is_asked_for() {
+fn without_a_torque_limit_one_that_would_do_is_assumed_and_said() {
     let folder = folder("new-no-limit");
     write(&folder, "two.urdf", &urdf("", false));
     let before = files_of(&folder);
-    let told = phihat(&folder, &["new", "two.urdf", "--out", "first.toml"]);
-    assert_eq!(told.code, 2, "{}{}", told.out, told.err);
-    assert!(told.err.contains("shoulder") && told.err.contains("--torque-max"), "{}", told.err);
+    let told = phihat(&folder, &["new", "two.urdf", "--out", "assumed/first.toml"]);
+    assert_eq!(told.code, 0, "{}{}", told.out, told.err);
+    let said =
+        ["no torque limit is stated for 1 of 2 joints", "assumption: shoulder ", "--torque-max"];
+    assert!(said.iter().all(|part| told.out.contains(part)), "{}", told.out);
+    // It holds the arm stretched out, by hand: masses times g times their distances.
+    let own = folder.join("assumed/first_arm.toml");
+    let text = fs::read_to_string(&own).unwrap();
+    assert!(text.contains("assumption where the URDF has no limit"), "{text}");
+    let limit = phihat_model::Robot::read(&own).unwrap().joints[0].torque_max.unwrap();
+    let gravity = 9.81 * (3.0 * 0.2 + 1.5 * 0.55 + 0.02 * 0.72);
+    assert!(1.9 * gravity < limit && limit < 4.0 * gravity, "{limit} {gravity}");
+    fs::remove_dir_all(folder.join("assumed")).unwrap();
     let weak = phihat(&folder, &["new", "two.urdf", "--out", "first.toml", "--torque-max", "1"]);
     assert_eq!(weak.code, 2, "{}{}", weak.out, weak.err);
     assert!(weak.err.contains("cannot hold itself"), "{}", weak.err);

@@ -84,7 +84,8 @@ pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
 pub use certificate::{arm_inside_window, find_moving};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{
-    Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, search,
+    Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
+    search,
 };
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{

@@ -1,6 +1,6 @@
 //! Estimates of the sampled gains, cheap enough for a search; the certificate proves the real ones.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 use crate::JointRecord;
 use crate::sampled::LoopParts;
@@ -51,7 +51,7 @@ impl Quick {
         walk(&matrix, &encoder.drives, |x| {
             reading[0] += x[0].abs();
             reading[1] += (unit * x[1]).abs();
-            let torque = (&encoder.state * x)[0];
+            let torque = row(&encoder.state, x);
             change += (torque - last).abs();
             last = torque;
         })?;
@@ -79,24 +79,38 @@ impl Quick {
     }
 }
 
+/// A row on a state.
+fn row(row: &RowDVector<f64>, x: &[f64]) -> f64 {
+    let mut terms = row.iter().zip(x).map(|(own, at)| own * at);
+    let first = terms.next().unwrap_or(0.0);
+    terms.fold(first, |sum, term| sum + term)
+}
+
 /// Shows `b, Ab, A²b, …` until it has died; `None` when it does not.
-fn walk(
-    matrix: &StateMatrix,
-    b: &DVector<f64>,
-    mut visit: impl FnMut(&DVector<f64>),
-) -> Option<()> {
+///
+/// Most of a search's time is spent here, so that loops of the usual sizes have a product compiled for theirs; its sums are in the
+/// order of the general one, and the bits the same.
+fn walk(matrix: &StateMatrix, b: &DVector<f64>, visit: impl FnMut(&[f64])) -> Option<()> {
     let a = matrix.matrix();
-    let mut x = b.clone();
-    let mut next = x.clone();
-    let (mut largest, mut quiet) = ([0.0_f64; 2], 0);
+    match b.len() {
+        4 => fixed::<4>(a, b, visit),
+        5 => fixed::<5>(a, b, visit),
+        6 => fixed::<6>(a, b, visit),
+        7 => fixed::<7>(a, b, visit),
+        8 => fixed::<8>(a, b, visit),
+        9 => fixed::<9>(a, b, visit),
+        10 => fixed::<10>(a, b, visit),
+        11 => fixed::<11>(a, b, visit),
+        12 => fixed::<12>(a, b, visit),
+        _ => general(a, b, visit),
+    }
+}
+
+fn general(a: &DMatrix<f64>, b: &DVector<f64>, mut visit: impl FnMut(&[f64])) -> Option<()> {
+    let (mut x, mut next, mut life) = (b.clone(), b.clone(), Life::default());
     for _ in 0..LONGEST {
-        visit(&x);
-        // Each by itself: a reading's kick to the torque is large and short, what it leaves of `e` small and long.
-        let sizes = [x[0].abs(), x[1].abs()];
-        largest = core::array::from_fn(|i| largest[i].max(sizes[i]));
-        let dead = (0..2).all(|i| sizes[i] < DEAD * largest[i]);
-        quiet = if dead { quiet + 1 } else { 0 };
-        if quiet > QUIET {
+        visit(x.as_slice());
+        if life.ended(x[0], x[1]) {
             return Some(());
         }
         next.gemv(1.0, a, &x, 0.0);
@@ -105,12 +119,79 @@ fn walk(
     None
 }
 
+/// The same for a state of so many entries.
+fn fixed<const N: usize>(
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+    mut visit: impl FnMut(&[f64]),
+) -> Option<()> {
+    let columns: [[f64; N]; N] = core::array::from_fn(|j| core::array::from_fn(|i| a[(i, j)]));
+    let (mut x, mut life): ([f64; N], _) = (core::array::from_fn(|i| b[i]), Life::default());
+    for _ in 0..LONGEST {
+        visit(&x);
+        if life.ended(x[0], x[1]) {
+            return Some(());
+        }
+        let mut next: [f64; N] = core::array::from_fn(|i| columns[0][i] * x[0]);
+        for (column, at) in columns.iter().zip(&x).skip(1) {
+            for (entry, own) in next.iter_mut().zip(column) {
+                *entry += own * at;
+            }
+        }
+        x = next;
+    }
+    None
+}
+
+/// Whether a response has died.
+#[derive(Default)]
+struct Life {
+    largest: [f64; 2],
+    quiet: usize,
+}
+
+impl Life {
+    /// Takes the next state's `e` and `ė`.
+    fn ended(&mut self, e: f64, de: f64) -> bool {
+        // Each by itself: a reading's kick to the torque is large and short, what it leaves of `e` small and long.
+        let sizes = [e.abs(), de.abs()];
+        self.largest = core::array::from_fn(|i| self.largest[i].max(sizes[i]));
+        let dead = (0..2).all(|i| sizes[i] < DEAD * self.largest[i]);
+        self.quiet = if dead { self.quiet + 1 } else { 0 };
+        self.quiet > QUIET
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Quick;
+    use super::{Quick, general, row, walk};
     use crate::JointRecord;
     use crate::sampled::{LoopModel, StateMatrix};
+    use nalgebra::DVector;
     use phihat::{Form, TorqueSource, VelocitySource};
+
+    fn law(w: f64, a: Vec<f64>) -> JointRecord {
+        let name = "joint".to_owned();
+        let (kp_per_s2, kd_per_s) = (w * w, 2.0 * w);
+        JointRecord { name, inertia_kg_m2: 1.0, kp_per_s2, kd_per_s, a, observer: None }
+    }
+
+    fn model(
+        velocity: VelocitySource,
+        velocity_filter_hz: Option<f64>,
+        period_s: f64,
+    ) -> LoopModel {
+        LoopModel {
+            period_s,
+            delay_samples: 1,
+            sample_delay_samples: 0,
+            torque: TorqueSource::Applied,
+            velocity,
+            velocity_filter_hz,
+            form: Form::Observer,
+            drive_bandwidth_hz: None,
+        }
+    }
 
     /// An encoder's error to `e`: the sum of the whole response.
     fn whole(law: &JointRecord, model: &LoopModel, mu: f64) -> f64 {
@@ -126,6 +207,44 @@ mod tests {
         sum
     }
 
+    /// Loops of every size that a study can have: the bits of the general product.
+    #[test]
+    fn a_product_for_one_size_has_the_bits_of_the_general_one() {
+        let mut sizes = Vec::new();
+        for (k, (delay, filter)) in
+            [(0, None), (0, Some(80.0)), (1, None), (1, Some(80.0)), (2, None), (4, Some(80.0))]
+                .into_iter()
+                .enumerate()
+        {
+            for a in [vec![60.0], vec![1600.0, 80.0], vec![8000.0, 1200.0, 60.0]] {
+                let law = law(15.0, a);
+                let model = LoopModel {
+                    delay_samples: delay,
+                    ..model(VelocitySource::Differenced, filter, 1e-3)
+                };
+                let matrix = StateMatrix::new(&law, &model, 0.8 + 0.1 * k as f64);
+                let b = matrix.encoder().drives.clone();
+                let (mut one, mut other) = (Vec::new(), Vec::new());
+                let mut torque = Vec::new();
+                let ends = [
+                    walk(&matrix, &b, |x| one.extend(x.iter().map(|x| x.to_bits()))),
+                    general(matrix.matrix(), &b, |x| {
+                        other.extend(x.iter().map(|x| x.to_bits()));
+                        let whole = &matrix.encoder().state * DVector::from_column_slice(x);
+                        torque
+                            .push((whole[0].to_bits(), row(&matrix.encoder().state, x).to_bits()));
+                    }),
+                ];
+                assert_eq!(ends[0], ends[1]);
+                assert!(one == other && torque.iter().all(|(a, b)| a == b), "{}", b.len());
+                sizes.push(b.len());
+            }
+        }
+        sizes.sort_unstable();
+        sizes.dedup();
+        assert!(sizes.len() >= 4, "{sizes:?}");
+    }
+
     #[test]
     fn what_an_encoder_does_to_the_error_is_not_cut_off() {
         let mut worst = 0.0_f64;
@@ -133,25 +252,7 @@ mod tests {
             for velocity in [VelocitySource::Measured, VelocitySource::Differenced] {
                 for (velocity_filter_hz, period_s) in [(None, 1e-3), (Some(160.0), 5e-4)] {
                     let a = [vec![0.7 * w], vec![w * w, 2.0 * w]][k % 2].clone();
-                    let name = "joint".to_owned();
-                    let law = JointRecord {
-                        name,
-                        inertia_kg_m2: 1.0,
-                        kp_per_s2: w * w,
-                        kd_per_s: 2.0 * w,
-                        a,
-                        observer: None,
-                    };
-                    let model = LoopModel {
-                        period_s,
-                        delay_samples: 1,
-                        sample_delay_samples: 0,
-                        torque: TorqueSource::Applied,
-                        velocity,
-                        velocity_filter_hz,
-                        form: Form::Observer,
-                        drive_bandwidth_hz: None,
-                    };
+                    let (law, model) = (law(w, a), model(velocity, velocity_filter_hz, period_s));
                     for mu in [0.3, 1.0] {
                         let Some(quick) = Quick::at(&law, &model, mu) else { continue };
                         let whole = whole(&law, &model, mu);

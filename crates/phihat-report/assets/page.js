@@ -346,8 +346,11 @@
     table.addEventListener("pointerover", (e) => {
       const cell = e.target.closest("td");
       if (!cell) return;
-      const [moved, on, most] = [cell.parentNode.cells[0].textContent, heads[cell.cellIndex], cell.textContent];
-      says.textContent = unit === "mrad per N·m" ? `1 N·m ${on} moves ${moved} by at most ${most} mrad` : `${caption} of ${moved}, ${on}: at most ${most} ${unit}`;
+      const [moved, on] = [cell.parentNode.cells[0].textContent, heads[cell.cellIndex]];
+      // An entry of a joint that slides says its own unit.
+      const [most, own] = [cell.firstChild ? cell.firstChild.textContent : "", cell.dataset.unit || unit];
+      const [way, push] = own.split(" per ");
+      says.textContent = unit === "mrad per N·m" ? `1 ${push} ${on} moves ${moved} by at most ${most} ${way}` : `${caption} of ${moved}, ${on}: at most ${most} ${own}`;
     });
   }
   if (!data || !data.joints.length) return;

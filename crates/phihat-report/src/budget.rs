@@ -1,8 +1,9 @@
 //! The page of an error budget.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use phihat_design::budget::{Budget, BudgetBasis, Cause, JointBudget};
 
+use crate::figure::front as front_figure;
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::{line, prose};
 use crate::kit::{MILLI, Page};
@@ -140,6 +141,11 @@ fn front(budget: &Budget) -> Markup {
     }
     html! {
         h2 id="front" { "Error against torque noise" }
+        @if let Some(picture) = front_figure(&budget.front, "this law") {
+            figure.claim id=(picture.name) { (PreEscaped(&picture.svg)) figcaption {
+                "Below the level of 1 the allowed error is kept; to the left there is less torque noise."
+            } }
+        }
         div.scroll tabindex="0" role="region" aria-label="Table: error against torque noise" { table {
             thead { tr {
                 th scope="col" { "torque noise " span.unit { "[N·m per sample]" } }

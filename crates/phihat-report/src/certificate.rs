@@ -48,8 +48,8 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         (bounds(certificate, &record.metrics.joints))
         (stability(certificate))
         (moving(certificate))
-        (coupled(certificate))
-        (limit(&gains.limit))
+        (coupled(gains))
+        (limit(gains))
         (coarser(gains))
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }

@@ -1,8 +1,8 @@
 //! What becomes of the tube behind coarser encoders.
 
-use crate::kit::MILLI;
 use crate::kit::number::number;
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use maud::{Markup, html};
 use phihat_design::Gains;
 
@@ -11,6 +11,7 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
     let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
     let Some(tube) = tube.filter(|_| !gains.coarser.is_empty()) else { return html! {} };
     let errors: Vec<f64> = tube.joints.iter().map(|joint| joint.error_max_rad).collect();
+    let slides: Vec<bool> = tube.joints.iter().map(|joint| gains.slides(&joint.name)).collect();
     let steps: Vec<f64> = tube.joints.iter().map(|joint| joint.torque_step_max_nm).collect();
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: these gains behind coarser encoders" {
@@ -23,7 +24,7 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                     th scope="col" { "limit of torque rate" }
                 } }
                 tbody {
-                    (row("as declared", (&errors, &steps), true))
+                    (row("as declared", (&errors, &steps), &slides, true))
                     @for one in &gains.coarser {
                         @let bits = format!("−{}", one.bits_fewer);
                         @if let Some(why) = &one.refused {
@@ -32,7 +33,7 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                                 td colspan=(errors.len() + 2) { "no tube: " (line(why)) }
                             }
                         } @else {
-                            (row(&bits, (&one.error_max_rad, &one.torque_step_max_nm), one.within_rate_limits))
+                            (row(&bits, (&one.error_max_rad, &one.torque_step_max_nm), &slides, one.within_rate_limits))
                         }
                     }
                 }
@@ -45,11 +46,11 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
     }
 }
 
-fn row(bits: &str, (errors, steps): (&[f64], &[f64]), within: bool) -> Markup {
+fn row(bits: &str, (errors, steps): (&[f64], &[f64]), slides: &[bool], within: bool) -> Markup {
     let largest = steps.iter().copied().fold(0.0, f64::max);
     html! { tr {
         th scope="row" { (bits) }
-        @for error in errors { td { (number(error * MILLI)) } }
+        @for (error, slides) in errors.iter().zip(slides) { td { (number(error * MILLI)) (own_unit("mrad", *slides)) } }
         td { (number(largest)) }
         td { @if within { "cannot act" } @else { "can act" } }
     } }

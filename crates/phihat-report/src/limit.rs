@@ -1,13 +1,14 @@
 //! How far the laws are from what no linear law undercuts.
 
-use crate::kit::MILLI;
 use crate::kit::number::number;
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use maud::{Markup, html};
-use phihat_design::JointLimit;
+use phihat_design::Gains;
 
 /// A table of the joints, or nothing where nobody asked.
-pub(crate) fn limit(list: &[JointLimit]) -> Markup {
+pub(crate) fn limit(gains: &Gains) -> Markup {
+    let list = &gains.limit;
     let Some(first) = list.first() else { return html! {} };
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: laws beside the limit of linear laws" {
@@ -23,15 +24,18 @@ pub(crate) fn limit(list: &[JointLimit]) -> Markup {
                     th scope="col" { "price of the range" }
                     th scope="col" { "limit at the lightest " span.unit { "[mrad]" } }
                 } }
-                tbody { @for one in list { tr {
+                tbody { @for one in list {
+                    @let slides = gains.slides(&one.name);
+                    @let way = own_unit("mrad", slides);
+                    tr {
                     th scope="row" { (line(&one.name)) }
-                    td { (number(one.torque_noise_nm)) }
-                    td { (number(one.limit_rad.0 * MILLI)) }
-                    td { (number(one.own_rad * MILLI)) }
+                    td { (number(one.torque_noise_nm)) (own_unit("N·m", slides)) }
+                    td { (number(one.limit_rad.0 * MILLI)) (way) }
+                    td { (number(one.own_rad * MILLI)) (way) }
                     td { (number(one.times_limit())) }
-                    td { (number(one.range_rad * MILLI)) }
+                    td { (number(one.range_rad * MILLI)) (way) }
                     td { (number(one.price_of_range())) }
-                    td { (number(one.limit_lightest_rad.0 * MILLI)) }
+                    td { (number(one.limit_lightest_rad.0 * MILLI)) (way) }
                 } } }
             }
         }

@@ -3,9 +3,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use phihat_design::{Alternative, Outcome, search};
+use phihat::Form;
+use phihat_design::{Alternative, Arm, Outcome, has_law, search};
 use phihat_sim::Demand;
-use phihat_study::Study;
+use phihat_study::{DesignMethod, Study};
 
 use crate::along::{arm_along, phi_along};
 use crate::digits;
@@ -16,6 +17,10 @@ const LEAST: f64 = 1e-6;
 const MOST: f64 = 1e3;
 const STEPS: u32 = 9;
 const HALVINGS: u32 = 5;
+
+/// How often more is tried where the estimate is not certified, and by which factor.
+const CERTIFIED: u32 = 4;
+const MORE: f64 = 1.05;
 
 /// Largest error that is asked for where any will do \[rad, m\].
 const ANY: f64 = 50.0;
@@ -28,12 +33,44 @@ const KEY: &str = "robot.armature_kg_m2";
 /// # Errors
 ///
 /// [`SessionError`]: the arm cannot follow its reference, or the search not begin.
-pub(crate) fn one_search(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
+pub(crate) fn one_search(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, SessionError> {
     let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
-    let arm = arm_along(study).map_err(|why| at(why.into()))?;
     let demand = Demand::along(study).map_err(|why| at(why.into()))?;
     let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
-    search(study, &arm, &phi).map_err(|why| at(why.into()))
+    search(study, arm, &phi).map_err(|why| at(why.into()))
+}
+
+/// A study's arm with the postures of its reference.
+fn arm_of(study: &Study, path: &Path) -> Result<Arm, SessionError> {
+    arm_along(study).map_err(|why| SessionError::at(path, why))
+}
+
+/// The study, with any error allowed.
+fn easy(study: &Study) -> Study {
+    let mut easy = study.clone();
+    easy.spec.error_bound = Some(vec![ANY; study.robot.joints.len()]);
+    (easy.spec.velocity_error_max, easy.spec.error_integral_max) = (None, None);
+    easy
+}
+
+/// The order of a law for whatever error, by the search's own estimates: quick, and no proof.
+///
+/// # Errors
+///
+/// As [`one_search`].
+pub(crate) fn any_law(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+) -> Result<Option<usize>, SessionError> {
+    if study.control.form == Form::Positions || study.design.method != DesignMethod::Ours {
+        return any_gains(study, arm, path);
+    }
+    let easy = easy(study);
+    let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
+    let demand = Demand::along(&easy).map_err(|why| at(why.into()))?;
+    let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
+    has_law(&easy, arm, &phi).map_err(|why| at(why.into()))
 }
 
 /// The order of gains for whatever error; `None`: no law keeps the arm inside its window with the margins.
@@ -41,11 +78,8 @@ pub(crate) fn one_search(study: &Study, path: &Path) -> Result<Outcome, SessionE
 /// # Errors
 ///
 /// As [`one_search`].
-pub(crate) fn any_gains(study: &Study, path: &Path) -> Result<Option<usize>, SessionError> {
-    let mut easy = study.clone();
-    easy.spec.error_bound = Some(vec![ANY; study.robot.joints.len()]);
-    (easy.spec.velocity_error_max, easy.spec.error_integral_max) = (None, None);
-    match one_search(&easy, path)? {
+fn any_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Option<usize>, SessionError> {
+    match one_search(&easy(study), arm, path)? {
         Outcome::Designed(gains) => Ok(gains.joints.first().map(|joint| joint.a.len())),
         Outcome::Infeasible(_) => Ok(None),
     }
@@ -60,44 +94,56 @@ pub(crate) fn smallest_rotor(
     study: &Study,
     path: &Path,
 ) -> Result<Option<Alternative>, SessionError> {
-    let with = |least: f64| {
+    let with = |least: f64| -> Study {
         let mut own = study.clone();
         for joint in &mut own.robot.joints {
             joint.armature = joint.armature.max(least);
             joint.armature_range =
                 joint.armature_range.map(|(low, high)| (low.max(least), high.max(least)));
         }
-        any_gains(&own, path)
+        own
+    };
+    let law = |least: f64| {
+        let own = with(least);
+        any_law(&own, &arm_of(&own, path)?, path)
+    };
+    let gains = |least: f64| {
+        let own = with(least);
+        any_gains(&own, &arm_of(&own, path)?, path)
     };
     let factor = (MOST / LEAST).powf(1.0 / f64::from(STEPS));
     let mut before = LEAST;
     for step in 0..=STEPS {
         let mut value = LEAST * factor.powf(f64::from(step));
-        let Some(mut order) = with(value)? else {
+        if law(value)?.is_none() {
             before = value;
             continue;
-        };
+        }
         for _ in 0..HALVINGS {
             let middle = (before * value).sqrt();
-            match with(middle)? {
-                Some(found) => (value, order) = (middle, found),
+            match law(middle)? {
+                Some(_) => value = middle,
                 None => before = middle,
             }
         }
-        return rounded(value, &with, order);
+        return rounded(value, &gains);
     }
     Ok(None)
 }
 
-/// Three digits, upwards, tried once more.
+/// Three digits, upwards, with gains that are certified: somewhat more where those that were estimated are not.
 fn rounded(
     value: f64,
-    with: &dyn Fn(f64) -> Result<Option<usize>, SessionError>,
-    order: usize,
+    gains: &dyn Fn(f64) -> Result<Option<usize>, SessionError>,
 ) -> Result<Option<Alternative>, SessionError> {
-    let up = digits::up(value, 3);
-    let order = with(up)?.unwrap_or(order);
-    Ok(Some(Alternative { key: KEY.to_owned(), value: up, order }))
+    let mut up = digits::up(value, 3);
+    for _ in 0..CERTIFIED {
+        if let Some(order) = gains(up)? {
+            return Ok(Some(Alternative { key: KEY.to_owned(), value: up, order }));
+        }
+        up = digits::up(MORE * up, 3);
+    }
+    Ok(None)
 }
 
 /// What a rotor inertia that makes gains possible says of an arm's joints.

@@ -5,7 +5,8 @@ use crate::format::{Bounds, Key, Need, Section, Shape};
 pub(crate) static DESIGN: Section = Section {
     path: "design",
     doc: "For `phihat design`: what is known of the arm and of its load, and what the gains must keep. \
-          A study needs `[gains]` or `[design]`; `[gains]` wins where both are there.",
+          A study needs `[gains]` or `[design]`; where both are there, the stated gains are certified for what `[design]` says of payload, friction and margins, \
+          and keys that tell a search what to look for are refused.",
     keys: &[
         Key {
             name: "method",

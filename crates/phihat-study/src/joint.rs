@@ -50,10 +50,14 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
         high.push(most);
         rate.push(node.number("phi_rate_max_nm_s")?);
         jump.push(jumps);
-        let position = position(&node)?;
+        let (position, slides) = (position(&node)?, node.flag("slides")?);
         joints.push(Joint {
             name: name.to_owned(),
-            kind: if position.is_some() { JointKind::Revolute } else { JointKind::Continuous },
+            kind: match position {
+                _ if slides => JointKind::Prismatic,
+                Some(_) => JointKind::Revolute,
+                None => JointKind::Continuous,
+            },
             position,
             velocity_max: node.number_if("velocity_max_rad_s"),
             torque_max: node.number_if("torque_max_nm"),
@@ -118,6 +122,14 @@ pub(crate) static JOINT: Section = Section {
             shape: Shape::Text,
             need: Need::Required,
             doc: "Name of the joint.",
+        },
+        Key {
+            name: "slides",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(false),
+            doc: "Whether it slides along its axis in place of turning about it: then its inertia is a mass in kg, its torque a \
+                  force in N, and its positions are in m.",
         },
         number(
             "inertia_min_kg_m2",

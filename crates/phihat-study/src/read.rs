@@ -181,6 +181,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let world = found.keep(world::read(top, &arm, duration))?;
     let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
     found.keep(control::fits(&control, gains.as_ref(), top))?;
+    found.keep(searched_for(top, gains.is_some()))?;
     let interface = found.keep(interface(top, &arm, (rate, world.held.is_some())))?;
     let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
@@ -257,6 +258,24 @@ fn sensor(
         node.note(error.with_help("give a cut-off, or leave the gains to `[design]`"))?;
     }
     Ok(sensor)
+}
+
+/// Keys of `[design]` that steer a search for gains, and say nothing of gains that are there.
+const SEARCH: [&str; 5] = ["method", "orders", "settling_time_s", "rise_time_s", "paper"];
+
+/// That nothing tells a search what to look for while the gains are stated.
+fn searched_for(top: &Node<'_>, has_gains: bool) -> Result<(), StudyError> {
+    let node = top.child("design");
+    match SEARCH.into_iter().find(|key| has_gains && node.has(key)) {
+        Some(key) => {
+            let message =
+                "it tells a search for gains what to look for, while the study states its [gains]";
+            let help = "leave out [gains] to have them found, or this key: margins, payloads and friction of [design] are what \
+                        stated gains are certified for";
+            Err(node.error(Kind::Conflict, key, message).with_help(help))
+        }
+        None => Ok(()),
+    }
 }
 
 /// That nothing else says with which torque the law begins.

@@ -1,6 +1,7 @@
 //! What a run came to.
 
 use phihat::{Events, Mode};
+use phihat_model::{Joint, JointKind, Robot};
 use phihat_sim::{Motion, Outcome, Supervision, Survival, Trace};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,21 @@ const NOTICES: [Events; 7] = [
     Events::IMPLAUSIBLE,
 ];
 
+/// The unit of an arm whose joints turn.
+fn turning() -> String {
+    "mrad".to_owned()
+}
+
+/// The unit of an arm's joints, for people.
+fn way_unit(robot: &Robot) -> String {
+    let slides = |joint: &Joint| joint.kind == JointKind::Prismatic;
+    match (robot.joints.iter().all(slides), robot.joints.iter().any(slides)) {
+        (true, _) => "mm".to_owned(),
+        (false, true) => "mrad or mm".to_owned(),
+        (false, false) => turning(),
+    }
+}
+
 /// What a run of the matrix came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
@@ -51,6 +67,9 @@ pub struct Cell {
     pub stop_delay: Option<u64>,
     /// Why the robot itself stopped, if it did.
     pub robot_stopped: Option<String>,
+    /// In which unit a person reads an arm's excursion and error: mrad, mm of joints that slide, or both where it has both.
+    #[serde(default = "turning")]
+    pub way_unit: String,
     /// Largest excursion from the onset until the brakes have closed \[rad\].
     pub excursion_rad: f64,
     /// Largest error over the last tenth of the run \[rad\].
@@ -74,9 +93,11 @@ impl Matrix {
 
     fn nothing(&self, case: &Case) -> Cell {
         let draw = self.draw(case);
+        let robot = &self.arms[case.arm].orders[0].1.robot;
         Cell {
             onset_s: draw.onset,
-            joint: self.arms[case.arm].orders[0].1.robot.joints[draw.joint].name.clone(),
+            joint: robot.joints[draw.joint].name.clone(),
+            way_unit: way_unit(robot),
             refused: None,
             finite: false,
             torque_kept: false,

@@ -2,7 +2,7 @@
 
 use phihat_session::IdentifiedJoint;
 
-use super::{align, figure, plain_table};
+use super::{align, figure, in_unit, plain_table};
 
 /// One row per joint.
 pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
@@ -19,19 +19,20 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
         "|τ| seen\nN·m",
     ]);
     for joint in joints {
+        let own = |figure: String, unit: &str| in_unit(figure, unit, joint.slides);
         let range = |low: f64, high: f64| format!("{} … {}", figure(low, 4), figure(high, 4));
         let (inertia, (from, to)) = (&joint.inertia, joint.position_rad);
         table.add_row([
             joint.name.clone(),
-            range(inertia.low_kg_m2, inertia.high_kg_m2),
-            figure(inertia.standard_error_kg_m2, 5),
+            own(range(inertia.low_kg_m2, inertia.high_kg_m2), "kg·m²"),
+            own(figure(inertia.standard_error_kg_m2, 5), "kg·m²"),
             inertia.windows.to_string(),
-            figure(joint.phi_max_nm, 3),
-            figure(joint.phi_rate_max_nm_s, 2),
-            figure(joint.phi_jump_max_nm, 3),
-            format!("{from:.2} … {to:.2}"),
-            figure(joint.velocity_max_rad_s, 2),
-            figure(joint.torque_max_nm, 2),
+            own(figure(joint.phi_max_nm, 3), "N·m"),
+            own(figure(joint.phi_rate_max_nm_s, 2), "N·m/s"),
+            own(figure(joint.phi_jump_max_nm, 3), "N·m"),
+            own(format!("{from:.2} … {to:.2}"), "rad"),
+            own(figure(joint.velocity_max_rad_s, 2), "rad/s"),
+            own(figure(joint.torque_max_nm, 2), "N·m"),
         ]);
     }
     align(&mut table);

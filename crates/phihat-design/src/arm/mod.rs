@@ -2,6 +2,7 @@
 
 mod ascent;
 mod error;
+mod memory;
 mod postures;
 mod prove;
 mod rates;
@@ -18,6 +19,7 @@ pub use rates::InertiaRates;
 
 use crate::trace::InertiaEstimate;
 use ascent::{End, STARTS, extreme};
+use memory::Memory;
 use postures::{Postures, scaled};
 
 /// An eigenvalue is not told apart from 0 below this share of the largest.
@@ -61,6 +63,7 @@ pub struct Arm {
     basis: ArmBasis,
     source: String,
     knowledge: Knowledge,
+    memory: Memory<Arm>,
 }
 
 #[derive(Debug, Clone)]
@@ -88,6 +91,7 @@ impl Arm {
                 basis: ArmBasis::Typed,
                 source: "an interval per joint typed in the study; coupling is not in it".into(),
                 knowledge: Knowledge::Intervals(low.clone(), high.clone()),
+                memory: Memory::default(),
             }),
             InertiaSource::Trace(_) => Err(ArmError::NoEstimate),
         }
@@ -106,6 +110,7 @@ impl Arm {
                 estimates.iter().map(|e| e.low_kg_m2).collect(),
                 estimates.iter().map(|e| e.high_kg_m2).collect(),
             ),
+            memory: Memory::default(),
         }
     }
 
@@ -122,6 +127,7 @@ impl Arm {
             basis: ArmBasis::Postures,
             source: format!("{} postures of {}, rotors included", postures.len(), study.robot.name),
             knowledge: Knowledge::Matrices(postures.iter().map(matrix).collect()),
+            memory: Memory::default(),
         }
     }
 
@@ -139,6 +145,7 @@ impl Arm {
                 set.frame
             ),
             knowledge: Knowledge::Postures(Box::new(postures)),
+            memory: Memory::default(),
         })
     }
 
@@ -151,6 +158,7 @@ impl Arm {
     pub fn along(mut self, reference: &[(Vec<f64>, Vec<f64>)]) -> Result<Self, ArmError> {
         if let Knowledge::Postures(postures) = &mut self.knowledge {
             postures.along(reference)?;
+            self.memory = Memory::default();
         }
         Ok(self)
     }
@@ -170,6 +178,9 @@ impl Arm {
     /// some nominal inertias, and nothing sought between them.
     pub(crate) fn extremes(&self, nominal: &[f64], count: usize) -> Self {
         let Knowledge::Postures(postures) = &self.knowledge else { return self.clone() };
+        if let Some(few) = self.memory.few(nominal, count) {
+            return few;
+        }
         let best = |end: End| {
             let tried = if end == End::Low { &postures.light } else { &postures.heavy };
             let score = |m: &DMatrix<f64>| {
@@ -182,7 +193,10 @@ impl Arm {
             all.into_iter().take(count).map(|(_, matrix)| matrix.clone())
         };
         let few = best(End::Low).chain(best(End::High)).collect();
-        Self { knowledge: Knowledge::Matrices(few), ..self.clone() }
+        let (knowledge, memory) = (Knowledge::Matrices(few), Memory::default());
+        let few = Self { knowledge, memory, ..self.clone() };
+        self.memory.keep_few(nominal, count, &few);
+        few
     }
 
     /// The range of inertia, measured in given nominal inertias \[kg·m²\].
@@ -191,6 +205,15 @@ impl Arm {
     ///
     /// [`ArmError::Range`].
     pub fn against(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
+        if let Some(range) = self.memory.range(&nominal) {
+            return Ok(range);
+        }
+        let found = self.measured(nominal)?;
+        self.memory.keep(&found);
+        Ok(found)
+    }
+
+    fn measured(&self, nominal: Vec<f64>) -> Result<ArmInertia, ArmError> {
         let mut searched = None;
         let (low, high) = match &self.knowledge {
             Knowledge::Intervals(low, high) => (

@@ -98,6 +98,16 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
     Ok(outcome)
 }
 
+/// Whether the search of [`design`] has a law that keeps every clause by its own estimates, and of which order; uncertified, and
+/// much quicker where there is one.
+///
+/// # Errors
+///
+/// [`DesignError`].
+pub fn has_law(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Option<usize>, DesignError> {
+    Ok(Search::new(study, arm, phi)?.any(&FINE))
+}
+
 /// Finds gains as [`design`] does, without looking for [`alternatives`], each of which is a search of its own.
 ///
 /// # Errors

@@ -184,6 +184,30 @@ impl<'a> Search<'a> {
         (found, tried)
     }
 
+    /// Whether a law of a grid keeps every clause by the estimates of the search: its order. Ends at the first.
+    pub(super) fn any(&self, grid: &Grid) -> Option<usize> {
+        let (first, factor, count) = grid.bandwidths;
+        // From the middle outwards: laws that are neither slow nor fast are stable most often.
+        let mut powers: Vec<u32> = (0..count).collect();
+        powers.sort_by_key(|power| power.abs_diff(count / 2));
+        let bandwidths = powers.into_iter().map(|power| first * factor.powf(f64::from(power)));
+        let bandwidths: Vec<f64> = bandwidths.filter(|w| *w >= self.slowest).collect();
+        for &w in &bandwidths {
+            for &order in &self.study.design.orders {
+                for filter_hz in self.filters() {
+                    for &ratio in grid.ratios {
+                        let shape = Shape { w, order, ratio, filter_hz };
+                        let mut all = self.candidates_of(shape, &SHARES).into_iter();
+                        if all.any(|candidate| self.judge(&candidate).within()) {
+                            return Some(order);
+                        }
+                    }
+                }
+            }
+        }
+        None
+    }
+
     fn filters(&self) -> Vec<Option<f64>> {
         if self.study.sensor.velocity_filter_designed {
             let rate = 1e9 / self.study.control.period_ns as f64;

@@ -259,6 +259,16 @@ impl Motion<'_> {
         );
     }
 
+    /// The unit of the errors: mm of joints that slide.
+    fn unit(&self) -> &'static str {
+        let joints = || self.arm.links.iter().filter(|link| link.joint.is_some());
+        match (joints().all(|link| link.slides), joints().any(|link| link.slides)) {
+            (true, true) => "mm",
+            (false, true) => "mrad, mm",
+            (_, false) => "mrad",
+        }
+    }
+
     /// The errors of all joints, and where in them the picture is.
     fn strip(&self, svg: &mut String, bound: Option<(f64, f64)>) {
         let (bound, from) = (bound.map(|bound| bound.0), bound.map_or(0.0, |bound| bound.1));
@@ -299,9 +309,10 @@ impl Motion<'_> {
             "<path d=\"M0 {top}V{bottom}\" stroke=\"#d55e00\" stroke-width=\"2\"><animateTransform attributeName=\"transform\" type=\"translate\" \
              from=\"{left} 0\" to=\"{right} 0\" dur=\"{s:.2}s\" repeatCount=\"indefinite\"/></path>\
              <g fill=\"#57606a\"><text x=\"{left}\" y=\"{words}\">0 s</text><text x=\"{right}\" y=\"{words}\" text-anchor=\"end\">{end} s</text>\
-             <text x=\"{middle}\" y=\"{words}\" text-anchor=\"middle\">error e of every joint [mrad]{dashed}</text>",
+             <text x=\"{middle}\" y=\"{words}\" text-anchor=\"middle\">error e of every joint [{unit}]{dashed}</text>",
             s = self.duration(),
             words = bottom + 22.0,
+            unit = self.unit(),
             end = line(&stated(end)),
             middle = 0.5 * (left + right),
             dashed = if bound.is_some() { ", dashed: what is allowed" } else { "" },

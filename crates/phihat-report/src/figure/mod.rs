@@ -17,7 +17,7 @@ mod claims;
 mod ink;
 mod panel;
 
-pub(crate) use claims::claim_figures;
+pub(crate) use claims::{claim_figures, front};
 
 /// The name of every figure that a record may have.
 pub const FIGURES: [&str; 13] = [

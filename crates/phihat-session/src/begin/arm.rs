@@ -7,6 +7,7 @@ use phihat_model::{Part, Robot};
 
 use super::options::{ArmOptions, BeginOptions};
 use super::posture::easy_posture;
+use super::torque::assume;
 use crate::disk::folder_of;
 use crate::error::SessionError;
 use crate::files;
@@ -42,7 +43,11 @@ impl Chosen {
         folder: &Path,
         name: &str,
     ) -> Result<Self, SessionError> {
-        let (robot, part, mut notes) = described(&options.arm)?;
+        let (mut robot, part, mut notes) = described(&options.arm)?;
+        // Where a file of the arm is written, an assumption has its place.
+        if robot.files.len() == 1 {
+            notes.extend(assume(&mut robot, options.payload_kg, &options.arm.arm)?);
+        }
         let (lines, written, posture_added) = (Vec::new(), None, false);
         let mut chosen = Self { robot, part, lines, written, notes: Vec::new(), posture_added };
         if Robot::names().contains(&options.arm.arm.as_str()) && chosen.robot.files.is_empty() {
@@ -119,7 +124,7 @@ impl Chosen {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: it cannot be read, or a joint has no torque limit.
+/// [`SessionError`]: it cannot be read, or a joint of an arm with a file of its own has no torque limit.
 pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError> {
     let (mut robot, part, notes) = read(options)?;
     let n = robot.joints.len();
@@ -136,7 +141,7 @@ pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), Ses
         }
     }
     let without = robot.without_torque_limit();
-    if without.is_empty() {
+    if without.is_empty() || robot.files.len() == 1 {
         return Ok((robot, part, notes));
     }
     let names = without.join(", ");

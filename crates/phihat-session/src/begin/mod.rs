@@ -19,6 +19,7 @@ mod options;
 mod posture;
 mod search;
 mod text;
+mod torque;
 
 use std::path::{Path, PathBuf};
 

@@ -18,7 +18,7 @@ use crate::along::arm_along;
 use crate::design::{Advice, designed_for};
 use crate::digits;
 use crate::error::SessionError;
-use crate::rotor::{any_gains, lacking, one_search, smallest_rotor};
+use crate::rotor::{any_law, lacking, one_search, smallest_rotor};
 use crate::session::Session;
 use crate::watch::Watch;
 
@@ -67,6 +67,8 @@ pub(super) struct Looked<'a> {
     path: PathBuf,
     motion: Sines,
     notes: Vec<String>,
+    /// The arm with the rotors that were settled on.
+    arm: Arm,
     /// Whether some gains keep the arm inside their window.
     stable: bool,
 }
@@ -99,7 +101,9 @@ impl<'a> Looked<'a> {
     ) -> Result<Self, SessionError> {
         let path = folder.join(format!("{}.toml", options.study_name()?));
         let (study, motion) = followed(options, chosen, &path)?;
-        let mut looked = Self { options, study, path, motion, notes: Vec::new(), stable: true };
+        let arm = arm_of(&study, &path)?;
+        let mut looked =
+            Self { options, study, path, motion, notes: Vec::new(), arm, stable: true };
         looked.narrow(chosen)?;
         Ok(looked)
     }
@@ -133,12 +137,14 @@ impl<'a> Looked<'a> {
             }
         }
         self.study.robot.joints.clone_from(&whole.joints);
+        self.arm = arm_of(&self.study, &self.path)?;
         Ok(())
     }
 
-    /// Whether there are gains for some error.
-    fn bearable(&self) -> Result<bool, SessionError> {
-        Ok(any_gains(&self.study, &self.path)?.is_some())
+    /// Whether there seem to be gains for some error, of the arm as it is now.
+    fn bearable(&mut self) -> Result<bool, SessionError> {
+        self.arm = arm_of(&self.study, &self.path)?;
+        Ok(any_law(&self.study, &self.arm, &self.path)?.is_some())
     }
 
     /// The smallest error that is promised and kept. Where none is with the whole interval of dry friction, with a narrower one.
@@ -181,7 +187,6 @@ impl<'a> Looked<'a> {
     }
 
     fn search_once(&mut self, out: &Path, watch: &mut dyn Watch) -> Result<Found, SessionError> {
-        let arm = self.arm(&self.study)?;
         watch.step("looking for the least error that gains can keep");
         let fixed = self.options.error_max;
         let mut error = match fixed {
@@ -200,7 +205,7 @@ impl<'a> Looked<'a> {
                 "try {round}: gains for an error of {:.3} mrad, and runs",
                 1e3 * error
             ));
-            match self.asked(error, &arm, out)? {
+            match self.asked(error, out)? {
                 Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
                 Asked::Never(why) => return Ok(self.infeasible(error, why)),
                 Asked::No(no) if fixed.is_some() => {
@@ -230,7 +235,7 @@ impl<'a> Looked<'a> {
     fn least(&self, watch: &mut dyn Watch) -> Result<Least, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, IN_VAIN);
-        let Outcome::Infeasible(no) = one_search(&study, &self.path)? else {
+        let Outcome::Infeasible(no) = one_search(&study, &self.arm, &self.path)? else {
             return Ok(Least::Error(IN_VAIN));
         };
         let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_max_rad");
@@ -245,10 +250,10 @@ impl<'a> Looked<'a> {
     }
 
     /// Gains for an error, and runs with every rotor between and at the ends of its interval.
-    fn asked(&self, error: f64, arm: &Arm, out: &Path) -> Result<Asked, SessionError> {
+    fn asked(&self, error: f64, out: &Path) -> Result<Asked, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, error);
-        let gains = match designed_for(&study, arm, &self.path, Advice::Clauses)? {
+        let gains = match designed_for(&study, &self.arm, &self.path, Advice::Clauses)? {
             Outcome::Designed(gains) => *gains,
             Outcome::Infeasible(no) => return Ok(Asked::No(no)),
         };
@@ -275,8 +280,11 @@ impl<'a> Looked<'a> {
                 Err(SessionError::NotArmed { why, .. }) => {
                     return Ok(Asked::Beyond(why.to_string(), MORE));
                 }
-                Err(SessionError::Other(why)) if too_stiff(&*why) => {
-                    return Ok(Asked::Never(format!("rotors at {place:?}: {why}")));
+                Err(why) if too_stiff(&why) => {
+                    return Ok(Asked::Never(format!(
+                        "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a placeholder; \
+                         state the drives' with --torque-max"
+                    )));
                 }
                 Err(why) => return Err(why),
             };
@@ -297,10 +305,6 @@ impl<'a> Looked<'a> {
         Ok(Asked::Kept(most))
     }
 
-    fn arm(&self, study: &Study) -> Result<Arm, SessionError> {
-        arm_along(study).map_err(|why| SessionError::at(&self.path, why))
-    }
-
     fn found(&self, error: f64, simulated: Option<Vec<f64>>, infeasible: Option<String>) -> Found {
         let error_max = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
         Found { error_max, simulated, infeasible, notes: self.notes.clone() }
@@ -316,9 +320,20 @@ impl<'a> Looked<'a> {
     }
 }
 
+fn arm_of(study: &Study, path: &Path) -> Result<Arm, SessionError> {
+    arm_along(study).map_err(|why| SessionError::at(path, why))
+}
+
 /// Whether an arm needs more steps of integration than a study may ask for: no gains mend that.
 fn too_stiff(why: &(dyn Error + 'static)) -> bool {
-    matches!(why.downcast_ref(), Some(SimError::TooStiff { .. }))
+    let mut cause = Some(why);
+    while let Some(why) = cause {
+        if matches!(why.downcast_ref(), Some(SimError::TooStiff { .. })) {
+            return true;
+        }
+        cause = why.source();
+    }
+    false
 }
 
 /// How far the tube of gains goes beyond the specification; without a tube, by [`MORE`].

@@ -6,7 +6,7 @@ use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::TriedChange;
 use phihat_design::{Arm, Gains, Outcome};
-use phihat_study::{AHEAD_MAX, DesignMethod, InertiaSource, Study};
+use phihat_study::{AHEAD_MAX, DesignMethod, FeedForward, InertiaSource, Known, Study};
 
 use super::slower::slower;
 use crate::design::{Advice, arm, found_for};
@@ -30,6 +30,10 @@ const HIGHEST_HZ: f64 = 20_000.0;
 
 /// Factors on the allowed step of torque.
 const LOUDER: [f64; 2] = [2.0, 5.0];
+
+/// How much of what is not known of dry friction stays where it is measured, and of what is added where it is made less.
+const KNOWN: [f64; 2] = [0.5, 0.1];
+const LESS: [f64; 2] = [0.5, 0.0];
 
 /// Rotor inertia of joints whose description states none, over what the joint moves at the least.
 const ROTORS: [f64; 3] = [0.1, 0.3, 1.0];
@@ -108,8 +112,9 @@ fn shares_of(study: &Study, path: &Path) -> Option<f64> {
 fn ladders(study: &Study, path: &Path) -> Vec<Ladder> {
     let mut all = vec![motion(study), payload(study), form(study), filter(study), noise(study)];
     all.push(rate(study));
+    all.extend([friction_known(study), friction_fed(study)]);
     if study.interface.profile.name == OWN_DRIVES {
-        all.extend([delay(study), encoder(study), rotors(study, path)]);
+        all.extend([delay(study), encoder(study), less_friction(study), rotors(study, path)]);
     }
     all
 }
@@ -248,6 +253,86 @@ fn encoder(study: &Study) -> Ladder {
         }
     };
     FINER.iter().map(rung).collect()
+}
+
+/// The world's level of dry friction \[N·m\] per joint.
+fn level(study: &Study) -> Vec<f64> {
+    let own = |(joint, extra): (&phihat_model::Joint, &f64)| {
+        extra + if study.world.robot_friction { joint.friction.coulomb } else { 0.0 }
+    };
+    study.robot.joints.iter().zip(&study.world.extra_coulomb).map(own).collect()
+}
+
+/// Where the highest level of dry friction is above the one that the world has: measured, it is known better.
+fn friction_known(study: &Study) -> Ladder {
+    let (level, most) = (level(study), &study.design.coulomb.1);
+    if level.iter().zip(most).all(|(level, most)| *most <= level * (1.0 + 1e-6)) {
+        return Vec::new();
+    }
+    let rung = |share: &f64| {
+        let between = level.iter().zip(most).map(|(level, most)| level + share * (most - level));
+        let known: Vec<f64> = between.map(|level| digits::up(level, 4)).collect();
+        Rung {
+            change: "dry friction that is measured, so that its highest level is known better"
+                .to_owned(),
+            key: "design.coulomb_max_nm",
+            value: format!("{known:?}"),
+            study: changed(study, |own| own.design.coulomb.1 = known),
+        }
+    };
+    KNOWN.iter().map(rung).collect()
+}
+
+/// The middle of its interval fed forward with the reference.
+fn friction_fed(study: &Study) -> Ladder {
+    let (low, high) = &study.design.coulomb;
+    let middle = low.iter().zip(high).map(|(low, high)| digits::nearest(0.5 * (low + high), 3));
+    let middle: Vec<f64> = middle.collect();
+    let fed = study.feedforward.as_ref().is_some_and(|fed| fed.coulomb.iter().any(|c| *c > 0.0));
+    let takes = study.control.form == Form::Positions && study.supervisor.is_none();
+    if fed || !takes || middle.iter().all(|level| *level <= 0.0) {
+        return Vec::new();
+    }
+    let feed = |own: &mut Study| {
+        let nothing = FeedForward { known: Known::Nothing, mass_scale: 1.0, coulomb: Vec::new() };
+        own.feedforward.get_or_insert(nothing).coulomb.clone_from(&middle);
+    };
+    vec![Rung {
+        change: "dry friction fed forward with the reference".to_owned(),
+        key: "feedforward.coulomb_nm",
+        value: format!("{middle:?}"),
+        study: changed(study, feed),
+    }]
+}
+
+/// Less of what the world adds to the description's.
+fn less_friction(study: &Study) -> Ladder {
+    let extra = &study.world.extra_coulomb;
+    if extra.iter().all(|extra| *extra <= 0.0) {
+        return Vec::new();
+    }
+    let (before, widest) = (level(study), &study.design.coulomb.1);
+    // A highest level that is typed stays: less friction is then none that is known.
+    if before.iter().zip(widest).any(|(level, most)| *most > level * (1.0 + 1e-6)) {
+        return Vec::new();
+    }
+    let rung = |share: &f64| {
+        let less: Vec<f64> = extra.iter().map(|extra| share * extra).collect();
+        let with = |own: &mut Study| {
+            own.world.extra_coulomb.clone_from(&less);
+            own.design.coulomb.1 = level(own);
+            for (low, high) in own.design.coulomb.0.iter_mut().zip(&own.design.coulomb.1) {
+                *low = low.min(*high);
+            }
+        };
+        Rung {
+            change: format!("{share} of the dry friction beyond the description's"),
+            key: "world.coulomb_extra_nm",
+            value: format!("{less:?}"),
+            study: changed(study, with),
+        }
+    };
+    LESS.iter().map(rung).collect()
 }
 
 /// Where a description states no rotors: some, over the least inertia that the joint moves.

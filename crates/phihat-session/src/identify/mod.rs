@@ -25,11 +25,13 @@ pub struct IdentifyOptions {
     pub width: f64,
     /// What sizes and rates of φ are multiplied by: no record holds the worst that will come.
     pub margin: f64,
+    /// Names of joints that slide: their positions are in m, their torques forces in N.
+    pub slides: Vec<String>,
 }
 
 impl Default for IdentifyOptions {
     fn default() -> Self {
-        Self { records: Vec::new(), from: 0.0, width: 0.01, margin: 1.5 }
+        Self { records: Vec::new(), from: 0.0, width: 0.01, margin: 1.5, slides: Vec::new() }
     }
 }
 
@@ -38,6 +40,8 @@ impl Default for IdentifyOptions {
 pub struct IdentifiedJoint {
     /// Joint name.
     pub name: String,
+    /// Whether it slides: read m for rad, N for N·m and kg for kg·m².
+    pub slides: bool,
     /// Its inertia, three standard errors on either side: an estimate, not a proof.
     pub inertia: InertiaEstimate,
     /// `φ` for the middle of that interval in logarithms, times the margin: its size \[N·m\],
@@ -58,7 +62,8 @@ pub struct IdentifiedJoint {
 ///
 /// # Errors
 ///
-/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, or moves too little.
+/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, moves too little, or has no joint of a name
+/// that slides.
 pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, SessionError> {
     let mut seen: Vec<(Smoothed, Vec<InertiaEstimate>)> = Vec::new();
     for path in &options.records {
@@ -66,12 +71,13 @@ pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, Sessi
         if let Some((first, _)) = seen.first() {
             same_joints(path, first, &smoothed)?;
         }
+        known(path, &smoothed, &options.slides)?;
         let found = estimate_inertia(&smoothed.signals(), smoothed.period_ns);
         let found = found.map_err(|e| SessionError::at(path, e))?;
         seen.push((smoothed, found));
     }
     let joints = seen.first().map_or(0, |(_, found)| found.len());
-    Ok((0..joints).filter_map(|joint| together(&seen, joint, options.margin)).collect())
+    Ok((0..joints).filter_map(|joint| together(&seen, joint, options)).collect())
 }
 
 fn smoothed(path: &Path, options: &IdentifyOptions) -> Result<Smoothed, SessionError> {
@@ -95,11 +101,26 @@ fn same_joints(path: &Path, first: &Smoothed, other: &Smoothed) -> Result<(), Se
     Err(SessionError::at(path, why))
 }
 
+/// Refuses a name that no joint has.
+fn known(path: &Path, record: &Smoothed, slides: &[String]) -> Result<(), SessionError> {
+    let names: Vec<&str> = record.signals().iter().map(|joint| joint.name).collect();
+    match slides.iter().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => {
+            let why = format!(
+                "no joint of it is \"{name}\", which is said to slide; it has {}",
+                names.join(", ")
+            );
+            Err(SessionError::at(path, why))
+        }
+        None => Ok(()),
+    }
+}
+
 /// A joint in all records; `None`: there is none.
 fn together(
     seen: &[(Smoothed, Vec<InertiaEstimate>)],
     joint: usize,
-    margin: f64,
+    options: &IdentifyOptions,
 ) -> Option<IdentifiedJoint> {
     let inertia = seen.iter().map(|(_, found)| found[joint]).reduce(|a, b| InertiaEstimate {
         low_kg_m2: smaller(a.low_kg_m2, b.low_kg_m2),
@@ -107,7 +128,7 @@ fn together(
         standard_error_kg_m2: larger(a.standard_error_kg_m2, b.standard_error_kg_m2),
         windows: a.windows + b.windows,
     })?;
-    let all = seen.iter().map(|(smoothed, _)| shown(smoothed, joint, inertia, margin));
+    let all = seen.iter().map(|(smoothed, _)| shown(smoothed, joint, inertia, options));
     all.reduce(|before, next| before.and(&next))
 }
 
@@ -116,8 +137,9 @@ fn shown(
     smoothed: &Smoothed,
     joint: usize,
     inertia: InertiaEstimate,
-    margin: f64,
+    options: &IdentifyOptions,
 ) -> IdentifiedJoint {
+    let margin = options.margin;
     let nominal = (inertia.low_kg_m2 * inertia.high_kg_m2).sqrt();
     let signals = &smoothed.signals()[joint];
     let period = smoothed.period_ns as f64 * 1e-9;
@@ -126,6 +148,7 @@ fn shown(
     let size = |values: &[f64]| values.iter().map(|value| value.abs()).largest();
     IdentifiedJoint {
         name: signals.name.to_owned(),
+        slides: options.slides.iter().any(|name| name == signals.name),
         inertia,
         phi_max_nm: margin * phi.size,
         phi_rate_max_nm_s: margin * phi.rate,

@@ -21,5 +21,5 @@ pub fn identify_moving(
     };
     let smoothed = Smoothed::new(joints, period_ns, options.width).ok_or_else(too_short)?;
     let inertia = estimate_inertia_of(&smoothed.signals(), moved)?;
-    Ok(shown(&smoothed, moved, inertia, options.margin))
+    Ok(shown(&smoothed, moved, inertia, options))
 }

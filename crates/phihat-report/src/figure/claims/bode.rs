@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 use core::ops::Range;
 
+use crate::kit::unit_of;
 use phihat_design::sampled::{Bode, bode};
 use phihat_design::{Certificate, Gains};
 
@@ -26,7 +27,7 @@ const HIGHEST: f64 = 0.95;
 /// One panel: what of a [`Bode`] it shows.
 struct Panel {
     caption: String,
-    y: &'static str,
+    y: String,
     phase: bool,
     /// The level that matters: 1 and −180°.
     level: Option<f64>,
@@ -52,7 +53,7 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
         let steps = u32::try_from(record.order() + 2).unwrap_or(3);
         settle(&mut curve.loop_phase_rad, -0.5 * PI * f64::from(steps));
     }
-    let panels = panels(&short(&record.name, 30));
+    let panels = panels(&short(&record.name, 30), gains.slides(&record.name));
     sheet(("bode", "Bode plots over the arm's inertia μ"), 1240, |header, body| {
         let mut right = WIDTH_I - 40;
         for (index, mu) in ratios.iter().enumerate().rev() {
@@ -70,13 +71,13 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Figure>
     })
 }
 
-fn panels(joint: &str) -> [Panel; 4] {
+fn panels(joint: &str, slides: bool) -> [Panel; 4] {
     let degrees = 180.0 / PI;
     let error = format!("from φ to e, {joint}");
     [
         Panel {
             caption: format!("loop L/μ, {joint}"),
-            y: "|L/μ|",
+            y: "|L/μ|".to_owned(),
             phase: false,
             level: Some(1.0),
             of: |b| &b.loop_gain,
@@ -84,7 +85,7 @@ fn panels(joint: &str) -> [Panel; 4] {
         },
         Panel {
             caption: error.clone(),
-            y: "|e/φ| [mrad/(N·m)]",
+            y: unit_of("|e/φ| [mrad/(N·m)]", slides),
             phase: false,
             level: None,
             of: |b| &b.error_per_phi,
@@ -92,7 +93,7 @@ fn panels(joint: &str) -> [Panel; 4] {
         },
         Panel {
             caption: format!("loop L/μ, {joint}"),
-            y: "phase [°]",
+            y: "phase [°]".to_owned(),
             phase: true,
             level: Some(-180.0),
             of: |b| &b.loop_phase_rad,
@@ -100,7 +101,7 @@ fn panels(joint: &str) -> [Panel; 4] {
         },
         Panel {
             caption: error,
-            y: "phase [°]",
+            y: "phase [°]".to_owned(),
             phase: true,
             level: None,
             of: |b| &b.error_phase_rad,
@@ -129,7 +130,7 @@ fn draw(panel: &Panel, curves: &[Bode; 3], area: &Area<'_>) -> Result<(), DrawEr
         .margin_right(48)
         .x_label_area_size(124)
         .y_label_area_size(230);
-    let labels = ("frequency [Hz]", panel.y);
+    let labels = ("frequency [Hz]", panel.y.as_str());
     if panel.phase {
         let (low, high) =
             values().chain(panel.level).fold((0.0_f64, f64::NEG_INFINITY), |(l, h), v| {

@@ -8,6 +8,8 @@ mod sheet;
 mod trade_off;
 mod window;
 
+pub(crate) use trade_off::figure as front;
+
 /// The figures of the claims: those whose data the gains carry.
 pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Figure> {
     let Some(gains) = record.gains else { return Vec::new() };
@@ -15,5 +17,9 @@ pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Figure> {
         let (window, bode) = (window::figure(gains, certificate), bode::figure(gains, certificate));
         window.into_iter().chain(bode)
     });
-    certified.into_iter().flatten().chain(trade_off::figure(&gains.trade_off)).collect()
+    certified
+        .into_iter()
+        .flatten()
+        .chain(trade_off::figure(&gains.trade_off, "these gains"))
+        .collect()
 }

@@ -8,7 +8,8 @@ use super::sheet::{INKS, WIDTH_I, decades, legend, mesh, sheet};
 use crate::figure::ink::BOUND_INK;
 use crate::kit::sheet::{Figure, TEXT, log_ticks};
 
-pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
+/// Laws as error against torque noise, the chosen one called by a name; `None`: there is none to draw.
+pub(crate) fn figure(points: &[TradeOff], chosen: &str) -> Option<Figure> {
     let drawn: Vec<&TradeOff> = points
         .iter()
         .filter(|p| p.error_share > 0.0 && p.torque_noise_nm > 0.0 && p.error_share.is_finite())
@@ -46,10 +47,10 @@ pub(super) fn figure(points: &[TradeOff]) -> Option<Figure> {
         let at = |p: &TradeOff| (p.torque_noise_nm, p.error_share);
         let circles = drawn.iter().map(|p| Circle::new(at(p), 12, mark(p.order > 1)));
         plane.draw_series(circles)?;
-        if let Some(chosen) = drawn.iter().find(|p| p.chosen) {
-            let ring = EmptyElement::at(at(chosen))
+        if let Some(one) = drawn.iter().find(|p| p.chosen) {
+            let ring = EmptyElement::at(at(one))
                 + Circle::new((0, 0), 26, INKS[1].stroke_width(7))
-                + Text::new("these gains", (40, -70), ("sans-serif", TEXT).into_font());
+                + Text::new(chosen.to_owned(), (40, -70), ("sans-serif", TEXT).into_font());
             plane.draw_series([ring])?;
         }
         Ok(())
