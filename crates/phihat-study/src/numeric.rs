@@ -22,7 +22,7 @@ use crate::suggest::{nearest, sections, with_right_unit};
 ///
 /// let study = Study::from_text(text, "demo.toml", "".as_ref())?;
 /// let key = NumericKey::find(&study, "world.payload.mass_kg", "--vary")?;
-/// assert!(key.unit() == "kg" && key.admits(0.7) && !key.admits(-1.0));
+/// assert!(key.unit() == "kg" && key.admits(0.7) && !key.admits(0.0) && key.begins_above(0.0));
 ///
 /// let error = NumericKey::find(&study, "world.payload.mass_g", "--vary").unwrap_err();
 /// assert!(error.to_string().contains("world.payload.mass_kg"));
@@ -124,6 +124,11 @@ impl NumericKey {
     /// Whether a study may have this number there.
     pub fn admits(&self, value: f64) -> bool {
         self.bounds.admit(value) && (!self.bounds.integer || value.fract() == 0.0)
+    }
+
+    /// Whether a study may have every number above this one, and not this one.
+    pub fn begins_above(&self, value: f64) -> bool {
+        self.bounds.open && value.total_cmp(&self.bounds.low).is_eq()
     }
 
     /// Which numbers a study may have there, in words.
