@@ -193,13 +193,29 @@ impl Journal {
     ///
     /// [`JournalError`]: the entry is no JSON, or the disk does not take it.
     pub fn append(&mut self, id: &str, entry: &impl Serialize) -> Result<(), JournalError> {
-        let refuse = |error| JournalError::Entry { id: id.to_owned(), error };
-        let entry = serde_json::value::to_raw_value(entry).map_err(refuse)?;
-        let line = Written { id, sum: sum(id, entry.get()), entry: &entry };
-        let mut line = serde_json::to_vec(&line).map_err(refuse)?;
-        line.push(b'\n');
-        self.write(&line)?;
-        self.entries.insert(id.to_owned(), entry.get().to_owned());
+        self.append_all([(id, entry)])
+    }
+
+    /// Records several runs at once: the disk is waited for once.
+    ///
+    /// # Errors
+    ///
+    /// As [`append`](Self::append); then none of them counts as recorded.
+    pub fn append_all<'a, E: Serialize + 'a>(
+        &mut self,
+        runs: impl IntoIterator<Item = (&'a str, &'a E)>,
+    ) -> Result<(), JournalError> {
+        let (mut lines, mut entries) = (Vec::new(), Vec::new());
+        for (id, entry) in runs {
+            let refuse = |error| JournalError::Entry { id: id.to_owned(), error };
+            let entry = serde_json::value::to_raw_value(entry).map_err(refuse)?;
+            let line = Written { id, sum: sum(id, entry.get()), entry: &entry };
+            serde_json::to_writer(&mut lines, &line).map_err(refuse)?;
+            lines.push(b'\n');
+            entries.push((id.to_owned(), entry.get().to_owned()));
+        }
+        self.write(&lines)?;
+        self.entries.extend(entries);
         Ok(())
     }
 

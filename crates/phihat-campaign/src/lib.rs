@@ -12,12 +12,15 @@
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
 #![forbid(unsafe_code)]
 
+mod chunks;
 pub mod faults;
 mod folder;
 mod journal;
 mod page;
 mod runner;
+pub mod sweep;
 
+pub use chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};
 pub use folder::{JOURNAL, results_of};
 pub use journal::{Journal, JournalError};
 pub use page::faults_page;

@@ -1,5 +1,6 @@
 //! Many runs on several threads, each recorded as it ends.
 
+use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -51,9 +52,10 @@ pub fn run_all<E>(
 where
     E: Serialize + DeserializeOwned + Send,
 {
+    let mut asked: HashSet<&str> = HashSet::with_capacity(ids.len());
     let mut waiting: Vec<usize> = Vec::new();
     for (place, id) in ids.iter().enumerate() {
-        if read::<E>(journal, id).is_none() && !waiting.iter().any(|&other| ids[other] == *id) {
+        if read::<E>(journal, id).is_none() && asked.insert(id) {
             waiting.push(place);
         }
     }
@@ -73,15 +75,28 @@ where
             });
         }
         drop(sender);
-        for (done, (place, ended)) in (resumed + 1..).zip(&receiver) {
-            journal.append(&ids[place], &ended).inspect_err(|_| {
-                stop.store(true, Ordering::Relaxed);
-            })?;
-            progress(Progress { resumed, done, all });
+        let mut done = resumed;
+        while let Some(group) = group(&receiver) {
+            let lines = group.iter().map(|(place, ended)| (ids[*place].as_str(), ended));
+            journal.append_all(lines).inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+            for _ in group {
+                done += 1;
+                progress(Progress { resumed, done, all });
+            }
         }
         Ok(())
     })?;
     Ok(ids.iter().filter_map(|id| read(journal, id)).collect())
+}
+
+/// Most results that are recorded at once.
+const GROUP: usize = 4096;
+
+/// Whatever has ended since the last time, at least one: while the disk takes some, others wait and are then taken together, so
+/// that many short runs wait for it no oftener than few long ones. `None` when all have ended.
+pub(crate) fn group<T>(receiver: &mpsc::Receiver<T>) -> Option<Vec<T>> {
+    let first = receiver.recv().ok()?;
+    Some(std::iter::once(first).chain(receiver.try_iter().take(GROUP - 1)).collect())
 }
 
 /// A run's record; `None` when there is none, or it has another shape.
@@ -89,7 +104,7 @@ fn read<E: DeserializeOwned>(journal: &Journal, id: &str) -> Option<Ended<E>> {
     serde_json::from_str(journal.entry(id)?).ok()
 }
 
-fn attempt<E>(work: &(impl Fn(usize) -> E + Sync), place: usize) -> Ended<E> {
+pub(crate) fn attempt<E>(work: &(impl Fn(usize) -> E + Sync), place: usize) -> Ended<E> {
     // What a panicking run leaves half-done is its own and goes with it.
     match catch_unwind(AssertUnwindSafe(|| work(place))) {
         Ok(entry) => Ended::With(entry),

@@ -120,3 +120,33 @@ fn only_what_is_missing_is_done() {
     assert_eq!(count.into_inner(), 40);
     assert_eq!(seen, (20..=40).collect::<Vec<_>>());
 }
+
+#[test]
+fn ids_are_compared_in_no_time_and_short_runs_share_their_way_to_the_disk() {
+    let path = file("many");
+    let count = 50_000;
+    // Every id twice; two by two they are one run.
+    let twice: Vec<String> = (0..count).map(|i| format!("run-{}", i / 2)).collect();
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let work = |i: usize| {
+        done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        i / 2
+    };
+    let begun = std::time::Instant::now();
+    let ended = run_all(&twice, &mut Journal::open(&path).unwrap(), 2, &work, |_| ()).unwrap();
+    assert_eq!(done.into_inner(), count / 2);
+    assert!(ended.iter().enumerate().all(|(i, ended)| *ended == Ended::With(i / 2)));
+    // Compared one with all, or synced one by one, it takes minutes.
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+}
+
+#[test]
+fn a_group_is_recorded_whole_or_told() {
+    let path = file("group");
+    let mut journal = Journal::open(&path).unwrap();
+    let runs: Vec<(String, usize)> = (0..300).map(|i| (format!("run-{i}"), i)).collect();
+    journal.append_all(runs.iter().map(|(id, i)| (id.as_str(), i))).unwrap();
+    drop(journal);
+    let journal = Journal::open(&path).unwrap();
+    assert_eq!((journal.len(), journal.entry("run-299")), (300, Some("299")));
+}

@@ -9,3 +9,4 @@
 mod journal;
 mod payload_drop;
 mod reliability;
+mod sweep;

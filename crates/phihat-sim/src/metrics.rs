@@ -1,9 +1,12 @@
 //! What a person reads first: one row of figures per joint.
 
+use core::convert::Infallible;
+
 use phihat_model::JointKind;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
+use crate::recorder::{FIGURES_BLOCK, Recorder};
 use crate::tip::{TipMeasured, TipMetrics};
 use crate::trace::{JointTrace, Trace};
 
@@ -167,6 +170,19 @@ impl Measured {
     }
 }
 
+impl Recorder for Measured {
+    type Error = Infallible;
+
+    fn room(&self, _: usize) -> usize {
+        FIGURES_BLOCK
+    }
+
+    fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {
+        self.block(block);
+        Ok(())
+    }
+}
+
 impl JointMetrics {
     /// More samples, those from `first` on of the steady part.
     fn add(&mut self, sums: &mut Sums, joint: &JointTrace, first: usize) {
@@ -238,7 +254,7 @@ fn unmeasured(study: &Study, i: usize) -> JointMetrics {
 }
 
 /// Raises a largest absolute value; NaN if there is one.
-fn raise(most: &mut f64, values: impl Iterator<Item = f64>) {
+pub(crate) fn raise(most: &mut f64, values: impl Iterator<Item = f64>) {
     let larger = |most: f64, value: f64| if value.abs() <= most { most } else { value.abs() };
     *most =
         values.fold(*most, |most, value| if most.is_nan() { most } else { larger(most, value) });

@@ -1,7 +1,5 @@
 //! The closed loop: sense → control → limit → drive → integrate.
 
-use core::convert::Infallible;
-
 use phihat::JointGains;
 use phihat_study::Study;
 
@@ -9,6 +7,7 @@ use crate::control::ControlSide;
 use crate::driver::Driver;
 use crate::error::SimError;
 use crate::motion::Motion;
+use crate::recorder::Recorder;
 use crate::trace::{Integral, Trace};
 use crate::world::{Abort, World};
 
@@ -176,12 +175,7 @@ impl Simulation {
     /// hundred times.
     pub fn run(self, progress: impl FnMut(u64)) -> Outcome {
         let mut whole = Trace::default();
-        let whole_run = usize::try_from(self.samples).unwrap_or(usize::MAX);
-        let take = |block: &mut Trace| -> Result<(), Infallible> {
-            whole = std::mem::take(block);
-            Ok(())
-        };
-        let Ok(ended) = self.stream(whole_run, progress, take);
+        let Ok(ended) = self.record(&mut whole, progress);
         Outcome {
             trace: whole,
             divergence: ended.divergence,
@@ -189,6 +183,20 @@ impl Simulation {
             told_max: ended.told_max,
             told_step_max: ended.told_step_max,
         }
+    }
+
+    /// Runs to the end as [`run`](Self::run) does, and leaves its samples to a recorder: a whole trace, figures alone, a file.
+    ///
+    /// # Errors
+    ///
+    /// The recorder's; the run ends there.
+    pub fn record<R: Recorder>(
+        self,
+        recorder: &mut R,
+        progress: impl FnMut(u64),
+    ) -> Result<Ended, R::Error> {
+        let room = recorder.room(usize::try_from(self.samples).unwrap_or(usize::MAX));
+        self.stream(room.max(1), progress, |block| recorder.take(block))
     }
 
     /// Runs to the end as [`run`](Self::run) does, and hands the record over in blocks of at most so many samples: memory stays what one
@@ -247,7 +255,7 @@ impl Simulation {
         self.control.step(t, self.world.sample(), runs);
         trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
         self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
-        self.record(trace, integrals);
+        self.close(trace, integrals);
         diverged(&self.world, &self.names, t)
     }
 
@@ -257,7 +265,7 @@ impl Simulation {
     }
 
     /// Closes the sample: what was sensed, wanted and asked for, and what came of it.
-    fn record(&self, trace: &mut Trace, integrals: &mut [Integral]) {
+    fn close(&self, trace: &mut Trace, integrals: &mut [Integral]) {
         for (i, measurement) in self.world.sample().joints.iter().enumerate() {
             let acted = self.world.acted(i, self.control.inertia(i));
             let told = (&self.control.references[i], &self.control.commands[i]);

@@ -1,9 +1,15 @@
 //! What a run under faults came to: the figures of one cell of a fault matrix.
 
+use core::convert::Infallible;
+use std::collections::VecDeque;
+
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
-use crate::simulation::Outcome;
+use crate::metrics::raise;
+use crate::recorder::{FIGURES_BLOCK, Recorder};
+use crate::simulation::{Ended, Outcome};
+use crate::trace::Trace;
 
 /// Figures of a run in which something went wrong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,19 +33,66 @@ pub struct Survival {
 impl Survival {
     /// Figures of a run against its study's limits.
     pub fn of(outcome: &Outcome, study: &Study) -> Self {
-        let trace = &outcome.trace;
-        let period = study.control.period_ns as f64 * 1e-9;
+        let mut surviving = Surviving::new(study);
+        surviving.block(&outcome.trace);
+        let (divergence, abort) = (outcome.divergence.clone(), outcome.abort.clone());
+        let (told_max, told_step_max) = (outcome.told_max.clone(), outcome.told_step_max.clone());
+        surviving.survival(&Ended { divergence, abort, told_max, told_step_max }, study)
+    }
+}
+
+/// The figures of [`Survival`] while the record of a run goes by.
+#[derive(Debug, Clone)]
+pub struct Surviving {
+    /// From when on the whole run counts \[ns\].
+    from_ns: f64,
+    samples: usize,
+    error_max: f64,
+    velocity_max: f64,
+    /// Samples that may yet have the largest error of the last tenth, wherever the run ends: in order, their errors falling.
+    last: VecDeque<(usize, f64)>,
+}
+
+impl Surviving {
+    /// Figures before the first sample of a study's run.
+    pub fn new(study: &Study) -> Self {
         let fault = study.faults.iter().map(|fault| fault.start).fold(f64::INFINITY, f64::min);
-        let first = if fault.is_finite() { trace.index_at(fault) } else { 0 };
-        let last = trace.len() - trace.len() / 10;
-        let worst = |from: usize, column: fn(&crate::JointTrace) -> &Vec<f64>| {
-            let values = trace.joints.iter().filter_map(|joint| column(joint).get(from..));
+        let from_ns = if fault.is_finite() { fault * 1e9 } else { f64::NEG_INFINITY };
+        let last = VecDeque::new();
+        Self { from_ns, samples: 0, error_max: 0.0, velocity_max: 0.0, last }
+    }
+
+    /// Takes in the next samples.
+    pub fn block(&mut self, trace: &Trace) {
+        let first = trace.t_ns.partition_point(|t| (*t as f64) < self.from_ns);
+        for joint in &trace.joints {
+            raise(&mut self.error_max, joint.e.iter().skip(first).copied());
+            raise(&mut self.velocity_max, joint.dq.iter().skip(first).copied());
+        }
+        for k in 0..trace.len() {
+            let mut worst = 0.0;
+            raise(&mut worst, trace.joints.iter().filter_map(|joint| joint.e.get(k).copied()));
             // Not a number counts as worst.
-            let larger = |most: f64, x: &f64| if x.abs() <= most { most } else { x.abs() };
-            values
-                .flatten()
-                .fold(0.0_f64, |most, x| if most.is_nan() { most } else { larger(most, x) })
-        };
+            while self.last.back().is_some_and(|(_, other)| other.total_cmp(&worst).is_le()) {
+                self.last.pop_back();
+            }
+            self.last.push_back((self.samples, worst));
+            self.samples += 1;
+            self.forget();
+        }
+    }
+
+    /// The last tenth never begins earlier than it would now.
+    fn forget(&mut self) {
+        let begin = self.samples - self.samples / 10;
+        while self.last.front().is_some_and(|(k, _)| *k < begin) {
+            self.last.pop_front();
+        }
+    }
+
+    /// The figures of a run that ended so.
+    pub fn survival(&self, ended: &Ended, study: &Study) -> Survival {
+        let period = study.control.period_ns as f64 * 1e-9;
         let kept = |told: &[f64], limit: &dyn Fn(usize) -> Option<f64>| {
             let within = |(joint, told): (usize, &f64)| {
                 limit(joint).is_none_or(|limit| *told <= limit * (1.0 + 1e-9))
@@ -48,14 +101,27 @@ impl Survival {
         };
         let torque = |joint| study.limits(joint).0;
         let step = |joint| study.limits(joint).1.map(|rate| rate * period);
-        Self {
-            finite: outcome.divergence.is_none(),
-            stopped: outcome.abort.as_ref().map(|abort| abort.reason.to_string()),
-            error_max_rad: worst(first, |joint| &joint.e),
-            error_end_rad: worst(last, |joint| &joint.e),
-            velocity_max_rad_s: worst(first, |joint| &joint.dq),
-            torque_kept: kept(&outcome.told_max, &torque),
-            torque_rate_kept: kept(&outcome.told_step_max, &step),
+        Survival {
+            finite: ended.divergence.is_none(),
+            stopped: ended.abort.as_ref().map(|abort| abort.reason.to_string()),
+            error_max_rad: self.error_max,
+            error_end_rad: self.last.front().map_or(0.0, |(_, error)| *error),
+            velocity_max_rad_s: self.velocity_max,
+            torque_kept: kept(&ended.told_max, &torque),
+            torque_rate_kept: kept(&ended.told_step_max, &step),
         }
+    }
+}
+
+impl Recorder for Surviving {
+    type Error = Infallible;
+
+    fn room(&self, _: usize) -> usize {
+        FIGURES_BLOCK
+    }
+
+    fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {
+        self.block(block);
+        Ok(())
     }
 }

@@ -6,6 +6,7 @@ use phihat::{Events, Fault, Mode};
 use phihat_study::Study;
 use thiserror::Error;
 
+use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 
 /// Why a trace file cannot be read.
@@ -105,6 +106,18 @@ impl<W: Write> TraceWriter<W> {
     /// The writer's.
     pub fn finish(self) -> Result<W, TraceError> {
         self.csv.into_inner().map_err(|e| TraceError::Csv(e.into_error().into()))
+    }
+}
+
+impl<W: Write> Recorder for TraceWriter<W> {
+    type Error = TraceError;
+
+    fn room(&self, _: usize) -> usize {
+        BLOCK
+    }
+
+    fn take(&mut self, block: &mut Trace) -> Result<(), TraceError> {
+        self.block(block)
     }
 }
 

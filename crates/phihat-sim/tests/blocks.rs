@@ -5,7 +5,9 @@ use std::convert::Infallible;
 
 use crate::support::{gains, rod_study, run};
 use allocation_counter::measure;
-use phihat_sim::{Ended, Measured, Metrics, Simulation, Trace, TraceWriter};
+use phihat_sim::{
+    Ended, Measured, Metrics, Outcome, Simulation, Survival, Surviving, Trace, TraceWriter,
+};
 use phihat_study::Study;
 
 const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
@@ -80,4 +82,60 @@ fn memory_does_not_grow_with_the_run() {
     assert!(long.abs_diff(short) < 100, "{short} and {long} bytes");
     assert!(long < 500_000, "{long} bytes");
     assert!(peak(40, usize::MAX) > 4_000_000, "a whole run is counted");
+}
+
+/// A world in which everything of a survival's figures is there, that ends at its time, diverges, or is stopped.
+fn faulted(fault: &str) -> Study {
+    rod_study("duration_s = 1.0", &format!("{WORLD}[[fault]]\nstart_s = 0.3\n{fault}\n"))
+}
+
+/// The definition of the figures, read from the whole record.
+fn by_the_trace(outcome: &Outcome, from: f64) -> (f64, f64, f64) {
+    let joint = &outcome.trace.joints[0];
+    let (n, at) = (outcome.trace.len(), outcome.trace.index_at(from));
+    let worst = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    (worst(&joint.e[at..]), worst(&joint.e[n - n / 10..]), worst(&joint.dq[at..]))
+}
+
+#[test]
+fn figures_alone_are_those_of_the_whole_record() {
+    let quiet = faulted("kind = \"push\"\nsize = 0.4");
+    let wild = faulted("kind = \"push\"\nsize = 1e5");
+    for study in [&quiet, &wild] {
+        let whole = run(study);
+        let alone = || Simulation::new(study, &gains(study)).unwrap();
+        let mut all = (TraceWriter::new(Vec::new()), Measured::new(study));
+        let ended = alone().record(&mut all, |_| ()).unwrap();
+        let mut csv = Vec::new();
+        whole.trace.write_csv(&mut csv).unwrap();
+        assert!(all.0.finish().unwrap() == csv);
+        assert_eq!(all.1.metrics(), Metrics::of(&whole.trace, study));
+        let mut figures = (Measured::new(study), Surviving::new(study));
+        let Ok(again) = alone().record(&mut figures, |_| ());
+        assert_eq!(again, ended);
+        assert_eq!(figures.0.metrics(), Metrics::of(&whole.trace, study));
+        let survival = figures.1.survival(&ended, study);
+        assert_eq!(survival, Survival::of(&whole, study));
+        let told = (survival.error_max_rad, survival.error_end_rad, survival.velocity_max_rad_s);
+        assert_eq!(told, by_the_trace(&whole, 0.3));
+        assert_eq!(survival.finite, whole.divergence.is_none());
+    }
+    assert!(run(&wild).divergence.is_some() && run(&quiet).divergence.is_none());
+}
+
+#[test]
+fn the_last_tenth_is_found_wherever_a_run_ends() {
+    let study = faulted("kind = \"push\"\nsize = 0.4");
+    let whole = run(&study);
+    for length in [0, 1, 9, 10, 11, 64, 65, 128, 321, 999] {
+        let mut outcome = whole.clone();
+        let joint = &mut outcome.trace.joints[0];
+        for column in [&mut joint.e, &mut joint.dq] {
+            column.truncate(length);
+        }
+        outcome.trace.t_ns.truncate(length);
+        let survival = Survival::of(&outcome, &study);
+        let told = (survival.error_max_rad, survival.error_end_rad, survival.velocity_max_rad_s);
+        assert_eq!(told, by_the_trace(&outcome, 0.3), "{length}");
+    }
 }

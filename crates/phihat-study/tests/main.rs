@@ -5,6 +5,7 @@ mod support;
 
 mod faults;
 mod hostile;
+mod numeric;
 mod per_joint;
 mod published;
 mod refused;

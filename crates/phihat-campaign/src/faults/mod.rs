@@ -10,13 +10,15 @@ mod cell;
 mod change;
 mod matrix;
 mod options;
+mod seen;
 mod summary;
 
 pub use case::{Case, CaseName};
 pub use catalogue::{Bar, End, FAULTS, Fault, SEVERITIES};
-pub use cell::{BRAKE_S, Cell, STOP_SAMPLES};
+pub use cell::{Cell, STOP_SAMPLES};
 pub use matrix::{Choose, Extent, FaultedArm, FaultsError, Matrix};
 pub use options::{FaultsAnswer, FaultsOptions};
+pub use seen::BRAKE_S;
 pub use summary::{
     ArmRecord, EXCURSION_SHARE, FORMAT, FaultRecord, Miss, RunRecord, Summary, Totals,
 };

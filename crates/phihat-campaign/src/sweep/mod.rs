@@ -1,0 +1,45 @@
+//! Monte Carlo over the numbers of a study: every run draws them anew, and what comes of all of them is told with intervals.
+//!
+//! A run is the study with a seed and values of its own, which the sweep's seed and the run's place decide and nothing else: on how many
+//! threads, in how many shards and with how many interruptions they are done changes no byte of the answer.
+//!
+//! # Example
+//!
+//! ```no_run
+//! use phihat_campaign::sweep::{SweepAnswer, SweepOptions};
+//!
+//! let options = SweepOptions {
+//!     study: "studies/panda.toml".into(),
+//!     vary: vec!["world.payload.mass_kg=0..2".to_owned(), "world.coulomb_extra_nm=log:0.05..1".to_owned()],
+//!     runs: 1000,
+//!     ..SweepOptions::default()
+//! };
+//! if let SweepAnswer::Whole(swept) = options.run(&mut ())? {
+//!     println!("{} of {} runs kept every bound", swept.summary.totals.within_spec, swept.summary.runs);
+//! }
+//! # Ok::<(), phihat_campaign::sweep::SweepError>(())
+//! ```
+//!
+//! # Not claimed
+//!
+//! A share of runs is no certificate: what was not drawn was not tried.
+
+mod error;
+mod options;
+mod page;
+mod plan;
+mod plot;
+mod row;
+mod statistics;
+mod summary;
+mod vary;
+
+pub use error::{RunError, SweepError};
+pub use options::{SweepAnswer, SweepOptions, SweptWhole, merge};
+pub use plan::Plan;
+pub use row::{Columns, End, FIGURES, FigureKind, Row};
+pub use statistics::{CONFIDENCE, Places, quantile_places, share_interval};
+pub use summary::{
+    FORMAT, FigureRecord, Quantile, SweepSummary, SweepTotals, VaryRecord, WorstRun,
+};
+pub use vary::Vary;

@@ -1,0 +1,375 @@
+//! A sweep as a user asks for it, taken to its answer; and shards of one, put together.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use phihat_session::disk::{self, Operation, Whole, strike};
+use phihat_session::{SessionError, Watch, files, read_gains, threads};
+use serde::{Deserialize, Serialize};
+
+use super::error::SweepError;
+use super::page::sweep_page;
+use super::plan::Plan;
+use super::summary::{Looked, SweepSummary, look};
+use crate::chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};
+use crate::folder::{JOURNAL, results_of};
+use crate::journal::Journal;
+
+/// The rows while they come, and when all are there.
+const PART: &str = "runs.part";
+const ROWS: &str = "runs.npy";
+/// What says that a shard's rows are all there.
+const SHARD: &str = "shard.json";
+/// The last file of a sweep's results.
+const ANSWER: &str = "sweep.json";
+
+/// What a sweep is told.
+#[derive(Debug, Clone, Default)]
+pub struct SweepOptions {
+    /// The study file (TOML).
+    pub study: PathBuf,
+    /// A gains document in place of those that the study states or leaves to the design.
+    pub gains: Option<PathBuf>,
+    /// What varies, each `KEY=HOW`.
+    pub vary: Vec<String>,
+    /// Runs, of all shards.
+    pub runs: u64,
+    /// Decides what every run draws, and its seed.
+    pub seed: u64,
+    /// One part of all runs, `K/N`.
+    pub shard: Option<String>,
+    /// Does every run again, whatever the journal holds.
+    pub fresh: bool,
+    /// Runs gains even where they may not run on this arm.
+    pub uncertified: bool,
+    /// Runs at a time; `None`: one per core.
+    pub threads: Option<u16>,
+    /// Folder for the results; `None`: `out/STUDY/sweep`.
+    pub out: Option<PathBuf>,
+}
+
+/// What a sweep came to.
+#[derive(Debug)]
+pub enum SweepAnswer {
+    /// All of it.
+    Whole(Box<SweptWhole>),
+    /// A shard, whose rows are all there.
+    Shard {
+        /// Its folder.
+        folder: PathBuf,
+        /// Its runs.
+        runs: u64,
+    },
+}
+
+/// A whole sweep, and where it was written.
+#[derive(Debug)]
+pub struct SweptWhole {
+    /// The answer.
+    pub summary: SweepSummary,
+    /// The folder of the results.
+    pub folder: PathBuf,
+    /// The page.
+    pub page: PathBuf,
+}
+
+/// What a shard says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct ShardRecord {
+    plan: String,
+    study: PathBuf,
+    gains: Option<PathBuf>,
+    vary: Vec<String>,
+    runs: u64,
+    seed: u64,
+    uncertified: bool,
+    chunk: u64,
+    part: u64,
+    of: u64,
+    runs_sha256: String,
+}
+
+impl SweepOptions {
+    fn shard(&self) -> Result<Shard, SweepError> {
+        let Some(text) = &self.shard else { return Ok(Shard::WHOLE) };
+        let read = || {
+            let (part, of) = text.split_once('/')?;
+            let shard = Shard { part: part.trim().parse().ok()?, of: of.trim().parse().ok()? };
+            (1..=100_000).contains(&shard.of).then_some(())?;
+            (1..=shard.of).contains(&shard.part).then_some(shard)
+        };
+        read().ok_or_else(|| SweepError::Shard(text.clone()))
+    }
+
+    /// Where the results go; a shard's into a folder of its own in there.
+    ///
+    /// # Errors
+    ///
+    /// [`SweepError`]: the study, whose name they take, cannot be read.
+    pub fn folder(&self) -> Result<PathBuf, SweepError> {
+        let studies = std::slice::from_ref(&self.study);
+        let folder = results_of(studies, self.out.as_deref(), "sweep")?;
+        let Shard { part, of } = self.shard()?;
+        let own = format!("shard-{part}-of-{of}");
+        Ok(if self.shard.is_some() { folder.join(own) } else { folder })
+    }
+
+    fn plan(&self) -> Result<Plan, SweepError> {
+        let gains = self.gains.as_deref().map(|file| read_gains(file).map(|g| (g, file)));
+        let input = (self.study.as_path(), gains.transpose()?);
+        Plan::new(input, &self.vary, (self.seed, self.runs), self.uncertified)
+    }
+
+    /// Makes the plan, does the runs that its journal does not hold, and writes the answer.
+    ///
+    /// # Errors
+    ///
+    /// [`SweepError`]: an option or the study cannot be used, or a result not be written.
+    pub fn run(&self, watch: &mut dyn Watch) -> Result<SweepAnswer, SweepError> {
+        let shard = self.shard()?;
+        let plan = self.plan()?;
+        let folder = self.folder()?;
+        let places = [JOURNAL, PART, ROWS, SHARD, ANSWER, "report.html", "gains.json"];
+        let places = places.map(|name| folder.join(name));
+        files::check_writable(&places)?;
+        let [journal, part, rows, record, answer, ..] = &places;
+        let mut journal = Journal::in_folder(journal, self.fresh, watch)?;
+        for older in [answer, record] {
+            taken_away(older)?;
+        }
+        if rows.exists() {
+            moved(rows, part)?;
+        }
+        let layout = Layout::new(self.runs, shard);
+        let (columns, own) = (plan.columns(), layout.own_runs());
+        let head = columns.head(own);
+        let mut file = RowFile::open(part, &head, columns.width(), own)?;
+        watch.begun(&[]);
+        let mut begun = false;
+        let done = run_chunks(
+            (&mut file, &mut journal),
+            (&plan.id, &layout),
+            threads(self.threads),
+            &|runs| plan.chunk(runs),
+            |done| {
+                watch.progress(done, own);
+                if !std::mem::replace(&mut begun, true) {
+                    watch.resumed();
+                }
+            },
+        );
+        watch.ended();
+        done?;
+        if self.shard.is_none() {
+            return leave(&plan, file, (part, &folder)).map(SweepAnswer::Whole);
+        }
+        let record_of = self.record(&plan, &layout, file.sha256()?);
+        moved(part, rows)?;
+        let gains = plan.gains.to_json().map_err(|e| SessionError::at(&self.study, e))?;
+        files::write_locked(&[
+            (folder.join("gains.json"), gains.into_bytes()),
+            (record.clone(), document(&record_of)?),
+        ])?;
+        Ok(SweepAnswer::Shard { folder, runs: own })
+    }
+
+    fn record(&self, plan: &Plan, layout: &Layout, runs_sha256: String) -> ShardRecord {
+        ShardRecord {
+            plan: plan.id.clone(),
+            study: self.study.clone(),
+            gains: self.gains.clone(),
+            vary: self.vary.clone(),
+            runs: self.runs,
+            seed: self.seed,
+            uncertified: self.uncertified,
+            chunk: layout.chunk,
+            part: layout.shard.part,
+            of: layout.shard.of,
+            runs_sha256,
+        }
+    }
+}
+
+/// Puts the shards of a sweep together: what one process would have left, byte for byte. `folders` are those of the shards, or one
+/// that has them; `out` takes the results, else the one folder that has them.
+///
+/// # Errors
+///
+/// [`SweepError`]: a shard is missing, unfinished or of another sweep; the study cannot be read any more, or is another one.
+pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, SweepError> {
+    let found = shards(folders)?;
+    let Some((first, record)) = found.first() else {
+        return Err(SweepError::NoShard {
+            path: PathBuf::from("."),
+            why: "no shards are named".into(),
+        });
+    };
+    let no = |path: &Path, why: String| SweepError::NoShard { path: path.to_owned(), why };
+    let mut by_part: Vec<Option<&PathBuf>> =
+        vec![None; usize::try_from(record.of).unwrap_or(0).min(100_000)];
+    for (folder, other) in &found {
+        if (&other.plan, other.runs, other.of) != (&record.plan, record.runs, record.of) {
+            let why = format!("of another sweep than {}", first.display());
+            return Err(no(folder, why));
+        }
+        let place = usize::try_from(other.part.saturating_sub(1)).unwrap_or(usize::MAX);
+        let Some(place) = by_part.get_mut(place) else {
+            return Err(no(folder, format!("there is no shard {}/{}", other.part, other.of)));
+        };
+        *place = Some(folder);
+    }
+    let missing: Vec<String> = (1..)
+        .zip(&by_part)
+        .filter(|(_, f)| f.is_none())
+        .map(|(k, _): (u64, _)| k.to_string())
+        .collect();
+    if !missing.is_empty() {
+        return Err(SweepError::Missing { missing: missing.join(", "), count: record.of });
+    }
+    let options = SweepOptions {
+        study: record.study.clone(),
+        gains: record.gains.clone(),
+        vary: record.vary.clone(),
+        runs: record.runs,
+        seed: record.seed,
+        uncertified: record.uncertified,
+        ..SweepOptions::default()
+    };
+    let plan = options.plan()?;
+    if plan.id != record.plan {
+        let why = "not the study, gains or version of phihat that the shards were made with";
+        return Err(no(&record.study, why.into()));
+    }
+    let own = || match folders {
+        [one] if !one.join(SHARD).exists() => one.clone(),
+        _ => first.parent().unwrap_or(Path::new("")).to_owned(),
+    };
+    let folder = out.map_or_else(own, Path::to_owned);
+    let part = folder.join(PART);
+    files::check_writable([&part, &folder.join(ANSWER)])?;
+    disk::make_folder(&folder).map_err(|e| SessionError::at(&folder, e))?;
+    let _held = disk::Lock::take(&folder)?;
+    taken_away(&folder.join(ANSWER))?;
+    let whole = Layout { shard: Shard::WHOLE, ..Layout::new(record.runs, Shard::WHOLE) };
+    let columns = plan.columns();
+    let head = columns.head(record.runs);
+    let mut file = RowFile::open(&part, &head, columns.width(), record.runs)?;
+    for ((k, from), (_, record)) in (1..).zip(by_part.iter().flatten()).zip(sorted(&found)) {
+        let layout = Layout { shard: Shard { part: k, of: record.of }, ..whole };
+        let head = columns.head(layout.own_runs());
+        let path = from.join(ROWS);
+        let mut shard = RowFile::finished(&path, &head, columns.width(), layout.own_runs())?;
+        if shard.sha256()? != record.runs_sha256 {
+            return Err(no(
+                &path,
+                "changed since its shard was finished; run the shard again".into(),
+            ));
+        }
+        for chunk in layout.chunks() {
+            let runs = layout.runs_of(chunk);
+            let rows = shard.rows(layout.row_of(chunk), runs.end - runs.start)?;
+            file.put(runs.start, &rows)?;
+        }
+    }
+    file.sync()?;
+    leave(&plan, file, (&part, &folder)).map(|whole| *whole)
+}
+
+type Found = (PathBuf, ShardRecord);
+
+/// In the order of their parts.
+fn sorted(found: &[Found]) -> Vec<&Found> {
+    let mut all: Vec<_> = found.iter().collect();
+    all.sort_by_key(|(_, record)| record.part);
+    all.dedup_by_key(|(_, record)| record.part);
+    all
+}
+
+/// Every finished shard in these folders, or right below them.
+fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {
+    let mut found = Vec::new();
+    for folder in folders {
+        let no = |why: String| SweepError::NoShard { path: folder.clone(), why };
+        let mut here = vec![folder.clone()];
+        if !folder.join(SHARD).exists() {
+            let inside = fs::read_dir(folder).map_err(|e| no(format!("cannot be read: {e}")))?;
+            here = inside.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+            here.retain(|path| path.join(SHARD).exists());
+            here.sort();
+        }
+        if here.is_empty() {
+            return Err(no("there is no finished shard of a sweep here".into()));
+        }
+        for shard in here {
+            let text = files::read(&shard.join(SHARD))?;
+            let record = serde_json::from_str(&text);
+            let record = record.map_err(|e| SessionError::at(&shard.join(SHARD), e))?;
+            found.push((shard, record));
+        }
+    }
+    Ok(found)
+}
+
+/// Writes the answer beside the rows, which are moved to their place.
+fn leave(
+    plan: &Plan,
+    mut file: RowFile,
+    (part, folder): (&Path, &Path),
+) -> Result<Box<SweptWhole>, SweepError> {
+    let Looked { summary, drawn, studies } = look(plan, &mut file)?;
+    drop(file);
+    moved(part, &folder.join(ROWS))?;
+    let page = folder.join("report.html");
+    let html = sweep_page(&summary, &drawn);
+    let gains = plan.gains.to_json().map_err(|e| SessionError::at(folder, e))?;
+    let mut whole = Whole::in_locked_folder();
+    for older in worst_of_before(folder) {
+        whole.remove(older);
+    }
+    whole.add(&folder.join("study.toml"), plan.study.text.as_bytes())?;
+    whole.add(&folder.join("gains.json"), gains.as_bytes())?;
+    for (name, text) in &studies {
+        whole.add(&folder.join("worst").join(name), text.as_bytes())?;
+    }
+    whole.add(&page, html.as_bytes())?;
+    whole.add(&folder.join(ANSWER), &document(&summary)?)?;
+    whole.commit()?;
+    Ok(Box::new(SweptWhole { summary, folder: folder.to_owned(), page }))
+}
+
+/// The studies of an older answer's worst runs.
+fn worst_of_before(folder: &Path) -> Vec<PathBuf> {
+    let inside = fs::read_dir(folder.join("worst")).into_iter().flatten();
+    let mut all: Vec<PathBuf> = inside.filter_map(|entry| entry.ok().map(|e| e.path())).collect();
+    all.retain(|path| path.extension().is_some_and(|kind| kind == "toml"));
+    all.sort();
+    all
+}
+
+fn document(value: &impl Serialize) -> Result<Vec<u8>, SweepError> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    Ok(text.into_bytes())
+}
+
+/// Takes a file of older results away, where there is one.
+fn taken_away(path: &Path) -> Result<(), SweepError> {
+    if path.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let gone = strike(Operation::Remove, path)
+        .and_then(|()| fs::remove_file(path))
+        .and_then(|()| disk::sync_folder(disk::folder_of(path)));
+    gone.map_err(|error| rows_error(path, "cannot be removed", error))
+}
+
+fn moved(from: &Path, to: &Path) -> Result<(), SweepError> {
+    let there = strike(Operation::Move, to)
+        .and_then(|()| fs::rename(from, to))
+        .and_then(|()| disk::sync_folder(disk::folder_of(to)));
+    there.map_err(|error| rows_error(to, "cannot be put there", error))
+}
+
+fn rows_error(path: &Path, what: &'static str, error: std::io::Error) -> SweepError {
+    ChunksError::Rows { path: path.to_owned(), what, error }.into()
+}

@@ -1,0 +1,148 @@
+//! The page of a sweep: what holds for how many runs, distributions, errors against what varied, the worst runs.
+
+use maud::{Markup, html};
+use phihat_report::kit::Page;
+use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::text::line;
+
+use super::plot::{Mark, distribution, scatter};
+use super::row::Row;
+use super::summary::{FigureRecord, Quantile, SweepSummary};
+
+/// Quantiles of the table.
+const SHOWN: [f64; 4] = [0.5, 0.95, 0.99, 0.999];
+
+/// The self-contained page of a sweep; `drawn` are the runs of its pictures.
+pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
+    let title = format!("Sweep: {}", line(&summary.study));
+    let main = html! {
+        header {
+            h1 { (title) }
+            p.byline { "phihat " (line(&summary.phihat_version)) " · " (summary.runs) " runs · seed " (summary.seed) " · simulated" }
+            (verdict(summary))
+        }
+        h2 { "What varied" }
+        ul { @for vary in &summary.vary { li { code { (line(&vary.how)) } @if !vary.unit.is_empty() { " [" (line(&vary.unit)) "]" } } } }
+        h2 { "Figures" }
+        p { "Quantiles over all runs that began, with intervals that hold for any distribution with a probability of "
+            (stated(100.0 * summary.confidence)) " % each: the order of the values alone decides them. "
+            "A run that did not come to its end counts as worse than any number (∞)." }
+        (table(summary))
+        h2 { "Distributions" }
+        p { "Bars: how many runs; curve: the share of runs at or below a value; dashed: the bound." }
+        div.plots { @for figure in &summary.figures { figure {
+            (distribution(&figure.name, &figure.unit, &figure.curve, bound(figure)))
+            figcaption { (line(&figure.what)) }
+        } } }
+        h2 { "Errors against what varied" }
+        (scatters(summary, drawn))
+        h2 id="worst" { "The worst runs" }
+        p { "Each command repeats its run to the last bit, from the folder of this page." }
+        (worst(summary))
+        h2 { "Not claimed" }
+        p { "Runs are simulated and drawn at random from what was asked for. What lies between them, or outside of it, was not tried; "
+            "a share of runs is no certificate." }
+    };
+    Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+}
+
+fn bound(figure: &FigureRecord) -> Option<f64> {
+    (figure.name == "error_over_spec" || figure.name == "tau_over_limit").then_some(1.0)
+}
+
+fn verdict(summary: &SweepSummary) -> Markup {
+    let totals = &summary.totals;
+    let began = totals.whole + totals.diverged + totals.stopped;
+    let good = totals.within_spec == began && began == summary.runs;
+    let class = if good { "verdict within" } else { "verdict outside" };
+    let [low, high] = totals.within_spec_interval.map(|share| number(100.0 * share));
+    let others = [
+        (totals.diverged, "diverged"),
+        (totals.stopped, "were stopped by the robot"),
+        (totals.refused, "could not be run: what was drawn makes no study that runs"),
+        (totals.panicked, "panicked, a fault of this program"),
+    ];
+    html! { div class=(class) {
+        p { strong { (totals.within_spec) " of " (began) " runs kept every stated bound." } }
+        p { "Probability that a run does, with " (stated(100.0 * summary.confidence)) " % confidence: " (low) " % to " (high) " %." }
+        ul { @for (count, what) in others { @if count > 0 { li { (count) " " (what) } } } }
+    } }
+}
+
+/// A number of which infinity means a run that did not come to its end.
+fn shown(value: f64) -> String {
+    if value == f64::INFINITY { "∞".to_owned() } else { number(value) }
+}
+
+fn table(summary: &SweepSummary) -> Markup {
+    html! { div.scroll tabindex="0" role="region" aria-label="Table: figures" { table {
+        thead { tr {
+            th scope="col" { "figure" }
+            th scope="col" { "least" }
+            @for share in SHOWN { th scope="col" { (stated(100.0 * share)) " %" } }
+            th scope="col" { "largest" }
+        } }
+        tbody { @for figure in &summary.figures { tr {
+            th scope="row" { (line(&figure.what)) @if !figure.unit.is_empty() { " " span.unit { "[" (line(&figure.unit)) "]" } } }
+            td { (shown(figure.least)) }
+            @for share in SHOWN { td { (quantile(figure, share)) } }
+            td { (shown(figure.largest)) }
+        } } }
+    } } }
+}
+
+fn quantile(figure: &FigureRecord, share: f64) -> Markup {
+    let found = figure.quantiles.iter().find(|q| (q.share - share).abs() < 1e-12);
+    let ends = |q: &Quantile| {
+        let end = |end: Option<f64>| end.map_or("–".to_owned(), shown);
+        format!("{} … {}", end(q.low), end(q.high))
+    };
+    html! { @if let Some(q) = found { (shown(q.value)) span.note { (ends(q)) } } @else { "–" } }
+}
+
+fn scatters(summary: &SweepSummary, drawn: &[Row]) -> Markup {
+    let by = usize::from(summary.figures.iter().any(|f| f.name == "error_over_spec"));
+    let (beside, bound) = match by {
+        0 => ("largest |e| after settle_s [rad]", None),
+        _ => ("largest |e| over its bound", Some(1.0)),
+    };
+    let marks = |i: usize| -> Vec<Mark> {
+        let mark = |row: &Row| Mark {
+            value: row.values[i],
+            error: row.figures[by],
+            within: row.within_spec,
+        };
+        drawn.iter().map(mark).collect()
+    };
+    let label = |i: usize| {
+        let vary = &summary.vary[i];
+        if vary.unit.is_empty() {
+            vary.name.clone()
+        } else {
+            format!("{} [{}]", vary.name, vary.unit)
+        }
+    };
+    html! {
+        p { (drawn.len()) " of " (summary.runs) " runs, evenly taken. A cross at the upper edge did not come to its end; another colour broke a bound." }
+        div.plots { @for i in 0..summary.vary.len() { figure { (scatter(&marks(i), (&label(i), beside), bound)) } } }
+    }
+}
+
+fn worst(summary: &SweepSummary) -> Markup {
+    html! { div.scroll.worst tabindex="0" role="region" aria-label="Table: the worst runs" { table {
+        thead { tr {
+            th scope="col" { "run" }
+            th scope="col" { "ended" }
+            th scope="col" { "error" }
+            @for vary in &summary.vary { th scope="col" { (line(&vary.name)) } }
+            th scope="col" { "command" }
+        } }
+        tbody { @for run in &summary.worst { tr {
+            th scope="row" { (run.run) }
+            td { (run.ended) }
+            td { (shown(run.error)) }
+            @for value in &run.values { td { (number(*value)) } }
+            td { code { (line(&run.command)) } }
+        } } }
+    } } }
+}

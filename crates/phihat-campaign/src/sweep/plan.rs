@@ -1,0 +1,220 @@
+//! What a sweep is: a study, its gains, what varies, and how many runs; and each of its runs as a study of its own.
+
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use phihat_design::{Gains, requested_gains};
+use phihat_session::{Session, SessionError, set, share, short_hash};
+use phihat_sim::{Measured, SimError, Simulation};
+use phihat_study::Study;
+use toml::{Table, Value};
+
+use super::error::{RunError, SweepError};
+use super::row::{Columns, End, Row};
+use super::vary::Vary;
+
+/// Raised when the same run would come out otherwise: journals of before are then done again.
+const EDITION: &str = "sweep 1";
+
+/// A sweep, ready to run.
+#[derive(Debug)]
+pub struct Plan {
+    pub(crate) study: Box<Study>,
+    path: PathBuf,
+    table: Table,
+    pub(crate) gains: Gains,
+    /// Whether each run's study states the gains that it runs with.
+    pub(crate) own_gains: bool,
+    pub(crate) vary: Vec<Vary>,
+    pub(crate) seed: u64,
+    pub(crate) runs: u64,
+    /// Stands for all that decides a row but its place.
+    pub(crate) id: String,
+}
+
+impl Plan {
+    /// Makes a plan: the study and its gains checked as `phihat run` checks them, every end of what varies tried.
+    ///
+    /// # Errors
+    ///
+    /// [`SweepError`]: the study cannot run as it stands, something cannot vary so, or a value makes a study that cannot run.
+    pub fn new(
+        (path, gains): (&Path, Option<(Gains, &Path)>),
+        vary: &[String],
+        (seed, runs): (u64, u64),
+        uncertified: bool,
+    ) -> Result<Self, SweepError> {
+        let study = phihat_session::read(path)?;
+        if vary.is_empty() {
+            return Err(SweepError::Nothing);
+        }
+        let vary: Vec<Vary> =
+            vary.iter().map(|text| Vary::read(&study, text)).collect::<Result<_, _>>()?;
+        for (i, one) in vary.iter().enumerate() {
+            if vary[..i].iter().any(|other| other.key().path() == one.key().path()) {
+                return Err(SweepError::Twice(one.key().path().to_owned()));
+            }
+        }
+        let mut table: Table = study.text.parse().unwrap_or_default();
+        let given = gains.is_some();
+        let session = Session::new(study, path, gains, uncertified)?;
+        let (study, gains) = session.into_parts();
+        // What a certificate says of this study alone holds for all of its runs.
+        set(&mut table, &["spec", "settle_s"], study.spec.settle.into());
+        let own_gains = !given && table.contains_key("gains");
+        if let Some(vary) = vary.iter().find(|vary| vary.key().section() == "gains" && !own_gains) {
+            let why = match given {
+                true => "the gains are those of --gains",
+                false => "the gains are designed, and the study states none",
+            };
+            return Err(SweepError::Vary { text: vary.text().to_owned(), why: why.to_owned() });
+        }
+        let texts: Vec<&str> = vary.iter().map(Vary::text).collect();
+        let parts = [
+            EDITION,
+            env!("CARGO_PKG_VERSION"),
+            &study.sha256,
+            &gains.to_json().map_err(|why| SessionError::at(path, why))?,
+            &texts.join("\n"),
+            &format!("{seed}"),
+        ];
+        let id = short_hash(&parts);
+        let path = path.to_owned();
+        let plan = Self { study, path, table, gains, own_gains, vary, seed, runs, id };
+        plan.ends_run()?;
+        Ok(plan)
+    }
+
+    /// Every end of what varies, one at a time.
+    fn ends_run(&self) -> Result<(), SweepError> {
+        for vary in &self.vary {
+            for value in vary.ends() {
+                let mut table = self.table.clone();
+                vary.put(&mut table, value);
+                self.simulation(&mut table).map_err(|why| SweepError::Unfit {
+                    text: vary.text().to_owned(),
+                    value,
+                    why: Box::new(why),
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of its rows.
+    pub fn columns(&self) -> Columns {
+        let varied = self.vary.iter().map(Vary::name).collect();
+        let joints = self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        Columns::new(varied, joints)
+    }
+
+    /// What a run has: the seed of its study, and the values of what varies.
+    pub fn drawn(&self, run: u64) -> (u64, Vec<f64>) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2^53")]
+        let seed = (share(&format!("{}/{run}", self.seed), "seed") * (1_u64 << 53) as f64) as u64;
+        (seed, self.vary.iter().map(|vary| vary.draw(self.seed, run)).collect())
+    }
+
+    /// The table of the study that a run is.
+    fn table(&self, run: u64) -> Table {
+        let (seed, values) = self.drawn(run);
+        let mut table = self.table.clone();
+        set(&mut table, &["seed"], i64::try_from(seed).unwrap_or(i64::MAX).into());
+        for (vary, value) in self.vary.iter().zip(values) {
+            vary.put(&mut table, value);
+        }
+        table
+    }
+
+    /// The study of a table, as `phihat run` reads it, and its closed loop. Where values make the world too stiff for the steps
+    /// that the study states, they are made shorter, and the table says so.
+    fn simulation(&self, table: &mut Table) -> Result<(Box<Study>, Simulation), RunError> {
+        let mut study = self.read(table)?;
+        match self.build(&mut study) {
+            Err(RunError::Sim(SimError::TooStiff { needed, .. })) => {
+                set(table, &["world", "substeps"], i64::from(needed).into());
+                let mut study = self.read(table)?;
+                let simulation = self.build(&mut study)?;
+                Ok((study, simulation))
+            }
+            built => Ok((study, built?)),
+        }
+    }
+
+    fn read(&self, table: &Table) -> Result<Box<Study>, RunError> {
+        let origin = self.path.display().to_string();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let mut study = Box::new(Study::from_text(&table.to_string(), &origin, folder)?);
+        phihat_sim::derive_substeps(&mut study);
+        Ok(study)
+    }
+
+    fn build(&self, study: &mut Study) -> Result<Simulation, RunError> {
+        let own = if self.own_gains { requested_gains(study) } else { None };
+        let gains = own.as_ref().unwrap_or(&self.gains);
+        gains.complete(study)?;
+        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let law = gains.joint_gains(&names, study.control.period_ns, study.control.form)?;
+        Ok(Simulation::new(study, &law)?)
+    }
+
+    /// One run: its figures alone are kept.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`]: its study cannot be run.
+    pub fn run(&self, run: u64) -> Result<Row, RunError> {
+        let (study, simulation) = self.simulation(&mut self.table(run))?;
+        let mut measured = Measured::new(&study);
+        let Ok(ended) = simulation.record(&mut measured, |_| ());
+        let (seed, values) = self.drawn(run);
+        Ok(Row::of((run, seed, values), &measured.metrics(), &ended))
+    }
+
+    /// The rows of some runs, as bytes: the one place where runs are done. Nothing but the plan and their places decides them.
+    pub fn chunk(&self, runs: Range<u64>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for run in runs {
+            // What a panicking run leaves half-done is its own and goes with it.
+            let row = catch_unwind(AssertUnwindSafe(|| self.run(run)));
+            let none = |end| {
+                let (seed, values) = self.drawn(run);
+                Row::none((run, seed, values), end, self.study.robot.joints.len())
+            };
+            let row = match row {
+                Ok(Ok(row)) => row,
+                Ok(Err(_)) => none(End::Refused),
+                Err(_) => none(End::Panicked),
+            };
+            row.write(&mut bytes);
+        }
+        bytes
+    }
+
+    /// A run as the text of a study that repeats it, files named by their whole paths; and whether it runs only uncertified. With the
+    /// gains of the sweep, unless it states its own.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`]: its study cannot be run.
+    pub fn repeated(&self, run: u64) -> Result<(String, bool), RunError> {
+        let mut table = self.table(run);
+        self.simulation(&mut table)?;
+        let study = self.read(&table)?;
+        let given = (!self.own_gains).then(|| (self.gains.clone(), Path::new("gains.json")));
+        let uncertified = Session::new(study, &self.path, given, false).is_err();
+        let title = format!("run {run} of a sweep of {}", self.study.name);
+        set(&mut table, &["title"], title.into());
+        for (above, key) in [("robot", "file"), ("reference", "file")] {
+            let value = table.get_mut(above).and_then(|above| above.get_mut(key));
+            if let Some(Value::String(file)) = value {
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                if let Ok(whole) = std::path::absolute(folder.join(&*file)) {
+                    *file = whole.display().to_string();
+                }
+            }
+        }
+        Ok((table.to_string(), uncertified))
+    }
+}
