@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use phihat_model::{Robot, Workspace};
+use phihat_model::{Body, Lanes, Lockstep, Model, Robot, Workspace};
 
 const STATES: usize = 64;
 const BLOCK: Duration = Duration::from_micros(400);
@@ -25,8 +25,37 @@ fn main() {
     let quick = asked("--quick") || !asked("--bench");
     let blocks = if quick { 3 } else { 301 };
     for name in Robot::names() {
-        measure(&Robot::named(name).unwrap(), blocks);
+        let robot = Robot::named(name).unwrap();
+        measure(&robot, blocks);
+        measure_lanes(&robot, blocks);
     }
+}
+
+/// Forward dynamics of as many arms as there are lanes, each with a load of its own: time per arm.
+fn measure_lanes(robot: &Robot, blocks: usize) {
+    let Robot { name, model, tip, .. } = robot;
+    let n = model.joint_count();
+    let load = |k: usize| Body { mass: 0.1 * k as f64, com: [0.0, 0.0, 0.05], inertia: [0.0; 6] };
+    let loaded = |k: usize| model.clone().with_payload_on(tip, &load(k)).unwrap();
+    let models: Vec<Model> = (0..Lanes::COUNT).map(loaded).collect();
+    let arms = Lockstep::new(&models.iter().collect::<Vec<_>>()).unwrap();
+    let states = states(n);
+    let lanes = |at: usize, what: usize| -> Vec<Lanes> {
+        let lane = |k: usize, i: usize| {
+            let State { q, dq, ddq } = &states[(at + 7 * k) % STATES];
+            [q, dq, ddq][what][i]
+        };
+        (0..n).map(|i| Lanes::from(std::array::from_fn(|k| lane(k, i)))).collect()
+    };
+    let sides: Vec<[Vec<Lanes>; 3]> =
+        (0..STATES).map(|at| [0, 1, 2].map(|what| lanes(at, what))).collect();
+    let mut out = vec![Lanes::default(); n];
+    let ns = median_ns(blocks, |at| {
+        let [q, dq, tau] = &sides[at % STATES];
+        arms.forward_dynamics(q, dq, tau, black_box(&mut out));
+    });
+    let ns = ns / Lanes::COUNT as f64;
+    println!("{{\"robot\":\"{name}\",\"algorithm\":\"aba in lanes, per arm\",\"ns\":{ns:.1}}}");
 }
 
 fn measure(robot: &Robot, blocks: usize) {

@@ -12,16 +12,16 @@
 //! K. C. Ng, fdlibm `k_sin.c`, `k_cos.c`, `e_rem_pio2.c`, Sun Microsystems 1993.
 
 /// Largest angle \[rad\] for which the reduction is exact enough.
-const REDUCIBLE: f64 = 1e5;
+pub(crate) const REDUCIBLE: f64 = 1e5;
 
 /// 1.5 · 2⁵²: adding it rounds a number to an integer, left in the low bits.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// 33 leading bits of π/2, the next 33, and the rest: `k` times each of the first two is exact.
-const HALF_PI: [f64; 3] =
+pub(crate) const HALF_PI: [f64; 3] =
     [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
-const SIN: [f64; 6] = [
+pub(crate) const SIN: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
     -1.984_126_982_985_795e-4,
@@ -30,7 +30,7 @@ const SIN: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-const COS: [f64; 6] = [
+pub(crate) const COS: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
     2.480_158_728_947_673e-5,

@@ -19,6 +19,7 @@ mod gravity;
 mod inertia_range;
 mod inverse_kinematics;
 mod jacobian;
+mod lockstep;
 mod look;
 mod mass_matrix;
 mod no_allocation;
