@@ -214,5 +214,12 @@ def test_ctrl_c_is_a_safe_stop(tmp_path: Path) -> None:
     finally:
         signal.signal(signal.SIGINT, before)
     trace = phihat.read_run(tmp_path / "out")
-    assert 700 < len(trace.t) < 20_000
-    assert np.abs(trace["dq"][-1]).max() < 0.05
+    # When the signal is seen depends on the machine's clock; what comes of it does not. The brakes are asked for at rest, or
+    # 0.5 s into the stop if the arm still moves then, which an estimate that is held may cause.
+    mode = np.array(trace.mode)
+    stop = int(np.flatnonzero(mode == "safe-stop")[0])
+    assert 700 < stop < len(mode) < 20_000
+    assert (mode[stop:] == "safe-stop").all()
+    rest = np.abs(trace["dq"][-1]).max() < 0.05
+    assert rest or 0.49 < trace.t[-1] - trace.t[stop] < 0.51
+    assert np.abs(trace["dq"][-1]).max() < 0.2  # the motion's own speed is up to 0.63
