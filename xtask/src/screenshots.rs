@@ -8,11 +8,15 @@ use crate::test::{browser_tools, reports};
 /// Where they are put unless somebody says otherwise.
 const OUT: &str = "out/screenshots";
 
-/// What makes the pages beside the reports: what a page is called, where it is left, and the words of the command.
+/// What makes the pages beside the reports: the page, in a folder of its own, what `--out` is told, and the words of the command.
 const PAGES: [(&str, &str, &str); 3] = [
-    ("faults", "report.html", "faults studies/first.toml --quick"),
-    ("budget", "budget.html", "design studies/panda_design.toml --budget"),
-    ("comparison", "report.html", "compare studies/table1.toml --quick --worlds exact,friction"),
+    ("faults/report.html", "faults", "faults studies/first.toml --quick"),
+    ("budget/budget.html", "budget/gains.json", "design studies/panda_design.toml --budget"),
+    (
+        "comparison/report.html",
+        "comparison",
+        "compare studies/table1.toml --quick --worlds exact,friction",
+    ),
 ];
 
 /// Makes the pages that are not there yet, and pictures of all of them, of those that `args` names after the folder, and of
@@ -30,11 +34,10 @@ pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
     let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
     let mut pages = reports(root)?;
     pages.push(at("docs/reproduction/report.html"));
-    for (name, file, words) in PAGES {
-        let own = format!("{OUT}/pages/{name}");
-        let page = at(&format!("{own}/{file}"));
+    for (page, told, words) in PAGES {
+        let (page, told) = (at(&format!("{OUT}/pages/{page}")), format!("{OUT}/pages/{told}"));
         if !Path::new(&page).exists() {
-            let words: Vec<_> = words.split(' ').chain(["--out", &own]).collect();
+            let words: Vec<_> = words.split(' ').chain(["--out", &told]).collect();
             command(root, &program, &words)?;
         }
         pages.push(page);

@@ -72,7 +72,7 @@ fn heat_map(summary: &Summary) -> Markup {
             table.map {
                 thead { tr {
                     th scope="col" { "fault" }
-                    th scope="col" { "severity" }
+                    th.what scope="col" { "severity" }
                     @for (arm, order) in &columns { th scope="col" { (line(arm)) br; "m = " (order) } }
                 } }
                 tbody { @for fault in &summary.faults { @for severity in 1..=fault.levels.len() {

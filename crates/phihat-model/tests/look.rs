@@ -249,7 +249,7 @@ fn bytes_of_nobody() {
         std::fs::write(root.join("arm/urdf/rod.urdf"), urdf(&visual(name))).unwrap();
         for _ in 0..if bytes.len() > 100_000 { 1 } else { 300 } {
             let mut changed = bytes.clone();
-            for _ in 0..1 + dice(6) {
+            for _ in 0..=dice(6) {
                 let at = dice(changed.len());
                 match dice(4) {
                     0 => changed[at] = u8::try_from(dice(256)).unwrap(),

@@ -440,14 +440,20 @@
   const words = stage.querySelector(".stage-words");
   function tell(labels, matrix, [w, h]) {
     while (words.children.length < labels.length) words.append(element("span"));
+    const taken = [];
     [...words.children].forEach((span, i) => {
       span.hidden = i >= labels.length;
       if (span.hidden) return;
       const [p, text] = labels[i];
       const clip = [0, 1, 3].map((r) => matrix[r] * p[0] + matrix[4 + r] * p[1] + matrix[8 + r] * p[2] + matrix[12 + r]);
       span.textContent = text;
-      span.style.left = `${Math.min(Math.max((clip[0] / clip[2] + 1) / 2 * w, 4), w - span.offsetWidth - 4)}px`;
-      span.style.top = `${Math.min(Math.max((1 - clip[1] / clip[2]) / 2 * h - 26, 2), h - 24)}px`;
+      const left = Math.min(Math.max((clip[0] / clip[2] + 1) / 2 * w, 4), w - span.offsetWidth - 4);
+      let top = Math.min(Math.max((1 - clip[1] / clip[2]) / 2 * h - 26, 2), h - 24);
+      // Words do not stand on words.
+      for (const [x, y, wide] of taken) if (Math.abs(top - y) < 24 && left < x + wide + 4 && x < left + span.offsetWidth + 4) top = y + 24;
+      taken.push([left, top, span.offsetWidth]);
+      span.style.left = `${left}px`;
+      span.style.top = `${top}px`;
     });
   }
   const slider = document.getElementById("time");

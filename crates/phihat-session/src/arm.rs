@@ -1,5 +1,6 @@
 //! A study's arm, and what acts on it from outside, as a page draws them.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use phihat_model::{Look, Outline};
@@ -77,10 +78,11 @@ fn told(look: &Look) -> String {
         }
     };
     for (link, why) in missing.iter().take(TOLD) {
-        text += &format!(" Not read, of {link}: {why}.");
+        // Writing to a string cannot fail.
+        let _ = write!(text, " Not read, of {link}: {why}.");
     }
     if missing.len() > TOLD {
-        text += &format!(" And {} more.", missing.len() - TOLD);
+        let _ = write!(text, " And {} more.", missing.len() - TOLD);
     }
     text
 }

@@ -105,7 +105,7 @@ impl Robot {
                 soups.push((name.to_owned(), soup));
             }
         }
-        look.shapes = reduce::reduced(soups, triangles);
+        look.shapes = reduce::reduced(&soups, triangles);
         look
     }
 }

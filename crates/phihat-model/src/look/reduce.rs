@@ -10,7 +10,7 @@ const STEPS: usize = 10;
 const CELLS: [f64; 2] = [1e-5, 0.3];
 
 /// The shapes of all links in at most so many triangles, all with cells of one size.
-pub(super) fn reduced(soups: Vec<(String, Soup)>, most: usize) -> Vec<Shape> {
+pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<Shape> {
     let size = soups.iter().map(|(_, soup)| diagonal(&soup.points)).fold(0.0, f64::max);
     if size <= 0.0 {
         return Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn reduced(soups: Vec<(String, Soup)>, most: usize) -> Vec<Shape> {
     let count = |soups: &[(String, Soup)]| -> usize {
         soups.iter().map(|(_, soup)| soup.triangles.len()).sum()
     };
-    let mut best = clustered(&soups, CELLS[0]);
+    let mut best = clustered(soups, CELLS[0]);
     if count(&best) > most {
         // Finer than this, it would not be fewer; what is coarser is made of it.
         let (mut low, mut high) = (CELLS[0].ln(), CELLS[1].ln());

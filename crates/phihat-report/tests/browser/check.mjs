@@ -186,6 +186,10 @@ async function moves(browser, file) {
   const [t, tip] = await page.locator(".poster svg").evaluate((svg) => [Number(svg.dataset.time), svg.dataset.tip.split(" ").map(Number)]);
   const drawn = await page.evaluate((t) => document.getElementById("arm-view").tipAt(t), t);
   check(name, "the tip is where the record has it", Math.hypot(...drawn.map((x, i) => x - tip[i])) < 1e-4, `${drawn} ${tip}`);
+  const figure = page.locator(".scroll tbody td").first();
+  await figure.hover();
+  const told = (await figure.getAttribute("title")) ?? "";
+  check(name, "a figure tells what it is: row, column with unit, meaning", told.includes(data.joints[0]) && told.includes("[mrad]") && told.includes("e: Measured minus desired position"), told);
   check(name, "nothing was said on the console", seen.errors.length === 0, seen.errors.join("; "));
   await context.close();
 

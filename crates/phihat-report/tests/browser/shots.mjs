@@ -75,7 +75,7 @@ async function looks(name, address, ready, print) {
 
 const arm = (page) => page.waitForFunction(() => { const view = document.getElementById("arm-view"); return !view || view.paint || getComputedStyle(view.closest(".stage")).display === "none"; }, null, { timeout: 30000 }).catch(() => {});
 const still = async (page) => { await arm(page); await page.waitForTimeout(600); };
-const alive = async (page) => { await page.waitForFunction(() => document.getElementById("arm-view")?.frames > 20, null, { timeout: 60000 }); await page.waitForTimeout(1500); };
+const alive = async (page) => { await page.waitForFunction(() => document.getElementById("arm-view")?.frames > 20 && document.getElementById("arm-view").paint, null, { timeout: 60000 }); await page.waitForTimeout(1500); };
 
 try {
   if (words[0] === "--studio" || words[0] === "--replay") {
