@@ -144,7 +144,7 @@ fn a_joint_that_slides_is_one_that_turns_with_other_units() {
     };
     let ((turned, one), (slid, other)) = (run("turns", &turns), run("slides", &slides));
     assert!(one == other, "the numbers differ");
-    assert!(!turned.contains("mm") && slid.contains("mm/s"), "{slid}");
+    assert!(!turned.contains("mm/s") && slid.contains("mm/s"), "{slid}");
     let identify = ["identify", "out/slides/trace.csv", "--from", "1", "--slides", "first"];
     let told = phihat(&folder, &identify).out;
     assert!(told.contains(" kg ") && told.contains(" N/s"), "{told}");
