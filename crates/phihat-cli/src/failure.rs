@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use phihat_campaign::faults::FaultsError;
+use phihat_campaign::sweep::SweepError;
 use phihat_compare::{CompareError, WORLDS};
 use phihat_model::input::plain;
 use phihat_paper::{OwnError, ReproduceError};
@@ -90,6 +91,15 @@ impl From<FaultsError> for Failure {
         match why {
             FaultsError::Study(_) => Self::rendered(why.to_string()),
             FaultsError::Session(why) => why.into(),
+            other => Self::plain(other),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(why: SweepError) -> Self {
+        match why {
+            SweepError::Session(why) => why.into(),
             other => Self::plain(other),
         }
     }

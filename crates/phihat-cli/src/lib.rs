@@ -39,6 +39,7 @@ mod run;
 mod serve;
 mod shown;
 mod studio;
+mod sweep;
 mod table;
 mod terminal;
 mod verify;
@@ -85,6 +86,8 @@ enum Verb {
     Serve(serve::Serve),
     Studio(studio::Studio),
     Faults(faults::Faults),
+    Sweep(sweep::Sweep),
+    Merge(sweep::Merge),
     Compare(compare::Compare),
     Report(report::Report),
     Reproduce(reproduce::Reproduce),
@@ -147,6 +150,8 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Serve(serve) => serve.execute(),
         Verb::Studio(studio) => studio.execute(),
         Verb::Faults(faults) => faults.execute(),
+        Verb::Sweep(sweep) => sweep.execute(),
+        Verb::Merge(merge) => merge.execute(),
         Verb::Compare(compare) => compare.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Reproduce(reproduce) => reproduce.execute(),

@@ -30,7 +30,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 44] = [
+    let cases: [(&[&str], i32); 47] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -57,6 +57,9 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["report", "out/good/trace.csv"], 0),
         (&["report", "good.toml"], 2),
         (&["faults", "bad.toml"], 2),
+        (&["sweep", "good.toml", "--vary", "duration_s=2,2.5", "--runs", "2", "--out", "swept"], 0),
+        (&["sweep", "good.toml", "--vary", "duration_ms=2,3", "--runs", "2"], 2),
+        (&["merge", "swept"], 2),
         (&["compare", "--list"], 0),
         (&["compare", "--rival", "pd"], 0),
         (&["compare", "--rival", "pdd"], 2),

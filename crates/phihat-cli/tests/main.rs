@@ -22,6 +22,7 @@ mod reproduce;
 mod run;
 mod serve;
 mod struck;
+mod sweep;
 mod terminal;
 mod tip;
 mod tube;

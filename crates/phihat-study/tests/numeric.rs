@@ -30,7 +30,7 @@ fn a_value_lands_at_its_key() {
     assert_eq!(with("world.coulomb_extra_nm[1]", 0.5).world.extra_coulomb, [0.1, 0.5, 0.3]);
     assert_eq!(with("world.coulomb_extra_nm.joint3", 0.5).world.extra_coulomb, [0.1, 0.2, 0.5]);
     assert_eq!(with("world.viscous_extra_nm_s_rad[2]", 0.5).world.extra_viscous, [0.0, 0.0, 0.5]);
-    assert_eq!(with("world.gravity_m_s2[0]", 1.5).world.gravity, [1.5, 0.0, -9.81]);
+    assert_eq!(with("world.gravity_m_s2[0]", 1.5).world.gravity.to_vec(), [1.5, 0.0, -9.81]);
     assert!((with("fault[0].size", 0.9).faults[0].size - 0.9).abs() < 1e-15);
     let before = study(TEXT);
     assert_ne!(with("reference.sine[0].amplitude_rad", 0.2).reference, before.reference);

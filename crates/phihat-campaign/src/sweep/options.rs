@@ -83,7 +83,6 @@ struct ShardRecord {
     runs: u64,
     seed: u64,
     uncertified: bool,
-    chunk: u64,
     part: u64,
     of: u64,
     runs_sha256: String,
@@ -182,7 +181,6 @@ impl SweepOptions {
             runs: self.runs,
             seed: self.seed,
             uncertified: self.uncertified,
-            chunk: layout.chunk,
             part: layout.shard.part,
             of: layout.shard.of,
             runs_sha256,
@@ -197,48 +195,12 @@ impl SweepOptions {
 ///
 /// [`SweepError`]: a shard is missing, unfinished or of another sweep; the study cannot be read any more, or is another one.
 pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, SweepError> {
-    let found = shards(folders)?;
-    let Some((first, record)) = found.first() else {
-        return Err(SweepError::NoShard {
-            path: PathBuf::from("."),
-            why: "no shards are named".into(),
-        });
-    };
-    let no = |path: &Path, why: String| SweepError::NoShard { path: path.to_owned(), why };
-    let mut by_part: Vec<Option<&PathBuf>> =
-        vec![None; usize::try_from(record.of).unwrap_or(0).min(100_000)];
-    for (folder, other) in &found {
-        if (&other.plan, other.runs, other.of) != (&record.plan, record.runs, record.of) {
-            let why = format!("of another sweep than {}", first.display());
-            return Err(no(folder, why));
-        }
-        let place = usize::try_from(other.part.saturating_sub(1)).unwrap_or(usize::MAX);
-        let Some(place) = by_part.get_mut(place) else {
-            return Err(no(folder, format!("there is no shard {}/{}", other.part, other.of)));
-        };
-        *place = Some(folder);
-    }
-    let missing: Vec<String> = (1..)
-        .zip(&by_part)
-        .filter(|(_, f)| f.is_none())
-        .map(|(k, _): (u64, _)| k.to_string())
-        .collect();
-    if !missing.is_empty() {
-        return Err(SweepError::Missing { missing: missing.join(", "), count: record.of });
-    }
-    let options = SweepOptions {
-        study: record.study.clone(),
-        gains: record.gains.clone(),
-        vary: record.vary.clone(),
-        runs: record.runs,
-        seed: record.seed,
-        uncertified: record.uncertified,
-        ..SweepOptions::default()
-    };
-    let plan = options.plan()?;
+    let found = complete(shards(folders)?)?;
+    let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
+    let plan = record.options().plan()?;
     if plan.id != record.plan {
         let why = "not the study, gains or version of phihat that the shards were made with";
-        return Err(no(&record.study, why.into()));
+        return Err(no(&record.study, why));
     }
     let own = || match folders {
         [one] if !one.join(SHARD).exists() => one.clone(),
@@ -250,40 +212,73 @@ pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, Swee
     disk::make_folder(&folder).map_err(|e| SessionError::at(&folder, e))?;
     let _held = disk::Lock::take(&folder)?;
     taken_away(&folder.join(ANSWER))?;
-    let whole = Layout { shard: Shard::WHOLE, ..Layout::new(record.runs, Shard::WHOLE) };
-    let columns = plan.columns();
-    let head = columns.head(record.runs);
-    let mut file = RowFile::open(&part, &head, columns.width(), record.runs)?;
-    for ((k, from), (_, record)) in (1..).zip(by_part.iter().flatten()).zip(sorted(&found)) {
-        let layout = Layout { shard: Shard { part: k, of: record.of }, ..whole };
-        let head = columns.head(layout.own_runs());
-        let path = from.join(ROWS);
-        let mut shard = RowFile::finished(&path, &head, columns.width(), layout.own_runs())?;
-        if shard.sha256()? != record.runs_sha256 {
-            return Err(no(
-                &path,
-                "changed since its shard was finished; run the shard again".into(),
-            ));
-        }
-        for chunk in layout.chunks() {
-            let runs = layout.runs_of(chunk);
-            let rows = shard.rows(layout.row_of(chunk), runs.end - runs.start)?;
-            file.put(runs.start, &rows)?;
-        }
-    }
-    file.sync()?;
+    let file = gathered(&plan, &found, &part)?;
     leave(&plan, file, (&part, &folder)).map(|whole| *whole)
 }
 
-type Found = (PathBuf, ShardRecord);
-
-/// In the order of their parts.
-fn sorted(found: &[Found]) -> Vec<&Found> {
-    let mut all: Vec<_> = found.iter().collect();
-    all.sort_by_key(|(_, record)| record.part);
-    all.dedup_by_key(|(_, record)| record.part);
-    all
+/// The rows of all shards in one file.
+fn gathered(plan: &Plan, found: &[Found], part: &Path) -> Result<RowFile, SweepError> {
+    let columns = plan.columns();
+    let mut file = RowFile::open(part, &columns.head(plan.runs), columns.width(), plan.runs)?;
+    for (folder, record) in found {
+        let shard = Shard { part: record.part, of: record.of };
+        let layout = Layout::new(record.runs, shard);
+        let head = columns.head(layout.own_runs());
+        let path = folder.join(ROWS);
+        let mut rows = RowFile::finished(&path, &head, columns.width(), layout.own_runs())?;
+        if rows.sha256()? != record.runs_sha256 {
+            return Err(no(&path, "changed since its shard was finished; run the shard again"));
+        }
+        for chunk in layout.chunks() {
+            let runs = layout.runs_of(chunk);
+            let chunk = rows.rows(layout.row_of(chunk), runs.end - runs.start)?;
+            file.put(runs.start, &chunk)?;
+        }
+    }
+    file.sync()?;
+    Ok(file)
 }
+
+fn no(path: &Path, why: impl Into<String>) -> SweepError {
+    SweepError::NoShard { path: path.to_owned(), why: why.into() }
+}
+
+/// All shards of one sweep, each once, in their order.
+fn complete(mut found: Vec<Found>) -> Result<Vec<Found>, SweepError> {
+    found.sort_by_key(|(_, record)| record.part);
+    found.dedup_by_key(|(_, record)| (record.plan.clone(), record.part, record.of));
+    let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
+    let sweep = |record: &ShardRecord| (record.plan.clone(), record.runs, record.of);
+    let other = found.iter().find(|(_, other)| sweep(other) != sweep(record));
+    if let Some((folder, _)) = other {
+        return Err(no(folder, format!("of another sweep than {}", first.display())));
+    }
+    let of = record.of;
+    let has = |part: &u64| found.iter().any(|(_, record)| record.part == *part);
+    let missing: Vec<String> =
+        (1..=of).filter(|part| !has(part)).map(|part| part.to_string()).collect();
+    if missing.is_empty() {
+        return Ok(found);
+    }
+    Err(SweepError::Missing { missing: missing.join(", "), count: of })
+}
+
+impl ShardRecord {
+    /// What its sweep was told.
+    fn options(&self) -> SweepOptions {
+        SweepOptions {
+            study: self.study.clone(),
+            gains: self.gains.clone(),
+            vary: self.vary.clone(),
+            runs: self.runs,
+            seed: self.seed,
+            uncertified: self.uncertified,
+            ..SweepOptions::default()
+        }
+    }
+}
+
+type Found = (PathBuf, ShardRecord);
 
 /// Every finished shard in these folders, or right below them.
 fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {

@@ -64,9 +64,10 @@ impl Plan {
         set(&mut table, &["spec", "settle_s"], study.spec.settle.into());
         let own_gains = !given && table.contains_key("gains");
         if let Some(vary) = vary.iter().find(|vary| vary.key().section() == "gains" && !own_gains) {
-            let why = match given {
-                true => "the gains are those of --gains",
-                false => "the gains are designed, and the study states none",
+            let why = if given {
+                "the gains are those of --gains"
+            } else {
+                "the gains are designed, and the study states none"
             };
             return Err(SweepError::Vary { text: vary.text().to_owned(), why: why.to_owned() });
         }

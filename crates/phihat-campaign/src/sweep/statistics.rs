@@ -93,7 +93,9 @@ impl Binomial {
             masses.push(mass);
         }
         let sum: f64 = masses.iter().sum();
-        masses.iter_mut().for_each(|mass| *mass /= sum);
+        for mass in &mut masses {
+            *mass /= sum;
+        }
         Self { first, masses }
     }
 
