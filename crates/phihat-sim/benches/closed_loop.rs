@@ -92,7 +92,8 @@ fn figures(study: &Study, arms: usize, runs: usize) -> (f64, f64) {
         together.push(arms as f64 * study.duration / start.elapsed().as_secs_f64());
         assert!(figures.iter().all(|(_, ended)| ended.divergence.is_none()));
     }
-    [&mut alone, &mut together].iter_mut().for_each(|times| times.sort_by(f64::total_cmp));
+    alone.sort_by(f64::total_cmp);
+    together.sort_by(f64::total_cmp);
     (alone[runs / 2], together[runs / 2])
 }
 

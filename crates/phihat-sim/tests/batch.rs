@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
+use std::fmt::Write as _;
 
 use phihat_sim::{Batch, Ended, Metrics, Simulation, Trace, derive_substeps};
 use phihat_study::Study;
@@ -51,13 +52,15 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
         r.within(0.05, 0.11),
         r.next() % 1000,
     );
-    text += &format!(
-        "[loop]\ndelay_samples = {}\nform = \"{}\"\n",
+    writeln!(
+        text,
+        "[loop]\ndelay_samples = {}\nform = \"{}\"",
         r.next() % 4,
         r.of(&["observer", "literal"])
-    );
+    )
+    .unwrap();
     text += &r.of(&["", "torque_rate_max_nm_s = 900.0\n", "torque_max_nm = 9.0\n"]);
-    text += &format!("[sensor]\nencoder_bits = {}\n", r.of(&["18", "14", "\"none\""]));
+    writeln!(text, "[sensor]\nencoder_bits = {}", r.of(&["18", "14", "\"none\""])).unwrap();
     text += &r.of(&["", "velocity = \"differenced\"\nvelocity_filter_hz = 45.0\n"]);
     text += &r.of(&[
         "",
@@ -65,8 +68,8 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
         "position_noise_rad = 1e-5\nsample_jitter_s = 2e-4\n",
         "sample_delay_samples = 2\n",
     ]);
-    text += &format!("[world]\nfriction = \"{}\"\n", r.of(&["robot", "robot", "none"]));
-    text += &format!("coulomb_extra_nm = {}\n", r.of(&["0.0", "0.3", "0.1"]));
+    writeln!(text, "[world]\nfriction = \"{}\"", r.of(&["robot", "robot", "none"])).unwrap();
+    writeln!(text, "coulomb_extra_nm = {}", r.of(&["0.0", "0.3", "0.1"])).unwrap();
     text += &r.of(&["", "viscous_extra_nm_s_rad = 0.7\n", "gravity_m_s2 = [3.0, 0.0, -9.0]\n"]);
     text += &r.of(&[
         "",
@@ -75,9 +78,11 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
     ]);
     if r.odds(2) {
         let (mass, start) = (r.within(0.05, 1.0), r.of(&["", ", start_s = 0.03, end_s = 0.06"]));
-        text += &format!(
-            "payload = {{ frame = \"{tip}\", mass_kg = {mass}, com_m = [0.0, 0.01, 0.05]{start} }}\n"
-        );
+        writeln!(
+            text,
+            "payload = {{ frame = \"{tip}\", mass_kg = {mass}, com_m = [0.0, 0.01, 0.05]{start} }}"
+        )
+        .unwrap();
     }
     text += &r.of(&["", "", "[world.network]\ncommand_loss = 0.1\nsample_loss = 0.1\n"]);
     text += &r.of(&["", "", "[supervisor]\nerror_stop_rad = 0.05\n"]);
@@ -224,7 +229,7 @@ fn arms_of_several_structures_and_periods_come_in_any_order() {
     let mut random = Random(5);
     let mixed = |random: &mut Random, k: usize| {
         let text = drawn(random, ARMS[k % 2]);
-        study(&if k % 3 == 0 {
+        study(&if k.is_multiple_of(3) {
             text.replace("[loop]\n", "[loop]\nrate_hz = 500.0\n")
         } else {
             text

@@ -26,11 +26,12 @@ struct SigmoidLanes {
 
 impl FrictionLanes {
     /// The frictions of as many arms as there are lanes.
-    pub(super) fn of(frictions: [Friction; Lanes::COUNT]) -> Self {
-        let lanes = |of: fn(&Friction) -> f64| Lanes::from(frictions.map(|friction| of(&friction)));
+    pub(super) fn of(frictions: &[Friction; Lanes::COUNT]) -> Self {
+        let lanes = |of: fn(&Friction) -> f64| Lanes::from(frictions.each_ref().map(of));
         let dry = |friction: &Friction| if friction.coulomb > 0.0 { friction.coulomb } else { 0.0 };
         let smooth = |of: fn(&phihat_model::Sigmoid) -> f64| {
-            Lanes::from(frictions.map(|friction| friction.sigmoid.as_ref().map_or(0.0, of)))
+            let each = frictions.each_ref();
+            Lanes::from(each.map(|friction| friction.sigmoid.as_ref().map_or(0.0, of)))
         };
         let sigmoid = || SigmoidLanes {
             amplitude: smooth(|law| law.amplitude_nm),

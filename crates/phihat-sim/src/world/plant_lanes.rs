@@ -154,7 +154,8 @@ impl PlantLanes {
         let sizes = <[f64; Lanes::COUNT]>::from(self.size);
         for (k, world) in lanes.iter_mut().enumerate() {
             let Some(world) = world else { continue };
-            if !(sizes[k] < TAME) {
+            let tame = sizes[k] < TAME;
+            if !tame {
                 world.integrate(t);
                 continue;
             }
@@ -181,15 +182,14 @@ impl PlantLanes {
             (0..=last).for_each(|k| self.stages[k] = stage(k).0);
         }
         for (i, joint) in self.joints.iter_mut().enumerate() {
-            let lanes = |of: &dyn Fn(&Plant) -> f64| Lanes::from(plants.map(|plant| of(plant)));
             self.q[i] = Lanes::from(plants.map(|plant| plant.q[i]));
             self.dq[i] = Lanes::from(plants.map(|plant| plant.dq[i]));
             joint.demand = Lanes::from(plants.map(|plant| plant.forces.drives[i].held_over().1));
             if self.drives_lag {
-                joint.gap = lanes(&|plant| plant.forces.drives[i].held_over().2);
+                joint.gap = Lanes::from(plants.map(|plant| plant.forces.drives[i].held_over().2));
             }
             if self.varies {
-                joint.friction = FrictionLanes::of(plants.map(|plant| plant.forces.friction[i]));
+                joint.friction = FrictionLanes::of(&plants.map(|plant| plant.forces.friction[i]));
             }
         }
     }
@@ -261,7 +261,7 @@ fn friction(plants: &[&Plant], i: usize) -> FrictionLanes {
         let plant = plants.get(k).or(plants.last());
         plant.and_then(|plant| plant.forces.friction.get(i)).copied().unwrap_or_default()
     };
-    FrictionLanes::of(core::array::from_fn(of))
+    FrictionLanes::of(&core::array::from_fn(of))
 }
 
 /// Every push of every plant, in its own lane, in each plant's order.
