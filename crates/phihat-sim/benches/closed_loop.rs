@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use phihat::{Form, JointDesign, JointGains};
-use phihat_sim::Simulation;
+use phihat_sim::{Batch, Measured, Simulation};
 use phihat_study::Study;
 
 /// Reference: one sinusoid per joint, as in the loops of other libraries that this is set beside.
@@ -60,6 +60,43 @@ fn times_real_time(study: &Study, runs: usize) -> f64 {
     times[times.len() / 2]
 }
 
+/// The same with figures alone, and of as many arms as there are lanes, each with a load of its own: simulated seconds of all
+/// arms per second of one core.
+fn figures(study: &Study, arms: usize, runs: usize) -> (f64, f64) {
+    let gains = gains(study);
+    let own = |arm: usize| {
+        let mut study = study.clone();
+        if let Some(payload) = &mut study.world.payload {
+            payload.mass = 0.1 * arm as f64;
+        }
+        study.seed = arm as u64;
+        study
+    };
+    let studies: Vec<Study> = (0..arms).map(own).collect();
+    let (mut alone, mut together) = (Vec::new(), Vec::new());
+    for _ in 0..runs {
+        let simulation = Simulation::new(study, &gains).unwrap();
+        let start = Instant::now();
+        let mut measured = Measured::new(study);
+        let each = |block: &mut phihat_sim::Trace| -> Result<(), std::convert::Infallible> {
+            measured.block(block);
+            Ok(())
+        };
+        let Ok(_) = simulation.stream(64, |_| (), each);
+        alone.push(study.duration / start.elapsed().as_secs_f64());
+        let simulations = studies.iter().map(|study| Simulation::new(study, &gains).unwrap());
+        let batch = Batch::new(simulations.collect());
+        assert_eq!(batch.alone().count(), 0);
+        let start = Instant::now();
+        let figures = batch.measure(&studies.iter().collect::<Vec<_>>());
+        together.push(arms as f64 * study.duration / start.elapsed().as_secs_f64());
+        assert!(figures.iter().all(|(_, ended)| ended.divergence.is_none()));
+    }
+    alone.sort_by(f64::total_cmp);
+    together.sort_by(f64::total_cmp);
+    (alone[runs / 2], together[runs / 2])
+}
+
 fn main() {
     let asked = |word: &str| std::env::args().any(|a| a == word);
     // `cargo bench` says `--bench`; run as a test it is brief.
@@ -73,5 +110,11 @@ fn main() {
     {
         let figure = times_real_time(study, runs);
         println!(r#"{{"algorithm":"{name}","times_real_time":{figure:.1}}}"#);
+    }
+    let (alone, together) = figures(&full, 8, if quick { 1 } else { 9 });
+    for (name, figure) in [("figures", alone), ("figures_in_lanes", together)] {
+        println!(
+            r#"{{"algorithm":"closed_loop_panda_full_world_{name}","times_real_time":{figure:.1}}}"#
+        );
     }
 }

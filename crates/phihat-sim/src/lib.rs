@@ -57,6 +57,7 @@
 #![forbid(unsafe_code)]
 
 mod apart;
+mod batch;
 mod control;
 mod curve;
 mod demand;
@@ -88,6 +89,7 @@ mod trace_parquet;
 mod world;
 
 pub use apart::{Sensed, WorldSide};
+pub use batch::Batch;
 pub use control::ControlSide;
 pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};

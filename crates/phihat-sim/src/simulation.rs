@@ -249,12 +249,30 @@ impl Simulation {
         trace: &mut Trace,
         integrals: &mut [Integral],
     ) -> Option<Divergence> {
+        let t = self.begin(k, trace);
+        self.world.integrate(t);
+        self.finish(t, trace, integrals)
+    }
+
+    /// The sample as far as the drives: control and limit; its time \[s\].
+    pub(crate) fn begin(&mut self, k: u64, trace: &mut Trace) -> f64 {
         let t_ns = k * self.period_ns;
         let t = t_ns as f64 * 1e-9;
         let runs = self.world.path.controller_runs(t);
         self.control.step(t, self.world.sample(), runs);
         trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
-        self.world.advance(k, t, self.control.commands.iter().map(|command| command.tau));
+        self.world.begin(k, t, self.control.commands.iter().map(|command| command.tau));
+        t
+    }
+
+    /// The sample of time `t` \[s\] to its end, once the arm has moved. How it diverged, if it did.
+    pub(crate) fn finish(
+        &mut self,
+        t: f64,
+        trace: &mut Trace,
+        integrals: &mut [Integral],
+    ) -> Option<Divergence> {
+        self.world.finish();
         self.close(trace, integrals);
         diverged(&self.world, &self.names, t)
     }

@@ -1,12 +1,12 @@
 //! The tip of the arm: where it is, where the reference has it, and what joints may be off for it.
 
-use phihat_model::{FrameId, Model, Workspace};
+use phihat_model::{FrameId, Lanes, Model, Scalar, Workspace};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SimError;
 use crate::motion::Motion;
-use crate::trace::Trace;
+use crate::trace::{JointTrace, Trace};
 
 /// Figures of the arm's tip over a run. "Steady" means: after `Spec::settle`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,11 @@ impl TipMetrics {
 pub(crate) struct TipMeasured {
     model: Model,
     frame: FrameId,
-    workspace: Workspace<f64>,
+    workspace: Workspace<Lanes>,
+    /// Postures of so many samples.
+    q: Vec<Lanes>,
+    /// Sine of half the largest angle of the steady part.
+    half: f64,
     pub(crate) metrics: TipMetrics,
 }
 
@@ -52,42 +56,51 @@ impl TipMeasured {
             error_spec_m: study.spec.tip_error_max,
             angle_steady_max_rad: 0.0,
         };
-        Some(Self { workspace: Workspace::new(&model), model, frame, metrics })
+        let q = Vec::with_capacity(model.joint_count());
+        Some(Self { workspace: Workspace::new(&model), model, frame, q, half: 0.0, metrics })
     }
 
-    /// More samples, those from `first` on of the steady part.
+    /// More samples, those from `first` on of the steady part: as many at a time as there are lanes.
     pub(crate) fn block(&mut self, trace: &Trace, first: usize) {
-        let n = trace.joints.len();
-        let (mut q, mut wanted) = (vec![0.0; n], vec![0.0; n]);
-        for k in 0..trace.len() {
-            for (i, joint) in trace.joints.iter().enumerate() {
-                (q[i], wanted[i]) = (joint.q[k], joint.q_desired[k]);
-            }
-            let (off, turned) = self.apart(&q, &wanted);
-            raise(&mut self.metrics.error_max_m, off);
-            if k >= first {
-                raise(&mut self.metrics.error_steady_max_m, off);
-                raise(&mut self.metrics.angle_steady_max_rad, turned);
+        for from in (0..trace.len()).step_by(Lanes::COUNT) {
+            let (offs, halves) = self.apart(trace, from);
+            for (k, (off, half)) in (from..trace.len()).zip(offs.into_iter().zip(halves)) {
+                raise(&mut self.metrics.error_max_m, off);
+                if k >= first {
+                    raise(&mut self.metrics.error_steady_max_m, off);
+                    let widest = self.half;
+                    raise(&mut self.half, half);
+                    if widest.to_bits() != self.half.to_bits() {
+                        let sine = if half > 1.0 { 1.0 } else { half };
+                        raise(&mut self.metrics.angle_steady_max_rad, 2.0 * libm::asin(sine));
+                    }
+                }
             }
         }
     }
 
-    /// Distance \[m\] and angle \[rad\] between the tips of two postures.
-    fn apart(&mut self, q: &[f64], wanted: &[f64]) -> (f64, f64) {
-        let mut pose = |q: &[f64]| {
-            self.model.forward_kinematics(&mut self.workspace, q);
+    /// Distance \[m\] between the tips of both postures of so many samples, and the sine of half the angle between their axes; what
+    /// lies beyond the last sample repeats it.
+    fn apart(&mut self, trace: &Trace, from: usize) -> ([f64; Lanes::COUNT], [f64; Lanes::COUNT]) {
+        let last = trace.len() - 1;
+        let side = |values: &[f64]| match values.get(from..).and_then(<[f64]>::first_chunk) {
+            Some(whole) => Lanes::from(*whole),
+            None => Lanes::from(core::array::from_fn(|k| values[last.min(from + k)])),
+        };
+        let mut pose = |of: fn(&JointTrace) -> &Vec<f64>| {
+            self.q.clear();
+            self.q.extend(trace.joints.iter().map(|joint| side(of(joint))));
+            self.model.forward_kinematics(&mut self.workspace, &self.q);
             self.model.pose(&self.workspace, self.frame)
         };
-        let (a, b) = (pose(q), pose(wanted));
-        let off: f64 = (0..3).map(|i| (a.p[i] - b.p[i]) * (a.p[i] - b.p[i])).sum();
+        let (a, b) = (pose(|joint| &joint.q), pose(|joint| &joint.q_desired));
+        let squares = |differences: &mut dyn Iterator<Item = Lanes>| {
+            differences.fold(Lanes::splat(0.0), |sum, difference| sum + difference * difference)
+        };
+        let off = squares(&mut (0..3).map(|i| a.p[i] - b.p[i]));
         // ‖A − B‖ = 2√2 |sin(θ/2)| by Frobenius: exact also for small angles.
-        let apart: f64 = (0..9)
-            .map(|i| a.r[i / 3][i % 3] - b.r[i / 3][i % 3])
-            .map(|difference| difference * difference)
-            .sum();
-        let half = (apart / 8.0).sqrt();
-        let angle = 2.0 * libm::asin(if half > 1.0 { 1.0 } else { half });
-        (off.sqrt(), angle)
+        let apart = squares(&mut (0..9).map(|i| a.r[i / 3][i % 3] - b.r[i / 3][i % 3]));
+        (off.sqrt().into(), (apart / Lanes::splat(8.0)).sqrt().into())
     }
 }
 

@@ -9,6 +9,7 @@
 mod support;
 
 mod accuracy;
+mod batch;
 mod blocks;
 mod driver;
 mod held;

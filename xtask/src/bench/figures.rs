@@ -155,7 +155,8 @@ impl Sides {
         if self.names().iter().any(|name| name.1.starts_with("closed_loop")) {
             text.push_str(
                 "\nclosed loop: 1 kHz, four forward dynamics (RK4) per step on both sides; Pinocchio's law \
-                 is computed\ntorque (one RNEA), ours is this project's controller and whatever its world adds\n",
+                 is computed\ntorque (one RNEA), ours is this project's controller and whatever its world adds;\nin lanes: of eight arms with loads of their own, beside one arm \
+                 of which figures are kept alone (figures)\n",
             );
         }
         text

@@ -53,6 +53,11 @@ impl Drive {
         }
     }
 
+    /// `ω`, the demand, and what was between it and the torque at the start of the interval.
+    pub(super) fn held_over(&self) -> (Option<f64>, f64, f64) {
+        (self.rate, self.demand, self.gap)
+    }
+
     /// Mean torque over an interval of `length` seconds; the next interval starts at its end.
     pub(crate) fn finish(&mut self, length: f64) -> f64 {
         let Some(rate) = self.rate else { return self.demand };

@@ -8,11 +8,13 @@ mod fault;
 mod firmware;
 mod forces;
 mod friction;
+mod friction_lanes;
 mod loss;
 mod noise;
 mod path;
 mod payload;
 mod plant;
+mod plant_lanes;
 mod sensing;
 mod sensor;
 mod shape;
@@ -23,6 +25,7 @@ pub(crate) use build::{frictions, frictions_of_robot, loaded_model};
 pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
 pub(crate) use payload::loaded;
+pub(crate) use plant_lanes::PlantLanes;
 
 use phihat_study::{Fault, FaultKind, Study};
 
@@ -44,6 +47,7 @@ pub(crate) struct World {
     /// What the robot adds by itself, and the whole that its drives shall give \[N·m\].
     added: Vec<f64>,
     demand: Vec<f64>,
+    adds: bool,
     period: f64,
     substeps: u32,
 }
@@ -70,6 +74,7 @@ impl World {
             held,
             added: vec![0.0; study.robot.joints.len()],
             demand: Vec::with_capacity(study.robot.joints.len()),
+            adds: false,
             plant,
             period,
             substeps: study.world.substeps,
@@ -120,17 +125,38 @@ impl World {
 
     /// Takes the torque asked for at sample `k`, time `t` \[s\], and goes on to the next sample.
     pub(crate) fn advance(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
+        self.begin(k, t, torque);
+        self.integrate(t);
+        self.finish();
+    }
+
+    /// Takes the torque asked for at sample `k`, time `t` \[s\], to the drives.
+    pub(crate) fn begin(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         self.path.pass(k, t, torque);
         let n = self.path.told.len();
         let Some(added) = self.path.added(&self.plant.q[..n], &self.plant.dq[..n]) else {
-            return self.plant.advance(t, self.period, self.substeps, &self.path.told);
+            self.adds = false;
+            return self.plant.begin(t, &self.path.told);
         };
+        self.adds = true;
         self.added.copy_from_slice(added);
         self.demand.clear();
         let whole = self.path.told.iter().zip(&self.added).map(|(told, added)| told + added);
         self.demand.extend(whole);
-        self.plant.advance(t, self.period, self.substeps, &self.demand);
-        self.plant.deduct(&self.added);
+        self.plant.begin(t, &self.demand);
+    }
+
+    /// Moves the arm through the interval that begins at `t` \[s\].
+    pub(crate) fn integrate(&mut self, t: f64) {
+        self.plant.integrate(t, self.period, self.substeps);
+    }
+
+    /// Ends the interval, once the arm has moved.
+    pub(crate) fn finish(&mut self) {
+        self.plant.finish(self.period, self.substeps);
+        if self.adds {
+            self.plant.deduct(&self.added);
+        }
     }
 }
 

@@ -51,7 +51,12 @@ impl Carried {
         }
     }
 
-    /// The model in force.
+    /// The model in force, and its place among those of the run.
+    pub(super) fn stage(&self) -> (usize, &Model) {
+        (self.at, &self.stages[self.at].1)
+    }
+
+    /// The model in force, to compute with.
     pub(super) fn model(&mut self) -> (&Model, &mut Workspace<f64>) {
         let (_, model, workspace) = &mut self.stages[self.at];
         (model, workspace)

@@ -143,8 +143,8 @@ impl Plant {
         }
     }
 
-    /// Holds a torque demand from `t` for `period`, in `substeps` RK4 steps.
-    pub(crate) fn advance(&mut self, t: f64, period: f64, substeps: u32, demand: &[f64]) {
+    /// Begins an interval at `t` with a torque demand that is held over it.
+    pub(super) fn begin(&mut self, t: f64, demand: &[f64]) {
         self.forces.interval = t;
         self.forces.carried.go_to(t);
         if !self.faults.is_empty() || self.warm_up.is_some() {
@@ -163,6 +163,10 @@ impl Plant {
             }
             self.forces.stage = 0;
         }
+    }
+
+    /// Goes through the interval that begins at `t`, in `substeps` RK4 steps.
+    pub(super) fn integrate(&mut self, t: f64, period: f64, substeps: u32) {
         let h = period / f64::from(substeps);
         for step in 0..substeps {
             let first = if step == 0 { &mut self.ddq } else { &mut self.discarded };
@@ -171,6 +175,10 @@ impl Plant {
             self.rk4.step(&mut self.forces, (start, h), &mut self.q, &mut self.dq, first);
             self.forces.end(h, &self.dq);
         }
+    }
+
+    /// Ends the interval: the mean of its torques.
+    pub(super) fn finish(&mut self, period: f64, substeps: u32) {
         for (i, drive) in self.forces.drives.iter_mut().enumerate() {
             self.tau_mean[i] = drive.finish(period);
         }

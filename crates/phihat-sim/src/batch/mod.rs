@@ -1,0 +1,157 @@
+//! Many closed loops at once: arms of one structure side by side.
+
+mod group;
+
+use phihat_model::Lanes;
+use phihat_study::Study;
+
+use crate::metrics::{Measured, Metrics};
+use crate::simulation::{Ended, Simulation};
+use crate::trace::Trace;
+use crate::world::PlantLanes;
+use group::Group;
+
+/// Samples that are kept before their figures are taken.
+const BLOCK: usize = 64;
+
+/// Many simulations, run so that arms of one structure move in lockstep, eight at a time.
+///
+/// Every arm has a study of its own: payload, friction, gains, reference, seed, delay, encoders, limits, faults, supervisor,
+/// duration. What decides who shares lanes is structure alone: the joints, the sample period and the integration steps.
+///
+/// # Law
+///
+/// The batch is the single run, eight at a time: every arm's record, figures and end equal those of its own
+/// [`Simulation`] to the last bit. Sensing, control and drives are the very code of the single run; what is in lanes is the
+/// integration, with the operations of the single one in their order. The one difference is the sign of a zero, in the record.
+///
+/// # Alone
+///
+/// Elastic transmissions, stiction, contacts, end stops, imperfect drives, and trees run one by one; [`alone`](Self::alone) tells
+/// which and why. So does the rest of a group in which only one arm is left.
+///
+/// # Example
+///
+/// ```
+/// use phihat::{Form, JointDesign, JointGains};
+/// use phihat_sim::{Batch, Metrics, Simulation};
+/// use phihat_study::Study;
+///
+/// let text = |mass: f64| format!(r#"
+///     duration_s = 0.5
+///     [robot]
+///     name = "planar3r"
+///     [spec]
+///     settle_s = 0.1
+///     error_max_rad = 2e-3
+///     [gains]
+///     order = 1
+///     bandwidth_rad_s = 20.0
+///     estimator_bandwidth_rad_s = 70.0
+///     inertia_kg_m2 = [0.42, 0.18, 0.14]
+///     [world]
+///     payload = {{ frame = "tool", mass_kg = {mass} }}
+///     [reference]
+///     kind = "hold"
+///     q_rad = [0.4, -0.7, 0.9]
+/// "#);
+/// let gains = JointDesign {
+///     inertia: 0.2, kp: 400.0, kd: 40.0, a: &[70.0], period: 1e-3, form: Form::Observer,
+/// };
+/// let law = vec![JointGains::new(&gains)?; 3];
+/// let studies = [0.1, 0.2, 0.3]
+///     .map(|mass| Study::from_text(&text(mass), "demo.toml", "".as_ref()))
+///     .into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let simulations = studies.iter().map(|study| Simulation::new(study, &law));
+/// let batch = Batch::new(simulations.collect::<Result<_, _>>()?);
+/// assert_eq!(batch.alone().count(), 0);
+///
+/// let measured = batch.measure(&studies.iter().collect::<Vec<_>>());
+/// let alone = Simulation::new(&studies[1], &law)?.run(|_| ());
+/// assert!(measured[1].0 == Metrics::of(&alone.trace, &studies[1])); // to the last bit
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Batch {
+    arms: usize,
+    groups: Vec<Vec<(usize, Simulation)>>,
+    alone: Vec<(usize, Simulation, &'static str)>,
+}
+
+impl Batch {
+    /// Puts prepared simulations together; their places in the list are the arms' numbers.
+    pub fn new(simulations: Vec<Simulation>) -> Self {
+        let arms = simulations.len();
+        let (mut open, mut groups) = (Vec::<Vec<(usize, Simulation)>>::new(), Vec::new());
+        let mut alone = Vec::new();
+        for (arm, simulation) in simulations.into_iter().enumerate() {
+            if let Some(why) = PlantLanes::alone(&simulation.world) {
+                alone.push((arm, simulation, why));
+                continue;
+            }
+            let alike = |group: &Vec<(usize, Simulation)>| {
+                group
+                    .first()
+                    .is_some_and(|(_, first)| PlantLanes::alike(&first.world, &simulation.world))
+            };
+            match open.iter().position(alike) {
+                None => open.push(vec![(arm, simulation)]),
+                Some(at) => {
+                    open[at].push((arm, simulation));
+                    if open[at].len() == Lanes::COUNT {
+                        groups.push(open.swap_remove(at));
+                    }
+                }
+            }
+        }
+        for group in open {
+            match <[_; 1]>::try_from(group) {
+                Ok([(arm, simulation)]) => alone.push((arm, simulation, "no other arm is like it")),
+                Err(group) => groups.push(group),
+            }
+        }
+        Self { arms, groups, alone }
+    }
+
+    /// The arms that run one by one, and why.
+    pub fn alone(&self) -> impl Iterator<Item = (usize, &'static str)> {
+        self.alone.iter().map(|(arm, _, why)| (*arm, *why))
+    }
+
+    /// Runs all to their ends and hands every arm's record over in blocks of at most so many samples, as
+    /// [`Simulation::stream`] does; how each one ended, in the order of the arms.
+    ///
+    /// # Errors
+    ///
+    /// What `each` says of a block; all runs end there.
+    pub fn stream<E>(
+        self,
+        block: usize,
+        mut each: impl FnMut(usize, &mut Trace) -> Result<(), E>,
+    ) -> Result<Vec<Ended>, E> {
+        let mut ends: Vec<(usize, Ended)> = Vec::with_capacity(self.arms);
+        for group in self.groups {
+            Group::new(group, block).run(&mut each, &mut ends)?;
+        }
+        for (arm, simulation, _) in self.alone {
+            ends.push((arm, simulation.stream(block, |_| (), |trace| each(arm, trace))?));
+        }
+        ends.sort_by_key(|(arm, _)| *arm);
+        Ok(ends.into_iter().map(|(_, ended)| ended).collect())
+    }
+
+    /// Runs all to their ends and leaves the figures that [`Metrics::of`] makes of each one's record, and how it ended. `studies` are
+    /// those of the simulations, in their order; an arm without one has no figures.
+    pub fn measure(self, studies: &[&Study]) -> Vec<(Metrics, Ended)> {
+        let mut measured: Vec<Measured> =
+            studies.iter().map(|study| Measured::new(study)).collect();
+        let take = |arm: usize, trace: &mut Trace| -> Result<(), core::convert::Infallible> {
+            if let Some(measured) = measured.get_mut(arm) {
+                measured.block(trace);
+            }
+            Ok(())
+        };
+        let Ok(ends) = self.stream(BLOCK, take);
+        measured.into_iter().map(Measured::metrics).zip(ends).collect()
+    }
+}

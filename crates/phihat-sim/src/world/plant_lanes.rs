@@ -1,0 +1,277 @@
+//! Plants of one structure that move in lockstep, one per lane.
+
+use phihat_model::{Lanes, Lockstep, LockstepError, Model, Scalar};
+
+use super::World;
+use super::friction_lanes::FrictionLanes;
+use super::plant::Plant;
+
+/// A lane whose state adds up to more than this within an interval goes through it alone.
+const TAME: f64 = 1e6;
+
+/// The moving parts of up to [`Lanes::COUNT`] worlds.
+///
+/// # Method
+///
+/// The state is taken from the worlds at the start of an interval and given back at its end; in between are the steps of
+/// `Rk4`, operation by operation. A lane that leaves every plausible state within an interval is not given back: its world
+/// goes through it by itself, so infinities and what comes of them are those of the single run.
+#[derive(Debug)]
+pub(crate) struct PlantLanes {
+    arms: Lockstep,
+    /// How many lanes are taken, and which of its models each one carries.
+    stages: Vec<usize>,
+    joints: Vec<Joint>,
+    /// Whether any drive takes time.
+    drives_lag: bool,
+    /// Whether friction changes from interval to interval.
+    varies: bool,
+    /// State at the start, then at the end of an interval, and `q̈` at its start.
+    q: Vec<Lanes>,
+    dq: Vec<Lanes>,
+    first: Vec<Lanes>,
+    stage: Stage,
+    pushes: Vec<(f64, f64, usize, Lanes)>,
+    /// What the state of each lane adds up to within the interval.
+    size: Lanes,
+}
+
+/// One joint of every arm.
+#[derive(Debug)]
+struct Joint {
+    friction: FrictionLanes,
+    /// `−ω` of the drives; 0 where torque acts at once.
+    falling: Lanes,
+    demand: Lanes,
+    gap: Lanes,
+}
+
+/// The stage of the integrator.
+#[derive(Debug)]
+struct Stage {
+    q: Vec<Lanes>,
+    dq: Vec<Lanes>,
+    tau: Vec<Lanes>,
+    ddq: Vec<Lanes>,
+    velocity: Vec<Lanes>,
+    acceleration: Vec<Lanes>,
+}
+
+impl PlantLanes {
+    /// Why this world moves alone; `None`: it goes in lanes.
+    pub(crate) fn alone(world: &World) -> Option<&'static str> {
+        let forces = &world.plant.forces;
+        match () {
+            () if forces.transmissions.is_some() => Some("elastic transmissions"),
+            () if forces.bristles.is_some() => Some("stiction"),
+            () if forces.contacts.is_some() => Some("contacts"),
+            () if forces.stops.is_some() => Some("end stops"),
+            () if forces.shapes.is_some() => Some("imperfect drives"),
+            () => None,
+        }
+    }
+
+    /// Whether two worlds can share lanes.
+    pub(crate) fn alike(a: &World, b: &World) -> bool {
+        let models = [a, b].map(|world| world.plant.forces.carried.stage().1);
+        a.substeps == b.substeps
+            && a.period.to_bits() == b.period.to_bits()
+            && Lockstep::new(&models).is_ok()
+    }
+
+    /// Lanes for these worlds, in their order.
+    ///
+    /// # Errors
+    ///
+    /// The arms are not of one structure, none, or too many.
+    pub(crate) fn new(worlds: &[&World]) -> Result<Self, LockstepError> {
+        let plants: Vec<&Plant> = worlds.iter().map(|world| &world.plant).collect();
+        let models: Vec<&Model> = plants.iter().map(|p| p.forces.carried.stage().1).collect();
+        let arms = Lockstep::new(&models)?;
+        let n = arms.joint_count();
+        let zero = || vec![Lanes::splat(0.0); n];
+        let drives = |i: usize| {
+            let rate = |k: usize| {
+                let plant = plants.get(k).or(plants.last());
+                let drive = plant.and_then(|plant| plant.forces.drives.get(i));
+                -drive.and_then(|drive| drive.held_over().0).unwrap_or(0.0)
+            };
+            Lanes::from(core::array::from_fn(rate))
+        };
+        let joint = |i: usize| Joint {
+            friction: friction(&plants, i),
+            falling: drives(i),
+            demand: Lanes::default(),
+            gap: Lanes::default(),
+        };
+        let lags = |plant: &&Plant| plant.forces.drives.iter().any(|d| d.held_over().0.is_some());
+        let varies = |plant: &&Plant| !plant.faults.is_empty() || plant.warm_up.is_some();
+        Ok(Self {
+            stages: plants.iter().map(|plant| plant.forces.carried.stage().0).collect(),
+            joints: (0..n).map(joint).collect(),
+            drives_lag: plants.iter().any(lags),
+            varies: plants.iter().any(varies),
+            q: zero(),
+            dq: zero(),
+            first: zero(),
+            stage: Stage {
+                q: zero(),
+                dq: zero(),
+                tau: zero(),
+                ddq: zero(),
+                velocity: zero(),
+                acceleration: zero(),
+            },
+            pushes: pushes(&plants),
+            size: Lanes::default(),
+            arms,
+        })
+    }
+
+    /// Moves all worlds through the interval that begins at `t` \[s\]; `world` hands out the one of a lane.
+    pub(crate) fn integrate<T>(
+        &mut self,
+        t: f64,
+        holders: &mut [T],
+        world: impl Fn(&mut T) -> &mut World,
+    ) {
+        let mut timing = None;
+        let mut worlds = holders.iter_mut().map(&world);
+        let mut lanes: [Option<&mut World>; Lanes::COUNT] = core::array::from_fn(|_| worlds.next());
+        if let Some(first) = lanes[0].as_deref() {
+            timing = Some((first.period, first.substeps));
+        }
+        let Some((period, substeps)) = timing else { return };
+        let plants: [Option<&Plant>; Lanes::COUNT] =
+            core::array::from_fn(|k| lanes[k].as_deref().map(|world| &world.plant));
+        self.take(&plants);
+        self.size = Lanes::splat(0.0);
+        let h = period / f64::from(substeps);
+        for step in 0..substeps {
+            self.step(t, (t + f64::from(step) * h, h), step == 0);
+        }
+        let [q, dq, first] = [&self.q, &self.dq, &self.first];
+        let sizes = <[f64; Lanes::COUNT]>::from(self.size);
+        for (k, world) in lanes.iter_mut().enumerate() {
+            let Some(world) = world else { continue };
+            let tame = sizes[k] < TAME;
+            if !tame {
+                world.integrate(t);
+                continue;
+            }
+            let plant = &mut world.plant;
+            give(q, k, &mut plant.q);
+            give(dq, k, &mut plant.dq);
+            give(first, k, &mut plant.ddq);
+        }
+    }
+
+    /// Takes over state and demands at the start of an interval.
+    fn take(&mut self, plants: &[Option<&Plant>; Lanes::COUNT]) {
+        // Lanes that are free do what the last one does.
+        let last = self.stages.len().saturating_sub(1);
+        let Some(filler) = plants[last.min(Lanes::COUNT - 1)] else { return };
+        let plants = plants.map(|plant| plant.unwrap_or(filler));
+        let stage = |k: usize| plants[k].forces.carried.stage();
+        if (0..=last).any(|k| stage(k).0 != self.stages[k]) {
+            let models: Vec<&Model> = (0..=last).map(|k| stage(k).1).collect();
+            // Loads do not change what is structure.
+            if let Ok(arms) = Lockstep::new(&models) {
+                self.arms = arms;
+            }
+            (0..=last).for_each(|k| self.stages[k] = stage(k).0);
+        }
+        for (i, joint) in self.joints.iter_mut().enumerate() {
+            self.q[i] = Lanes::from(plants.map(|plant| plant.q[i]));
+            self.dq[i] = Lanes::from(plants.map(|plant| plant.dq[i]));
+            joint.demand = Lanes::from(plants.map(|plant| plant.forces.drives[i].held_over().1));
+            if self.drives_lag {
+                joint.gap = Lanes::from(plants.map(|plant| plant.forces.drives[i].held_over().2));
+            }
+            if self.varies {
+                joint.friction = FrictionLanes::of(&plants.map(|plant| plant.forces.friction[i]));
+            }
+        }
+    }
+
+    /// One step of the integrator, as `Rk4::step`.
+    fn step(&mut self, interval: f64, (start, h): (f64, f64), is_first: bool) {
+        let n = self.joints.len();
+        self.stage.q.copy_from_slice(&self.q);
+        self.stage.dq.copy_from_slice(&self.dq);
+        self.accelerate(start - interval, start);
+        if is_first {
+            self.first.copy_from_slice(&self.stage.ddq);
+        }
+        self.stage.velocity.copy_from_slice(&self.dq);
+        self.stage.acceleration.copy_from_slice(&self.stage.ddq);
+        for (node, weight) in [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+            let (step, weight) = (node * h, Lanes::splat(weight));
+            let length = Lanes::splat(step);
+            let Stage { q, dq, ddq, .. } = &mut self.stage;
+            for i in 0..n {
+                q[i] = self.q[i] + length * dq[i];
+                dq[i] = self.dq[i] + length * ddq[i];
+                self.size += q[i].abs() + dq[i].abs();
+            }
+            self.accelerate((start + step) - interval, start);
+            let Stage { dq, ddq, velocity, acceleration, .. } = &mut self.stage;
+            for i in 0..n {
+                velocity[i] += weight * dq[i];
+                acceleration[i] += weight * ddq[i];
+            }
+        }
+        let sixth = Lanes::splat(h / 6.0);
+        for i in 0..n {
+            self.q[i] += sixth * self.stage.velocity[i];
+            self.dq[i] += sixth * self.stage.acceleration[i];
+            self.size += self.q[i].abs() + self.dq[i].abs();
+        }
+    }
+
+    /// `q̈` of the stage, `elapsed` seconds into the interval, in the step that began at `begin`.
+    fn accelerate(&mut self, elapsed: f64, begin: f64) {
+        let Stage { q, dq, tau, ddq, .. } = &mut self.stage;
+        for ((tau, joint), dq) in tau.iter_mut().zip(&self.joints).zip(&*dq) {
+            *tau = joint.demand;
+            if self.drives_lag {
+                *tau += joint.gap * (joint.falling * Lanes::splat(elapsed)).exp();
+            }
+            *tau -= joint.friction.torque(*dq);
+        }
+        for (start, end, joint, torque) in &self.pushes {
+            if *start <= begin && begin < *end {
+                tau[*joint] += *torque;
+            }
+        }
+        self.arms.forward_dynamics(q, dq, tau, ddq);
+    }
+}
+
+/// Lane `k`, joint by joint.
+fn give(lanes: &[Lanes], k: usize, out: &mut [f64]) {
+    for (out, lanes) in out.iter_mut().zip(lanes) {
+        *out = <[f64; Lanes::COUNT]>::from(*lanes)[k];
+    }
+}
+
+/// The frictions of joint `i`; free lanes have the last one's.
+fn friction(plants: &[&Plant], i: usize) -> FrictionLanes {
+    let of = |k: usize| {
+        let plant = plants.get(k).or(plants.last());
+        plant.and_then(|plant| plant.forces.friction.get(i)).copied().unwrap_or_default()
+    };
+    FrictionLanes::of(&core::array::from_fn(of))
+}
+
+/// Every push of every plant, in its own lane, in each plant's order.
+fn pushes(plants: &[&Plant]) -> Vec<(f64, f64, usize, Lanes)> {
+    let mut all = Vec::new();
+    for (lane, plant) in plants.iter().enumerate() {
+        for push in &plant.forces.pushes {
+            let torque = core::array::from_fn(|k| if k == lane { push.torque } else { 0.0 });
+            all.push((push.start, push.end, push.joint, Lanes::from(torque)));
+        }
+    }
+    all
+}
