@@ -38,6 +38,8 @@ mod run;
 mod run_outcome;
 mod score;
 pub mod statistics;
+#[cfg(test)]
+mod sure;
 mod trial;
 mod tune;
 mod work;

@@ -134,10 +134,9 @@ fn random_start(scalars: &[Scalar], restart: u64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{ArmCase, Assessor, random_start};
     use crate::protocol::worlds::{Split, draw};
+    use crate::sure::Sure as _;
     use phihat_rivals::rival;
 
     const TEXT: &str = include_str!("../../../../studies/table1.toml");
@@ -146,12 +145,11 @@ mod tests {
     /// is told as what it is broken by. A law that cannot be built is worse than all.
     #[test]
     fn what_breaks_a_constraint_is_behind_all_that_do_not() {
-        let arm = ArmCase::from_text(TEXT, "table1.toml").unwrap();
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
         let worlds = draw(5, Split::Train, 2);
-        let of = |cap: f64, margin: bool| {
-            Assessor::new(&arm, &worlds, (1.6, 1.0), (cap, margin)).unwrap()
-        };
-        let pd = rival("pd-gravity").unwrap();
+        let of =
+            |cap: f64, margin: bool| Assessor::new(&arm, &worlds, (1.6, 1.0), (cap, margin)).sure();
+        let pd = rival("pd-gravity").sure();
         let assessor = of(1.0, true);
         let soft = assessor.assess(pd, &[15.0, 1.0]);
         assert!(soft.feasible() && soft.error > 1e-3 && soft.error < 0.3, "{soft:?}");
@@ -159,7 +157,7 @@ mod tests {
         assert!(!stiff.feasible() && stiff.cost() > soft.cost(), "{stiff:?}");
         let quiet = of(1e-9, false).assess(pd, &[15.0, 1.0]);
         assert!(quiet.violation > 10.0 && (quiet.error - soft.error).abs() < 1e-12, "{quiet:?}");
-        let power = rival("finite-time").unwrap();
+        let power = rival("finite-time").sure();
         let refused = assessor.assess(power, &[10.0, 40.0, 1.5, 0.1, 0.01]);
         assert!(refused.violation >= 2.0 * 99.0, "{refused:?}");
     }
@@ -167,10 +165,10 @@ mod tests {
     /// One law, two restarts: what the search finds keeps its constraints, is no worse than where it began, and a restart is repeatable.
     #[test]
     fn a_search_begins_anywhere_and_ends_no_worse() {
-        let arm = ArmCase::from_text(TEXT, "table1.toml").unwrap();
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
         let assessor =
-            Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).unwrap();
-        let pd = rival("pd-gravity").unwrap();
+            Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).sure();
+        let pd = rival("pd-gravity").sure();
         assert_eq!(random_start(pd.scalars, 0), [20.0, 1.0]);
         assert_ne!(random_start(pd.scalars, 1), random_start(pd.scalars, 2));
         let found = assessor.search(pd, 1, Some(14));

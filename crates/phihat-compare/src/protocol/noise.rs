@@ -52,9 +52,8 @@ fn section(values: &mut [f64], edge: f64, d: f64) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{PI, noise_above};
+    use crate::sure::Sure as _;
 
     const T: f64 = 1e-3;
 
@@ -66,7 +65,7 @@ mod tests {
                 (0..20_000).map(|k| 3.0 * (2.0 * PI * f * f64::from(k) * T).sin()).collect();
             let ratio = (PI * 50.0 * T).tan() / (PI * f * T).tan();
             let exact = 3.0 / 2.0_f64.sqrt() / (1.0 + ratio.powi(8)).sqrt();
-            let found = noise_above(&tau, 4000, T).unwrap();
+            let found = noise_above(&tau, 4000, T).sure();
             assert!((found - exact).abs() < 2e-4 * exact + 1e-9, "{f} Hz: {found} for {exact}");
         }
     }
@@ -79,10 +78,10 @@ mod tests {
             80.0 + 5.0 * t + 40.0 * (2.0 * PI * 0.7 * t).sin()
         };
         let tau: Vec<f64> = (0..6000).map(smooth).collect();
-        assert!(noise_above(&tau, 2000, T).unwrap() < 1e-5);
+        assert!(noise_above(&tau, 2000, T).sure() < 1e-5);
         let jumps: Vec<f64> =
             (0..6000).map(|k| smooth(k) + if k % 2 == 0 { 0.2 } else { -0.2 }).collect();
-        assert!((noise_above(&jumps, 2000, T).unwrap() - 0.2).abs() < 1e-4);
+        assert!((noise_above(&jumps, 2000, T).sure() - 0.2).abs() < 1e-4);
         assert!(noise_above(&tau, 6000, T).is_none() && noise_above(&tau, 0, 0.01).is_none());
     }
 }

@@ -156,9 +156,8 @@ impl ArmCase {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{ArmCase, Drawn, Harder, SPLITS, Split, draw};
+    use crate::sure::Sure as _;
     use phihat_sim::Simulation;
 
     const TEXT: &str = include_str!("../../../../studies/table1.toml");
@@ -199,9 +198,9 @@ mod tests {
     /// What was drawn is what the study says and what its world can simulate; and what is harder is harder in that alone.
     #[test]
     fn a_drawn_world_is_a_study() {
-        let arm = ArmCase::from_text(TEXT, "table1.toml").unwrap();
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
         for drawn in draw(3, Split::Train, 4) {
-            let study = arm.in_drawn(&drawn, Harder::NOT, (1.5, 1.0)).unwrap();
+            let study = arm.in_drawn(&drawn, Harder::NOT, (1.5, 1.0)).sure();
             assert_eq!(study.control.delay_samples, drawn.delay_samples);
             let mass = study.world.payload.as_ref().map_or(0.0, |payload| payload.body().mass);
             assert!((mass - 0.5 * drawn.payload).abs() < 1e-12);
@@ -211,7 +210,7 @@ mod tests {
             let driver = Box::new(crate::arm_in_world::Idle);
             assert!(Simulation::driven(&study, driver, &arm.units).is_ok());
             let [louder, later] =
-                Harder::TRIALS.map(|harder| arm.in_drawn(&drawn, harder, (1.5, 1.0)).unwrap());
+                Harder::TRIALS.map(|harder| arm.in_drawn(&drawn, harder, (1.5, 1.0)).sure());
             assert_eq!(later.control.delay_samples, drawn.delay_samples + 1);
             assert_eq!(louder.control.delay_samples, drawn.delay_samples);
             assert!(

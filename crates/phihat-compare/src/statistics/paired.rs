@@ -201,9 +201,8 @@ pub(super) fn sorted_quantile(sorted: &[f64], share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{Bootstrap, Figures, PairError, ratio, sorted_quantile};
+    use crate::sure::Sure as _;
     use phihat_session::Dice;
 
     const HOW: Bootstrap = Bootstrap { draws: 4000, level: 0.95, seed: 7 };
@@ -216,14 +215,13 @@ mod tests {
     /// `exp` of restart plus world, as a table.
     fn table(restarts: &[f64], worlds: &[f64]) -> Figures {
         let row = |r: &f64| worlds.iter().map(|w| (r + w).exp()).collect();
-        Figures::new(restarts.iter().map(row).collect()).unwrap()
+        Figures::new(restarts.iter().map(row).collect()).sure()
     }
 
     #[test]
     fn one_law_that_is_half_as_bad_everywhere_is_so_without_doubt() {
         let worlds = [0.3, -1.0, 4.0, 2.0];
-        let found =
-            ratio(&table(&[-(2.0_f64.ln())], &worlds), &table(&[0.0], &worlds), HOW).unwrap();
+        let found = ratio(&table(&[-(2.0_f64.ln())], &worlds), &table(&[0.0], &worlds), HOW).sure();
         assert!((found.ratio - 0.5).abs() < 1e-12);
         assert!(found.interval.iter().all(|end| (end - 0.5).abs() < 1e-12), "{found:?}");
         assert!((found.p - 2.0 / 4001.0).abs() < 1e-12, "{found:?}");
@@ -239,7 +237,7 @@ mod tests {
         };
         let (r, own, shared) = (draw(20, 0.3), draw(40, 0.2), draw(40, 3.0));
         let both: Vec<f64> = own.iter().zip(&shared).map(|(a, b)| a + b).collect();
-        let found = ratio(&table(&r, &both), &table(&[0.0], &shared), HOW).unwrap();
+        let found = ratio(&table(&r, &both), &table(&[0.0], &shared), HOW).sure();
         let variance = |x: &[f64]| {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / x.len() as f64
@@ -264,7 +262,7 @@ mod tests {
             let mut law = || -> Vec<f64> { (0..12).map(|_| 0.4 * normal(&mut dice)).collect() };
             let (a, b) = (law(), law());
             let worlds: Vec<f64> = (0..15).map(|w| f64::from(w).sin()).collect();
-            let found = ratio(&table(&a, &worlds), &table(&b, &worlds), how).unwrap();
+            let found = ratio(&table(&a, &worlds), &table(&b, &worlds), how).sure();
             held += i32::from(found.interval[0] <= 1.0 && found.interval[1] >= 1.0);
             called += i32::from(found.p < 0.05);
         }
@@ -273,10 +271,10 @@ mod tests {
 
     #[test]
     fn what_has_no_logarithm_or_no_partner_is_told_with_its_place() {
-        let bad = Figures::new(vec![vec![1.0, 2.0], vec![1.0, -2.0]]).unwrap_err();
+        let bad = Figures::new(vec![vec![1.0, 2.0], vec![1.0, -2.0]]).err().sure();
         assert_eq!(bad, PairError::Value { restart: 1, world: 1, value: -2.0 });
-        assert_eq!(Figures::new(vec![]).unwrap_err(), PairError::Empty);
-        let ragged = Figures::new(vec![vec![1.0], vec![1.0, 1.0]]).unwrap_err();
+        assert_eq!(Figures::new(vec![]).err().sure(), PairError::Empty);
+        let ragged = Figures::new(vec![vec![1.0], vec![1.0, 1.0]]).err().sure();
         assert_eq!(ragged, PairError::Ragged { restart: 1, found: 2, first: 1 });
         let (one, two) = (table(&[0.0], &[0.0]), table(&[0.0], &[0.0, 1.0]));
         assert!(matches!(ratio(&one, &two, HOW), Err(PairError::Unpaired { ours: 1, theirs: 2 })));
