@@ -110,7 +110,8 @@ const CRATES: [Row; 22] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "the rivals tuned alike, run in the same worlds and judged, and the page of it",
+        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `protocol/` the parts of a comparison at equal noise, \
+         `statistics/` pure functions of figures",
     ),
     (
         "phihat-studio",

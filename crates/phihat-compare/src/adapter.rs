@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use phihat_model::ModelError;
+use phihat_model::{Joint, ModelError};
 use phihat_rivals::{All, Curve, Refusal, Running, Supply};
 use phihat_sim::{Driver, Moment, Motion as PlannedMotion, SimError};
 use phihat_study::{Reference, Study};
@@ -14,7 +14,8 @@ pub const NOMINAL_MASSES: f64 = 0.8;
 #[derive(Debug)]
 pub struct Adapter {
     rival: Box<dyn Running>,
-    measured: [Vec<f64>; 3],
+    /// Position, velocity, torque that acted, torque commanded last.
+    measured: [Vec<f64>; 4],
     wanted: [Vec<f64>; 4],
     /// The motion with preview, for a rival that is told of it.
     ahead: Option<PlannedMotion>,
@@ -49,7 +50,7 @@ impl Adapter {
         let zero = || vec![0.0; joints];
         Box::new(Self {
             rival,
-            measured: [zero(), zero(), zero()],
+            measured: [zero(), zero(), zero(), zero()],
             wanted: [zero(), zero(), zero(), zero()],
             ahead: None,
             clipped: vec![false; joints],
@@ -63,7 +64,7 @@ impl Driver for Adapter {
         for (i, (measured, wanted)) in
             moment.sample.joints.iter().zip(moment.references).enumerate()
         {
-            let columns = [measured.q, measured.dq, measured.tau_applied];
+            let columns = [measured.q, measured.dq, measured.tau_applied, moment.last[i].tau];
             for (column, value) in self.measured.iter_mut().zip(columns) {
                 column[i] = value;
             }
@@ -75,10 +76,10 @@ impl Driver for Adapter {
             let status = moment.last[i].status;
             self.clipped[i] = status.saturated || status.rate_limited;
         }
-        let [q, dq, acted] = &self.measured;
+        let [q, dq, acted, commanded] = &self.measured;
         let [q_d, dq_d, ddq_d, ddq_d_acting] = &self.wanted;
         let (tau_acted, clipped) = (acted, &self.clipped);
-        let all = All { q, dq, tau: tau_acted, clipped, q_d, dq_d, ddq_d, ddq_d_acting };
+        let all = All { q, dq, tau: tau_acted, commanded, clipped, q_d, dq_d, ddq_d, ddq_d_acting };
         self.rival.update(&all, tau);
         if let Some(joint) = tau.iter().position(|tau| !tau.is_finite()) {
             // Only the first counts.
@@ -99,10 +100,16 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
     let viscous = robot.joints.iter().map(|joint| joint.friction.viscous);
     let extra = &study.world.extra_viscous;
     let known = |(i, v): (usize, f64)| extra[i] + if study.world.robot_friction { v } else { 0.0 };
+    // What is added to the robot's own dry friction is for the laws to find. A smooth step counts with its mean level.
+    let level = |joint: &Joint| {
+        joint.friction.coulomb + joint.friction.sigmoid.map_or(0.0, |step| 0.5 * step.amplitude_nm)
+    };
+    let dry = |joint: &Joint| if study.world.robot_friction { level(joint) } else { 0.0 };
     Ok(Supply {
         inertia: inertia.to_vec(),
         model: model.with_masses_times(masses)?,
         viscous: viscous.enumerate().map(known).collect(),
+        dry: robot.joints.iter().map(dry).collect(),
         torque_max: study.control.torque_max.clone(),
         torque_rate_max: study.control.torque_rate_max.clone(),
         delay_samples: study.control.delay_samples,

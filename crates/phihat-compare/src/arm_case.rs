@@ -128,7 +128,11 @@ impl ArmCase {
     ///
     /// [`ModelError`]: the nominal model cannot be made.
     pub(crate) fn supply(&self, entry: &Entry, study: &Study) -> Result<Supply, ModelError> {
-        let mut supply = supply(study, &self.units, NOMINAL_MASSES)?;
+        Ok(self.completed(entry, supply(study, &self.units, NOMINAL_MASSES)?))
+    }
+
+    /// The same with the gains that this project's design gives, for a law that asks for them.
+    pub(crate) fn completed(&self, entry: &Entry, mut supply: Supply) -> Supply {
         if entry.needs.designed && entry.needs.preview {
             let found = || designed_positions(&self.study, &self.limits).map_err(Arc::new);
             let designed = self.designed_positions.get_or_init(found).clone();
@@ -138,7 +142,7 @@ impl ArmCase {
             let designed = self.designed().as_ref().map(ProposedLaw::joints);
             supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
         }
-        Ok(supply)
+        supply
     }
 
     pub(crate) fn record(&self) -> ArmRecord {

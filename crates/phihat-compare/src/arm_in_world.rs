@@ -13,7 +13,7 @@ use crate::world::World;
 
 /// A driver that does nothing: to see whether a study can be simulated.
 #[derive(Debug)]
-struct Idle;
+pub(crate) struct Idle;
 
 impl Driver for Idle {
     fn drive(&mut self, _: &Moment<'_>, _: &mut [f64]) {}
@@ -69,7 +69,7 @@ impl ArmCase {
     }
 
     /// How many integration steps a sample must have, where the study has too few.
-    fn too_stiff(&self, study: &Study) -> Option<u32> {
+    pub(crate) fn too_stiff(&self, study: &Study) -> Option<u32> {
         match Simulation::driven(study, Box::new(Idle), &self.units) {
             Err(SimError::TooStiff { needed, .. }) => Some(needed),
             _ => None,
@@ -83,15 +83,20 @@ impl ArmCase {
             Task::Score(seed) => format!("score {seed}"),
             Task::Train(seed) => format!("train {seed}"),
         };
+        self.moved(table, &name)
+    }
+
+    /// Puts a motion drawn from its name into a table, as large as the joints' limits bear it.
+    pub(crate) fn moved(&self, table: &mut Table, name: &str) -> Result<Study, CompareError> {
         let (first, smaller) = (SCALES[0], &SCALES[1..]);
         let mut scaled = |scale: f64| {
-            table.insert("reference".to_owned(), self.range.draw(&name, scale).into());
+            table.insert("reference".to_owned(), self.range.draw(name, scale).into());
             self.parse(table)
         };
         smaller.iter().fold(scaled(first), |last, scale| last.or_else(|_| scaled(*scale)))
     }
 
-    fn parse(&self, table: &Table) -> Result<Study, CompareError> {
+    pub(crate) fn parse(&self, table: &Table) -> Result<Study, CompareError> {
         let origin = self.path.display().to_string();
         let folder = self.path.parent().unwrap_or(Path::new(""));
         Ok(Study::from_text(&table.to_string(), &origin, folder)?)

@@ -56,6 +56,7 @@ mod tests {
             chatter_nm: 0.0,
             chatter_over_exact: None,
             noise,
+            noise_above_50_hz: None,
             saturated,
             recovery_s: None,
             bound_rad: None,

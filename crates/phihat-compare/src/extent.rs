@@ -11,6 +11,8 @@ pub struct Extent {
     pub seeds: u64,
     /// Evaluations of every tuning.
     pub tuning_runs: usize,
+    /// How often the ends of ranges that tuned values are at are widened and the tuning run again.
+    pub widenings: usize,
     /// Motions of an evaluation, each in every world that is trained in.
     pub training_motions: u64,
     /// Their length \[s\].
@@ -31,6 +33,7 @@ impl Extent {
             worlds: Vec::new(),
             seeds: 1,
             tuning_runs: 60,
+            widenings: 1,
             training_motions: 1,
             training_s: 3.0,
             training_settle_s: 1.5,
@@ -44,6 +47,7 @@ impl Extent {
         Self {
             seeds: 3,
             tuning_runs: 300,
+            widenings: 3,
             training_motions: 2,
             training_s: 4.0,
             draws: 100,

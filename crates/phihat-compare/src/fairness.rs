@@ -14,6 +14,7 @@ pub(crate) fn fairness(plan: &Plan) -> Fairness {
         optimiser: "CMA-ES in the logarithms of the free scalars, from the default values"
             .to_owned(),
         tuning_runs: extent.tuning_runs,
+        widenings: extent.widenings,
         training: (
             usize::try_from(extent.training_motions).unwrap_or(usize::MAX),
             extent.training_s,
@@ -31,7 +32,9 @@ pub(crate) fn fairness(plan: &Plan) -> Fairness {
 fn notes() -> Vec<String> {
     [
         "Every rival is tuned once per arm, not once per world, with the same optimiser, number of evaluations \
-         and seed, from its default gains, inside ranges around them. The cost is the rms error of the worst \
+         and seed, from its default gains, inside ranges around them. Where the best gains lie at an end of a range, that \
+         end gives way tenfold and the tuning goes on with as many evaluations again; what is still at an end after the \
+         last such round is marked beside its value. The cost is the rms error of the worst \
          joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
          a run that does not follow, or meets the torque limits in more than 2 % of its samples, is worse than \
          any noise; a run that ends early is worse than all that do not, the more the sooner.",

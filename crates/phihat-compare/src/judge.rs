@@ -4,6 +4,7 @@ use phihat_sim::{JointTrace, Outcome, Trace};
 use phihat_study::Study;
 
 use crate::motion::amplitudes;
+use crate::protocol::noise_above;
 use crate::run_outcome::{Figures, RunOutcome, Sketch};
 
 /// Slices of a sketch.
@@ -72,11 +73,21 @@ fn figures(study: &Study, trace: &Trace, bars: &Bars<'_>) -> Figures {
         chatter_nm: over(&|_, joint| mean_step(&joint.tau_command[from..])),
         chatter_over_exact: None,
         noise: over(&|i, joint| noise(&joint.tau_command[from..]) / bars.limits[i]),
+        noise_above_50_hz: loudest(trace, from, bars.limits),
         saturated: count as f64 / (trace.len() - from).max(1) as f64,
         recovery_s: recovery(study, trace, from, bars.error_bound),
         bound_rad: bound.map(|(bound, _)| bound),
         bound_over_measured: bound.map(|(_, ratio)| ratio),
     }
+}
+
+/// The largest of the joints' noise above 50 Hz over their limits.
+fn loudest(trace: &Trace, from: usize, limits: &[f64]) -> Option<f64> {
+    let period = trace.period_ns as f64 * 1e-9;
+    let joints = trace.joints.iter().zip(limits);
+    let each =
+        joints.map(|(joint, limit)| Some(noise_above(&joint.tau_applied, from, period)? / limit));
+    each.collect::<Option<Vec<f64>>>()?.into_iter().reduce(f64::max)
 }
 
 /// The bound that the measured error comes closest to, and bound/measured.

@@ -29,6 +29,7 @@ mod promise;
 mod proposed_claims;
 mod proposed_law;
 mod proposed_positions;
+pub mod protocol;
 mod record;
 mod repeat;
 mod row;
@@ -36,6 +37,9 @@ mod rows;
 mod run;
 mod run_outcome;
 mod score;
+pub mod statistics;
+#[cfg(test)]
+mod sure;
 mod trial;
 mod tune;
 mod work;
@@ -58,5 +62,5 @@ pub use record::{ArmRecord, Comparison, FORMAT, Fairness, RivalRecord, ScalarRec
 pub use repeat::Repeated;
 pub use row::{Cell, Columns, ConditionRecord, Cost, GainsKind, Measured, Row, Run, TuningRecord};
 pub use run_outcome::{Figures, RunOutcome, Sketch};
-pub use tune::{Tuned, tune};
+pub use tune::{AtEnd, Tuned, Widened, tune, tune_widening};
 pub use world::{SATURATION, WORLDS, World, world};

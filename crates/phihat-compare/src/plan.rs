@@ -12,7 +12,7 @@ use crate::row::GainsKind;
 use crate::world::{WORLDS, World, world};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
-pub(crate) const EDITION: &str = "compare 5";
+pub(crate) const EDITION: &str = "compare 6";
 
 /// What tells a piece of work from others, with the edition of a law that is not in the list.
 pub(crate) fn with_edition<'a>(parts: &[&'a str], edition: &'a str) -> Vec<&'a str> {

@@ -13,7 +13,7 @@ use crate::extent::Extent;
 use crate::judge::{Bars, judge};
 use crate::row::TuningRecord;
 use crate::trial::{TrialError, run};
-use crate::tune::tune;
+use crate::tune::{Widened, tune_widening};
 use crate::world::TRAINING;
 use phihat_session::share;
 
@@ -76,17 +76,22 @@ pub(crate) fn tuned(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
         return Prepared::Refused(e.to_string());
     }
     let mut kept = Vec::new();
-    let tuned = tune(entry.scalars, extent.tuning_runs, 1, |values| {
-        let trained = train(arm, entry, values, &studies);
-        // Gains that the law itself refuses are the worst there are.
-        let trained = trained.unwrap_or(Trained { cost: f64::INFINITY, kept: false });
-        kept.push(trained.kept);
-        trained.cost
-    });
+    let budget = (extent.tuning_runs, extent.widenings);
+    let Widened { tuned, rounds, ranges, at_end } =
+        tune_widening(entry.scalars, budget, 1, |values| {
+            let trained = train(arm, entry, values, &studies);
+            // Gains that the law itself refuses are the worst there are.
+            let trained = trained.unwrap_or(Trained { cost: f64::INFINITY, kept: false });
+            kept.push(trained.kept);
+            trained.cost
+        });
     Prepared::Tuned(TuningRecord {
         default,
         tuned: tuned.values,
         runs: tuned.history.len(),
+        rounds,
+        ranges,
+        at_end,
         cost_default: tuned.history[0],
         cost_tuned: tuned.cost,
         runs_to_spec: kept.iter().position(|kept| *kept).map(|k| k + 1),

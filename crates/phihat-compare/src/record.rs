@@ -35,6 +35,9 @@ pub struct Fairness {
     pub optimiser: String,
     /// Evaluations that each rival's tuning had on each arm.
     pub tuning_runs: usize,
+    /// How often ranges gave way at most, each time for as many evaluations again.
+    #[serde(default)]
+    pub widenings: usize,
     /// Motions that an evaluation simulates in every world that is tuned in, and their length \[s\].
     pub training: (usize, f64),
     /// The worlds that are tuned in.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::mark::Mark;
 use crate::run_outcome::{Figures, RunOutcome, Sketch};
+use crate::tune::AtEnd;
 
 /// The results of one rival on one arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,14 +32,27 @@ pub struct TuningRecord {
     pub default: Vec<f64>,
     /// Tuned values.
     pub tuned: Vec<f64>,
-    /// Evaluations that were spent: the same for every rival with a free scalar.
+    /// Evaluations that were spent: the same for every rival with a free scalar, for each of its rounds.
     pub runs: usize,
+    /// Searches: one more than ranges were widened for.
+    #[serde(default = "one")]
+    pub rounds: usize,
+    /// The ranges of the last one: `[low, high]` in the order of the scalars. Empty in documents of before.
+    #[serde(default)]
+    pub ranges: Vec<[f64; 2]>,
+    /// The ends of ranges at which tuned values still are.
+    #[serde(default)]
+    pub at_end: Vec<AtEnd>,
     /// Cost of the default gains: rms error \[rad\] of the worst joint where nothing is penalised.
     pub cost_default: f64,
     /// Cost of the tuned gains.
     pub cost_tuned: f64,
     /// The first evaluation, from 1, that kept the specification on the training motions.
     pub runs_to_spec: Option<usize>,
+}
+
+const fn one() -> usize {
+    1
 }
 
 /// The paper's four columns, measured.

@@ -145,6 +145,7 @@ fn worse(a: &Figures, b: &Figures) -> Figures {
         chatter_nm: a.chatter_nm.max(b.chatter_nm),
         chatter_over_exact: more(a.chatter_over_exact, b.chatter_over_exact),
         noise: a.noise.max(b.noise),
+        noise_above_50_hz: more(a.noise_above_50_hz, b.noise_above_50_hz),
         saturated: a.saturated.max(b.saturated),
         // One that did not come back is the worst.
         recovery_s: a.recovery_s.zip(b.recovery_s).map(|(a, b)| a.max(b)),

@@ -76,9 +76,9 @@ impl Plan {
     fn preparation_id(&self, (arm, rival, draws): (usize, usize, bool)) -> String {
         let (arm, entry, extent) = (&self.arms[arm], self.rivals[rival], &self.extent);
         let training = (extent.training_motions, extent.training_s, extent.training_settle_s);
-        let count = if draws { extent.draws } else { extent.tuning_runs };
+        let count = if draws { [extent.draws, 0] } else { [extent.tuning_runs, extent.widenings] };
         let (scalars, extent) =
-            (format!("{:?}", entry.scalars), format!("{draws} {count} {training:?}"));
+            (format!("{:?}", entry.scalars), format!("{draws} {count:?} {training:?}"));
         let (sum, name) = (&arm.study.sha256, &arm.name);
         let parts =
             [EDITION, env!("CARGO_PKG_VERSION"), sum, name, entry.card.id, &scalars, &extent];

@@ -70,6 +70,10 @@ pub struct Figures {
     /// Mean |τ_k − 2τ_{k−1} + τ_{k−2}|/√3 over the joint's torque limit: what white noise of the torque
     /// has as mean step, without what the motion asks for.
     pub noise: f64,
+    /// Root mean square of what of the applied torque lies above 50 Hz, over the joint's torque limit; `None` where the samples do not
+    /// reach that frequency, and in documents of before.
+    #[serde(default)]
+    pub noise_above_50_hz: Option<f64>,
     /// Share of samples in which a joint's torque met its limit.
     pub saturated: f64,
     /// From the end of the last push until every |e| stays inside the larger of its specification and twice what

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use phihat_rivals::{Entry, Knows, Orbit, Refusal, Supply, Tuning};
+use phihat_rivals::{Entry, Knows, Orbit, Refusal, Running, Supply, Tuning};
 use phihat_sim::{Outcome, SimError, Simulation, Trace};
 use phihat_study::Study;
 use thiserror::Error;
@@ -43,14 +43,28 @@ pub(crate) fn run(
     let tuning = Tuning::new(values, &arm.units, period)?;
     let supply = arm.supply(entry, study)?;
     let rival = entry.build(&tuning, &supply)?;
+    run_with(entry, rival, &supply, (study, &arm.units))
+}
+
+/// Runs a law that is built; what it was handed, the study, and the units of its arm.
+///
+/// # Errors
+///
+/// [`TrialError`]: the study cannot be simulated.
+pub(crate) fn run_with(
+    entry: &Entry,
+    rival: Box<dyn Running>,
+    supply: &Supply,
+    (study, units): (&Study, &[f64]),
+) -> Result<Trial, TrialError> {
     let broken = Broken::default();
-    let mut driver = Adapter::watched(rival, arm.joints(), Arc::clone(&broken));
+    let mut driver = Adapter::watched(rival, units.len(), Arc::clone(&broken));
     if entry.needs.preview {
         driver = driver.with_preview(study)?;
     }
-    let mut outcome = Simulation::driven(study, driver, &arm.units)?.run(|_| ());
+    let mut outcome = Simulation::driven(study, driver, units)?.run(|_| ());
     if untimed(entry) {
-        transversal(&mut outcome.trace, &supply)?;
+        transversal(&mut outcome.trace, supply)?;
     }
     Ok(Trial { outcome, broken: broken.get().copied() })
 }

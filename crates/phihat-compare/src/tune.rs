@@ -2,6 +2,7 @@
 
 use cmaes::{CMAESOptions, DVector};
 use phihat_rivals::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// First step of the search, over the width of a scalar's range in logarithms: a range of two decades is
 /// searched within some half decade around its start.
@@ -9,6 +10,12 @@ const STEP: f64 = 0.25;
 
 /// What stands for a cost that is no number: worse than any that is.
 const WORST: f64 = 1e300;
+
+/// Where a value counts as being at an end of its range: within this share of the range in logarithms.
+const AT_END: f64 = 0.01;
+
+/// By how much an end that is hit gives way.
+const WIDER: f64 = 10.0;
 
 /// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,19 +51,116 @@ pub fn tune(
     seed: u64,
     mut cost: impl FnMut(&[f64]) -> f64,
 ) -> Tuned {
+    let mut tuned = at_defaults(scalars, &mut cost);
+    spend(scalars, runs, seed, &mut tuned, &mut cost);
+    tuned
+}
+
+/// [`tune`] from a start of one's own inside the ranges, in place of the default values; it is the first evaluation.
+pub(crate) fn tune_from(
+    scalars: &[Scalar],
+    start: &[f64],
+    runs: usize,
+    seed: u64,
+    mut cost: impl FnMut(&[f64]) -> f64,
+) -> Tuned {
+    let first = comparable(cost(start));
+    let mut tuned = Tuned { values: start.to_vec(), cost: first, history: vec![first] };
+    spend(scalars, runs, seed, &mut tuned, &mut cost);
+    tuned
+}
+
+/// An end of a scalar's range at which a search ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AtEnd {
+    /// The scalar's name.
+    pub scalar: String,
+    /// Whether it is the range's upper end.
+    pub upper: bool,
+}
+
+/// The result of a search whose ranges gave way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Widened {
+    /// The best of all rounds; its history is theirs in turn.
+    pub tuned: Tuned,
+    /// Searches, from 1: one more than ranges were widened.
+    pub rounds: usize,
+    /// The ranges of the last round, in the order of the scalars: `[low, high]`.
+    pub ranges: Vec<[f64; 2]>,
+    /// The ends that the best values were still at when no further round was allowed.
+    pub at_end: Vec<AtEnd>,
+}
+
+/// [`tune`], and where the best values lie at ends of their ranges (within 1 % of the range, in logarithms), these ends give way by
+/// a factor of ten and the search goes on from there with as many runs again, `widenings` times at most.
+///
+/// Every round has exactly `runs` evaluations, so that a law has `rounds × runs` of them: more for one whose ranges were too
+/// narrow, and the record says so. Where a law itself refuses values beyond an end, nothing is found there.
+pub fn tune_widening(
+    scalars: &[Scalar],
+    (runs, widenings): (usize, usize),
+    seed: u64,
+    mut cost: impl FnMut(&[f64]) -> f64,
+) -> Widened {
+    let mut scalars = scalars.to_vec();
+    let mut tuned = at_defaults(&scalars, &mut cost);
+    let mut rounds = 1;
+    loop {
+        // Seeds of a round's restarts are those of no other round.
+        let seed = seed.wrapping_add(1000 * (rounds as u64 - 1));
+        spend(&scalars, rounds * runs, seed, &mut tuned, &mut cost);
+        let at_end = ends(&scalars, &tuned.values);
+        if at_end.is_empty() || rounds > widenings {
+            let ranges = scalars.iter().map(|scalar| [scalar.low, scalar.high]).collect();
+            return Widened { tuned, rounds, ranges, at_end };
+        }
+        for end in &at_end {
+            let hit = scalars.iter_mut().find(|scalar| scalar.name == end.scalar);
+            match hit {
+                Some(scalar) if end.upper => scalar.high *= WIDER,
+                Some(scalar) => scalar.low /= WIDER,
+                None => {}
+            }
+        }
+        rounds += 1;
+    }
+}
+
+/// Which values lie at an end of their range.
+fn ends(scalars: &[Scalar], values: &[f64]) -> Vec<AtEnd> {
+    let at = |(scalar, value): (&Scalar, &f64)| {
+        let place = place(scalar, *value);
+        let upper = place >= 1.0 - AT_END;
+        (upper || place <= AT_END).then(|| AtEnd { scalar: scalar.name.to_owned(), upper })
+    };
+    scalars.iter().zip(values).filter_map(at).collect()
+}
+
+/// The first evaluation: the default values.
+fn at_defaults(scalars: &[Scalar], cost: &mut impl FnMut(&[f64]) -> f64) -> Tuned {
     let start: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
     let first = comparable(cost(&start));
-    let mut tuned = Tuned { values: start, cost: first, history: vec![first] };
+    Tuned { values: start, cost: first, history: vec![first] }
+}
+
+/// Searches from the best so far, again and again, until there are `runs` evaluations.
+fn spend(
+    scalars: &[Scalar],
+    runs: usize,
+    seed: u64,
+    tuned: &mut Tuned,
+    cost: &mut impl FnMut(&[f64]) -> f64,
+) {
     let mut round = 0;
     while tuned.history.len() < runs && !scalars.is_empty() {
         let spent = tuned.history.len();
-        search(scalars, runs, seed.wrapping_add(round), &mut tuned, &mut cost);
+        search(scalars, runs, seed.wrapping_add(round), tuned, cost);
         round += 1;
         if tuned.history.len() == spent {
             break;
         }
     }
-    tuned
 }
 
 /// One search from the best so far, to its end or the end of the runs.

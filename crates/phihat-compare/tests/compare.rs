@@ -142,6 +142,7 @@ fn short(worlds: &[&str]) -> Extent {
     Extent {
         worlds: worlds.iter().map(|w| (*w).to_owned()).collect(),
         tuning_runs: 4,
+        widenings: 0,
         training_s: 1.2,
         training_settle_s: 0.8,
         draws: 2,
@@ -201,6 +202,7 @@ fn everybody_is_tuned_with_the_same_budget_and_follows_with_exact_sensors() {
             continue;
         };
         assert_eq!(tuning.runs, if record.scalars.is_empty() { 1 } else { 4 }, "{name}");
+        assert_eq!((tuning.rounds, tuning.ranges.len()), (1, record.scalars.len()), "{name}");
         assert!(tuning.cost_tuned <= tuning.cost_default, "{name}");
         for (value, scalar) in tuning.tuned.iter().zip(&record.scalars) {
             assert!((scalar.range[0]..=scalar.range[1]).contains(value), "{name}");

@@ -1,6 +1,6 @@
 //! The optimiser of the comparison: it finds what is known, keeps to the ranges, and spends the same on everybody.
 
-use phihat_compare::tune;
+use phihat_compare::{AtEnd, tune, tune_widening};
 use phihat_rivals::{RIVALS, Scalar};
 
 const fn scalar(default: f64, low: f64, high: f64) -> Scalar {
@@ -42,6 +42,36 @@ fn it_never_leaves_the_ranges() {
     });
     assert_eq!(tried, 300);
     assert!(tuned.values[0] > 95.0 && tuned.values[1] < 0.032, "{:?}", tuned.values);
+}
+
+/// The optimum is two decades beyond one range, inside another, and beyond all ranges of a third: the first is found once its end
+/// has given way, the second keeps its range, and the third is told of. Each round has the same number of runs.
+#[test]
+fn an_end_that_is_hit_gives_way_and_one_that_stays_is_told() {
+    let named = |name| Scalar { name, ..scalar(10.0, 1.0, 100.0) };
+    let scalars = [named("far"), named("inside"), named("endless")];
+    let cost = |v: &[f64]| {
+        ((v[0] / 5e3).ln().powi(2) + (v[1] / 20.0).ln().powi(2)).sqrt()
+            + (v[2] * 1e3).ln().max(-9.0)
+    };
+    let mut spent = 0;
+    let found = tune_widening(&scalars, (400, 3), 1, |values| {
+        spent += 1;
+        cost(values) + 20.0
+    });
+    assert_eq!((found.rounds, spent, found.tuned.history.len()), (4, 1600, 1600));
+    assert!((found.tuned.values[0] / 5e3 - 1.0).abs() < 0.02, "{:?}", found.tuned.values);
+    assert!((found.tuned.values[1] / 20.0 - 1.0).abs() < 0.02, "{:?}", found.tuned.values);
+    // A bound of the law's own, as a cost that is infinite beyond it: nothing is at an end of the range then.
+    assert_eq!(found.ranges[1], [1.0, 100.0]);
+    assert_eq!(found.ranges[0], [1.0, 1e4]);
+    assert!((found.ranges[2][0] / 1e-3 - 1.0).abs() < 1e-9, "{:?}", found.ranges);
+    assert_eq!(found.at_end, [AtEnd { scalar: "endless".to_owned(), upper: false }]);
+    let walled = tune_widening(&scalars[..1], (200, 3), 1, |v| {
+        if v[0] > 150.0 { f64::INFINITY } else { (v[0] / 5e3).ln().abs() }
+    });
+    assert!((walled.tuned.values[0] / 150.0 - 1.0).abs() < 0.01, "{:?}", walled.tuned.values);
+    assert!(walled.at_end.is_empty() && walled.rounds == 2, "{walled:?}");
 }
 
 /// Every rival of the list has the same number of runs, whatever its dimension and whatever it finds: a flat

@@ -1,6 +1,6 @@
 //! Parameters of a regressor, estimated while the arm runs.
 
-use crate::regressor::Regressor;
+use crate::regressor::{Group, Regressor};
 use crate::tuning::Tuning;
 
 /// `Y θ̂` over the identifiable columns of a regressor, and `dθ̂/dt = −Γ Yᵀ s − σ θ̂` (1).
@@ -20,9 +20,19 @@ pub(crate) struct Estimate {
 }
 
 impl Estimate {
-    pub(crate) fn new(mut regressor: Regressor, tuning: &Tuning, gain: f64) -> Self {
+    pub(crate) fn new(regressor: Regressor, tuning: &Tuning, gain: f64) -> Self {
+        Self::by_group(regressor, tuning, |_| gain)
+    }
+
+    /// With a rate of its own for the parameters of each unit.
+    pub(crate) fn by_group(
+        mut regressor: Regressor,
+        tuning: &Tuning,
+        gain: impl Fn(Group) -> f64,
+    ) -> Self {
         let columns = regressor.identifiable();
-        let unit = |c: &usize| gain * tuning.units()[regressor.joint_of(*c)];
+        let unit =
+            |c: &usize| gain(regressor.group_of(*c)) * tuning.units()[regressor.joint_of(*c)];
         let rate: Vec<f64> = columns.iter().map(unit).collect();
         let (n, p) = (regressor.joints(), columns.len());
         Self {

@@ -13,6 +13,9 @@ pub struct All<'a> {
     pub dq: &'a [f64],
     /// Torque that acted (mean) since the previous sample \[N·m\].
     pub tau: &'a [f64],
+    /// Torque that was last commanded, as the limits let it through \[N·m\]: 0 at the first sample. Behind a delay it has not
+    /// acted yet.
+    pub commanded: &'a [f64],
     /// Which joints' last torque met a limit.
     pub clipped: &'a [bool],
     /// Desired position \[rad\].

@@ -33,6 +33,8 @@ mod card;
 mod claim;
 mod error;
 mod facts;
+mod filter;
+mod friction;
 mod handed;
 mod lumped;
 mod math;
@@ -45,6 +47,7 @@ mod planar;
 mod regressor;
 mod rival;
 mod rivals;
+mod running;
 mod shared;
 mod sliding;
 mod supply;
@@ -54,17 +57,19 @@ pub use card::{Card, Grade, Tick, Ticks};
 pub use claim::{Condition, DeclaredArm};
 pub use error::Refusal;
 pub use facts::{Designed, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax};
+pub use friction::Dry;
 pub use handed::{All, Knows, Sees, Wants};
 pub use measured::{
-    Acceleration, Motion, MotionAndTorque, NoReference, Positions, PositionsAndTorque, Preview,
-    Velocity,
+    Acceleration, Motion, MotionAndCommand, MotionAndTorque, NoReference, Positions,
+    PositionsAndTorque, Preview, Velocity,
 };
 pub use needs::Needs;
 pub use nominal::{Gravity, Nominal, Viscous};
 pub use orbit::Orbit;
 pub use planar::{LINKS, Planar, Tip};
-pub use regressor::Regressor;
-pub use rival::{Entry, Make, Rival, Running};
+pub use regressor::{Group, Regressor};
+pub use rival::{Entry, Make, Rival};
 pub use rivals::{RIVALS, position_law, rival};
+pub use running::Running;
 pub use supply::{Curve, DesignedJoint, DesignedPosition, Supply};
 pub use tuning::{Scalar, Tuning};

@@ -39,6 +39,17 @@ pub struct MotionAndTorque<'a> {
     pub tau: &'a [f64],
 }
 
+/// Measured positions and velocities, and the torque that was last commanded.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionAndCommand<'a> {
+    /// \[rad\]
+    pub q: &'a [f64],
+    /// \[rad/s\]
+    pub dq: &'a [f64],
+    /// \[N·m\], as the limits let it through; 0 at the first sample.
+    pub commanded: &'a [f64],
+}
+
 /// The desired position and velocity.
 #[derive(Debug, Clone, Copy)]
 pub struct Velocity<'a> {
@@ -99,6 +110,13 @@ impl<'a> Sees<'a> for MotionAndTorque<'a> {
     const NEEDS: Needs = Needs { velocity: true, torque: true, ..Needs::NONE };
     fn of(all: &All<'a>) -> Self {
         Self { q: all.q, dq: all.dq, tau: all.tau }
+    }
+}
+
+impl<'a> Sees<'a> for MotionAndCommand<'a> {
+    const NEEDS: Needs = Needs { velocity: true, commanded: true, ..Needs::NONE };
+    fn of(all: &All<'a>) -> Self {
+        Self { q: all.q, dq: all.dq, commanded: all.commanded }
     }
 }
 

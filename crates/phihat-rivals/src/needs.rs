@@ -12,6 +12,9 @@ pub struct Needs {
     pub velocity: bool,
     /// The torque that acted.
     pub torque: bool,
+    /// The torque that was last commanded, within its limits.
+    #[serde(default)]
+    pub commanded: bool,
     /// Derivatives of the reference, 0 to 2.
     pub derivatives: u8,
     /// The reference's acceleration in the interval in which the torque of a sample will act.
@@ -24,6 +27,9 @@ pub struct Needs {
     pub designed: bool,
     /// One nominal viscous friction per joint.
     pub friction: bool,
+    /// One identified dry friction per joint.
+    #[serde(default)]
+    pub dry: bool,
     /// The arm's gravity torque.
     pub gravity: bool,
     /// The arm's whole rigid-body model.
@@ -45,12 +51,14 @@ impl Needs {
     pub const NONE: Self = Self {
         velocity: false,
         torque: false,
+        commanded: false,
         derivatives: 0,
         preview: false,
         delay: false,
         inertia: false,
         designed: false,
         friction: false,
+        dry: false,
         gravity: false,
         model: false,
         regressor: false,
@@ -68,12 +76,14 @@ impl Needs {
         Self {
             velocity: self.velocity || other.velocity,
             torque: self.torque || other.torque,
+            commanded: self.commanded || other.commanded,
             derivatives,
             preview: self.preview || other.preview,
             delay: self.delay || other.delay,
             inertia: self.inertia || other.inertia,
             designed: self.designed || other.designed,
             friction: self.friction || other.friction,
+            dry: self.dry || other.dry,
             gravity: self.gravity || other.gravity,
             model: self.model || other.model,
             regressor: self.regressor || other.regressor,
@@ -97,6 +107,7 @@ impl fmt::Display for Needs {
         let flags = [
             (self.velocity, "dq"),
             (self.torque, "applied torque"),
+            (self.commanded, "commanded torque"),
             (self.derivatives == 1, "reference to velocity"),
             (self.derivatives == 2, "reference to acceleration"),
             (self.preview, "preview of it"),
@@ -104,6 +115,7 @@ impl fmt::Display for Needs {
             (self.inertia, "inertia per joint"),
             (self.designed, "designed gains"),
             (self.friction, "friction per joint"),
+            (self.dry, "dry friction per joint"),
             (self.gravity, "gravity model"),
             (self.model, "model"),
             (self.regressor, "regressor"),

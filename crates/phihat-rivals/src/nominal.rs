@@ -9,6 +9,9 @@ use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
 
+/// How far ahead and behind along the motion a derivative is looked for \[s\].
+const ASIDE: f64 = 1e-4;
+
 /// A nominal rigid-body model with viscous friction, `M̂ q̈ + Ĉ(q, q̇) q̇ + Ĝ + F̂ q̇ = τ`.
 ///
 /// `Ĉ` is the matrix of Christoffel symbols, so that `dM̂/dt − 2Ĉ` is skew; its product with any vector comes
@@ -58,6 +61,40 @@ impl Nominal {
             // Each bias holds gravity: one is left over in the difference, with a minus.
             let coriolis = 0.5 * (both[i] - first[i] - second[i] + self.at_rest[i]);
             out[i] += coriolis + self.viscous[i] * w[i];
+        }
+    }
+
+    /// `M̂(q) a + Ĉ(q, v) v + Ĝ(q)` \[N·m\]: the rigid arm without friction.
+    pub fn rigid(&mut self, q: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+        self.model.inverse_dynamics(&mut self.workspace, q, v, a, out);
+    }
+
+    /// `p = M̂(q) v` \[N·m·s\].
+    pub fn momentum(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) {
+        self.model.gravity_torque(&mut self.workspace, q, &mut self.at_rest);
+        self.model.inverse_dynamics(&mut self.workspace, q, &self.zero, v, out);
+        out.iter_mut().zip(&self.at_rest).for_each(|(p, gravity)| *p -= gravity);
+    }
+
+    /// `Ĉᵀ(q, v) v − Ĝ(q) − F̂ v` \[N·m\]: what changes the momentum beside the torque. `Ĉᵀ v = dM̂/dt v − Ĉ v`, the first term by
+    /// central differences of the momentum along `v` over 0.2 ms.
+    pub fn momentum_change(&mut self, q: &[f64], v: &[f64], room: &mut [f64], out: &mut [f64]) {
+        let n = v.len();
+        let mut place = core::mem::take(&mut self.sum);
+        for (side, factor) in [(ASIDE, 1.0), (-ASIDE, -1.0)] {
+            for i in 0..n {
+                place[i] = q[i] + side * v[i];
+            }
+            self.momentum(&place, v, room);
+            for i in 0..n {
+                let part = factor * room[i] / (2.0 * ASIDE);
+                out[i] = if factor > 0.0 { part } else { out[i] + part };
+            }
+        }
+        self.sum = place;
+        self.model.bias(&mut self.workspace, q, v, room);
+        for i in 0..n {
+            out[i] -= room[i] + self.viscous[i] * v[i];
         }
     }
 

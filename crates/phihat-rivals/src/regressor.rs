@@ -9,6 +9,19 @@ use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
 
+/// Parameters of one unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// Masses \[kg\].
+    Mass,
+    /// Masses times their distance from the link's frame \[kg·m\].
+    Moment,
+    /// Inertia of links and rotors \[kg·m²\].
+    Inertia,
+    /// Viscous friction \[N·m·s/rad\].
+    Friction,
+}
+
 /// Inertial parameters of a link in the regressor: `m, m c, I`.
 const OF_LINK: usize = 10;
 
@@ -108,6 +121,20 @@ impl Regressor {
                 out[k * p + c] = still[k * links + c] - (0..n).map(along).sum::<f64>();
             }
             out[k * p + links + n + k] = v[k];
+        }
+    }
+
+    /// The unit of a parameter.
+    pub fn group_of(&self, parameter: usize) -> Group {
+        let links = OF_LINK * self.joints;
+        match parameter {
+            p if p < links => match p % OF_LINK {
+                0 => Group::Mass,
+                1..=3 => Group::Moment,
+                _ => Group::Inertia,
+            },
+            p if p < links + self.joints => Group::Inertia,
+            _ => Group::Friction,
         }
     }
 

@@ -5,8 +5,10 @@ use core::fmt::Debug;
 use crate::card::Card;
 use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
+use crate::friction::WithFriction;
 use crate::handed::{All, Knows, Sees, Wants};
 use crate::needs::Needs;
+use crate::running::Running;
 use crate::supply::Supply;
 use crate::tuning::{Scalar, Tuning};
 
@@ -60,14 +62,6 @@ pub trait Rival: Debug + Send + Sized + 'static {
     fn bound(_tuning: &Tuning, _arm: &DeclaredArm) -> Option<Vec<f64>> {
         None
     }
-}
-
-/// A rival that runs, whatever it is.
-pub trait Running: Debug + Send {
-    /// One sample: see [`Rival::update`].
-    fn update(&mut self, all: &All<'_>, tau: &mut [f64]);
-    /// See [`Rival::states`].
-    fn states(&self) -> usize;
 }
 
 #[derive(Debug)]
@@ -171,6 +165,24 @@ impl Entry {
             Build::Rival(build) => build(tuning, supply),
             Build::Own(make) => make(tuning, supply),
         }
+    }
+
+    /// Builds the rival with identified dry friction fed forward along the reference's velocity, where it is one that is handed a model
+    /// and has no feed-forward of friction itself; any other is built as it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build).
+    pub fn build_with_friction(
+        &self,
+        tuning: &Tuning,
+        supply: &Supply,
+    ) -> Result<Box<dyn Running>, Refusal> {
+        let law = self.build(tuning, supply)?;
+        if !self.needs.model || self.needs.dry || self.needs.derivatives == 0 {
+            return Ok(law);
+        }
+        Ok(Box::new(WithFriction::new(law, supply)?))
     }
 
     /// See [`Rival::condition`].

@@ -2,6 +2,16 @@
 
 use crate::tuning::Scalar;
 
+/// Rate of an integral beside a proportional gain.
+pub(crate) const INTEGRAL_RATE: Scalar = Scalar {
+    name: "integral_rate",
+    unit: "1/s",
+    meaning: "1/T_i",
+    default: 5.0,
+    low: 0.5,
+    high: 50.0,
+};
+
 /// Bandwidth of the error on a sliding surface `s = ė + Λ e`.
 pub(crate) const SLIDING: Scalar = Scalar {
     name: "sliding",

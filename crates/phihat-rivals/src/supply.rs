@@ -16,6 +16,8 @@ pub struct Supply {
     pub model: Model,
     /// Nominal viscous friction \[N·m·s/rad\] per joint.
     pub viscous: Vec<f64>,
+    /// Identified dry friction \[N·m\] per joint.
+    pub dry: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub torque_max: Option<Vec<f64>>,
     /// Limits on the change of torque \[N·m/s\] per joint.

@@ -26,7 +26,8 @@ fn learnt(id: &str, rates: &[usize]) -> (f64, f64) {
 
 #[test]
 fn what_is_learnt_takes_the_error_away() {
-    let cases: [(&str, &[usize], f64); 5] = [
+    let cases: [(&str, &[usize], f64); 6] = [
+        ("slotine-li-units", &[2, 3, 4, 5], 40.0),
         ("slotine-li", &[2], 40.0),
         ("fat", &[2, 3], 30.0),
         ("fat-lumped", &[2], 5.0),

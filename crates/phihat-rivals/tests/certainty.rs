@@ -14,6 +14,7 @@ fn answer(bench: &Bench, id: &str, values: &[f64], still: bool) -> Vec<f64> {
         q: &[0.5, 1.0, 0.4],
         dq: &[0.6, -0.4, 0.2],
         tau: &zero,
+        commanded: &zero,
         clipped: &[false; 3],
         q_d: &[0.4, 1.2, 0.6],
         dq_d: &dq_d,
@@ -208,4 +209,133 @@ fn the_orbit_is_reached_and_run_at_its_own_speed() {
     let run = bench.run(entry, &bench.published(entry));
     assert!(run.distance(path.as_ref(), 8.0) < 0.03);
     assert!(!near(&run.q[turn], run.q.last().unwrap()));
+}
+
+/// A load that the model lacks is found as `K_O/(s + K_O)` of it, integrated on its own along the run, and taken off: dry friction here.
+#[test]
+fn the_momentum_observer_finds_the_load_behind_its_own_filter() {
+    let mut bench = Bench::arm("planar3r").exact();
+    bench.friction.1 = vec![0.4, 0.3, 0.2];
+    (bench.supply.dry, bench.duration) = (vec![0.0; 3], 3.0);
+    let entry = rival("momentum-observer").unwrap();
+    let tuning = Tuning::new(&[20.0, 1.0, 50.0], &bench.supply.inertia, PERIOD).unwrap();
+    let run = bench.run(entry, &tuning);
+    let mut ws = Workspace::new(&bench.plant);
+    let (mut found, mut worst) = ([0.0_f64; 3], 0.0_f64);
+    for (k, t) in run.t.iter().enumerate() {
+        let d: Vec<[f64; 3]> = (0..3).map(|i| bench.reference(i, *t)).collect();
+        let a: Vec<f64> = (0..3)
+            .map(|i| d[i][2] - 40.0 * (run.dq[k][i] - d[i][1]) - 400.0 * run.e[k][i])
+            .collect();
+        let wanted = bench.exact_torque(&mut ws, &run.q[k], &run.dq[k], &run.dq[k], &a);
+        for i in 0..3 {
+            // τ = computed torque − r.
+            let r = wanted[i] - run.tau[k][i];
+            worst = worst.max((r - found[i]).abs());
+            let load = -bench.friction.1[i] * (run.dq[k][i] / 0.02).tanh();
+            found[i] += -(-50.0 * PERIOD).exp_m1() * (load - found[i]);
+        }
+    }
+    // Half a sample of the load's own change is all that they may differ by.
+    assert!(worst < 0.03 && found[0].abs() > 0.2, "{worst} {found:?}");
+    // Identified friction, fed forward, leaves less for the observer to find and less error.
+    let error = |dry: Vec<f64>| {
+        let mut bench = bench.clone();
+        bench.supply.dry = dry;
+        bench.run(entry, &tuning).rms_worst(1.0)
+    };
+    let (told, untold) = (error(vec![0.4, 0.3, 0.2]), error(vec![0.0; 3]));
+    assert!(told < 0.7 * untold, "{told} and {untold}");
+}
+
+/// Friction fed forward: what a law with a model leaves of dry friction at a steady speed goes, and a law without a model is built as it
+/// is.
+#[test]
+fn friction_is_fed_forward_to_laws_with_a_model_alone() {
+    let mut bench = Bench::arm("planar3r").exact();
+    bench.friction.1 = vec![0.4, 0.3, 0.2];
+    bench.supply.dry = bench.friction.1.clone();
+    let zero = [0.0; 3];
+    let moving = [0.3, -0.4, 0.5];
+    let torque = |id: &str, friction: bool| {
+        let entry = rival(id).unwrap();
+        let tuning = bench.published(entry);
+        let built = if friction {
+            entry.build_with_friction(&tuning, &bench.supply)
+        } else {
+            entry.build(&tuning, &bench.supply)
+        };
+        let mut law = built.unwrap();
+        let mut tau = [0.0; 3];
+        let all = All {
+            q: &bench.center,
+            dq: &moving,
+            tau: &zero,
+            commanded: &zero,
+            clipped: &[false; 3],
+            q_d: &bench.center,
+            dq_d: &moving,
+            ddq_d: &zero,
+            ddq_d_acting: &zero,
+        };
+        law.update(&all, &mut tau);
+        tau
+    };
+    for id in ["computed-torque", "nric", "computed-torque-integral"] {
+        let (with, without) = (torque(id, true), torque(id, false));
+        for i in 0..3 {
+            let exact = bench.friction.1[i] * moving[i] / moving[i].hypot(0.01);
+            assert!((with[i] - without[i] - exact).abs() < 1e-12, "{id}: {with:?} {without:?}");
+        }
+    }
+    for id in ["pd", "momentum-observer"] {
+        let bits = |friction: bool| torque(id, friction).map(f64::to_bits);
+        assert_eq!(bits(true), bits(false), "{id}");
+    }
+}
+
+/// The maker's stack, worked again from the record: impedance, the filter of its library, the step that its rate allows.
+#[test]
+fn the_makers_stack_is_its_three_stages() {
+    let mut bench = Bench::arm("planar3r");
+    (bench.duration, bench.supply.torque_rate_max) = (1.0, Some(vec![200.0; 3]));
+    bench.start[1] += 0.1;
+    let entry = rival("makers-stack").unwrap();
+    let run = bench.run(entry, &bench.published(entry));
+    let (model, units) = (bench.supply.model.clone(), bench.supply.inertia.clone());
+    let mut ws = Workspace::new(&model);
+    let share = PERIOD / (PERIOD + 1.0 / (2.0 * core::f64::consts::PI * 100.0));
+    let (mut filtered, mut sent, mut limited) = ([0.0_f64; 3], [0.0_f64; 3], 0);
+    for (k, t) in run.t.iter().enumerate() {
+        let mut bias = [0.0; 3];
+        model.bias(&mut ws, &run.q[k], &run.dq[k], &mut bias);
+        for i in 0..3 {
+            let de = run.dq[k][i] - bench.reference(i, *t)[1];
+            let u = bias[i] - units[i] * (400.0 * run.e[k][i] + 40.0 * de);
+            if k == 0 {
+                (filtered[i], sent[i]) = (u, u);
+            } else {
+                filtered[i] += share * (u - filtered[i]);
+                let step = filtered[i] - sent[i];
+                limited += i32::from(step.abs() > 0.2);
+                sent[i] += step.clamp(-0.2, 0.2);
+            }
+            assert!((sent[i] - run.tau[k][i]).abs() < 1e-9, "{k} {i}");
+        }
+    }
+    assert!(limited > 5, "{limited}");
+}
+
+/// On the reference with an exact model, what is fed forward is the motion's own torque, and hardly anything is left for the gains; and
+/// the model never sees a measurement: at the same error the torque is the reference's, wherever the arm is.
+#[test]
+fn a_torque_from_the_reference_alone_drives_an_exact_arm() {
+    let bench = Bench::arm("planar3r").exact();
+    let error = |id: &str| {
+        let entry = rival(id).unwrap();
+        let tuning = Tuning::new(&[20.0, 1.0], &bench.supply.inertia, PERIOD).unwrap();
+        bench.run(entry, &tuning).error_peak(0.0)
+    };
+    let (with, without) = (error("feedforward-pd"), error("pd-gravity"));
+    assert!(with < 2e-3 && with < 0.3 * without, "{with} {without}");
 }

@@ -146,9 +146,25 @@ fn time_delay_control_is_the_first_order_law_with_an_estimator_of_one_sample() {
     same(("time-delay", &[20.0, 1.0, 1.0]), ("proposed-1", &[20.0, 1.0, 1e5]), 1e-9);
 }
 
+/// With a filter that lets everything through, and the first-order law as its estimator's pole goes: what is filtered twice alike is one
+/// disturbance observer.
+#[test]
+fn incremental_inversion_without_its_filter_is_time_delay_control() {
+    same(("indi", &[20.0, 1.0, 1e6, 1.0, 1.0]), ("time-delay", &[20.0, 1.0, 1.0]), 1e-9);
+    // Damping 50: one pole at ω/(2 ζ), the other far beyond the sample.
+    let first = [20.0, 1.0, 69.6];
+    same(("indi", &[20.0, 1.0, 69.6 * 1e5, 0.5e5, 1.0]), ("proposed-1", &first), 2e-5);
+}
+
 #[test]
 fn the_earlier_law_without_its_correction_is_the_first_order_law() {
     same(("hayat-buss-2016", &[20.0, 1.0, 69.6, 1e-12]), ("proposed-1", &[20.0, 1.0, 69.6]), 1e-9);
+}
+
+#[test]
+fn a_rate_per_unit_is_one_rate_where_all_are_alike() {
+    let units = [10.0, 80.0, 5.0, 5.0, 5.0, 5.0, 0.01];
+    same(("slotine-li-units", &units), ("slotine-li", &[10.0, 80.0, 5.0, 0.01]), 1e-12);
 }
 
 #[test]
@@ -235,7 +251,9 @@ fn published_gains_on_seven_joints() {
     }
 }
 
-const SECOND_HALF: [&str; 24] = [
+const SECOND_HALF: [&str; 26] = [
+    "l1-adaptive",
+    "indi",
     "proposed-positions-1",
     "proposed-positions-2",
     "proposed-positions-designed",

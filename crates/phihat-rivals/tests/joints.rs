@@ -21,6 +21,8 @@ fn a_load_that_grows_leaves_the_error_of_the_transfer_function() {
         ("proposed-1", 1.0 / (a0 * kp)),
         ("disturbance-observer", 1.0 / (100.0 * kp)),
         ("time-delay", PERIOD / (0.1 * kp)),
+        ("indi", 2.0 * 0.55 / (50.0 * kp)),
+        ("effort-pid", 1.0 / (kp * 5.0)),
         ("hayat-buss-2016", 1.0 / (a0 * kp + 20.0 * WEIGHT[0])),
         ("industrial-pid", 1.0 / (kp * 5.0)),
         ("h-infinity-pid", 1.0 / (choi * 200.0)),
@@ -106,6 +108,38 @@ fn adaptive_robust_dob_is_at_rest_where_its_parts_balance() {
     let beta = 130.0 * s / 2.0;
     let parts = (50.0 + 0.3 * (1.0 + e * e)) * s + beta * (s / 0.1).tanh();
     assert!((parts / (rate / 50.0) - 1.0).abs() < 0.03, "{parts}");
+}
+
+/// A load that stays leaves the share of it that the predictor forgets in a sample; with a predictor that forgets nothing and the
+/// first-order estimator's pole as its filter, the law is the first-order one.
+#[test]
+fn l1_adaptive_control_leaves_what_its_predictor_forgets() {
+    let joints = Joints::new();
+    let entry = rival("l1-adaptive").unwrap();
+    let (a, load) = (50.0_f64, 40.0);
+    let e = last(&joints.run(entry, &joints.tuned(&[20.0, 1.0, a, 70.0, 1.0]), |_| load)).e;
+    let exact = -(-a * PERIOD).exp_m1() * load / 400.0;
+    assert!((e / exact - 1.0).abs() < 1e-6, "{e} and {exact}");
+    let load = |t: f64| 20.0 * (3.0 * t).sin();
+    let bare = joints.run(entry, &joints.tuned(&[20.0, 1.0, 1e-9, 69.6, 1.0]), load);
+    let first = rival("proposed-1").unwrap();
+    let first = joints.run(first, &joints.tuned(&[20.0, 1.0, 69.6]), load);
+    assert!(bare.iter().zip(&first).all(|(a, b)| (a.e - b.e).abs() < 1e-8));
+}
+
+/// At rest: nothing within the clamp of the integral, and beyond it the load that is left over the stiffness.
+#[test]
+fn the_effort_pid_holds_what_its_clamp_lets_it() {
+    let mut joints = Joints::new();
+    joints.duration = 8.0;
+    let entry = rival("effort-pid").unwrap();
+    let tuning = joints.tuned(&[20.0, 1.0, 5.0, 0.1, 30.0]);
+    let e = |load: f64| last(&joints.run(entry, &tuning, |_| load)).e;
+    assert!(e(25.0).abs() < 1e-7, "{}", e(25.0));
+    for load in [50.0_f64, -50.0] {
+        let exact = (load - 30.0_f64.copysign(load)) / 400.0;
+        assert!((e(load) - exact).abs() < 1e-7, "{} and {exact}", e(load));
+    }
 }
 
 /// `V = ½ xᵀPx + |p̃|²/(2γ)` falls under a constant load; the estimate is `−τ/U` less the outer loop.
@@ -198,12 +232,12 @@ fn enhanced_time_delay_without_its_powers_is_time_delay_control() {
     assert!(left(200.0) < 0.5 * left(1e-12), "{} {}", left(200.0), left(1e-12));
 }
 
-/// `M̄ < 2 M`, with and without delay: the estimate is of the torque that acted.
+/// `M̄ < c M`, with `c = 2 cos(π d/(2d + 1))` behind `d` samples: the estimate is of the torque that was commanded.
 #[test]
 fn time_delay_estimates_converge_above_half_the_inertia() {
     let entry = rival("time-delay").unwrap();
     for (delay, ratio, stable) in
-        [(0, 0.6, true), (0, 0.45, false), (1, 0.65, true), (1, 0.45, false)]
+        [(0, 0.6, true), (0, 0.45, false), (1, 1.1, true), (1, 0.95, false), (2, 1.8, true)]
     {
         let mut joints = Joints::new();
         (joints.delay, joints.ratio, joints.start) = (delay, ratio, 1e-6);
@@ -213,6 +247,108 @@ fn time_delay_estimates_converge_above_half_the_inertia() {
             stable,
             "delay {delay}, ratio {ratio}: {end:?}"
         );
+    }
+}
+
+/// Coefficients of `a b`, from that of `z⁰`.
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; a.len() + b.len() - 1];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            out[i + j] += a * b;
+        }
+    }
+    out
+}
+
+/// `z^d (z − 1)³ + r [(z − 1)² + K_d T z (z − 1) + ½ K_p T² z (z + 1)]`, from that of `z⁰`.
+fn time_delay_polynomial(delay: usize, r: f64, kp: f64, kd: f64) -> Vec<f64> {
+    let (d, p) = (kd * PERIOD, 0.5 * kp * PERIOD * PERIOD);
+    let mut all = vec![0.0; delay];
+    all.extend([-1.0, 3.0, -3.0, 1.0]);
+    for (k, c) in [1.0, -2.0 - d + p, 1.0 + d + p].into_iter().enumerate() {
+        all[k] += r * c;
+    }
+    all
+}
+
+/// How far a sequence is from obeying a polynomial in the shift, from `from` on, over its largest term.
+fn off(sequence: &[f64], polynomial: &[f64], from: usize) -> f64 {
+    let terms = |w: &[f64]| w.iter().zip(polynomial).map(|(x, c)| x * c).sum::<f64>().abs();
+    let largest = sequence[from..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let windows = sequence[from..].windows(polynomial.len());
+    windows.map(terms).fold(0.0, f64::max) / largest
+}
+
+/// The loop is linear, so its samples obey the loop's polynomial, found on paper: behind a delay too, and for both laws. Fed with
+/// the torque that acted the polynomial is another one (`z^{d+1} − 1` in the place of `z^d (z − 1)`), whose pole is near −1.
+#[test]
+fn time_delay_control_has_the_poles_of_the_commanded_torque_behind_a_delay() {
+    let (kp, kd, share) = (400.0, 40.0, 0.1);
+    for delay in 0..=3 {
+        let mut joints = Joints::new();
+        (joints.delay, joints.start, joints.duration) = (delay, 0.1, 0.3);
+        let wanted = time_delay_polynomial(delay, share, kp, kd);
+        for (id, values) in [
+            ("time-delay", vec![20.0, 1.0, share]),
+            ("enhanced-time-delay", vec![kp, kd, 1e-12, 1.0, 1.0, share]),
+        ] {
+            let points = joints.run(rival(id).unwrap(), &joints.tuned(&values), |_| 0.0);
+            let e: Vec<f64> = points.iter().map(|p| p.e).collect();
+            let away = off(&e, &wanted, delay + 2);
+            assert!(away < 1e-9, "{id} behind {delay}: {away}");
+            // What takes turns from sample to sample dies out at once: no pole near −1.
+            let tau: Vec<f64> = points.iter().map(|p| p.tau).collect();
+            let turns = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+            let most = |part: &[f64]| part.windows(4).map(turns).fold(0.0, f64::max);
+            let (first, later) = (most(&tau[..20]), most(&tau[50..]));
+            assert!(later < 4e-2 * first, "{id} behind {delay}: {later} of {first}");
+        }
+    }
+}
+
+/// The same of incremental inversion, whose torque and acceleration are of one interval and go through one filter:
+/// `(z − 1)² z^d (D − N) + …` with `H = N/D`, on paper.
+#[test]
+fn incremental_inversion_has_the_poles_of_one_filter() {
+    let (kp, kd, w, zeta, ratio) = (400.0, 40.0, 100.0, 0.55, 1.7);
+    let size = (-zeta * w * PERIOD).exp();
+    let turn = w * PERIOD * (1.0_f64 - zeta * zeta).sqrt();
+    let filter = [size * size, -2.0 * size * turn.cos(), 1.0];
+    let gain: f64 = filter.iter().sum();
+    // H = gain z²/filter; the torque that acted is z^{−1−d} τ: (1 − H z^{−1−d}) τ = −M̄ (K_d v + K_p q + H (1 − z⁻¹) v/T).
+    let (one, plus) = ([-1.0, 1.0], [1.0, 1.0]);
+    let r = 1.0 / ratio;
+    for delay in 0..=3 {
+        let mut joints = Joints::new();
+        (joints.delay, joints.ratio, joints.start, joints.duration) = (delay, ratio, 0.1, 0.4);
+        // Times z^{1+d} (z − 1)² filter/… on both sides.
+        let mut shift = vec![0.0; delay + 1];
+        shift.push(1.0);
+        let mut left = product(&shift, &filter);
+        left[2] -= gain;
+        let left = product(&product(&left, &one), &one);
+        let velocity = product(&one, &filter).iter().map(|c| c * kd * PERIOD).collect::<Vec<_>>();
+        let position = product(&plus, &filter);
+        let jerk = product(&product(&one, &one), &[0.0, gain]);
+        let mut right = vec![0.0; left.len()];
+        for (k, c) in velocity.iter().enumerate() {
+            right[k] += c;
+        }
+        for (k, c) in position.iter().enumerate() {
+            right[k] += 0.5 * kp * PERIOD * PERIOD * c;
+        }
+        for (k, c) in jerk.iter().enumerate() {
+            right[k] += c;
+        }
+        // Both have a factor z: the right side is times z, too.
+        let wanted: Vec<f64> =
+            (0..left.len()).map(|k| left[k] + if k > 0 { r * right[k - 1] } else { 0.0 }).collect();
+        let entry = rival("indi").unwrap();
+        let points = joints.run(entry, &joints.tuned(&[20.0, 1.0, w, zeta, 1.0]), |_| 0.0);
+        let e: Vec<f64> = points.iter().map(|p| p.e).collect();
+        let away = off(&e, &wanted, delay + 5);
+        assert!(away < 1e-9, "behind {delay}: {away}");
     }
 }
 
@@ -241,7 +377,10 @@ fn inertia_windows_are_where_the_loop_says() {
         ("industrial-pid", 0, [true, true]),
         ("industrial-pid", 2, [true, true]),
         ("adrc", 0, [false, true]),
+        ("effort-pid", 0, [true, true]),
         ("time-delay", 0, [true, false]),
+        ("time-delay", 1, [true, false]),
+        ("indi", 0, [false, true]),
         ("h-infinity-pid", 0, [true, false]),
         ("h-infinity-pid", 1, [true, false]),
         ("prescribed-performance", 0, [true, false]),

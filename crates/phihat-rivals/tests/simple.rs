@@ -34,6 +34,38 @@ fn computed_torque_with_the_true_model_makes_the_error_a_critically_damped_joint
     }
 }
 
+/// `e⃛ + K_d ë + K_p ė + K_i e = 0` of the exact model, integrated on its own; and what a wrong model leaves at rest is gone.
+#[test]
+fn computed_torque_with_integral_is_a_third_order_joint_that_forgets_its_load() {
+    let mut bench = Bench::arm("planar3r").exact();
+    (bench.start[1], bench.duration) = (bench.center[1] + 0.2, 0.8);
+    let entry = rival("computed-torque-integral").unwrap();
+    let run = bench.run(entry, &bench.published(entry));
+    let (kp, kd, ki, h) = (400.0, 40.0, 400.0 * 5.0, PERIOD / 20.0);
+    let (mut e, mut de, mut sum) = (0.2_f64, 0.0_f64, 0.0_f64);
+    for (t, found) in run.t.iter().zip(&run.e) {
+        assert!((found[1] - e).abs() < 2.5e-3, "{t}: {} and {e}", found[1]);
+        assert!(found[0].abs() < 2.5e-3 && found[2].abs() < 2.5e-3);
+        for _ in 0..20 {
+            // Midpoint.
+            let dde = |e: f64, de: f64, sum: f64| -kd * de - kp * e - ki * sum;
+            let a = dde(e, de, sum);
+            let (e1, de1, sum1) = (e + 0.5 * h * de, de + 0.5 * h * a, sum + 0.5 * h * e);
+            (e, de, sum) = (e + h * de1, de + h * dde(e1, de1, sum1), sum + h * e1);
+        }
+    }
+    let mut bench = Bench::arm("planar3r");
+    (bench.amplitude, bench.duration) = (0.0, 8.0);
+    bench.friction.1.fill(0.0);
+    let left = |id: &str| {
+        let entry = rival(id).unwrap();
+        let run = bench.run(entry, &bench.published(entry));
+        run.e.last().unwrap().iter().fold(0.0_f64, |most, e| most.max(e.abs()))
+    };
+    let (without, with) = (left("computed-torque"), left("computed-torque-integral"));
+    assert!(without > 1e-3 && with < 1e-9, "{without} and {with}");
+}
+
 /// Identity 4 of the theory: order 1 is this PID plus acceleration feed-forward.
 #[test]
 fn the_h_infinity_pid_is_the_first_order_law_at_rest() {
@@ -110,6 +142,7 @@ fn a_rival_is_handed_only_what_it_declares() {
             q: &q,
             dq: &zero,
             tau: &tau,
+            commanded: &tau,
             clipped: &[false; 3],
             q_d: &zero,
             dq_d: &zero,

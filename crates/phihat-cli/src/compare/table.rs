@@ -15,6 +15,7 @@ pub(super) fn overview(comparison: &Comparison) -> String {
     }
     let refused = comparison.rows.iter().filter_map(|row| Some((row, row.refused.as_ref()?)));
     text.extend(refused.map(|(row, why)| format!("{} on {}: {why}", row.rival, row.arm)));
+    text.extend(comparison.rows.iter().filter_map(at_end));
     let mut beaten: Vec<(String, Vec<&str>)> = Vec::new();
     for loss in phihat_compare::losses(comparison) {
         match beaten.iter_mut().find(|(ours, _)| *ours == loss.ours) {
@@ -26,6 +27,16 @@ pub(super) fn overview(comparison: &Comparison) -> String {
         text.push(format!("another row is better than {ours} in: {}", columns.join(", ")));
     }
     text.join("\n")
+}
+
+/// Which tuned scalars of a row are at an end of their range.
+fn at_end(row: &Row) -> Option<String> {
+    let ends = &row.tuning.as_ref()?.at_end;
+    let each = ends.iter().map(|end| {
+        format!("{} at its {} end", end.scalar, if end.upper { "upper" } else { "lower" })
+    });
+    let each: Vec<_> = each.collect();
+    (!each.is_empty()).then(|| format!("{} on {}: {}", row.rival, row.arm, each.join(", ")))
 }
 
 fn table(lines: &[Vec<String>]) -> String {
@@ -56,6 +67,7 @@ pub(super) fn row(row: &Row) -> serde_json::Value {
         "arm": row.arm,
         "rival": row.rival,
         "refused": row.refused,
+        "at_end_of_range": row.tuning.as_ref().map(|tuning| &tuning.at_end),
         "worlds_followed": tuned().filter(|cell| cell.outcome.followed()).count(),
         "tuned": cells.collect::<Vec<_>>(),
     })

@@ -1,6 +1,6 @@
 //! A card per law: what it is, where it is from, what it needs, which gains it ran with, why each mark is as it is.
 
-use crate::{Comparison, RivalRecord, Row};
+use crate::{Comparison, RivalRecord, Row, ScalarRecord, TuningRecord};
 use maud::{Markup, html};
 
 use super::names::title;
@@ -67,7 +67,10 @@ fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
                 td { (stated(scalar.range[0])) " … " (stated(scalar.range[1])) }
                 td { (stated(scalar.default)) }
                 @for (_, tuning) in tuned() {
-                    td { (tuning.tuned.get(i).map_or_else(|| "–".to_owned(), |v| number(*v))) }
+                    td {
+                        (tuning.tuned.get(i).map_or_else(|| "–".to_owned(), |v| number(*v)))
+                        @if let Some(where_) = end(tuning, scalar) { span.note { (where_) } }
+                    }
                 }
             } } }
         } }
@@ -75,12 +78,33 @@ fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
         @for (row, tuning) in tuned() { p.hint {
             (line(&row.arm)) ": " (tuning.runs) " runs took the cost from " (number(tuning.cost_default)) " to "
             (number(tuning.cost_tuned)) "; "
+            @if tuning.rounds > 1 { (widened(tuning, rival)) }
             @match tuning.runs_to_spec {
                 Some(run) => { "run " (run) " was the first to keep the specification." }
                 None => "none kept the specification.",
             }
         } }
     }
+}
+
+/// At which end of its range a tuned value is left, if it is.
+fn end(tuning: &TuningRecord, scalar: &ScalarRecord) -> Option<&'static str> {
+    let end = tuning.at_end.iter().find(|end| end.scalar == scalar.name)?;
+    Some(if end.upper { "at the upper end of its range" } else { "at the lower end of its range" })
+}
+
+/// Which ranges gave way, and how far.
+fn widened(tuning: &TuningRecord, rival: &RivalRecord) -> String {
+    let wider =
+        rival.scalars.iter().zip(&tuning.ranges).filter(|(scalar, range)| scalar.range != **range);
+    let each = wider.map(|(scalar, [low, high])| {
+        format!("{} to {} … {}", line(&scalar.name), stated(*low), stated(*high))
+    });
+    format!(
+        "in {} rounds, ranges widened: {}; ",
+        tuning.rounds,
+        each.collect::<Vec<_>>().join(", ")
+    )
 }
 
 fn marks(row: &Row) -> Markup {

@@ -31,6 +31,7 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
                     " rows have no figures, because the law does not apply to the arm or its task; each says why."
                 } }
             }
+            @if let Some(text) = at_ends(comparison) { p.hint { (text) } }
             p.hint {
                 a href="#another-row" { "When to pick another row" } " · "
                 @for arm in &comparison.arms { a href=(format!("#{}", anchor("arm", &arm.name))) { (line(&arm.name)) } " · " }
@@ -39,6 +40,20 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
             }
         }
     } }
+}
+
+/// Which rows' tuned scalars are at an end of their range: another range might give them less error.
+fn at_ends(comparison: &Comparison) -> Option<String> {
+    let of = |row: &Row| {
+        let ends = &row.tuning.as_ref()?.at_end;
+        let names: Vec<_> = ends.iter().map(|end| line(&end.scalar)).collect();
+        (!ends.is_empty())
+            .then(|| format!("{} on {} ({})", line(&row.rival), line(&row.arm), names.join(", ")))
+    };
+    let rows: Vec<_> = comparison.rows.iter().filter_map(of).collect();
+    (!rows.is_empty()).then(|| {
+        format!("Tuned scalars at an end of their range, widened or not: {}.", rows.join("; "))
+    })
 }
 
 /// How many rows follow everywhere, and which are best in which column.

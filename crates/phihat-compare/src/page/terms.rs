@@ -14,7 +14,10 @@ pub(super) fn fairness(comparison: &Comparison, command: &str) -> Markup {
         h2 id="terms" { "Terms" }
         dl {
             dt { "optimiser" } dd { (line(&terms.optimiser)) }
-            dt { "budget" } dd { (terms.tuning_runs) " evaluations for every law with a free scalar, on every arm" }
+            dt { "budget" } dd {
+                (terms.tuning_runs) " evaluations for every law with a free scalar, on every arm"
+                @if terms.widenings > 0 { ", and as many again up to " (terms.widenings) " times where the best gains are at an end of a range, which is then widened tenfold" }
+            }
             dt { "tuned on" } dd { (motions) " motions of " (stated(length)) " s in the worlds “" (line(&terms.training_worlds.join("”, “"))) "”" }
             dt { "scored on" } dd { (terms.seeds) " other motions of " (stated(terms.scored_s)) " s in every world; the study's own is the first" }
             dt { "nominal model" } dd { "links " (stated(terms.nominal_masses)) " times as heavy as the arm's, for every law that is handed a model, in every world" }

@@ -25,7 +25,7 @@ pub(super) struct Rated {
 pub(super) fn rate(rows: &[Row], progress: &dyn Fn(f64)) -> Result<Vec<Vec<Rated>>, PartError> {
     let laws: Vec<&'static Entry> = rows.iter().flat_map(|row| row.laws.clone()).collect();
     let worlds = ["exact", "encoder", "payload", "friction"].map(str::to_owned).into();
-    let extent = Extent { worlds, tuning_runs: 30, ..Extent::quick() };
+    let extent = Extent { worlds, tuning_runs: 30, widenings: 0, ..Extent::quick() };
     let unfit = |why: CompareError| PartError::Comparison(Box::new(why));
     let mut plan = Plan::of(&[], laws.clone(), extent).map_err(unfit)?;
     plan.arms = vec![ArmCase::from_text(STUDY.0, STUDY.1).map_err(unfit)?];

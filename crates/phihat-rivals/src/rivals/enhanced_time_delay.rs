@@ -5,7 +5,7 @@ use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
 use crate::math::sig;
-use crate::measured::{Acceleration, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndCommand};
 use crate::rival::Rival;
 use crate::rivals::time_delay::{INERTIA_SHARE, Rest};
 use crate::tuning::{Scalar, Tuning};
@@ -24,7 +24,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// The estimate converges where `M̄ < 2 M` for frozen inertia, whatever the delay: it is fed with the torque that acted.
+/// The estimate converges where `M̄ < 2 cos(π d/(2d + 1)) M` for frozen inertia behind `d` samples: it is fed with the torque that
+/// was commanded, within its limits.
 ///
 /// # Not claimed
 ///
@@ -102,12 +103,15 @@ impl Rival for EnhancedTimeDelay {
         },
         INERTIA_SHARE,
     ];
-    type Sees<'a> = MotionAndTorque<'a>;
+    type Sees<'a> = MotionAndCommand<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
     fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
         let [kp, kd, ks, first, third, share] = tuning.values()?;
+        if let Some(power) = [first, third].into_iter().find(|power| *power > 1.0) {
+            return Err(Refusal::Tuning(format!("power {power}: up to 1 is valid")));
+        }
         let period = tuning.period();
         let (rest, sum) = (Rest::new(&inertia, share, period), vec![0.0; inertia.values().len()]);
         let powers = [first, 2.0 * first / (1.0 + first), third];
@@ -116,7 +120,7 @@ impl Rival for EnhancedTimeDelay {
 
     fn update(
         &mut self,
-        sees: MotionAndTorque<'_>,
+        sees: MotionAndCommand<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],
@@ -142,6 +146,7 @@ impl Rival for EnhancedTimeDelay {
 
     fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [.., share] = tuning.values::<6>().ok()?;
-        Some(Condition::above("M̄ < 2 M", arm.ratio[0], 0.5 * share))
+        let floor = share * arm.ratio_min(1.0 / tuning.period(), tuning.period());
+        Some(Condition::above("M̄ < c M; c = 2, behind one sample of delay 1", arm.ratio[0], floor))
     }
 }

@@ -8,6 +8,7 @@ use crate::measured::{Acceleration, Motion};
 use crate::nominal::{Gravity, Viscous};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
+use crate::shared::INTEGRAL_RATE;
 use crate::tuning::{Scalar, Tuning};
 
 /// PID of every joint with feed-forward of acceleration, viscous friction and gravity.
@@ -59,18 +60,7 @@ impl Rival for IndustrialPid {
         law: "τ = M̄ q̈_d + F̂ q̇_d + Ĝ(q) − K_P e − K_D ė − K_I ∫e",
         printed: None,
     };
-    const SCALARS: &'static [Scalar] = &[
-        BANDWIDTH,
-        DAMPING,
-        Scalar {
-            name: "integral_rate",
-            unit: "1/s",
-            meaning: "1/T_i",
-            default: 5.0,
-            low: 0.5,
-            high: 50.0,
-        },
-    ];
+    const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING, INTEGRAL_RATE];
     type Sees<'a> = Motion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Inertia, (Gravity, Viscous));

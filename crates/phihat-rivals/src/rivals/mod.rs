@@ -2,20 +2,27 @@
 
 use crate::rival::Entry;
 
+mod adaptive_l1;
 mod adrc;
 mod chen_lee_feng;
 mod computed_torque;
+mod computed_torque_integral;
 mod disturbance_observer;
+mod effort_pid;
 mod enhanced_time_delay;
 mod fat;
 mod fat_lumped;
+mod feedforward_pd;
 mod filtered_regressor;
 mod finite_time;
 mod funnel;
 mod fuzzy;
 mod h_infinity_pid;
 mod hayat_buss_2016;
+mod incremental;
 mod industrial_pid;
+mod makers_stack;
+mod momentum_observer;
 mod nonlinear_feedback;
 mod nric;
 mod orbital;
@@ -45,8 +52,14 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),
     Entry::of::<pd_gravity::PdGravity>(),
     Entry::of::<pd_plus::PdPlus>(),
+    Entry::of::<feedforward_pd::FeedforwardPd>(),
+    Entry::of::<makers_stack::MakersStack>(),
+    Entry::of::<effort_pid::EffortPid>(),
     Entry::of::<computed_torque::ComputedTorque>(),
+    Entry::of::<computed_torque_integral::ComputedTorqueIntegral>(),
+    Entry::of::<momentum_observer::MomentumObserver>(),
     Entry::of::<slotine_li::SlotineLi>(),
+    Entry::of::<slotine_li::ByUnit>(),
     Entry::of::<fat_lumped::FatLumped>(),
     Entry::of::<robust::Robust>(),
     Entry::of::<task_space::TaskSpace>(),
@@ -73,6 +86,8 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<funnel::Berger>(),
     Entry::of::<time_delay::TimeDelay>(),
     Entry::of::<enhanced_time_delay::EnhancedTimeDelay>(),
+    Entry::of::<incremental::Incremental>(),
+    Entry::of::<adaptive_l1::AdaptiveL1>(),
     Entry::of::<prescribed_performance::PrescribedPerformance>(),
     Entry::of::<hayat_buss_2016::HayatBuss2016>(),
     Entry::of::<proposed::First>(),

@@ -5,7 +5,7 @@ use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::measured::{Acceleration, Motion};
-use crate::regressor::Regressor;
+use crate::regressor::{Group, Regressor};
 use crate::rival::Rival;
 use crate::shared::{ADAPTATION, LEAKAGE, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
@@ -46,6 +46,18 @@ pub(crate) struct SlotineLi {
     estimate: Estimate,
 }
 
+impl SlotineLi {
+    fn with([sliding, damping, leakage]: [f64; 3], tuning: &Tuning, estimate: Estimate) -> Self {
+        Self {
+            sliding: Sliding::new(sliding, tuning.joints()),
+            gain: tuning.per_joint(damping),
+            leakage,
+            period: tuning.period(),
+            estimate,
+        }
+    }
+}
+
 impl Rival for SlotineLi {
     const CARD: Card = Card {
         id: "slotine-li",
@@ -69,13 +81,8 @@ impl Rival for SlotineLi {
 
     fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
         let [sliding, damping, adaptation, leakage] = tuning.values()?;
-        Ok(Self {
-            sliding: Sliding::new(sliding, tuning.joints()),
-            gain: tuning.per_joint(damping),
-            leakage,
-            period: tuning.period(),
-            estimate: Estimate::new(regressor, tuning, adaptation),
-        })
+        let estimate = Estimate::new(regressor, tuning, adaptation);
+        Ok(Self::with([sliding, damping, leakage], tuning, estimate))
     }
 
     fn update(
@@ -102,6 +109,81 @@ impl Rival for SlotineLi {
 
     fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
         let [_, damping, ..] = tuning.values::<4>().ok()?;
+        let period = tuning.period();
+        Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))
+    }
+}
+
+/// [`SlotineLi`] with a rate for the parameters of each unit: masses, first moments, inertias, friction.
+///
+/// # Law
+///
+/// As there, with `Γ = γ_g U_j` for a parameter of joint `j` and unit `g`. With all four rates alike it is the same law, and a test
+/// holds that.
+///
+/// # References
+///
+/// J.-J. E. Slotine, W. Li, 1987: `Γ` is any positive definite matrix there. Grade A.
+#[derive(Debug)]
+pub(crate) struct ByUnit(SlotineLi);
+
+/// Rate of the parameters of a unit.
+const fn rate(name: &'static str, unit: &'static str, meaning: &'static str) -> Scalar {
+    Scalar { name, unit, meaning, ..ADAPTATION }
+}
+
+impl Rival for ByUnit {
+    const CARD: Card = Card {
+        id: "slotine-li-units",
+        title: "Adaptive (Slotine, Li), a rate per unit",
+        reference: "",
+        source: "Slotine, Li, Int. J. Robotics Research 6(3), 1987",
+        grade: Grade::A,
+        caveat: "",
+        law: "τ = Y θ̂ − K_D s,  dθ̂/dt = −Γ Yᵀ s − σ θ̂,  Γ by unit: kg, kg·m, kg·m², N·m·s/rad",
+        printed: None,
+    };
+    const SCALARS: &'static [Scalar] = &[
+        SLIDING,
+        SLIDING_DAMPING,
+        rate("adaptation_mass", "s²/m⁴", "γ of masses"),
+        rate("adaptation_moment", "s²/m²", "γ of first moments"),
+        rate("adaptation_inertia", "s²", "γ of inertias"),
+        rate("adaptation_friction", "", "γ of viscous friction"),
+        LEAKAGE,
+    ];
+    type Sees<'a> = Motion<'a>;
+    type Wants<'a> = Acceleration<'a>;
+    type Knows = Regressor;
+
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+        let [sliding, damping, mass, moment, inertia, friction, leakage] = tuning.values()?;
+        let gain = |group: Group| match group {
+            Group::Mass => mass,
+            Group::Moment => moment,
+            Group::Inertia => inertia,
+            Group::Friction => friction,
+        };
+        let estimate = Estimate::by_group(regressor, tuning, gain);
+        Ok(Self(SlotineLi::with([sliding, damping, leakage], tuning, estimate)))
+    }
+
+    fn update(
+        &mut self,
+        sees: Motion<'_>,
+        wants: Acceleration<'_>,
+        clipped: &[bool],
+        tau: &mut [f64],
+    ) {
+        self.0.update(sees, wants, clipped, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.0.states()
+    }
+
+    fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
+        let [_, damping, ..] = tuning.values::<7>().ok()?;
         let period = tuning.period();
         Some(Condition::sampled("K_D T below the smallest inertia's limit", damping, period, arm))
     }

@@ -4,7 +4,7 @@ use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::facts::Inertia;
-use crate::measured::{Acceleration, MotionAndTorque};
+use crate::measured::{Acceleration, MotionAndCommand};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains, window};
 use crate::tuning::{Scalar, Tuning};
@@ -17,19 +17,23 @@ use crate::tuning::{Scalar, Tuning};
 /// τ_k = M̄ (q̈_d − K_d ė − K_p e) + τ_{k−1} − M̄ (q̇_k − q̇_{k−1})/T                        (1)
 /// ```
 ///
-/// `τ_{k−1}` is the torque that acted while `q̇` went from one sample to the other. This is the paper's law of
-/// order 1, by forward Euler, with `a_0 = 1/T`: a test holds the two together.
+/// `τ_{k−1}` is the torque that was commanded last, within its limits: without a delay it is the one that acted while `q̇`
+/// went from one sample to the other, and this is the paper's law of order 1, by forward Euler, with `a_0 = 1/T`; a
+/// test holds the two together.
 ///
 /// # Guarantee
 ///
-/// `|1 − M⁻¹ M̄| < 1` for frozen inertia, that is `M̄ < 2 M`; with the outer loop and the delay counted, the window
-/// of the first-order law at `a_0 = 1/T`.
+/// `|1 − M⁻¹ M̄| < 1` for frozen inertia, that is `M̄ < 2 M`; with the outer loop and the delay counted, the lower end of the window
+/// of the first-order law at `a_0 = 1/T`. Behind `d` samples, with `r = M̄/M`, the loop's polynomial is
+///
+/// ```text
+/// z^d (z − 1)³ + r [(z − 1)² + K_d T z (z − 1) + ½ K_p T² z (z + 1)]                    (2)
+/// ```
 ///
 /// # Not claimed
 ///
-/// A bound on the error. Behind a delay the window's lower end, `μ > 1 + K_d T` at one sample, is on the safe side:
-/// it is that of a law fed with the torque it commanded. This one is fed with the torque that acted, and
-/// `φ̂_k = (1 − 1/μ) τ_{k−1}` is stable from `μ = ½` on whatever the delay, but for the outer loop.
+/// A bound on the error. That a delay costs nothing: fed with the torque that *acted*, (1) would be `d + 1` integrators that
+/// take turns, with a pole near `z = −1` for every small `r`; so it is not.
 ///
 /// # References
 ///
@@ -72,14 +76,14 @@ impl Rest {
     /// `τ = M̄ u +` the estimate, with `u` of each joint from its index.
     pub(crate) fn torque(
         &mut self,
-        sees: MotionAndTorque<'_>,
+        sees: MotionAndCommand<'_>,
         mut wanted: impl FnMut(usize) -> f64,
         tau: &mut [f64],
     ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let m = self.inertia[i];
             let jerked = m * (sees.dq[i] - self.dq[i]) / self.period;
-            let estimate = if self.started { sees.tau[i] - jerked } else { 0.0 };
+            let estimate = if self.started { sees.commanded[i] - jerked } else { 0.0 };
             *tau = m * wanted(i) + estimate;
             self.dq[i] = sees.dq[i];
         }
@@ -104,7 +108,7 @@ impl Rival for TimeDelay {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING, INERTIA_SHARE];
-    type Sees<'a> = MotionAndTorque<'a>;
+    type Sees<'a> = MotionAndCommand<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
@@ -116,7 +120,7 @@ impl Rival for TimeDelay {
 
     fn update(
         &mut self,
-        sees: MotionAndTorque<'_>,
+        sees: MotionAndCommand<'_>,
         wants: Acceleration<'_>,
         _: &[bool],
         tau: &mut [f64],

@@ -56,7 +56,7 @@ impl Joints {
         let (mut q, mut dq) = (vec![self.start; n], vec![0.0; n]);
         let (target, zero, clipped) = (vec![self.target; n], vec![0.0; n], vec![false; n]);
         let mut queue = vec![zero.clone(); self.delay];
-        let (mut acted, mut tau) = (zero.clone(), zero.clone());
+        let (mut acted, mut commanded, mut tau) = (zero.clone(), zero.clone(), zero.clone());
         let mut points = Vec::new();
         let times = (0_u32..).map(|k| f64::from(k) * PERIOD);
         for t in times.take_while(|t| *t < self.duration) {
@@ -64,6 +64,7 @@ impl Joints {
                 q: &q,
                 dq: &dq,
                 tau: &acted,
+                commanded: &commanded,
                 clipped: &clipped,
                 q_d: &target,
                 dq_d: &zero,
@@ -71,6 +72,7 @@ impl Joints {
                 ddq_d_acting: &zero,
             };
             rival.update(&all, &mut tau);
+            commanded.clone_from(&tau);
             points.push(Point { t, e: q[0] - self.target, de: dq[0], tau: tau[0] });
             queue.push(tau.clone());
             acted = queue.remove(0);

@@ -1,0 +1,180 @@
+//! A candidate, tried in drawn worlds: what its error is, and which constraints it breaks.
+
+use phihat_rivals::{Entry, Scalar, Tuning};
+use phihat_session::Dice;
+use phihat_study::Study;
+
+use super::feasible::Assessed;
+use super::margin::Harder;
+use super::worlds::Drawn;
+use crate::adapter::supply;
+use crate::arm_case::ArmCase;
+use crate::cost::LIMITED;
+use crate::error::CompareError;
+use crate::judge::{Bars, judge};
+use crate::run_outcome::{Figures, RunOutcome};
+use crate::trial::{TrialError, run_with};
+use crate::tune::{Tuned, tune_from};
+
+/// Evaluations of one search, for each of a law's free scalars and one more.
+pub const PER_SCALAR: usize = 200;
+
+/// Errors below this \[rad\] are alike: a microradian is less than an encoder of 22 bits sees.
+const LEAST: f64 = 1e-6;
+
+/// Where candidates are tried, and under which cap.
+#[derive(Debug, Clone)]
+pub struct Assessor<'a> {
+    arm: &'a ArmCase,
+    /// Each world with the masses of the model that laws are handed there: as it is, and with what a margin asks for.
+    worlds: Vec<(f64, Study, Vec<Study>)>,
+    cap: f64,
+}
+
+impl<'a> Assessor<'a> {
+    /// For drawn worlds of a length \[s\] whose score begins at `span.1`, a cap on noise above 50 Hz over the torque limit, and with or
+    /// without the trials of the margin.
+    ///
+    /// # Errors
+    ///
+    /// [`CompareError`]: the arm's study does not bear a world.
+    pub fn new(
+        arm: &'a ArmCase,
+        drawn: &[Drawn],
+        span: (f64, f64),
+        (cap, margin): (f64, bool),
+    ) -> Result<Self, CompareError> {
+        let harder = if margin { &Harder::TRIALS[..] } else { &[] };
+        let world = |drawn: &Drawn| {
+            let plain = arm.in_drawn(drawn, Harder::NOT, span)?;
+            let trials = harder.iter().map(|harder| arm.in_drawn(drawn, *harder, span));
+            Ok((drawn.model_masses, plain, trials.collect::<Result<_, CompareError>>()?))
+        };
+        Ok(Self { arm, worlds: drawn.iter().map(world).collect::<Result<_, CompareError>>()?, cap })
+    }
+
+    /// The errors of a candidate \[rad\], one per world: rms of the worst joint; `None` where it did not follow.
+    pub fn errors(&self, entry: &Entry, values: &[f64]) -> Vec<Option<f64>> {
+        let error = |(masses, study, _): &(f64, Study, Vec<Study>)| {
+            let (outcome, figures) = self.once(entry, values, (*masses, study))?;
+            figures.filter(|_| outcome.followed()).map(|figures| figures.error_rms_rad)
+        };
+        self.worlds.iter().map(error).collect()
+    }
+
+    /// The candidate over all worlds: the geometric mean of its errors \[rad\], and as violation the sum over worlds of
+    ///
+    /// - 1 for each run that did not follow, and for each trial of the margin that did not,
+    /// - what the noise is beyond its cap, over the cap,
+    /// - what the share of samples at a torque limit is beyond 2 %, over 2 %.
+    pub fn assess(&self, entry: &Entry, values: &[f64]) -> Assessed {
+        let (mut logs, mut all) = (0.0, Assessed { error: 0.0, violation: 0.0 });
+        for (masses, study, trials) in &self.worlds {
+            match self.once(entry, values, (*masses, study)) {
+                Some((outcome, Some(figures))) => {
+                    logs += figures.error_rms_rad.max(LEAST).ln();
+                    all = all
+                        .provided(outcome.followed())
+                        .within(figures.noise_above_50_hz.unwrap_or(f64::NAN), self.cap)
+                        .within(figures.saturated, LIMITED);
+                }
+                // Ended early, or refused: worse than any run that reached its end.
+                _ => all = all.within(HALTED, 1.0),
+            }
+            for trial in trials {
+                let bears = self.once(entry, values, (*masses, trial));
+                all = all.provided(bears.is_some_and(|(outcome, _)| outcome.followed()));
+            }
+        }
+        Assessed { error: (logs / self.worlds.len().max(1) as f64).exp(), ..all }
+    }
+
+    /// The best of one search: CMA-ES from a random start in the scalars' ranges, `200 (d + 1)` evaluations or as many as are given,
+    /// in the order of [`Assessed::cost`].
+    pub fn search(&self, entry: &Entry, restart: u64, runs: Option<usize>) -> Tuned {
+        let scalars = entry.scalars;
+        let runs = runs.unwrap_or(PER_SCALAR * (scalars.len() + 1));
+        let start = random_start(scalars, restart);
+        tune_from(scalars, &start, runs, restart, |values| self.assess(entry, values).cost())
+    }
+
+    /// One run; `None` where the law refuses these values.
+    fn once(
+        &self,
+        entry: &Entry,
+        values: &[f64],
+        (masses, study): (f64, &Study),
+    ) -> Option<(RunOutcome, Option<Figures>)> {
+        let period = study.control.period_ns as f64 * 1e-9;
+        let attempt = || -> Result<_, TrialError> {
+            let tuning = Tuning::new(values, &self.arm.units, period)?;
+            let handed = self.arm.completed(entry, supply(study, &self.arm.units, masses)?);
+            let law = entry.build_with_friction(&tuning, &handed)?;
+            run_with(entry, law, &handed, (study, &self.arm.units))
+        };
+        let trial = attempt().ok()?;
+        let bars =
+            Bars { error_bound: &self.arm.error_bound, limits: &self.arm.limits, bound: None };
+        Some(judge(study, &trial.outcome, trial.broken, &bars))
+    }
+}
+
+/// What a run that ended early counts as, beside 1 for one that did not follow.
+const HALTED: f64 = 100.0;
+
+/// A place in the ranges, even in logarithms: of restart 0 the default values.
+fn random_start(scalars: &[Scalar], restart: u64) -> Vec<f64> {
+    let mut dice = Dice::new(restart, 1);
+    let place = |scalar: &Scalar| {
+        let drawn = dice.log_between(scalar.low, scalar.high);
+        if restart == 0 { scalar.default } else { drawn }
+    };
+    scalars.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ArmCase, Assessor, random_start};
+    use crate::protocol::worlds::{Split, draw};
+    use crate::sure::Sure as _;
+    use phihat_rivals::rival;
+
+    const TEXT: &str = include_str!("../../../../studies/table1.toml");
+
+    /// Soft gains keep every constraint; ten times as stiff the loop does not bear one more sample, and a cap that is far below the noise
+    /// is told as what it is broken by. A law that cannot be built is worse than all.
+    #[test]
+    fn what_breaks_a_constraint_is_behind_all_that_do_not() {
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
+        let worlds = draw(5, Split::Train, 2);
+        let of =
+            |cap: f64, margin: bool| Assessor::new(&arm, &worlds, (1.6, 1.0), (cap, margin)).sure();
+        let pd = rival("pd-gravity").sure();
+        let assessor = of(1.0, true);
+        let soft = assessor.assess(pd, &[15.0, 1.0]);
+        assert!(soft.feasible() && soft.error > 1e-3 && soft.error < 0.3, "{soft:?}");
+        let stiff = assessor.assess(pd, &[200.0, 3.0]);
+        assert!(!stiff.feasible() && stiff.cost() > soft.cost(), "{stiff:?}");
+        let quiet = of(1e-9, false).assess(pd, &[15.0, 1.0]);
+        assert!(quiet.violation > 10.0 && (quiet.error - soft.error).abs() < 1e-12, "{quiet:?}");
+        let power = rival("finite-time").sure();
+        let refused = assessor.assess(power, &[10.0, 40.0, 1.5, 0.1, 0.01]);
+        assert!(refused.violation >= 2.0 * 99.0, "{refused:?}");
+    }
+
+    /// One law, two restarts: what the search finds keeps its constraints, is no worse than where it began, and a restart is repeatable.
+    #[test]
+    fn a_search_begins_anywhere_and_ends_no_worse() {
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
+        let assessor =
+            Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).sure();
+        let pd = rival("pd-gravity").sure();
+        assert_eq!(random_start(pd.scalars, 0), [20.0, 1.0]);
+        assert_ne!(random_start(pd.scalars, 1), random_start(pd.scalars, 2));
+        let found = assessor.search(pd, 1, Some(14));
+        assert_eq!(found.history.len(), 14);
+        assert!(found.cost <= found.history[0] && found.cost < 1.0, "{found:?}");
+        assert_eq!(found, assessor.search(pd, 1, Some(14)));
+        assert!(assessor.errors(pd, &found.values)[0].is_some());
+    }
+}
