@@ -4,7 +4,7 @@
 //! A chunk counts once its bytes are on the disk and then its checksum in the journal: whenever the process ends, what does not
 //! agree with the journal is done again.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -115,9 +115,7 @@ impl RowFile {
     pub fn open(path: &Path, head: &[u8], width: usize, rows: u64) -> Result<Self, ChunksError> {
         let told =
             |error| ChunksError::Rows { path: path.to_owned(), what: "cannot be made", error };
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false);
-        let file = strike(Operation::Open, path).and_then(|()| options.open(path)).map_err(told)?;
+        let file = disk::open_in_place(path).map_err(told)?;
         let width = width as u64;
         let mut this = Self { path: path.to_owned(), file, head: head.len() as u64, width };
         let there = this.read_at(0, head.len()).ok();

@@ -30,7 +30,6 @@ use crate::terminal::Page;
     Exit code 1: a run broke a stated bound, or did not come to its end.\n\nExamples:\n  \
     phihat sweep studies/first.toml --vary world.payload.mass_kg=0..1 --runs 100\n  \
     phihat sweep studies/first.toml --vary gains.inertia_kg_m2=times:log:0.5..2 --runs 100000 --shard 3/8")]
-#[allow(clippy::struct_excessive_bools, reason = "independent switches of a command line")]
 pub(crate) struct Sweep {
     /// The study (TOML).
     study: PathBuf,

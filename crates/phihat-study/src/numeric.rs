@@ -184,9 +184,9 @@ impl NumericKey {
     }
 
     fn value(&self, value: f64) -> Value {
-        #[allow(clippy::cast_possible_truncation, reason = "a small whole number of the table")]
-        let whole = value as i64;
-        if self.bounds.integer { whole.into() } else { value.into() }
+        let whole = || format!("{value:.0}").parse::<i64>().ok();
+        let whole = if self.bounds.integer { whole() } else { None };
+        whole.map_or_else(|| value.into(), Value::from)
     }
 
     fn table_of<'t>(&self, table: &'t mut Table) -> Option<&'t mut Table> {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phihat_session::disk::{self, Operation, Whole, strike};
+use phihat_session::disk::{self, Whole};
 use phihat_session::{SessionError, Watch, files, read_gains, threads};
 use serde::{Deserialize, Serialize};
 
@@ -349,20 +349,11 @@ fn document(value: &impl Serialize) -> Result<Vec<u8>, SweepError> {
 
 /// Takes a file of older results away, where there is one.
 fn taken_away(path: &Path) -> Result<(), SweepError> {
-    if path.symlink_metadata().is_err() {
-        return Ok(());
-    }
-    let gone = strike(Operation::Remove, path)
-        .and_then(|()| fs::remove_file(path))
-        .and_then(|()| disk::sync_folder(disk::folder_of(path)));
-    gone.map_err(|error| rows_error(path, "cannot be removed", error))
+    disk::take_away(path).map_err(|error| rows_error(path, "cannot be removed", error))
 }
 
 fn moved(from: &Path, to: &Path) -> Result<(), SweepError> {
-    let there = strike(Operation::Move, to)
-        .and_then(|()| fs::rename(from, to))
-        .and_then(|()| disk::sync_folder(disk::folder_of(to)));
-    there.map_err(|error| rows_error(to, "cannot be put there", error))
+    disk::move_to(from, to).map_err(|error| rows_error(to, "cannot be put there", error))
 }
 
 fn rows_error(path: &Path, what: &'static str, error: std::io::Error) -> SweepError {

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use phihat_design::{Gains, requested_gains};
-use phihat_session::{Session, SessionError, set, share, short_hash};
+use phihat_session::{Session, SessionError, set, short_hash};
 use phihat_sim::{Measured, SimError, Simulation};
 use phihat_study::Study;
 use toml::{Table, Value};
@@ -112,8 +112,9 @@ impl Plan {
 
     /// What a run has: the seed of its study, and the values of what varies.
     pub fn drawn(&self, run: u64) -> (u64, Vec<f64>) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2^53")]
-        let seed = (share(&format!("{}/{run}", self.seed), "seed") * (1_u64 << 53) as f64) as u64;
+        // 13 digits of 4 bits: a study takes seeds below 2^53.
+        let digits = short_hash(&[&format!("{}/{run}", self.seed), "seed"]);
+        let seed = u64::from_str_radix(digits.get(..13).unwrap_or(""), 16).unwrap_or(0);
         (seed, self.vary.iter().map(|vary| vary.draw(self.seed, run)).collect())
     }
 

@@ -95,13 +95,9 @@ pub(super) fn distribution(
     let width = (x.high - x.low) / BARS as f64;
     let mut counts = [0_u32; BARS];
     for value in values().skip(1) {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a place in the bars"
-        )]
-        let place = ((value - x.low) / width) as usize;
-        counts[place.min(BARS - 1)] += 1;
+        let ends = |place: &usize| value < x.low + (*place + 1) as f64 * width;
+        let place = (0..BARS).find(ends).unwrap_or(BARS - 1);
+        counts[place] += 1;
     }
     let most = f64::from(counts.iter().copied().max().unwrap_or(1).max(1));
     let bar = |(i, count): (usize, &u32)| {

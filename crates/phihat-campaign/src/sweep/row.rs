@@ -260,8 +260,6 @@ impl Columns {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
-
     use super::{Columns, End, FIGURES, Row};
 
     #[test]
@@ -274,9 +272,7 @@ mod tests {
             values: vec![0.1],
             end: End::Stopped,
             within_spec: false,
-            figures: (0..FIGURES.len() + 2)
-                .map(|i| f64::from(u8::try_from(i).unwrap()) / 3.0)
-                .collect(),
+            figures: (0..FIGURES.len() + 2).map(|i| i as f64 / 3.0).collect(),
         };
         let mut bytes = Vec::new();
         row.write(&mut bytes);

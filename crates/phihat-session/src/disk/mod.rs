@@ -6,6 +6,7 @@
 mod error;
 mod folder;
 mod lock;
+mod rows;
 mod seam;
 
 use core::fmt;
@@ -21,6 +22,7 @@ pub use error::DiskError;
 pub use folder::{folder_of, make_folder, sync_folder};
 pub use lock::Lock;
 pub use lock::locked;
+pub use rows::{move_to, open_in_place, take_away};
 pub use seam::{Operation, strike, write_all};
 
 use crate::hash::hexadecimal;
