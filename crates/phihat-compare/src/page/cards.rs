@@ -93,10 +93,18 @@ fn end(tuning: &TuningRecord, scalar: &ScalarRecord) -> Option<&'static str> {
     Some(if end.upper { "at the upper end of its range" } else { "at the lower end of its range" })
 }
 
+/// Whether a range reaches beyond another.
+fn wider(of: [f64; 2], range: [f64; 2]) -> bool {
+    range[0] < of[0] || range[1] > of[1]
+}
+
 /// Which ranges gave way, and how far.
 fn widened(tuning: &TuningRecord, rival: &RivalRecord) -> String {
-    let wider =
-        rival.scalars.iter().zip(&tuning.ranges).filter(|(scalar, range)| scalar.range != **range);
+    let wider = rival
+        .scalars
+        .iter()
+        .zip(&tuning.ranges)
+        .filter(|(scalar, range)| wider(scalar.range, **range));
     let each = wider.map(|(scalar, [low, high])| {
         format!("{} to {} … {}", line(&scalar.name), stated(*low), stated(*high))
     });

@@ -26,7 +26,7 @@ impl Harder {
     /// Puts it into a study's table, on top of a world whose torques act `delay` samples late.
     pub(crate) fn change(self, table: &mut Table, delay: u32, joints: usize) {
         set(table, &["loop", "delay_samples"], i64::from(delay + self.delay).into());
-        if self.gain != 1.0 {
+        if self != Self::NOT && self.gain > 0.0 {
             let gains = vec![Value::from(self.gain); joints];
             set(table, &["world", "drive", "gain"], Value::Array(gains));
         }

@@ -24,7 +24,8 @@ const ORDER: u32 = 4;
 /// in its periodic continuation, and that is noise that was not there.
 pub fn noise_above(tau: &[f64], from: usize, period: f64) -> Option<f64> {
     let edge = (PI * NOISE_FROM_HZ * period).tan();
-    if from >= tau.len() || !(period > 0.0) || 2.0 * NOISE_FROM_HZ * period >= 1.0 {
+    if from >= tau.len() || period.is_nan() || period <= 0.0 || 2.0 * NOISE_FROM_HZ * period >= 1.0
+    {
         return None;
     }
     let mut passed = tau.to_vec();
