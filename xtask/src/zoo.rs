@@ -35,7 +35,7 @@ impl Told {
                 "--debug" => told.debug = true,
                 "--fresh" | "--any-build" => told.rest.push(word.clone()),
                 "--only" | "--jobs" | "--timeout" | "--within" => {
-                    told.rest.extend([word.clone(), value()?])
+                    told.rest.extend([word.clone(), value()?]);
                 }
                 _ => {
                     return Err(format!(
