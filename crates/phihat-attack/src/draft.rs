@@ -127,7 +127,7 @@ impl Draft {
     fn known(&self) -> String {
         let typed = matches!(self.laws, Laws::Typed(_));
         let kept = self.design.lines().filter(|line| !(typed && line.starts_with("orders")));
-        kept.map(|line| format!("{line}\n")).collect()
+        kept.fold(String::new(), |text, line| text + line + "\n")
     }
 
     /// The scope, as keys of `[design]`.

@@ -4,7 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, Gains, JointCertificate, NotCounted, PhiBasis, Refutation, TubeAgain,
+    ArmBasis, Certificate, Gains, JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation,
+    TubeAgain,
 };
 
 /// One line of a checked certificate.
@@ -219,34 +220,7 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
     let mut list = Vec::new();
     let (way, push) = units(slides);
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
-    let model = &joint.model;
-    let form = match model.form {
-        Form::Observer => "observer form",
-        Form::Literal => "literal form",
-        Form::Positions => "from positions",
-    };
-    let velocity = match model.velocity {
-        VelocitySource::Measured => "velocity measured",
-        VelocitySource::Differenced => "velocity differenced",
-    };
-    let torque = match model.torque {
-        TorqueSource::Applied => "told the torque that acted",
-        TorqueSource::Demanded => "told the torque demanded",
-    };
-    let hertz = |what: &str, hz: Option<f64>| {
-        hz.map_or_else(|| format!("no {what}"), |hz| format!("{what} {hz} Hz"))
-    };
-    add(
-        "loop",
-        format!(
-            "{} Hz, {} + {} samples late, {form}, {velocity}, {}, {torque}, {}",
-            1.0 / model.period_s,
-            model.delay_samples,
-            model.sample_delay_samples,
-            hertz("velocity filter", model.velocity_filter_hz),
-            hertz("drive", model.drive_bandwidth_hz),
-        ),
-    );
+    add("loop", loop_of(&joint.model));
     let quantum = joint.noise.as_ref().map(|noise| format!("{:.5e} {way}", noise.quantum_rad));
     add("quantum of the encoder", quantum.unwrap_or_else(|| "none: position is exact".into()));
     let (torque, rate) = joint.limits;
@@ -277,6 +251,34 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
         }
     }
     list
+}
+
+/// A joint's loop in words.
+fn loop_of(model: &LoopModel) -> String {
+    let form = match model.form {
+        Form::Observer => "observer form",
+        Form::Literal => "literal form",
+        Form::Positions => "from positions",
+    };
+    let velocity = match model.velocity {
+        VelocitySource::Measured => "velocity measured",
+        VelocitySource::Differenced => "velocity differenced",
+    };
+    let torque = match model.torque {
+        TorqueSource::Applied => "told the torque that acted",
+        TorqueSource::Demanded => "told the torque demanded",
+    };
+    let hertz = |what: &str, hz: Option<f64>| {
+        hz.map_or_else(|| format!("no {what}"), |hz| format!("{what} {hz} Hz"))
+    };
+    format!(
+        "{} Hz, {} + {} samples late, {form}, {velocity}, {}, {torque}, {}",
+        1.0 / model.period_s,
+        model.delay_samples,
+        model.sample_delay_samples,
+        hertz("velocity filter", model.velocity_filter_hz),
+        hertz("drive", model.drive_bandwidth_hz),
+    )
 }
 
 /// Units of a joint's way and of what pushes it.

@@ -57,6 +57,21 @@ fn followed(text: &str, change: &Value) -> Option<String> {
     Some(lines.join("\n"))
 }
 
+/// The nearest law, joint by joint: parts that are not within others add up to the whole.
+fn assert_parts_add_up(budget: &Value) {
+    for joint in budget["joints"].as_array().unwrap() {
+        let total = joint["total_rad"].as_f64().unwrap();
+        assert!(total > 0.0 && joint["allowed_rad"].as_f64().unwrap() > 0.0);
+        let parts = joint["parts"].as_array().unwrap();
+        let sum: f64 = parts
+            .iter()
+            .filter(|p| p["within"] == false)
+            .map(|p| p["error_rad"].as_f64().unwrap())
+            .sum();
+        assert!((sum / total - 1.0).abs() < 1e-9, "{joint:#}");
+    }
+}
+
 #[test]
 fn advice_leads_to_gains_as_typed_and_the_page_is_there() {
     let folder = folder("budget");
@@ -79,18 +94,7 @@ fn advice_leads_to_gains_as_typed_and_the_page_is_there() {
         assert!(unproved.is_none_or(Vec::is_empty), "{change:#}: {unproved:?}");
     }
     assert!(changes.iter().any(|change| change["key"] == "design.coulomb_max_nm"), "{changes:#?}");
-    // The nearest law, joint by joint: parts that are not within others add up to the whole.
-    for joint in budget["joints"].as_array().unwrap() {
-        let total = joint["total_rad"].as_f64().unwrap();
-        assert!(total > 0.0 && joint["allowed_rad"].as_f64().unwrap() > 0.0);
-        let parts = joint["parts"].as_array().unwrap();
-        let sum: f64 = parts
-            .iter()
-            .filter(|p| p["within"] == false)
-            .map(|p| p["error_rad"].as_f64().unwrap())
-            .sum();
-        assert!((sum / total - 1.0).abs() < 1e-9, "{joint:#}");
-    }
+    assert_parts_add_up(budget);
     assert!(budget["front"].as_array().unwrap().len() > 1);
     assert!(
         budget["words"][0]

@@ -206,7 +206,9 @@ impl Program {
         let results: Vec<usize> = work(&inputs).iter().map(|result| result.0).collect();
         let Tape { steps, performed, .. } = TAPE.take();
         let mut live = vec![false; steps.len()];
-        results.iter().for_each(|k| live[*k] = true);
+        for k in &results {
+            live[*k] = true;
+        }
         for k in (0..steps.len()).rev() {
             if !live[k] {
                 continue;
