@@ -20,7 +20,7 @@ const CRATES: [Row; 22] = [
     (
         "phihat-model",
         &[],
-        "robot description (URDF plus what URDF lacks), the arms in `robots/`, and rigid-body dynamics; useful alone",
+        "robot description (URDF plus what URDF lacks; what an arm looks like), the arms in `robots/`, and rigid-body dynamics; useful alone",
     ),
     (
         "phihat-study",
