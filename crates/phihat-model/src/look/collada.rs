@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::Soup;
+use super::soup::{Result, Soup, Unread};
 use crate::placement::{about, normalised};
 
 /// Most nodes of XML.
@@ -19,12 +19,12 @@ type Affine = ([[f64; 3]; 3], [f64; 3]);
 /// Elements by their `id`.
 type Ids<'a, 'x> = BTreeMap<&'a str, Node<'a, 'x>>;
 
-pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup, String> {
+pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8 text")?;
     let options = ParsingOptions { allow_dtd: false, nodes_limit: NODES_MAX, ..Default::default() };
     shallow(text)?;
     let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options);
-    let document = document.map_err(|why| why.to_string())?;
+    let document = document.map_err(|why| Unread::from(why.to_string()))?;
     let root = document.root_element();
     let ids: Ids<'_, '_> =
         root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup, String> {
 }
 
 /// That elements do not stand in elements without end, which the parser would follow.
-fn shallow(text: &str) -> Result<(), String> {
+fn shallow(text: &str) -> Result<()> {
     let mut depth = 0_usize;
     for piece in text.split('<').skip(1) {
         let open = !piece.starts_with(['/', '!', '?']);
@@ -58,7 +58,7 @@ fn shallow(text: &str) -> Result<(), String> {
             () => depth,
         };
         if depth > DEPTH_MAX {
-            return Err(format!("elements stand {DEPTH_MAX} deep in each other"));
+            return Err(format!("elements stand {DEPTH_MAX} deep in each other").into());
         }
     }
     Ok(())
@@ -72,11 +72,11 @@ fn target<'a, 'x>(ids: &Ids<'a, 'x>, node: Node<'a, 'x>, key: &str) -> Option<No
     ids.get(node.attribute(key)?.strip_prefix('#')?).copied()
 }
 
-fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>, String> {
+fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>> {
     let text = node.text().unwrap_or_default();
     let all: Option<Vec<f64>> =
         text.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
-    all.ok_or_else(|| format!("<{}> has what is no number", node.tag_name().name()))
+    all.ok_or_else(|| format!("<{}> has what is no number", node.tag_name().name()).into())
 }
 
 struct Walk<'a, 'x> {
@@ -88,9 +88,9 @@ struct Walk<'a, 'x> {
 }
 
 impl<'a, 'x> Walk<'a, 'x> {
-    fn node(&mut self, node: Node<'a, 'x>, at: Affine, depth: usize) -> Result<(), String> {
+    fn node(&mut self, node: Node<'a, 'x>, at: Affine, depth: usize) -> Result<()> {
         if depth == 0 || self.left == 0 {
-            return Err("its nodes go on without end".to_owned());
+            return Err("its nodes go on without end".into());
         }
         self.left -= 1;
         let mut at = at;
@@ -114,21 +114,21 @@ impl<'a, 'x> Walk<'a, 'x> {
         Ok(())
     }
 
-    fn geometry(&mut self, geometry: Node<'a, 'x>, at: Affine) -> Result<(), String> {
+    fn geometry(&mut self, geometry: Node<'a, 'x>, at: Affine) -> Result<()> {
         let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
         for part in mesh.children() {
             if matches!(part.tag_name().name(), "triangles" | "polylist" | "polygons") {
                 self.faces(part, at)?;
             }
             if self.soup.triangles.len() > self.room {
-                return Err("it has too many triangles".to_owned());
+                return Err("it has too many triangles".into());
             }
         }
         Ok(())
     }
 
     /// The faces of one list, with the points that they have.
-    fn faces(&mut self, part: Node<'a, 'x>, at: Affine) -> Result<(), String> {
+    fn faces(&mut self, part: Node<'a, 'x>, at: Affine) -> Result<()> {
         let inputs = part
             .children()
             .filter(|node| node.has_tag_name("input") || node.tag_name().name() == "input");
@@ -183,7 +183,7 @@ impl<'a, 'x> Walk<'a, 'x> {
     }
 
     /// The positions that a `<vertices>` names.
-    fn points(&self, vertices: Node<'a, 'x>) -> Result<Vec<[f64; 3]>, String> {
+    fn points(&self, vertices: Node<'a, 'x>) -> Result<Vec<[f64; 3]>> {
         let position =
             vertices.children().find(|node| node.attribute("semantic") == Some("POSITION"));
         let source = position.and_then(|input| target(&self.ids, input, "source"));
@@ -198,7 +198,7 @@ impl<'a, 'x> Walk<'a, 'x> {
 }
 
 /// What one element of a node does.
-fn step(node: Node<'_, '_>) -> Result<Affine, String> {
+fn step(node: Node<'_, '_>) -> Result<Affine> {
     const ONE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let n = numbers(node)?;
     match (node.tag_name().name(), &n[..]) {
@@ -211,7 +211,7 @@ fn step(node: Node<'_, '_>) -> Result<Affine, String> {
             let axis = normalised([*x, *y, *z]);
             Ok((axis.map_or(ONE, |axis| about(axis, degrees.to_radians())), [0.0; 3]))
         }
-        (name, _) => Err(format!("<{name}> has {} numbers", n.len())),
+        (name, _) => Err(format!("<{name}> has {} numbers", n.len()).into()),
     }
 }
 

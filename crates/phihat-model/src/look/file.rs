@@ -3,7 +3,8 @@
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::{Soup, collada, obj, plain, stl};
+use super::soup::{Result, Soup, TRIANGLES_MAX, Unread, plain};
+use super::{collada, obj, stl};
 use crate::input;
 
 /// Largest mesh that is read \[bytes\].
@@ -20,8 +21,8 @@ pub(super) struct Files<'a> {
 
 impl Files<'_> {
     /// What is in the file that a URDF names, if it has no more triangles than there is room for.
-    pub(super) fn mesh(&self, name: &str, room: usize) -> Result<Soup, String> {
-        let told = |why: &dyn core::fmt::Display| format!("{}: {why}", plain(name));
+    pub(super) fn mesh(&self, name: &str, room: usize) -> Result<Soup> {
+        let told = |why: &dyn core::fmt::Display| Unread::from(format!("{}: {why}", plain(name)));
         let path = self.path(name).ok_or_else(|| told(&"there is no such file"))?;
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let read = match &*extension {
@@ -41,10 +42,7 @@ impl Files<'_> {
             return Err(told(&"it has no triangles"));
         }
         if soup.triangles.len() > room {
-            return Err(told(&format!(
-                "the meshes have more than {} triangles",
-                super::TRIANGLES_MAX
-            )));
+            return Err(told(&format!("the meshes have more than {TRIANGLES_MAX} triangles")));
         }
         Ok(soup)
     }

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::{Document, Node};
 
 use crate::kinematics::Pose;
-use crate::placement::{Placement, add, apply, from_rpy};
+use crate::placement::{Placement, from_rpy};
 use crate::robot_text::read_text;
 use crate::{Robot, urdf};
 
@@ -25,28 +25,11 @@ mod file;
 mod obj;
 mod primitive;
 mod reduce;
+mod soup;
 mod stl;
 
-/// Points of triangles, three by three; later indices into points.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Soup {
-    pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[usize; 3]>,
-}
-
-/// Most triangles that are read of one robot.
-pub(crate) const TRIANGLES_MAX: usize = 3_000_000;
-
-/// What one link looks like.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
-    /// The link.
-    pub link: String,
-    /// Points \[m\], in the link's axes.
-    pub points: Vec<[f64; 3]>,
-    /// Triangles, by their corners' places in `points`.
-    pub triangles: Vec<[usize; 3]>,
-}
+pub use soup::Shape;
+use soup::{Result, Soup, TRIANGLES_MAX, Unread, plain};
 
 /// What a robot looks like, as far as its files tell.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -98,7 +81,7 @@ impl Robot {
                         look.triangles_read += own.triangles.len();
                         soup.add(&own);
                     }
-                    Err(why) => look.missing.push((name.to_owned(), why)),
+                    Err(why) => look.missing.push((name.to_owned(), why.to_string())),
                 }
             }
             if !soup.triangles.is_empty() {
@@ -110,37 +93,8 @@ impl Robot {
     }
 }
 
-impl Soup {
-    pub(crate) fn add(&mut self, other: &Self) {
-        let first = self.points.len();
-        self.points.extend(&other.points);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|corner| first + corner)));
-    }
-
-    /// A face with any number of corners, in a fan.
-    pub(crate) fn face(&mut self, corners: &[usize]) {
-        let Some((&first, rest)) = corners.split_first() else { return };
-        self.triangles.extend(rest.windows(2).map(|pair| [first, pair[0], pair[1]]));
-    }
-
-    fn moved(mut self, at: &Pose, scale: [f64; 3]) -> Self {
-        for point in &mut self.points {
-            let scaled = [scale[0] * point[0], scale[1] * point[1], scale[2] * point[2]];
-            *point = add(at.p, apply(&at.r, scaled));
-        }
-        self
-    }
-
-    /// Whether every corner is a point, and every point a number that a robot can have.
-    pub(crate) fn sound(&self) -> bool {
-        let far = |x: &f64| !x.is_finite() || x.abs() > 1e6;
-        !self.points.iter().flatten().any(far)
-            && self.triangles.iter().flatten().all(|corner| *corner < self.points.len())
-    }
-}
-
 /// The shape of a `<visual>` in its link's axes.
-fn shape(visual: Node<'_, '_>, files: &file::Files<'_>, room: usize) -> Result<Soup, String> {
+fn shape(visual: Node<'_, '_>, files: &file::Files<'_>, room: usize) -> Result<Soup> {
     let child = |node: Node<'_, '_>, tag| {
         node.children().find(|child| child.has_tag_name(tag)).map(|n| n.id())
     };
@@ -148,12 +102,12 @@ fn shape(visual: Node<'_, '_>, files: &file::Files<'_>, room: usize) -> Result<S
         |node: Node<'_, '_>, tag| child(node, tag).and_then(|id| visual.document().get_node(id));
     let at = find(visual, "origin").map_or(Ok(Placement::IDENTITY), |origin| {
         let p = numbers(origin, "xyz")?.unwrap_or([0.0; 3]);
-        Ok::<_, String>(Placement { r: from_rpy(numbers(origin, "rpy")?.unwrap_or([0.0; 3])), p })
+        Ok::<_, Unread>(Placement { r: from_rpy(numbers(origin, "rpy")?.unwrap_or([0.0; 3])), p })
     })?;
     let at = Pose { p: at.p, r: at.r };
     let geometry = find(visual, "geometry").ok_or("a <visual> without <geometry>")?;
     let kind = geometry.children().find(Node::is_element).ok_or("an empty <geometry>")?;
-    let one = |key| -> Result<f64, String> {
+    let one = |key| -> Result<f64> {
         Ok(numbers::<1>(kind, key)?.ok_or_else(|| format!("no \"{key}\""))?[0])
     };
     let soup = match kind.tag_name().name() {
@@ -165,28 +119,23 @@ fn shape(visual: Node<'_, '_>, files: &file::Files<'_>, room: usize) -> Result<S
             let scale = numbers(kind, "scale")?.unwrap_or([1.0; 3]);
             return sound(files.mesh(name, room)?.moved(&at, scale), name);
         }
-        other => return Err(format!("<{}> is no shape of a URDF", plain(other))),
+        other => return Err(format!("<{}> is no shape of a URDF", plain(other)).into()),
     };
     sound(soup.moved(&at, [1.0; 3]), "a shape")
 }
 
-fn sound(soup: Soup, name: &str) -> Result<Soup, String> {
+fn sound(soup: Soup, name: &str) -> Result<Soup> {
     let wrong = || format!("{}: its points are not those of a robot", plain(name));
-    if soup.sound() { Ok(soup) } else { Err(wrong()) }
+    if soup.sound() { Ok(soup) } else { Err(wrong().into()) }
 }
 
 /// So many finite numbers of an attribute, if it is there.
-fn numbers<const N: usize>(node: Node<'_, '_>, key: &str) -> Result<Option<[f64; N]>, String> {
+fn numbers<const N: usize>(node: Node<'_, '_>, key: &str) -> Result<Option<[f64; N]>> {
     let Some(text) = node.attribute(key) else { return Ok(None) };
     let words: Option<Vec<f64>> = text
         .split_whitespace()
         .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
         .collect();
     let found = words.and_then(|words| <[f64; N]>::try_from(words).ok());
-    found.map(Some).ok_or_else(|| format!("{key}=\"{}\" is not {N} numbers", plain(text)))
-}
-
-/// The beginning of a text, for a person.
-fn plain(text: &str) -> String {
-    crate::input::plain(&text.chars().take(120).collect::<String>())
+    found.map(Some).ok_or_else(|| format!("{key}=\"{}\" is not {N} numbers", plain(text)).into())
 }

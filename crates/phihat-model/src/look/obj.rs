@@ -1,13 +1,13 @@
 //! OBJ: points and faces, a line each.
 
-use super::Soup;
+use super::soup::{Result, Soup, Unread};
 
-pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup, String> {
+pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup> {
     let text = String::from_utf8_lossy(bytes);
     let mut soup = Soup::default();
     for (k, line) in text.lines().enumerate() {
         let mut words = line.split_ascii_whitespace();
-        let wrong = |what: &str| format!("line {}: {what}", k + 1);
+        let wrong = |what: &str| Unread::from(format!("line {}: {what}", k + 1));
         match words.next() {
             Some("v") => {
                 let mut number = || words.next().and_then(|word| word.parse::<f64>().ok());
@@ -25,7 +25,7 @@ pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup, String> {
             _ => {}
         }
         if soup.triangles.len() > room {
-            return Err("it has too many triangles".to_owned());
+            return Err("it has too many triangles".into());
         }
     }
     Ok(soup)

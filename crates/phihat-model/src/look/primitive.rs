@@ -1,6 +1,6 @@
 //! Boxes, cylinders and balls as triangles.
 
-use super::Soup;
+use super::soup::Soup;
 
 /// Sides of what is round.
 const SIDES: usize = 32;

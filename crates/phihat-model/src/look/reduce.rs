@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Shape, Soup};
+use super::soup::{Shape, Soup};
 
 /// Halvings of the range of cells.
 const STEPS: usize = 10;
@@ -11,7 +11,8 @@ const CELLS: [f64; 2] = [1e-5, 0.3];
 
 /// The shapes of all links in at most so many triangles, all with cells of one size.
 pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<Shape> {
-    let size = soups.iter().map(|(_, soup)| diagonal(&soup.points)).fold(0.0, f64::max);
+    let sizes = soups.iter().map(|(_, soup)| diagonal(&soup.points));
+    let size = sizes.max_by(f64::total_cmp).unwrap_or(0.0);
     if size <= 0.0 {
         return Vec::new();
     }
@@ -50,10 +51,9 @@ pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<Shape> {
 
 fn diagonal(points: &[[f64; 3]]) -> f64 {
     let along = |i: usize| {
-        let [low, high] = points
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p[i]), b.max(p[i])]);
-        if high > low { high - low } else { 0.0 }
+        let each = || points.iter().map(|p| p[i]);
+        let (low, high) = (each().min_by(f64::total_cmp), each().max_by(f64::total_cmp));
+        high.zip(low).map_or(0.0, |(high, low)| high - low)
     };
     (0..3).map(|i| along(i) * along(i)).sum::<f64>().sqrt()
 }

@@ -29,8 +29,9 @@ impl Surface {
             return None;
         }
         let range = |i: usize| {
-            let each = points.iter().map(|p| p[i]);
-            (each.clone().fold(f64::INFINITY, f64::min), each.fold(f64::NEG_INFINITY, f64::max))
+            let each = || points.iter().map(|p| p[i]);
+            let (low, high) = (each().min_by(f64::total_cmp), each().max_by(f64::total_cmp));
+            (low.unwrap_or(0.0), high.unwrap_or(0.0))
         };
         let range: [(f64, f64); 3] = core::array::from_fn(range);
         let low = range.map(|(low, _)| low);
