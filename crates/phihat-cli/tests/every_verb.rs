@@ -57,7 +57,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["report", "out/good/trace.csv"], 0),
         (&["report", "good.toml"], 2),
         (&["faults", "bad.toml"], 2),
-        (&["sweep", "good.toml", "--vary", "duration_s=2,2.5", "--runs", "2", "--out", "swept"], 0),
+        (&["sweep", "good.toml", "--vary", "duration_s=5,5.5", "--runs", "2", "--out", "swept"], 0),
         (&["sweep", "good.toml", "--vary", "duration_ms=2,3", "--runs", "2"], 2),
         (&["merge", "swept"], 2),
         (&["compare", "--list"], 0),

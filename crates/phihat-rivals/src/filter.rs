@@ -53,7 +53,7 @@ mod tests {
             let mut memory = [0.0; 2];
             // By steps of Heun's method, a tenth as long.
             let (mut y, mut dy) = (0.0_f64, 0.0_f64);
-            for _ in 0..3000 {
+            for _ in 0..6000 {
                 let sampled = filter.pass(&mut memory, 1.0);
                 for _ in 0..10 {
                     let k = h / 10.0;

@@ -630,6 +630,11 @@ fn the_rendering_is_safe_for_terminals_and_short() {
 
 #[test]
 fn mistakes_in_the_papers_recipe() {
+    // Beside gains that are stated, nothing is searched.
+    let stated = GOOD.split_once("[gains]").unwrap();
+    let sought = [stated.0, stated.1.split_once("[loop]").unwrap().1].join("[loop]");
+    let beside = read(&format!("{GOOD}\n[design.paper]\nphi_max = 2.0\n")).unwrap_err();
+    assert_eq!(beside.key(), "design.paper", "{beside}");
     for (text, key, fragment) in [
         ("feedback = true\nminimum_by = \"40\"", "design.paper.feedback", "keep one of them"),
         ("minimum_by = 40", "design.paper.minimum_by", "expected a string"),
@@ -637,11 +642,11 @@ fn mistakes_in_the_papers_recipe() {
         ("phi_max = [1.0, 2.0]", "design.paper.phi_max", "3"),
         ("per_joint = 1", "design.paper.per_joint", "true or false"),
     ] {
-        let error = read(&format!("{GOOD}\n[design.paper]\n{text}\n")).unwrap_err();
+        let error = read(&format!("{sought}\n[design.paper]\n{text}\n")).unwrap_err();
         assert_eq!(error.key(), key, "{error}");
         assert!(error.render().contains(fragment), "{text}: {}", error.render());
     }
-    let study = read(&format!("{GOOD}\n[design.paper]\nphi_max = 2.0\n")).unwrap();
+    let study = read(&format!("{sought}\n[design.paper]\nphi_max = 2.0\n")).unwrap();
     let paper = &study.design.paper;
     assert_eq!(paper.phi_max.as_deref(), Some(&[2.0; 3][..]));
     assert!(!paper.per_joint && !paper.by_40);

@@ -3,6 +3,8 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::Path;
+use std::thread;
+use std::time::Duration;
 
 use super::error::DiskError;
 use super::folder::make_folder;
@@ -16,6 +18,9 @@ pub struct Lock {
 
 /// The file that is locked. It stays: whoever removed it could let two processes lock two files of this name.
 const NAME: &str = ".phihat.lock";
+
+/// How often a lock is tried for, 10 ms apart.
+const PATIENCE: usize = 15;
 
 impl Lock {
     /// Locks a folder, which is made where there is none.
@@ -54,16 +59,21 @@ impl Lock {
 
 /// Whether an open file is locked now; `false` where another process has it.
 ///
+/// It waits a little: a process that this one starts has a copy of every lock until it has become another program.
+///
 /// # Errors
 ///
 /// What the system says.
 pub fn locked(file: &File, path: &Path) -> io::Result<bool> {
     strike(Operation::Lock, path)?;
-    match file.try_lock() {
-        Ok(()) => Ok(true),
-        Err(TryLockError::WouldBlock) => Ok(false),
-        Err(TryLockError::Error(error)) => Err(error),
+    for _ in 0..PATIENCE {
+        match file.try_lock() {
+            Ok(()) => return Ok(true),
+            Err(TryLockError::WouldBlock) => thread::sleep(Duration::from_millis(10)),
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
     }
+    Ok(false)
 }
 
 fn open(folder: &Path, make: bool) -> io::Result<File> {
