@@ -134,10 +134,11 @@ fn browser(root: &Path) -> Result<(), String> {
     command(&folder, "node", &["check.mjs", &pages[0], &pages[1], &pages[2]])?;
     // Made up, with everything that the page can show; and the paper's, where it was made.
     let made_up = root.join("target/reproduction-page").display().to_string();
-    let demo = |package: &str, words: &[&str]| {
-        command(root, &tested(root, package, "demo")?.display().to_string(), words)
+    // Not of one name: cargo puts examples of all packages into one folder.
+    let example = |package: &str, name: &str, words: &[&str]| {
+        command(root, &tested(root, package, name)?.display().to_string(), words)
     };
-    demo("phihat-paper", &[&made_up])?;
+    example("phihat-paper", "made_up", &[&made_up])?;
     let mut arguments = vec!["check.mjs".to_owned(), "--reproduction".to_owned()];
     arguments.push(format!("{made_up}/page.html"));
     let fresh = root.join("target/reproduction/report.html");
@@ -150,7 +151,7 @@ fn browser(root: &Path) -> Result<(), String> {
     cargo(root, &words.collect::<Vec<_>>())?;
     command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
     let hostile = root.join("target/hostile").display().to_string();
-    demo("phihat-report", &[&hostile, "hostile"])?;
+    example("phihat-report", "demo", &[&hostile, "hostile"])?;
     let mut pages: Vec<String> = std::fs::read_dir(&hostile)
         .map_err(|e| format!("{hostile}: {e}"))?
         .filter_map(|entry| entry.ok().map(|e| e.path()))

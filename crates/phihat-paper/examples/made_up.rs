@@ -1,6 +1,6 @@
 //! Writes the page and the figures of a made-up reproduction with everything that a page can show, to be looked at.
 //!
-//! `cargo run -p phihat-paper --example demo -- FOLDER`
+//! `cargo run -p phihat-paper --example made_up -- FOLDER`
 
 use std::error::Error;
 use std::fs::{create_dir_all, write};
