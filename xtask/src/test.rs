@@ -150,7 +150,10 @@ fn browser(root: &Path) -> Result<(), String> {
     let words = ["phihat"].into_iter().chain(small.split(' ')).chain(["--out", &out]);
     cargo(root, &words.collect::<Vec<_>>())?;
     command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
-    let hostile = root.join("target/hostile").display().to_string();
+    // Without what an earlier run left there.
+    let hostile = root.join("target/hostile");
+    let _ = std::fs::remove_dir_all(&hostile);
+    let hostile = hostile.display().to_string();
     example("phihat-report", "demo", &[&hostile, "hostile"])?;
     let mut pages: Vec<String> = std::fs::read_dir(&hostile)
         .map_err(|e| format!("{hostile}: {e}"))?
