@@ -218,10 +218,13 @@ def main() -> None:
     print(f"/diagnostics: {len(seen['diagnostics'])} of {counts['diagnostics']}")
     print(f"commands {counts['commands']} of {sent + 2}, trajectories {counts['trajectories']} of 4, refused {counts['refused']} of 5")
     print("moved to", [round(q - g, 4) for q, g in zip(there, goal)], "and back", [round(q - s, 4) for q, s in zip(back, start)])
+    # A volatile topic owes a reader nothing that was said before the two had met; from then on all of it, in order.
+    stamps = {topic: [(m.header.stamp.sec, m.header.stamp.nanosec) for m in seen[topic]] for topic in STATES}
+    whole = max(stamps.values(), key=len)
+    assert len(whole) == counts["states"] and whole == sorted(whole), "lost, or out of order"
     for topic in STATES:
-        assert len(seen[topic]) == counts["states"], topic
-    stamps = [(m.header.stamp.sec, m.header.stamp.nanosec) for m in seen["joint_states"]]
-    assert stamps == sorted(stamps), "out of order"
+        late = len(whole) - len(stamps[topic])
+        assert late <= 20 and stamps[topic] == whole[late:], topic
     assert counts["dropped"] == 0 and len(seen["diagnostics"]) == counts["diagnostics"]
     assert len(seen["phihat/mode"]) == counts["modes"] and seen["phihat/mode"][-1].data == "tracking"
     assert (counts["commands"], counts["trajectories"], counts["refused"]) == (sent + 2, 4, 5)
