@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use phihat::Form;
-use phihat_design::{Alternative, Arm, Outcome, has_law, search};
+use phihat_design::{Alternative, Arm, DesignError, Outcome, PhiOf, has_law, search};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
 
@@ -34,10 +34,18 @@ const KEY: &str = "robot.armature_kg_m2";
 ///
 /// [`SessionError`]: the arm cannot follow its reference, or the search not begin.
 pub(crate) fn one_search(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, SessionError> {
+    sought(study, path, |phi| search(study, arm, phi))
+}
+
+/// What a search finds for a study, with φ along its reference.
+fn sought<T>(
+    study: &Study,
+    path: &Path,
+    find: impl FnOnce(PhiOf<'_>) -> Result<T, DesignError>,
+) -> Result<T, SessionError> {
     let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
     let demand = Demand::along(study).map_err(|why| at(why.into()))?;
-    let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
-    search(study, arm, &phi).map_err(|why| at(why.into()))
+    find(&|joint, inertia| phi_along(&demand, joint, inertia)).map_err(|why| at(why.into()))
 }
 
 /// A study's arm with the postures of its reference.
@@ -67,10 +75,7 @@ pub(crate) fn any_law(
         return any_gains(study, arm, path);
     }
     let easy = easy(study);
-    let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
-    let demand = Demand::along(&easy).map_err(|why| at(why.into()))?;
-    let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
-    has_law(&easy, arm, &phi).map_err(|why| at(why.into()))
+    sought(&easy, path, |phi| has_law(&easy, arm, phi))
 }
 
 /// The order of gains for whatever error; `None`: no law keeps the arm inside its window with the margins.

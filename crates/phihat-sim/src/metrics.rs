@@ -6,7 +6,7 @@ use phihat_model::JointKind;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
-use crate::recorder::{FIGURES_BLOCK, Recorder};
+use crate::recorder::Recorder;
 use crate::tip::{TipMeasured, TipMetrics};
 use crate::trace::{JointTrace, Trace};
 
@@ -172,10 +172,6 @@ impl Measured {
 
 impl Recorder for Measured {
     type Error = Infallible;
-
-    fn room(&self, _: usize) -> usize {
-        FIGURES_BLOCK
-    }
 
     fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {
         self.block(block);

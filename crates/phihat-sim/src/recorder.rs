@@ -21,8 +21,10 @@ pub trait Recorder {
     /// Why samples were not taken; the run ends there.
     type Error;
 
-    /// How many samples it is handed at once, of a run of so many.
-    fn room(&self, samples: usize) -> usize;
+    /// How many samples it is handed at once, of a run of so many; unless it says more, what suits one that keeps figures.
+    fn room(&self, _samples: usize) -> usize {
+        FIGURES_BLOCK
+    }
 
     /// Takes the next samples. It may take them out of the block and leave it empty.
     ///

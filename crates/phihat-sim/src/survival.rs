@@ -7,7 +7,7 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::raise;
-use crate::recorder::{FIGURES_BLOCK, Recorder};
+use crate::recorder::Recorder;
 use crate::simulation::{Ended, Outcome};
 use crate::trace::Trace;
 
@@ -115,10 +115,6 @@ impl Surviving {
 
 impl Recorder for Surviving {
     type Error = Infallible;
-
-    fn room(&self, _: usize) -> usize {
-        FIGURES_BLOCK
-    }
 
     fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {
         self.block(block);

@@ -3,7 +3,7 @@
 use core::convert::Infallible;
 
 use phihat::{Events, Mode};
-use phihat_sim::{FIGURES_BLOCK, Motion, Recorder, Supervision, Trace};
+use phihat_sim::{Motion, Recorder, Supervision, Trace};
 use phihat_study::Study;
 
 /// How long brakes take to close \[s\]: what the arm does after that is not judged.
@@ -143,10 +143,6 @@ impl<'a> Seen<'a> {
 
 impl Recorder for Seen<'_> {
     type Error = Infallible;
-
-    fn room(&self, _: usize) -> usize {
-        FIGURES_BLOCK
-    }
 
     fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {
         let mut torques = block.joints.iter().flat_map(|joint| &joint.tau_command);

@@ -23,8 +23,8 @@ const SHARD: &str = "shard.json";
 /// The last file of a sweep's results.
 const ANSWER: &str = "sweep.json";
 
-/// What a sweep is told.
-#[derive(Debug, Clone, Default)]
+/// What a sweep is told. A shard's record keeps what all shards of a sweep have in common.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepOptions {
     /// The study file (TOML).
     pub study: PathBuf,
@@ -37,14 +37,18 @@ pub struct SweepOptions {
     /// Decides what every run draws, and its seed.
     pub seed: u64,
     /// One part of all runs, `K/N`.
+    #[serde(skip)]
     pub shard: Option<String>,
     /// Does every run again, whatever the journal holds.
+    #[serde(skip)]
     pub fresh: bool,
     /// Runs gains even where they may not run on this arm.
     pub uncertified: bool,
     /// Runs at a time; `None`: one per core.
+    #[serde(skip)]
     pub threads: Option<u16>,
     /// Folder for the results; `None`: `out/STUDY/sweep`.
+    #[serde(skip)]
     pub out: Option<PathBuf>,
 }
 
@@ -77,12 +81,8 @@ pub struct SweptWhole {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct ShardRecord {
     plan: String,
-    study: PathBuf,
-    gains: Option<PathBuf>,
-    vary: Vec<String>,
-    runs: u64,
-    seed: u64,
-    uncertified: bool,
+    #[serde(flatten)]
+    told: SweepOptions,
     part: u64,
     of: u64,
     runs_sha256: String,
@@ -175,12 +175,7 @@ impl SweepOptions {
     fn record(&self, plan: &Plan, layout: &Layout, runs_sha256: String) -> ShardRecord {
         ShardRecord {
             plan: plan.id.clone(),
-            study: self.study.clone(),
-            gains: self.gains.clone(),
-            vary: self.vary.clone(),
-            runs: self.runs,
-            seed: self.seed,
-            uncertified: self.uncertified,
+            told: self.clone(),
             part: layout.shard.part,
             of: layout.shard.of,
             runs_sha256,
@@ -197,10 +192,10 @@ impl SweepOptions {
 pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, SweepError> {
     let found = complete(shards(folders)?)?;
     let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
-    let plan = record.options().plan()?;
+    let plan = record.told.plan()?;
     if plan.id != record.plan {
         let why = "not the study, gains or version of phihat that the shards were made with";
-        return Err(no(&record.study, why));
+        return Err(no(&record.told.study, why));
     }
     let own = || match folders {
         [one] if !one.join(SHARD).exists() => one.clone(),
@@ -222,7 +217,7 @@ fn gathered(plan: &Plan, found: &[Found], part: &Path) -> Result<RowFile, SweepE
     let mut file = RowFile::open(part, &columns.head(plan.runs), columns.width(), plan.runs)?;
     for (folder, record) in found {
         let shard = Shard { part: record.part, of: record.of };
-        let layout = Layout::new(record.runs, shard);
+        let layout = Layout::new(record.told.runs, shard);
         let head = columns.head(layout.own_runs());
         let path = folder.join(ROWS);
         let mut rows = RowFile::finished(&path, &head, columns.width(), layout.own_runs())?;
@@ -248,7 +243,7 @@ fn complete(mut found: Vec<Found>) -> Result<Vec<Found>, SweepError> {
     found.sort_by_key(|(_, record)| record.part);
     found.dedup_by_key(|(_, record)| (record.plan.clone(), record.part, record.of));
     let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
-    let sweep = |record: &ShardRecord| (record.plan.clone(), record.runs, record.of);
+    let sweep = |record: &ShardRecord| (record.plan.clone(), record.told.runs, record.of);
     let other = found.iter().find(|(_, other)| sweep(other) != sweep(record));
     if let Some((folder, _)) = other {
         return Err(no(folder, format!("of another sweep than {}", first.display())));
@@ -263,37 +258,22 @@ fn complete(mut found: Vec<Found>) -> Result<Vec<Found>, SweepError> {
     Err(SweepError::Missing { missing: missing.join(", "), count: of })
 }
 
-impl ShardRecord {
-    /// What its sweep was told.
-    fn options(&self) -> SweepOptions {
-        SweepOptions {
-            study: self.study.clone(),
-            gains: self.gains.clone(),
-            vary: self.vary.clone(),
-            runs: self.runs,
-            seed: self.seed,
-            uncertified: self.uncertified,
-            ..SweepOptions::default()
-        }
-    }
-}
-
 type Found = (PathBuf, ShardRecord);
 
 /// Every finished shard in these folders, or right below them.
 fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {
     let mut found = Vec::new();
     for folder in folders {
-        let no = |why: String| SweepError::NoShard { path: folder.clone(), why };
         let mut here = vec![folder.clone()];
         if !folder.join(SHARD).exists() {
-            let inside = fs::read_dir(folder).map_err(|e| no(format!("cannot be read: {e}")))?;
+            let inside = fs::read_dir(folder);
+            let inside = inside.map_err(|e| no(folder, format!("cannot be read: {e}")))?;
             here = inside.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
             here.retain(|path| path.join(SHARD).exists());
             here.sort();
         }
         if here.is_empty() {
-            return Err(no("there is no finished shard of a sweep here".into()));
+            return Err(no(folder, "there is no finished shard of a sweep here"));
         }
         for shard in here {
             let text = files::read(&shard.join(SHARD))?;
