@@ -100,12 +100,16 @@ fn quantile(figure: &FigureRecord, share: f64) -> Markup {
     html! { @if let Some(q) = found { (shown(q.value)) span.note { (ends(q)) } } @else { "–" } }
 }
 
+/// By which figure runs are compared: its place in a row, its words, its bound.
+fn compared(summary: &SweepSummary) -> (usize, &'static str, Option<f64>) {
+    match usize::from(summary.figures.iter().any(|f| f.name == "error_over_spec")) {
+        0 => (0, "largest |e| after settle_s [rad]", None),
+        by => (by, "largest |e| over its bound", Some(1.0)),
+    }
+}
+
 fn scatters(summary: &SweepSummary, drawn: &[Row]) -> Markup {
-    let by = usize::from(summary.figures.iter().any(|f| f.name == "error_over_spec"));
-    let (beside, bound) = match by {
-        0 => ("largest |e| after settle_s [rad]", None),
-        _ => ("largest |e| over its bound", Some(1.0)),
-    };
+    let (by, beside, bound) = compared(summary);
     let marks = |i: usize| -> Vec<Mark> {
         let mark = |row: &Row| Mark {
             value: row.values[i],
@@ -133,7 +137,7 @@ fn worst(summary: &SweepSummary) -> Markup {
         thead { tr {
             th scope="col" { "run" }
             th scope="col" { "ended" }
-            th scope="col" { "error" }
+            th scope="col" { (compared(summary).1) }
             @for vary in &summary.vary { th scope="col" { (line(&vary.name)) } }
             th scope="col" { "command" }
         } }

@@ -60,15 +60,15 @@ fn frame(x: &Axis, y: &Axis, (below, beside): (&str, &str)) -> Markup {
     let (left, bottom) = (MARGIN[0], SIZE[1] - MARGIN[3]);
     html! {
         @for t in x.ticks() {
-            line.grid x1=(px(x.at(t))) x2=(px(x.at(t))) y1=(px(MARGIN[1])) y2=(px(bottom));
+            line.grid x1=(px(x.at(t))) x2=(px(x.at(t))) y1=(px(MARGIN[1])) y2=(px(bottom)) {}
             text x=(px(x.at(t))) y=(px(bottom + 18.0)) text-anchor="middle" { (tick(t, x.high - x.low)) }
         }
         @for t in y.ticks() {
-            line.grid x1=(px(left)) x2=(px(SIZE[0] - MARGIN[2])) y1=(px(y.at(t))) y2=(px(y.at(t)));
+            line.grid x1=(px(left)) x2=(px(SIZE[0] - MARGIN[2])) y1=(px(y.at(t))) y2=(px(y.at(t))) {}
             text x=(px(left - 6.0)) y=(px(y.at(t) + 4.0)) text-anchor="end" { (tick(t, y.high - y.low)) }
         }
-        line.axis x1=(px(left)) x2=(px(SIZE[0] - MARGIN[2])) y1=(px(bottom)) y2=(px(bottom));
-        line.axis x1=(px(left)) x2=(px(left)) y1=(px(MARGIN[1])) y2=(px(bottom));
+        line.axis x1=(px(left)) x2=(px(SIZE[0] - MARGIN[2])) y1=(px(bottom)) y2=(px(bottom)) {}
+        line.axis x1=(px(left)) x2=(px(left)) y1=(px(MARGIN[1])) y2=(px(bottom)) {}
         text x=(px(0.5 * (left + SIZE[0]))) y=(px(SIZE[1] - 8.0)) text-anchor="middle" { (line(below)) }
         text transform=(format!("translate(14 {}) rotate(-90)", px(0.5 * bottom))) text-anchor="middle" { (line(beside)) }
     }
@@ -112,11 +112,11 @@ pub(super) fn distribution(
         &format!("Distribution: {label}"),
         &html! {
             (frame(&x, &y, (&below, "share of runs")))
-            @for (left, top, high) in &bars { rect.bar x=(left) y=(top) width=(wide) height=(high); }
+            @for (left, top, high) in &bars { rect.bar x=(left) y=(top) width=(wide) height=(high) {} }
             @if let Some(bound) = bound {
-                line.bound x1=(px(x.at(bound))) x2=(px(x.at(bound))) y1=(px(MARGIN[1])) y2=(px(y.at(0.0)));
+                line.bound x1=(px(x.at(bound))) x2=(px(x.at(bound))) y1=(px(MARGIN[1])) y2=(px(y.at(0.0))) {}
             }
-            polyline.curve points=(line.join(" "));
+            polyline.curve points=(line.join(" ")) {}
         },
     )
 }
@@ -146,12 +146,40 @@ pub(super) fn scatter(marks: &[Mark], (below, beside): (&str, &str), bound: Opti
         &html! {
             (frame(&x, &y, (below, beside)))
             @if let Some(bound) = bound {
-                line.bound x1=(px(x.from)) x2=(px(x.to)) y1=(px(y.at(bound))) y2=(px(y.at(bound)));
+                line.bound x1=(px(x.from)) x2=(px(x.to)) y1=(px(y.at(bound))) y2=(px(y.at(bound))) {}
             }
             @for mark in whole {
-                circle class=(class(mark)) cx=(px(x.at(mark.value))) cy=(px(y.at(mark.error))) r="2.5";
+                circle class=(class(mark)) cx=(px(x.at(mark.value))) cy=(px(y.at(mark.error))) r="2.5" {}
             }
-            @for mark in ended { path.ended d=(crossing(mark)); }
+            @for mark in ended { path.ended d=(crossing(mark)) {} }
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mark, distribution, scatter};
+
+    /// A page is HTML, in which a mark of a picture that nobody closes swallows all that follow it, and none of them is seen.
+    #[test]
+    fn every_mark_is_closed_and_there_is_one_for_each_run() {
+        let curve: Vec<_> = (0..=20).map(|k| (f64::from(k * k), f64::from(k) / 20.0)).collect();
+        let one = distribution("e", "rad", &curve, Some(300.0)).into_string();
+        let run = |value: f64, error: f64| Mark { value, error, within: error < 2.0 };
+        let marks = [run(0.0, 1.0), run(1.0, 3.0), run(2.0, f64::INFINITY), run(3.0, f64::NAN)];
+        let other = scatter(&marks, ("mass", "e"), Some(2.0)).into_string();
+        for picture in [&one, &other] {
+            for tag in ["svg", "line", "text", "rect", "polyline", "circle", "path"] {
+                let opened = picture.matches(&format!("<{tag} ")).count();
+                assert_eq!(
+                    opened,
+                    picture.matches(&format!("</{tag}>")).count(),
+                    "{tag}: {picture}"
+                );
+            }
+        }
+        assert_eq!(one.matches("<polyline ").count(), 1);
+        assert!(one.matches("<rect ").count() > 5);
+        assert_eq!((other.matches("<circle ").count(), other.matches("<path ").count()), (2, 1));
+    }
 }
