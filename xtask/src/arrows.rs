@@ -110,7 +110,7 @@ const CRATES: [Row; 22] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `protocol/` the parts of a comparison at equal noise, \
+        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at equal noise, `protocol/` its parts, \
          `statistics/` pure functions of figures",
     ),
     (

@@ -34,6 +34,14 @@ pub struct Shard {
 impl Shard {
     /// All runs.
     pub const WHOLE: Self = Self { part: 1, of: 1 };
+
+    /// From `K/N`, 1 ≤ K ≤ N ≤ 100000; `None` of anything else.
+    pub fn parse(text: &str) -> Option<Self> {
+        let (part, of) = text.split_once('/')?;
+        let shard = Self { part: part.trim().parse().ok()?, of: of.trim().parse().ok()? };
+        (1..=100_000).contains(&shard.of).then_some(())?;
+        (1..=shard.of).contains(&shard.part).then_some(shard)
+    }
 }
 
 /// How runs are cut into chunks, and which of them are a shard's. It decides no result, only who does what.

@@ -219,6 +219,25 @@ impl Journal {
         Ok(())
     }
 
+    /// Records what another journal holds and this one does not, such as that of a shard; the other is left as it is, and lines that
+    /// are damaged there are passed over. How many runs are new.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`]: the other cannot be read, or the disk does not take it.
+    pub fn take_over(&mut self, other: &Path) -> Result<usize, JournalError> {
+        let bytes = std::fs::read(other).map_err(|error| io(other, "cannot be read", error))?;
+        let found = bytes.split(|&byte| byte == b'\n').filter_map(read_line);
+        let mut new: BTreeMap<String, Box<RawValue>> = BTreeMap::new();
+        for (id, entry) in found.filter(|(id, _)| !self.entries.contains_key(id)) {
+            let entry = RawValue::from_string(entry);
+            let entry = entry.map_err(|error| JournalError::Entry { id: id.clone(), error })?;
+            new.insert(id, entry);
+        }
+        self.append_all(new.iter().map(|(id, entry)| (id.as_str(), entry)))?;
+        Ok(new.len())
+    }
+
     fn write(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
         let written = disk::write_all(&mut self.file, &self.path, bytes)
             .and_then(|()| strike(Operation::Sync, &self.path))

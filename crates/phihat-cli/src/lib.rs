@@ -26,6 +26,7 @@ mod export;
 mod failure;
 mod faults;
 mod first_motion;
+mod fronts;
 mod identify;
 mod interrupt;
 mod new;
@@ -89,6 +90,7 @@ enum Verb {
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
     Compare(compare::Compare),
+    Fronts(fronts::FrontsVerb),
     Report(report::Report),
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
@@ -153,6 +155,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Sweep(sweep) => sweep.execute(),
         Verb::Merge(merge) => merge.execute(),
         Verb::Compare(compare) => compare.execute(),
+        Verb::Fronts(fronts) => fronts.execute(),
         Verb::Report(report) => report.execute(),
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),

@@ -18,6 +18,7 @@ mod cost;
 mod error;
 mod extent;
 mod fairness;
+pub mod fronts;
 mod judge;
 mod mark;
 mod motion;

@@ -51,21 +51,8 @@ pub fn tune(
     seed: u64,
     mut cost: impl FnMut(&[f64]) -> f64,
 ) -> Tuned {
-    let mut tuned = at_defaults(scalars, &mut cost);
-    spend(scalars, runs, seed, &mut tuned, &mut cost);
-    tuned
-}
-
-/// [`tune`] from a start of one's own inside the ranges, in place of the default values; it is the first evaluation.
-pub(crate) fn tune_from(
-    scalars: &[Scalar],
-    start: &[f64],
-    runs: usize,
-    seed: u64,
-    mut cost: impl FnMut(&[f64]) -> f64,
-) -> Tuned {
-    let first = comparable(cost(start));
-    let mut tuned = Tuned { values: start.to_vec(), cost: first, history: vec![first] };
+    let start: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
+    let mut tuned = at(&start, &mut cost);
     spend(scalars, runs, seed, &mut tuned, &mut cost);
     tuned
 }
@@ -103,8 +90,20 @@ pub fn tune_widening(
     seed: u64,
     mut cost: impl FnMut(&[f64]) -> f64,
 ) -> Widened {
+    let start: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
+    tune_widening_from(scalars, &start, (runs, widenings), seed, &mut cost)
+}
+
+/// [`tune_widening`] from a start of one's own inside the ranges, in place of the default values.
+pub(crate) fn tune_widening_from(
+    scalars: &[Scalar],
+    start: &[f64],
+    (runs, widenings): (usize, usize),
+    seed: u64,
+    mut cost: impl FnMut(&[f64]) -> f64,
+) -> Widened {
     let mut scalars = scalars.to_vec();
-    let mut tuned = at_defaults(&scalars, &mut cost);
+    let mut tuned = at(start, &mut cost);
     let mut rounds = 1;
     loop {
         // Seeds of a round's restarts are those of no other round.
@@ -137,11 +136,10 @@ fn ends(scalars: &[Scalar], values: &[f64]) -> Vec<AtEnd> {
     scalars.iter().zip(values).filter_map(at).collect()
 }
 
-/// The first evaluation: the default values.
-fn at_defaults(scalars: &[Scalar], cost: &mut impl FnMut(&[f64]) -> f64) -> Tuned {
-    let start: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
-    let first = comparable(cost(&start));
-    Tuned { values: start, cost: first, history: vec![first] }
+/// The first evaluation: where the search begins.
+fn at(start: &[f64], cost: &mut impl FnMut(&[f64]) -> f64) -> Tuned {
+    let first = comparable(cost(start));
+    Tuned { values: start.to_vec(), cost: first, history: vec![first] }
 }
 
 /// Searches from the best so far, again and again, until there are `runs` evaluations.

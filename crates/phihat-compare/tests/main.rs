@@ -7,6 +7,7 @@ mod hostile;
 mod support;
 
 mod compare;
+mod fronts;
 mod own;
 mod page;
 mod page_words;

@@ -91,13 +91,7 @@ struct ShardRecord {
 impl SweepOptions {
     fn shard(&self) -> Result<Shard, SweepError> {
         let Some(text) = &self.shard else { return Ok(Shard::WHOLE) };
-        let read = || {
-            let (part, of) = text.split_once('/')?;
-            let shard = Shard { part: part.trim().parse().ok()?, of: of.trim().parse().ok()? };
-            (1..=100_000).contains(&shard.of).then_some(())?;
-            (1..=shard.of).contains(&shard.part).then_some(shard)
-        };
-        read().ok_or_else(|| SweepError::Shard(text.clone()))
+        Shard::parse(text).ok_or_else(|| SweepError::Shard(text.clone()))
     }
 
     /// Where the results go; a shard's into a folder of its own in there.

@@ -7,7 +7,7 @@ const DECADES: i32 = 30;
 const TICKS: usize = 3;
 
 /// From data to the figure.
-pub(super) struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
     from: f64,
@@ -16,7 +16,7 @@ pub(super) struct Axis {
 
 impl Axis {
     /// An axis that holds the positive `values` with some room, from one place of the figure to another.
-    pub(super) fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+    pub(crate) fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let logs = values.filter(|v| v.is_finite() && *v > 0.0).map(f64::log10);
         let (low, high) =
             logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -26,13 +26,13 @@ impl Axis {
     }
 
     /// Where a value lies.
-    pub(super) fn at(&self, value: f64) -> f64 {
+    pub(crate) fn at(&self, value: f64) -> f64 {
         self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
     /// Decades; in a shorter range 1, 2 and 5 of them, then whole numbers, then tenths: the coarsest of which there
     /// are enough.
-    pub(super) fn ticks(&self) -> Vec<f64> {
+    pub(crate) fn ticks(&self) -> Vec<f64> {
         let tenths: Vec<f64> = (10..100).map(|k| f64::from(k) / 10.0).collect();
         let whole: Vec<f64> = (1..10).map(f64::from).collect();
         let choices = [vec![1.0], vec![1.0, 2.0, 5.0], whole, tenths];

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 /// Height of a label.
-pub(super) const HIGH: f64 = 14.0;
+pub(crate) const HIGH: f64 = 14.0;
 /// Half a mark, with some room.
 const MARK: f64 = 8.0;
 /// Distances that are tried, near ones first, and directions at each.
@@ -17,7 +17,7 @@ const NEAR: f64 = 70.0;
 
 /// Where a label is: left edge, centre, and whether a line has to lead to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(crate) struct Place {
     pub left: f64,
     pub centre: f64,
     pub width: f64,
@@ -31,7 +31,7 @@ impl Place {
     }
 
     /// The place of the label's edge that is nearest to its mark.
-    pub(super) fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.sides();
         [x.clamp(left, right), y.clamp(top, bottom)]
     }
@@ -40,7 +40,7 @@ impl Place {
 /// A place for the label of every mark, inside `frame`: `[left, top, right, bottom]`.
 ///
 /// Those in the thickest crowd choose first. A label for which there is no free place has its nearest one.
-pub(super) fn places(marks: &[[f64; 2]], widths: &[f64], frame: [f64; 4]) -> Vec<Place> {
+pub(crate) fn places(marks: &[[f64; 2]], widths: &[f64], frame: [f64; 4]) -> Vec<Place> {
     let crowd = |&k: &usize| {
         let near = |other: &&[f64; 2]| distance(marks[k], **other) < NEAR;
         core::cmp::Reverse(marks.iter().filter(near).count())

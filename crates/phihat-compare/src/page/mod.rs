@@ -6,11 +6,11 @@ use maud::{Markup, html};
 use phihat_report::kit::text::line;
 use phihat_report::kit::{Page, anchor};
 
-mod axis;
+pub(crate) mod axis;
 mod cards;
 mod figures;
 mod heat;
-mod labels;
+pub(crate) mod labels;
 mod losses;
 mod names;
 mod outcome;

@@ -3,6 +3,7 @@
 use phihat_rivals::{Entry, Scalar, Tuning};
 use phihat_session::Dice;
 use phihat_study::Study;
+use serde::{Deserialize, Serialize};
 
 use super::feasible::Assessed;
 use super::margin::Harder;
@@ -14,13 +15,22 @@ use crate::error::CompareError;
 use crate::judge::{Bars, judge};
 use crate::run_outcome::{Figures, RunOutcome};
 use crate::trial::{TrialError, run_with};
-use crate::tune::{Tuned, tune_from};
+use crate::tune::{Widened, tune_widening_from};
 
 /// Evaluations of one search, for each of a law's free scalars and one more.
 pub const PER_SCALAR: usize = 200;
 
 /// Errors below this \[rad\] are alike: a microradian is less than an encoder of 22 bits sees.
 const LEAST: f64 = 1e-6;
+
+/// What a run that followed measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Tried {
+    /// Root mean square of the error of the worst joint \[rad\]; a microradian at least.
+    pub error_rms_rad: f64,
+    /// Root mean square of the torque above 50 Hz over its limit, of the worst joint.
+    pub noise: f64,
+}
 
 /// Where candidates are tried, and under which cap.
 #[derive(Debug, Clone)]
@@ -53,13 +63,17 @@ impl<'a> Assessor<'a> {
         Ok(Self { arm, worlds: drawn.iter().map(world).collect::<Result<_, CompareError>>()?, cap })
     }
 
-    /// The errors of a candidate \[rad\], one per world: rms of the worst joint; `None` where it did not follow.
-    pub fn errors(&self, entry: &Entry, values: &[f64]) -> Vec<Option<f64>> {
-        let error = |(masses, study, _): &(f64, Study, Vec<Study>)| {
+    /// What a candidate measures, one per world; `None` where it did not follow.
+    pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
+        let tried = |(masses, study, _): &(f64, Study, Vec<Study>)| {
             let (outcome, figures) = self.once(entry, values, (*masses, study))?;
-            figures.filter(|_| outcome.followed()).map(|figures| figures.error_rms_rad)
+            let figures = figures.filter(|_| outcome.followed())?;
+            Some(Tried {
+                error_rms_rad: figures.error_rms_rad.max(LEAST),
+                noise: figures.noise_above_50_hz?,
+            })
         };
-        self.worlds.iter().map(error).collect()
+        self.worlds.iter().map(tried).collect()
     }
 
     /// The candidate over all worlds: the geometric mean of its errors \[rad\], and as violation the sum over worlds of
@@ -89,13 +103,20 @@ impl<'a> Assessor<'a> {
         Assessed { error: (logs / self.worlds.len().max(1) as f64).exp(), ..all }
     }
 
-    /// The best of one search: CMA-ES from a random start in the scalars' ranges, `200 (d + 1)` evaluations or as many as are given,
-    /// in the order of [`Assessed::cost`].
-    pub fn search(&self, entry: &Entry, restart: u64, runs: Option<usize>) -> Tuned {
+    /// The best of one search in the order of [`Assessed::cost`]: CMA-ES from a start inside the scalars' ranges, `per_scalar (d + 1)`
+    /// evaluations for `d` scalars, and as many again each time that an end of a range was hit and gave way, `widenings` times at
+    /// most. `seed` decides what the search draws.
+    pub fn search(
+        &self,
+        entry: &Entry,
+        start: &[f64],
+        (per_scalar, widenings): (usize, usize),
+        seed: u64,
+    ) -> Widened {
         let scalars = entry.scalars;
-        let runs = runs.unwrap_or(PER_SCALAR * (scalars.len() + 1));
-        let start = random_start(scalars, restart);
-        tune_from(scalars, &start, runs, restart, |values| self.assess(entry, values).cost())
+        let runs = per_scalar * (scalars.len() + 1);
+        let cost = |values: &[f64]| self.assess(entry, values).cost();
+        tune_widening_from(scalars, start, (runs, widenings), seed, cost)
     }
 
     /// One run; `None` where the law refuses these values.
@@ -122,9 +143,10 @@ impl<'a> Assessor<'a> {
 /// What a run that ended early counts as, beside 1 for one that did not follow.
 const HALTED: f64 = 100.0;
 
-/// A place in the ranges, even in logarithms: of restart 0 the default values.
-fn random_start(scalars: &[Scalar], restart: u64) -> Vec<f64> {
-    let mut dice = Dice::new(restart, 1);
+/// A place in the ranges, even in logarithms: of restart 0 the default values. `stream` tells apart searches of one law that are to
+/// have nothing in common but that.
+pub fn random_start(scalars: &[Scalar], restart: u64, stream: u64) -> Vec<f64> {
+    let mut dice = Dice::new(restart, stream);
     let place = |scalar: &Scalar| {
         let drawn = dice.log_between(scalar.low, scalar.high);
         if restart == 0 { scalar.default } else { drawn }
@@ -169,12 +191,15 @@ mod tests {
         let assessor =
             Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).sure();
         let pd = rival("pd-gravity").sure();
-        assert_eq!(random_start(pd.scalars, 0), [20.0, 1.0]);
-        assert_ne!(random_start(pd.scalars, 1), random_start(pd.scalars, 2));
-        let found = assessor.search(pd, 1, Some(14));
-        assert_eq!(found.history.len(), 14);
-        assert!(found.cost <= found.history[0] && found.cost < 1.0, "{found:?}");
-        assert_eq!(found, assessor.search(pd, 1, Some(14)));
-        assert!(assessor.errors(pd, &found.values)[0].is_some());
+        let start = |restart: u64, stream: u64| random_start(pd.scalars, restart, stream);
+        assert_eq!(start(0, 1), [20.0, 1.0]);
+        assert!(start(1, 1) != start(2, 1) && start(1, 1) != start(1, 2));
+        let search = || assessor.search(pd, &start(1, 1), (5, 0), 1);
+        let found = search();
+        let tuned = &found.tuned;
+        assert_eq!(tuned.history.len(), 15);
+        assert!(tuned.cost <= tuned.history[0] && tuned.cost < 1.0, "{found:?}");
+        assert_eq!(found, search());
+        assert!(assessor.measured(pd, &tuned.values)[0].is_some());
     }
 }

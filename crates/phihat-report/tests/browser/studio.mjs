@@ -76,12 +76,12 @@ async function works() {
     look();
   });
   await page.mouse.move(grip.x + 40 * grip.way[0], grip.y + 40 * grip.way[1]);
-  await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 10000 });
+  await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 60000 });
   const reaction = await page.evaluate(() => pushed.seen - pushed.at);
   timed("a push is seen in under 100 ms", reaction < 100, `${reaction.toFixed(0)} ms`);
   if (shots) await page.screenshot({ path: `${shots}/studio-pushed.png` });
   await page.mouse.up();
-  await page.waitForFunction(() => !document.getElementById("arm-view").shown.acting.some(([word]) => word === "push"), null, { timeout: 10000 });
+  await page.waitForFunction(() => !document.getElementById("arm-view").shown.acting.some(([word]) => word === "push"), null, { timeout: 60000 });
   check("letting go ends the push", true);
 
   // By keys alone.
@@ -89,13 +89,13 @@ async function works() {
   await page.keyboard.press("3");
   check("a number picks a joint", (await page.locator("#joint").inputValue()) === "2");
   await page.keyboard.down("ArrowRight");
-  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word, joint]) => word === "push" && joint === 2), null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word, joint]) => word === "push" && joint === 2), null, { timeout: 60000 });
   await page.keyboard.up("ArrowRight");
-  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 60000 });
   await page.keyboard.press("p");
-  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word]) => word === "payload"), null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.some(([word]) => word === "payload"), null, { timeout: 60000 });
   await page.keyboard.press("p");
-  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.acting.length === 0, null, { timeout: 60000 });
   check("keys push a joint, pick up and drop a payload", true);
 
   // A slider of the gains: new numbers.
@@ -113,12 +113,12 @@ async function works() {
   const scalar = page.locator("#scalars input").first();
   await scalar.focus();
   await page.keyboard.press("ArrowRight");
-  await page.waitForFunction(() => !document.getElementById("law-figures").hidden && /\d/.test(document.querySelector("#law-figures tbody tr:nth-child(2) td")?.textContent ?? ""), null, { timeout: 10000 });
+  await page.waitForFunction(() => !document.getElementById("law-figures").hidden && /\d/.test(document.querySelector("#law-figures tbody tr:nth-child(2) td")?.textContent ?? ""), null, { timeout: 60000 });
   await page.locator("#law-ghost").check();
   check("another law runs beside it", (await page.locator("#law-figures tbody tr").count()) === 2, await page.locator("#law-figures").innerText());
   if (shots) await page.screenshot({ path: `${shots}/studio-beside.png`, fullPage: true });
   await page.locator("#law").selectOption("");
-  await page.waitForFunction(() => document.getElementById("arm-view").shown.other == null, null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.other == null, null, { timeout: 60000 });
   check("and goes again", true);
 
   // Measurements that come later: both begin anew.
@@ -154,7 +154,7 @@ async function works() {
   await page.waitForFunction(() => document.querySelectorAll("#mistakes li:not(.warning)").length === 0, null, { timeout: 20000 });
   await page.locator("#name").fill("kept");
   await page.locator("#save-run").click();
-  await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("saved"), null, { timeout: 10000 });
+  await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("saved"), null, { timeout: 60000 });
   check("a run is saved as a study", readFileSync(join(folder, "kept.toml"), "utf8").includes("duration_s"));
   check("says nothing on the console", errors.length === 0, errors.join("; "));
   await context.close();
@@ -171,7 +171,7 @@ async function plays() {
   const most = Number(await seek.getAttribute("max"));
   await seek.fill(String(Math.round(50 * most) / 100));
   const asked = Number(await seek.inputValue());
-  await page.waitForFunction((t) => Math.abs(document.getElementById("arm-view").shown.t - t) < 0.05, asked, { timeout: 10000 });
+  await page.waitForFunction((t) => Math.abs(document.getElementById("arm-view").shown.t - t) < 0.05, asked, { timeout: 60000 });
   const shown = await page.evaluate(() => document.getElementById("arm-view").shown);
   const joints = await page.evaluate(() => globalThis.phihat.data.joints);
   const first = lines.findIndex((line) => Number(line[time]) >= asked - 1e-9);
@@ -180,7 +180,7 @@ async function plays() {
     check(`${name} is where the trace has it`, there[joint] === name && Number(there[position]) === shown.joints[j].q, `${shown.joints[j].q} and ${there[position]}`);
   }
   await page.locator("#pause").click();
-  await page.waitForFunction((t) => document.getElementById("arm-view").shown.t > t + 0.2, asked, { timeout: 10000 });
+  await page.waitForFunction((t) => document.getElementById("arm-view").shown.t > t + 0.2, asked, { timeout: 60000 });
   check("it goes on from there", true);
   await page.locator("#arm-view").focus();
   await page.keyboard.press("p");

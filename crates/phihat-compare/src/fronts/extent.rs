@@ -1,0 +1,57 @@
+//! How much of a comparison at equal noise is done.
+
+use serde::{Deserialize, Serialize};
+
+use crate::protocol::{CAPS, PER_SCALAR, SPLITS};
+
+/// How much is done.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrontsExtent {
+    /// Caps on noise above 50 Hz, over the torque limit: one tuning each.
+    pub caps: Vec<f64>,
+    /// Searches of each law at each cap, the first from its default values, the others from random ones.
+    pub restarts: u64,
+    /// Evaluations of a search for each free scalar and one more.
+    pub per_scalar: usize,
+    /// How often ends of ranges that are hit may give way tenfold.
+    pub widenings: usize,
+    /// Worlds to train in, to choose by, to be judged in.
+    pub worlds: [u32; 3],
+    /// Length of a run, and where its scored part begins \[s\].
+    pub span: (f64, f64),
+    /// Decides all that is drawn.
+    pub seed: u64,
+}
+
+impl FrontsExtent {
+    /// What a comparison that somebody publishes takes: days on two cores.
+    pub fn full() -> Self {
+        Self {
+            caps: CAPS.to_vec(),
+            restarts: 10,
+            per_scalar: PER_SCALAR,
+            widenings: 2,
+            worlds: SPLITS.map(|(_, count)| count),
+            span: (5.0, 1.0),
+            seed: 1,
+        }
+    }
+
+    /// Enough to see the page, and that every law can be tuned.
+    pub fn quick() -> Self {
+        Self {
+            caps: vec![2e-3, 1e-2],
+            restarts: 2,
+            per_scalar: 6,
+            widenings: 1,
+            worlds: [2, 2, 4],
+            span: (2.5, 1.0),
+            ..Self::full()
+        }
+    }
+
+    /// Evaluations of one search of a law with so many free scalars, if no range gives way.
+    pub fn evaluations(&self, scalars: usize) -> usize {
+        if scalars == 0 { 1 } else { self.per_scalar * (scalars + 1) }
+    }
+}

@@ -1,0 +1,342 @@
+//! From searches to fronts, ratios and ranks.
+
+use phihat_campaign::Ended;
+use phihat_session::Dice;
+
+use super::job::{Job, Law};
+use super::plan::{Done, FrontsPlan};
+use super::record::{
+    AtCap, Chosen, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
+};
+use super::tier::Tier;
+use crate::protocol::{Tried, better};
+use crate::statistics::{
+    Bootstrap, ErrorTable, Placebo, Point, Ratio, Spread, Standing, critical_difference, holm,
+    hypervolume, placebo, quantile, ranks, ratio, standing,
+};
+
+/// What a run that did not follow counts as where laws are held against each other \[rad\]: more than any that did.
+pub(super) const FAILED_RAD: f64 = 1.0;
+
+/// What its noise counts as, over the torque limit: more than any cap.
+const DEAFENING: f64 = 1e30;
+
+/// The level of ranks that differ.
+const LEVEL: f64 = 0.05;
+
+/// Draws for the interval of an area.
+const DRAWS: usize = 1000;
+
+/// All that follows from the searches, in the order of the plan's jobs.
+pub(super) fn fronts(plan: &FrontsPlan, jobs: &[Job], done: Vec<Ended<Done>>) -> Fronts {
+    let caps = &plan.extent.caps;
+    let mut points: Vec<AtCap> = Vec::new();
+    for law in &plan.laws {
+        let empty =
+            |cap: &f64| AtCap { law: law.id(), cap: *cap, restarts: Vec::new(), chosen: None };
+        points.extend(caps.iter().map(empty));
+    }
+    for (job, ended) in jobs.iter().zip(done) {
+        points[job.law * caps.len() + job.cap].restarts.push(restart(job.restart, ended));
+    }
+    for point in &mut points {
+        point.chosen = chosen(point);
+    }
+    let laws: Vec<LawRecord> = plan.laws.iter().map(record).collect();
+    let placebo = caps.iter().map(|cap| band(&laws, &points, *cap)).collect::<Vec<_>>();
+    let mut versus = Vec::new();
+    for cap in caps {
+        versus.extend(against_ours(&laws, &points, *cap));
+    }
+    correct(&mut versus, caps, &placebo);
+    let ordered = Tier::ALL.iter().flat_map(|tier| caps.iter().map(move |cap| (*tier, *cap)));
+    Fronts {
+        format: FRONTS_FORMAT,
+        phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
+        arm: plan.arm.record(),
+        extent: plan.extent.clone(),
+        volumes: volumes(&laws, &points, caps),
+        ordered: ordered.filter_map(|(tier, cap)| order(&laws, &points, tier, cap)).collect(),
+        laws,
+        points,
+        placebo,
+        versus,
+        held_out: None,
+    }
+}
+
+fn record(law: &Law) -> LawRecord {
+    let (id, card) = (law.entry.card.id, law.entry.card);
+    LawRecord {
+        id: law.id(),
+        title: card.title.to_owned(),
+        tier: Tier::of(&law.entry.needs),
+        needs: law.entry.needs.to_string(),
+        ours: id.starts_with("proposed"),
+        designed: law.entry.scalars.is_empty(),
+        again: (law.stream > 1).then(|| id.to_owned()),
+        scalars: law.entry.scalars.iter().map(|scalar| scalar.name.to_owned()).collect(),
+    }
+}
+
+fn restart(restart: u64, ended: Ended<Done>) -> Restart {
+    let none = |failed: String| Restart {
+        restart,
+        failed: Some(failed),
+        values: Vec::new(),
+        train: None,
+        validation: None,
+        evaluations: 0,
+        history: Vec::new(),
+        widened: 0,
+        at_end: Vec::new(),
+        test: Vec::new(),
+    };
+    match ended {
+        Ended::With(Done::Searched(found)) => Restart {
+            restart,
+            failed: None,
+            values: found.values,
+            train: Some(found.train),
+            validation: Some(found.validation),
+            evaluations: found.evaluations,
+            history: found.history,
+            widened: found.rounds.saturating_sub(1),
+            at_end: found.at_end,
+            test: found.test,
+        },
+        Ended::With(Done::Refused(why)) => none(why),
+        Ended::Panicked(why) => none(format!("the program panicked, which is a bug: {why}")),
+    }
+}
+
+/// What the validation worlds choose among the tunings that keep every constraint where they were tuned.
+fn chosen(point: &AtCap) -> Option<Chosen> {
+    let mut best: Option<&Restart> = None;
+    for restart in point.restarts.iter().filter(|restart| restart.feasible()) {
+        let (Some(mine), Some(most)) =
+            (&restart.validation, best.and_then(|b| b.validation.as_ref()))
+        else {
+            best = best.or(Some(restart));
+            continue;
+        };
+        if better(mine, most) {
+            best = Some(restart);
+        }
+    }
+    best.map(|restart| Chosen::of(restart.restart, &restart.test, point.cap))
+}
+
+impl Chosen {
+    /// What gains measure in the test worlds.
+    pub(super) fn of(restart: u64, test: &[Option<Tried>], cap: f64) -> Self {
+        let followed: Vec<Tried> = test.iter().flatten().copied().collect();
+        let noise: Vec<f64> = followed.iter().map(|tried| tried.noise).collect();
+        let count = test.len().max(1) as f64;
+        let loud = noise.iter().filter(|noise| **noise > cap).count() as f64;
+        Self {
+            restart,
+            error_rad: Spread::of(&test.iter().map(error).collect::<Vec<_>>()),
+            noise: Spread::of(&noise),
+            failed: (test.len() - followed.len()) as f64 / count,
+            above_cap: loud / count,
+        }
+    }
+}
+
+fn at<'a>(points: &'a [AtCap], law: &str, cap: f64) -> Option<&'a AtCap> {
+    points.iter().find(|point| point.law == law && point.cap.total_cmp(&cap).is_eq())
+}
+
+/// Errors in the test worlds, a row per tuning that keeps every constraint.
+fn table(point: &AtCap) -> Option<ErrorTable> {
+    point.chosen.as_ref()?;
+    let kept = point.restarts.iter().filter(|restart| restart.feasible());
+    ErrorTable::new(kept.map(errors).collect()).ok()
+}
+
+fn errors(restart: &Restart) -> Vec<f64> {
+    restart.test.iter().map(error).collect()
+}
+
+fn error(tried: &Option<Tried>) -> f64 {
+    tried.map_or(FAILED_RAD, |tried| tried.error_rms_rad)
+}
+
+/// How far laws are from themselves at a cap.
+fn band(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Placebo {
+    let pair = |law: &LawRecord| {
+        let again = table(at(points, &law.id, cap)?)?;
+        let first = table(at(points, law.again.as_ref()?, cap)?)?;
+        ratio(&again, &first, Bootstrap::default()).ok()
+    };
+    placebo(&laws.iter().filter_map(pair).collect::<Vec<Ratio>>())
+}
+
+/// Every law of a tier against ours that knows no more, not yet corrected.
+fn against_ours(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Vec<Versus> {
+    let mut found = Vec::new();
+    for tier in Tier::ALL {
+        let Some((ours, own)) = best_of_ours(laws, points, (tier, cap)) else { continue };
+        for law in laws.iter().filter(|law| law.tier == tier && !law.ours && law.again.is_none()) {
+            let Some(theirs) = at(points, &law.id, cap).and_then(table) else { continue };
+            let Ok(ratio) = ratio(&theirs, &own, Bootstrap::default()) else { continue };
+            let (law, ours) = (law.id.clone(), ours.clone());
+            let standing = Standing::Alike;
+            found.push(Versus { tier, cap, law, ours, ratio, corrected_p: 1.0, standing });
+        }
+    }
+    found
+}
+
+/// Of ours that know no more than a tier, the one that the validation worlds choose.
+fn best_of_ours(
+    laws: &[LawRecord],
+    points: &[AtCap],
+    (tier, cap): (Tier, f64),
+) -> Option<(String, ErrorTable)> {
+    let own = laws.iter().filter(|law| law.ours && law.tier <= tier && law.again.is_none());
+    let valid = |law: &LawRecord| {
+        let point = at(points, &law.id, cap)?;
+        let chosen = point.chosen.as_ref()?;
+        let restart = point.restarts.iter().find(|restart| restart.restart == chosen.restart)?;
+        Some((law.id.clone(), restart.validation?.cost(), table(point)?))
+    };
+    let (id, _, table) = own.filter_map(valid).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some((id, table))
+}
+
+/// Corrects for everything that was asked, and says what may be said.
+fn correct(versus: &mut [Versus], caps: &[f64], placebo: &[Placebo]) {
+    let corrected = holm(&versus.iter().map(|one| one.ratio.p).collect::<Vec<_>>());
+    for (one, p) in versus.iter_mut().zip(corrected) {
+        let place = caps.iter().position(|cap| cap.total_cmp(&one.cap).is_eq());
+        let band = place.and_then(|place| placebo.get(place).copied());
+        one.corrected_p = p;
+        if let Some(band) = band {
+            one.standing = standing(&one.ratio, p, band);
+        }
+    }
+}
+
+/// The laws of a tier at a cap by their ranks, with the chosen gains.
+fn order(laws: &[LawRecord], points: &[AtCap], tier: Tier, cap: f64) -> Option<Ordered> {
+    let of_tier = laws.iter().filter(|law| law.tier == tier && law.again.is_none());
+    let row = |law: &LawRecord| {
+        let point = at(points, &law.id, cap)?;
+        let chosen = point.chosen.as_ref()?;
+        let restart = point.restarts.iter().find(|restart| restart.restart == chosen.restart)?;
+        Some((law.id.clone(), errors(restart)))
+    };
+    let (names, rows): (Vec<_>, Vec<_>) = of_tier.filter_map(row).unzip();
+    let found = ranks(&rows)?;
+    let critical_difference = critical_difference(names.len(), rows.first()?.len(), LEVEL)?;
+    let mut laws: Vec<(String, f64)> = names.into_iter().zip(found.mean).collect();
+    laws.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Some(Ordered { tier, cap, laws, critical_difference, friedman: found.friedman })
+}
+
+/// The area above each law's front, in logarithms, up to the largest cap and to [`FAILED_RAD`].
+fn volumes(laws: &[LawRecord], points: &[AtCap], caps: &[f64]) -> Vec<Volume> {
+    let Some(most) = caps.iter().copied().reduce(f64::max) else { return Vec::new() };
+    let reference = [most.ln(), FAILED_RAD.ln()];
+    let volume = |law: &LawRecord| {
+        let own: Vec<&AtCap> = caps.iter().filter_map(|cap| at(points, &law.id, *cap)).collect();
+        let worlds = own.iter().flat_map(|point| &point.restarts).map(|r| r.test.len()).max()?;
+        let every: Vec<usize> = (0..worlds).collect();
+        let chosen: Vec<Point> = own
+            .iter()
+            .filter_map(|point| {
+                let restart = point.chosen.as_ref()?.restart;
+                let restart = point.restarts.iter().find(|other| other.restart == restart)?;
+                middle(restart, &every)
+            })
+            .collect();
+        let mut dice = Dice::new(1, 0);
+        let draws: Vec<f64> =
+            (0..DRAWS).map(|_| redrawn(&mut dice, &own, worlds, reference)).collect();
+        let end = |share: f64| quantile(&draws, share).unwrap_or(0.0);
+        let area = hypervolume(&chosen, reference);
+        Some(Volume { law: law.id.clone(), area, interval: [end(0.025), end(0.975)] })
+    };
+    laws.iter().filter_map(volume).collect()
+}
+
+/// Noise and error of a tuning over some of its worlds, in logarithms: medians. A run that failed has the largest of both.
+fn middle(restart: &Restart, worlds: &[usize]) -> Option<Point> {
+    let of = |failed: f64, of: fn(&Tried) -> f64| {
+        let tried = worlds.iter().filter_map(|world| restart.test.get(*world));
+        let values: Vec<f64> = tried.map(|t| t.as_ref().map_or(failed, of)).collect();
+        quantile(&values, 0.5)
+    };
+    let noise = of(DEAFENING, |tried| tried.noise.max(f64::MIN_POSITIVE))?;
+    let error = of(FAILED_RAD, |tried| tried.error_rms_rad)?;
+    Some([noise.ln(), error.ln()])
+}
+
+/// The area with worlds and, at each cap, a restart drawn anew.
+fn redrawn(dice: &mut Dice, own: &[&AtCap], worlds: usize, reference: Point) -> f64 {
+    let drawn: Vec<usize> = (0..worlds).map(|_| dice.below(worlds)).collect();
+    let mut points = Vec::new();
+    for point in own {
+        let kept: Vec<&Restart> = point.restarts.iter().filter(|r| r.feasible()).collect();
+        if !kept.is_empty() {
+            points.extend(middle(kept[dice.below(kept.len())], &drawn));
+        }
+    }
+    hypervolume(&points, reference)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AtCap, Restart, chosen, middle};
+    use crate::protocol::{Assessed, Tried};
+    use crate::sure::Sure as _;
+
+    fn of(restart: u64, train: f64, validation: f64, test: &[Option<(f64, f64)>]) -> Restart {
+        let assessed = |error: f64| Assessed { error: error.abs(), violation: (-error).max(0.0) };
+        let tried = |(error_rms_rad, noise): (f64, f64)| Tried { error_rms_rad, noise };
+        Restart {
+            restart,
+            failed: None,
+            values: vec![1.0],
+            train: Some(assessed(train)),
+            validation: Some(assessed(validation)),
+            evaluations: 1,
+            history: Vec::new(),
+            widened: 0,
+            at_end: Vec::new(),
+            test: test.iter().map(|one| one.map(tried)).collect(),
+        }
+    }
+
+    /// The best in training is not chosen, nor is one that breaks a constraint there; and no test figure has a say.
+    #[test]
+    fn validation_chooses_and_the_test_has_no_say() {
+        let good = [Some((1e-6, 1e-6)); 4];
+        let bad = [Some((0.01, 0.3)), None, Some((0.03, 0.1)), Some((0.02, 0.1))];
+        let restarts = vec![
+            of(0, 0.001, 0.5, &good),
+            of(1, 0.002, 0.1, &bad),
+            of(2, -0.1, 0.001, &good),
+            of(3, 0.003, -0.1, &good),
+        ];
+        let point = AtCap { law: "a".to_owned(), cap: 0.2, restarts, chosen: None };
+        let found = chosen(&point).sure();
+        assert_eq!(found.restart, 1);
+        assert!((found.failed - 0.25).abs() < 1e-12 && (found.above_cap - 0.25).abs() < 1e-12);
+        // .01, .02, .03 and one that failed.
+        assert!((found.error_rad.sure().median - 0.025).abs() < 1e-12);
+        assert!((found.error_rad.sure().upper - (0.03 + 0.25 * 0.97)).abs() < 1e-12);
+        let none = AtCap { restarts: vec![of(2, -0.1, 0.001, &good)], ..point };
+        assert!(chosen(&none).is_none());
+    }
+
+    #[test]
+    fn a_run_that_failed_counts_as_the_worst() {
+        let one = of(0, 0.1, 0.1, &[Some((0.01, 0.1)), None, None]);
+        let [noise, error] = middle(&one, &[0, 1, 2]).sure();
+        assert!(noise > 60.0 && error.abs() < 1e-12);
+        assert!((middle(&one, &[0, 0, 1]).sure()[1] - 0.01_f64.ln()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,352 @@
+//! The page of a comparison at equal noise.
+
+use maud::{Markup, html};
+use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::text::line;
+use phihat_report::kit::{MILLI, Page};
+
+use super::plot::{Curve, Place, critical_difference, curves};
+use super::record::{AtCap, Chosen, Fronts, LawRecord, Restart};
+use super::tier::Tier;
+use crate::statistics::{Placebo, Spread, Standing};
+
+/// The self-contained page; `command` made it.
+pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
+    let title = format!("Fronts at equal noise: {}", line(&fronts.arm.robot));
+    let extent = &fronts.extent;
+    let [train, validation, test] = extent.worlds;
+    let main = html! {
+        header {
+            h1 { (title) }
+            p.byline { "phihat " (line(&fronts.phihat_version)) " · " (extent.caps.len()) " cap" @if extent.caps.len() > 1 { "s" } " on noise · " (extent.restarts)
+                " searches each · " (extent.per_scalar) " evaluations for each scalar and one more · worlds: " (train) " to train, "
+                (validation) " to choose, " (test) " to judge · simulated" }
+            (verdict(fronts))
+        }
+        @for tier in Tier::ALL { @if fronts.laws.iter().any(|law| law.tier == tier) { (tier_part(fronts, tier)) } }
+        (volumes(fronts))
+        (held_out(fronts))
+        h2 { "How" }
+        p { "Noise is the rms of the applied torque above 50 Hz over the joint's limit, worst joint; the error is the rms of the worst \
+             joint. A tuning keeps its cap, follows, and bears drives 1.3 times as strong and one more sample of delay, in every world \
+             that it was tuned in. The validation worlds choose among the searches; the test worlds are looked at once. Better or worse: \
+             beyond the band of one law under two names, by more than 10 %, and with p < .05 corrected (Holm) for every question of this \
+             page. A run that did not follow counts as 1 rad." }
+        p { "Made by " code { (line(command)) } "." }
+        h2 { "Not claimed" }
+        p { "That a law can do no better: these are the best tunings that were found. Worlds are drawn at random from ranges; what lies \
+             outside of them was not tried. All laws measure the same positions and, filtered as the study says, velocities." }
+    };
+    Page { title: &title, style: include_str!("fronts.css"), script: None }.document(&main)
+}
+
+/// The cap of the details: where most laws have gains; of equal ones the least.
+fn main_cap(fronts: &Fronts) -> f64 {
+    let laws = |cap: f64| points(fronts, cap).filter(|point| point.chosen.is_some()).count();
+    let mut caps = fronts.extent.caps.clone();
+    caps.sort_by_key(|cap| std::cmp::Reverse(laws(*cap)));
+    caps.first().copied().unwrap_or(0.0)
+}
+
+fn points(fronts: &Fronts, cap: f64) -> impl Iterator<Item = &AtCap> {
+    fronts.points.iter().filter(move |point| point.cap.total_cmp(&cap).is_eq())
+}
+
+fn percent(share: f64) -> String {
+    number(100.0 * share)
+}
+
+/// The chosen gains of a law at a cap, where they follow.
+fn found<'a>(fronts: &'a Fronts, law: &str, cap: f64) -> Option<(&'a Chosen, Spread, Spread)> {
+    let point = points(fronts, cap).find(|point| point.law == law)?;
+    let chosen = point.chosen.as_ref()?;
+    Some((chosen, chosen.error_rad?, chosen.noise?))
+}
+
+/// One sentence per tier at the cap of the details, and the band.
+fn verdict(fronts: &Fronts) -> Markup {
+    let cap = main_cap(fronts);
+    let place = fronts.extent.caps.iter().position(|other| other.total_cmp(&cap).is_eq());
+    let band = place.and_then(|place| fronts.placebo.get(place).copied());
+    let sentence = |tier: Tier| {
+        let laws = fronts.laws.iter().filter(|law| law.tier == tier && law.again.is_none());
+        let mut known: Vec<(&LawRecord, Spread)> =
+            laws.filter_map(|law| Some((law, found(fronts, &law.id, cap)?.1))).collect();
+        known.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
+        let (law, error) = known.first().copied()?;
+        let (better, worse, alike) = counts(fronts, tier, cap);
+        Some(html! { li {
+        strong { (tier.words()) } ": least median error " (line(&law.id)) ", " (number(MILLI * error.median)) " mrad"
+        @if let Some((own, error)) = known.iter().find(|(law, _)| law.ours).filter(|(own, _)| own.id != law.id) {
+            "; of ours " (line(&own.id)) ", " (number(MILLI * error.median)) " mrad"
+        }
+        @if better + worse + alike > 0 {
+            ". Against the best of ours that knows no more, " (better) " of the others are better, " (worse) " worse, " (alike)
+            " not to be told apart"
+        }
+        "." } })
+    };
+    html! {
+        p { "At a cap of " (stated(100.0 * cap)) " % of the torque limit on noise:" }
+        ul.verdicts { @for tier in Tier::ALL { @if let Some(said) = sentence(tier) { (said) } } }
+        (told(band))
+    }
+}
+
+fn told(band: Option<Placebo>) -> Markup {
+    html! { p { @match band.filter(|band| band.pairs > 0) {
+        Some(band) => { "One law under two names, tuned and measured as two (" (band.pairs) " pairs): ratios of errors from "
+            (number(1.0 / band.factor)) " to " (number(band.factor)) " say nothing." }
+        None => { "No law was held against itself: nothing says how far apart chance puts two laws, and 10 % stands for it." }
+    } } }
+}
+
+/// How many laws of a tier are better, worse, not to be told apart.
+fn counts(fronts: &Fronts, tier: Tier, cap: f64) -> (usize, usize, usize) {
+    let of = |standing: Standing| {
+        let asked = fronts.versus.iter().filter(|one| one.tier == tier);
+        asked.filter(|one| one.cap.total_cmp(&cap).is_eq() && one.standing == standing).count()
+    };
+    (of(Standing::Better), of(Standing::Worse), of(Standing::Alike))
+}
+
+fn class(law: &LawRecord) -> &'static str {
+    if law.again.is_some() {
+        "again"
+    } else if law.ours {
+        "ours"
+    } else {
+        "others"
+    }
+}
+
+fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
+    // Ours of lesser knowledge stand beside: knowing less is allowed.
+    let shown =
+        |law: &&LawRecord| law.tier == tier || (law.ours && law.tier < tier && law.again.is_none());
+    let laws: Vec<&LawRecord> = fronts.laws.iter().filter(shown).collect();
+    let front = |law: &&LawRecord| {
+        let place = |cap: &f64| {
+            let (_, error, noise) = found(fronts, &law.id, *cap)?;
+            let quartiles = Some([MILLI * error.lower, MILLI * error.upper]);
+            Some(Place { x: 100.0 * noise.median, y: MILLI * error.median, quartiles })
+        };
+        let mut places: Vec<Place> = fronts.extent.caps.iter().filter_map(place).collect();
+        places.sort_by(|a, b| a.x.total_cmp(&b.x));
+        Curve { name: law.id.clone(), class: class(law), places }
+    };
+    let cap = main_cap(fronts);
+    let ordered = fronts.ordered.iter().find(|o| o.tier == tier && o.cap.total_cmp(&cap).is_eq());
+    html! {
+        h2 { "Laws with " (tier.words()) }
+        figure.plot {
+            (curves(&laws.iter().map(front).collect::<Vec<_>>(), &format!("Error against noise, laws with {}", tier.words()),
+                ("noise above 50 Hz [% of the torque limit]", "rms error [mrad]")))
+            figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to quartile. \
+                Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a law's second name is dashed." }
+        }
+        (table(fronts, tier, &laws))
+        @if let Some(ordered) = ordered {
+            h3 { "Ranks at a cap of " (stated(100.0 * cap)) " %" }
+            figure.plot {
+                (critical_difference(&ordered.laws, ordered.critical_difference, "Mean ranks over the test worlds"))
+                figcaption { "Mean rank over the test worlds, 1 is best. Laws inside the shaded stretch cannot be told from the first one \
+                    by ranks (Nemenyi, 5 %; difference " (number(ordered.critical_difference)) ")." }
+            }
+        }
+        (profiles(fronts, &laws, cap))
+        (efforts(fronts, &laws, cap))
+    }
+}
+
+fn table(fronts: &Fronts, tier: Tier, laws: &[&LawRecord]) -> Markup {
+    html! { div.scroll tabindex="0" role="region" aria-label=(format!("Table: laws with {}", tier.words())) { table {
+        thead { tr {
+            @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]", "above its cap [%]", "errors over ours", "standing", "kept every constraint"] {
+                th scope="col" { (head) }
+            }
+        } }
+        tbody { @for law in laws { @for cap in &fronts.extent.caps { (row(fronts, tier, law, *cap)) } } }
+    } } }
+}
+
+fn row(fronts: &Fronts, tier: Tier, law: &LawRecord, cap: f64) -> Markup {
+    let Some(point) = points(fronts, cap).find(|point| point.law == law.id) else {
+        return html! {};
+    };
+    let feasible = point.restarts.iter().filter(|restart| restart.feasible()).count();
+    let versus = fronts
+        .versus
+        .iter()
+        .find(|one| one.tier == tier && one.law == law.id && one.cap.total_cmp(&cap).is_eq());
+    let spread = |spread: Option<Spread>, times: f64| {
+        spread.map_or("–".to_owned(), |s| {
+            format!(
+                "{} ({} … {})",
+                number(times * s.median),
+                number(times * s.lower),
+                number(times * s.upper)
+            )
+        })
+    };
+    let ends: Vec<String> = point
+        .restarts
+        .iter()
+        .flat_map(|restart| &restart.at_end)
+        .map(|end| {
+            format!("{} at its {} end", end.scalar, if end.upper { "upper" } else { "lower" })
+        })
+        .collect();
+    html! { tr {
+        th scope="row" { (line(&law.id)) @if let Some(end) = ends.first() { span.note { (line(end)) } } }
+        td { (stated(100.0 * cap)) }
+        @match &point.chosen {
+            Some(chosen) => {
+                td { (spread(chosen.noise, 100.0)) }
+                td { (spread(chosen.error_rad, MILLI)) }
+                td { (percent(chosen.failed)) }
+                td { (percent(chosen.above_cap)) }
+            }
+            None => { td colspan="4" { (reason(point)) } }
+        }
+        @match versus {
+            Some(one) => {
+                td { (number(one.ratio.ratio)) " (" (number(one.ratio.interval[0])) " … " (number(one.ratio.interval[1])) ")" }
+                td { (standing(one.standing)) }
+            }
+            None => { td { "–" } td { @if law.ours { "ours" } @else { "–" } } }
+        }
+        td { (feasible) " of " (point.restarts.len()) }
+    } }
+}
+
+/// Why there are no gains.
+fn reason(point: &AtCap) -> String {
+    let failed = point.restarts.iter().find_map(|restart| restart.failed.as_deref());
+    failed.map_or("no gains found that keep every constraint".to_owned(), line)
+}
+
+fn standing(standing: Standing) -> Markup {
+    match standing {
+        Standing::Better => html! { span.better { "better" } },
+        Standing::Worse => html! { span.worse { "worse" } },
+        Standing::Alike => html! { "alike" },
+    }
+}
+
+/// The chosen tuning of a law.
+fn tuning<'a>(fronts: &'a Fronts, law: &str, cap: f64) -> Option<&'a Restart> {
+    let point = points(fronts, cap).find(|point| point.law == law)?;
+    let chosen = point.chosen.as_ref()?;
+    point.restarts.iter().find(|restart| restart.restart == chosen.restart)
+}
+
+/// In how many worlds a law is within a factor of the best law there (E. D. Dolan, J. J. Moré, 2002).
+fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
+    let known: Vec<(&LawRecord, &Restart)> = laws
+        .iter()
+        .filter(|law| law.again.is_none())
+        .filter_map(|law| Some((*law, tuning(fronts, &law.id, cap)?)))
+        .collect();
+    let error = |restart: &Restart, world: usize| {
+        restart
+            .test
+            .get(world)
+            .copied()
+            .flatten()
+            .map_or(f64::INFINITY, |tried| tried.error_rms_rad)
+    };
+    let worlds = known.first().map_or(0, |(_, restart)| restart.test.len());
+    let best: Vec<f64> = (0..worlds)
+        .map(|w| known.iter().map(|(_, r)| error(r, w)).fold(f64::INFINITY, f64::min))
+        .collect();
+    let curve = |(law, restart): &(&LawRecord, &Restart)| {
+        let mut factors: Vec<f64> = (0..worlds).map(|w| error(restart, w) / best[w]).collect();
+        factors.retain(|factor| factor.is_finite());
+        factors.sort_by(f64::total_cmp);
+        let place = |(count, factor): (u32, &f64)| Place {
+            x: *factor,
+            y: 100.0 * f64::from(count) / worlds as f64,
+            quartiles: None,
+        };
+        let places = (1..).zip(&factors).map(place).collect();
+        Curve { name: law.id.clone(), class: class(law), places }
+    };
+    if known.len() < 2 {
+        return html! {};
+    }
+    html! {
+        details { summary { "In how many worlds a law is near the best one" }
+        figure.plot {
+            (curves(&known.iter().map(curve).collect::<Vec<_>>(), "Share of worlds against the factor from the best",
+                ("error over the least of any law in that world", "share of test worlds [%]")))
+            figcaption { "Chosen gains at a cap of " (stated(100.0 * cap)) " %. Above and to the left is better." }
+        } }
+    }
+}
+
+/// What a search has found after so many evaluations.
+fn efforts(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
+    // The cost of gains that keep their constraints is e/(1 + e), below 1.
+    let error = |cost: f64| (cost < 1.0).then(|| MILLI * cost / (1.0 - cost));
+    let curve = |law: &&LawRecord| {
+        let restart = tuning(fronts, &law.id, cap)?;
+        let mut places: Vec<Place> = restart
+            .history
+            .iter()
+            .filter_map(|(count, cost)| Some((*count as f64, error(*cost)?)))
+            .map(|(x, y)| Place { x, y, quartiles: None })
+            .collect();
+        let last = places.last().copied()?;
+        places.push(Place { x: restart.evaluations as f64, ..last });
+        Some(Curve { name: law.id.clone(), class: class(law), places })
+    };
+    let all: Vec<Curve> = laws.iter().filter(|law| !law.designed).filter_map(curve).collect();
+    html! { @if !all.is_empty() {
+        details { summary { "What a search has found after so many evaluations" }
+        figure.plot {
+            (curves(&all, "Error in the training worlds against evaluations", ("evaluations", "error in the training worlds [mrad]")))
+            figcaption { "The chosen search of each law at a cap of " (stated(100.0 * cap)) " %, from where its gains keep every constraint. \
+                A curve that still falls at its end says that more evaluations would find more." }
+        } }
+    } }
+}
+
+fn volumes(fronts: &Fronts) -> Markup {
+    let mut all: Vec<_> = fronts.volumes.iter().collect();
+    all.sort_by(|a, b| b.area.total_cmp(&a.area));
+    let tier = |law: &str| fronts.laws.iter().find(|other| other.id == law).map(|law| law.tier);
+    html! {
+        h2 { "Whole fronts in one number" }
+        p { "The area above a law's front, error and noise in natural logarithms, up to the largest cap and 1 rad. Half the error at every \
+             cap is ln 2 times the stretch of noise more. Larger is better; the interval is over worlds and restarts." }
+        div.scroll tabindex="0" role="region" aria-label="Table: areas above fronts" { table {
+            thead { tr { th scope="col" { "law" } th scope="col" { "knows" } th scope="col" { "area" } th scope="col" { "95 %" } } }
+            tbody { @for one in all { tr {
+                th scope="row" { (line(&one.law)) }
+                td { (tier(&one.law).map_or("", Tier::words)) }
+                td { (number(one.area)) }
+                td { (number(one.interval[0])) " … " (number(one.interval[1])) }
+            } } }
+        } }
+    }
+}
+
+fn held_out(fronts: &Fronts) -> Markup {
+    let Some(held) = &fronts.held_out else { return html! {} };
+    html! {
+        h2 { "On an arm that nothing was tuned on: " (line(&held.arm.robot)) }
+        p { "The same scalars, in units of that arm's nominal inertia per joint." }
+        div.scroll tabindex="0" role="region" aria-label="Table: the arm that nothing was tuned on" { table {
+            thead { tr { @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]"] { th scope="col" { (head) } } } }
+            tbody { @for (law, cap, chosen) in &held.points { tr {
+                th scope="row" { (line(law)) }
+                td { (stated(100.0 * cap)) }
+                td { (chosen.noise.map_or("–".to_owned(), |noise| percent(noise.median))) }
+                td { (chosen.error_rad.map_or("–".to_owned(), |error| number(MILLI * error.median))) }
+                td { (percent(chosen.failed)) }
+            } } }
+        } }
+        p { "A cap of " (stated(100.0 * held.points.first().map_or(0.0, |p| p.1))) " % and more was kept on the other arm; here nothing was asked." }
+    }
+}

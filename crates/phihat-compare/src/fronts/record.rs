@@ -1,0 +1,175 @@
+//! What a comparison at equal noise leaves, as data.
+
+use serde::{Deserialize, Serialize};
+
+use super::extent::FrontsExtent;
+use super::tier::Tier;
+use crate::protocol::{Assessed, Tried};
+use crate::record::ArmRecord;
+use crate::statistics::{Placebo, Ratio, Spread, Standing};
+use crate::tune::AtEnd;
+
+/// Version of the document.
+pub const FRONTS_FORMAT: u32 = 1;
+
+/// A comparison at equal noise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fronts {
+    /// Version of this document.
+    pub format: u32,
+    /// Version of phihat.
+    pub phihat_version: String,
+    /// The arm.
+    pub arm: ArmRecord,
+    /// How much was done.
+    pub extent: FrontsExtent,
+    /// The laws, a law that is held against itself under its second name after all others.
+    pub laws: Vec<LawRecord>,
+    /// Each law under each cap.
+    pub points: Vec<AtCap>,
+    /// The area above each law's front.
+    pub volumes: Vec<Volume>,
+    /// How far one law is from itself, per cap, in the order of the caps.
+    pub placebo: Vec<Placebo>,
+    /// Laws against this project's best law that knows no more than their tier, at equal caps.
+    pub versus: Vec<Versus>,
+    /// Mean ranks, per tier and cap.
+    pub ordered: Vec<Ordered>,
+    /// The chosen gains on an arm that nothing was tuned on.
+    pub held_out: Option<HeldOut>,
+}
+
+/// A law.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LawRecord {
+    /// Its name.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// What it knows.
+    pub tier: Tier,
+    /// What it is handed, in words.
+    pub needs: String,
+    /// Whether it is of this project or its paper.
+    pub ours: bool,
+    /// Whether its gains are designed for the study, with no scalar to search.
+    pub designed: bool,
+    /// The law whose second name this is.
+    pub again: Option<String>,
+    /// Names of its free scalars.
+    pub scalars: Vec<String>,
+}
+
+/// A law under a cap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AtCap {
+    /// The law's name.
+    pub law: String,
+    /// The cap.
+    pub cap: f64,
+    /// Its searches.
+    pub restarts: Vec<Restart>,
+    /// The tuning that the validation worlds chose, in the test worlds; `None` where no search found gains that keep every constraint.
+    pub chosen: Option<Chosen>,
+}
+
+/// A search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Restart {
+    /// Which, from 0.
+    pub restart: u64,
+    /// Why there is none.
+    pub failed: Option<String>,
+    /// Values of the law's scalars.
+    pub values: Vec<f64>,
+    /// In the training worlds.
+    pub train: Option<Assessed>,
+    /// In the validation worlds.
+    pub validation: Option<Assessed>,
+    /// Evaluations.
+    pub evaluations: usize,
+    /// The least cost after so many evaluations, where it fell.
+    pub history: Vec<(usize, f64)>,
+    /// How often ranges gave way.
+    pub widened: usize,
+    /// Ends of ranges that values are at all the same.
+    pub at_end: Vec<AtEnd>,
+    /// In the test worlds; `None`: it did not follow there.
+    pub test: Vec<Option<Tried>>,
+}
+
+impl Restart {
+    /// Whether the tuning keeps every constraint in the worlds that it was tuned in.
+    pub fn feasible(&self) -> bool {
+        self.train.is_some_and(|train| train.feasible())
+    }
+}
+
+/// Gains in the test worlds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Chosen {
+    /// Which restart.
+    pub restart: u64,
+    /// Errors \[rad\]; where it did not follow 1 rad.
+    pub error_rad: Option<Spread>,
+    /// Noise where it followed, over the torque limit.
+    pub noise: Option<Spread>,
+    /// Share of test worlds in which it did not follow.
+    pub failed: f64,
+    /// Share of test worlds in which its noise is above the cap.
+    pub above_cap: f64,
+}
+
+/// The area above a front of error against noise, both in natural logarithms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Volume {
+    /// The law's name.
+    pub law: String,
+    /// The area; larger is better.
+    pub area: f64,
+    /// Its interval over worlds and restarts.
+    pub interval: [f64; 2],
+}
+
+/// A law against ours.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Versus {
+    /// The tier.
+    pub tier: Tier,
+    /// The cap.
+    pub cap: f64,
+    /// The law's name.
+    pub law: String,
+    /// Ours that it is held against: of those that know no more than the tier, the best in the validation worlds.
+    pub ours: String,
+    /// Its errors over ours.
+    pub ratio: Ratio,
+    /// The p-value, corrected for all that is asked.
+    pub corrected_p: f64,
+    /// What may be said.
+    pub standing: Standing,
+}
+
+/// Laws of a tier at a cap by their ranks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ordered {
+    /// The tier.
+    pub tier: Tier,
+    /// The cap.
+    pub cap: f64,
+    /// Names and mean ranks, the best first.
+    pub laws: Vec<(String, f64)>,
+    /// How far ranks must lie apart to differ at 5 %.
+    pub critical_difference: f64,
+    /// Friedman's statistic.
+    pub friedman: f64,
+}
+
+/// Another arm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// The arm.
+    pub arm: ArmRecord,
+    /// Each law at each cap that has chosen gains: law, cap, what it measures.
+    pub points: Vec<(String, f64, Chosen)>,
+}

@@ -1,0 +1,129 @@
+//! A small comparison at equal noise: its answer does not depend on who did which part, and chance is inside its own band.
+
+use std::path::{Path, PathBuf};
+
+use phihat_campaign::Shard;
+use phihat_compare::fronts::{Fronts, FrontsAnswer, FrontsOptions, Restart, Tier};
+use phihat_compare::statistics::{Bootstrap, ErrorTable, ratio};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fronts-{name}"));
+    _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The arm of Table 1, as few of everything as there can be.
+fn options(out: PathBuf, only: &[&str], per_scalar: u32) -> FrontsOptions {
+    FrontsOptions {
+        study: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies/table1.toml"),
+        only: only.iter().map(|id| (*id).to_owned()).collect(),
+        quick: true,
+        caps: vec![0.01, 0.05],
+        per_scalar: Some(per_scalar),
+        worlds: Some([1, 1, 3]),
+        threads: Some(2),
+        out: Some(out),
+        ..FrontsOptions::default()
+    }
+}
+
+fn whole(options: &FrontsOptions) -> (Fronts, [Vec<u8>; 2]) {
+    match options.run(&mut ()).unwrap() {
+        FrontsAnswer::Whole { fronts, folder, page } => {
+            (*fronts, [folder.join("fronts.json"), page].map(|file| std::fs::read(file).unwrap()))
+        }
+        FrontsAnswer::Shard { .. } => panic!("a shard"),
+    }
+}
+
+/// In one process, in three parts that know nothing of each other, or cut off in the middle of a line: the same bytes.
+#[test]
+fn parts_and_interruptions_leave_the_same_bytes() {
+    let only = ["pd", "proposed-1", "computed-torque"];
+    let (all, own) = (folder("all"), folder("parts"));
+    let command_is_the_same = |mut files: [Vec<u8>; 2]| {
+        files[1] = String::from_utf8(files[1].clone())
+            .unwrap()
+            .replace("fronts-parts", "fronts-all")
+            .into_bytes();
+        files
+    };
+    let (fronts, exact) = whole(&options(all.clone(), &only, 2));
+    assert_eq!(fronts.laws.len(), 6);
+    let mut parts = options(own.clone(), &only, 2);
+    for part in 1..=3 {
+        let shard = Some(Shard { part, of: 3 });
+        let answer =
+            FrontsOptions { shard, threads: Some(1), ..parts.clone() }.run(&mut ()).unwrap();
+        let FrontsAnswer::Shard { journal, searches } = answer else { panic!("a whole") };
+        assert!(searches == 8 && journal.ends_with(format!("shard-{part}-of-3/journal.jsonl")));
+        parts.from.push(journal.parent().unwrap().to_owned());
+    }
+    assert!(command_is_the_same(whole(&parts).1) == exact);
+    let journal = all.join("journal.jsonl");
+    let bytes = std::fs::read(&journal).unwrap();
+    std::fs::write(&journal, &bytes[..bytes.len() * 2 / 5]).unwrap();
+    assert!(whole(&options(all, &only, 2)).1 == exact);
+}
+
+/// Laws that could run, none of whose gains keep every constraint in training and follow in one test world at least: one world to
+/// train in teaches little.
+fn not_followed(fronts: &Fronts) -> Vec<String> {
+    let mut without = Vec::new();
+    for point in fronts.points.iter().filter(|point| !point.law.ends_with(" again")) {
+        let told = |restart: &Restart| restart.failed.clone();
+        let panicked = point.restarts.iter().filter_map(told).find(|why| why.contains("panicked"));
+        assert!(panicked.is_none(), "{panicked:?}");
+        let refused = point.restarts.iter().all(|restart| restart.failed.is_some());
+        if !refused && point.chosen.as_ref().is_none_or(|chosen| chosen.failed >= 1.0) {
+            without.push(point.law.clone());
+        }
+    }
+    without
+}
+
+/// Every law of the list finds gains that keep every constraint and follow, or says why it has none on this arm; what is held against
+/// itself is inside its own band, which says of no law that it is better than itself.
+#[test]
+fn every_law_follows_and_chance_is_inside_its_band() {
+    let mut options = options(folder("laws"), &[], 3);
+    (options.caps, options.worlds, options.restarts) = (vec![0.05], Some([1, 1, 2]), Some(2));
+    let (fronts, [_, page]) = whole(&options);
+    let without = not_followed(&fronts);
+    assert!(without.is_empty(), "{without:?}");
+    let band = fronts.placebo[0];
+    assert!(band.pairs == Tier::ALL.len() && band.factor.is_finite(), "{band:?}");
+    for law in fronts.laws.iter().filter(|law| law.again.is_some()) {
+        let errors = |id: &str| {
+            let point = fronts.points.iter().find(|point| point.law == id).unwrap();
+            let kept = point.restarts.iter().filter(|restart| restart.feasible());
+            let row = |r: &Restart| {
+                r.test.iter().map(|t| t.map_or(1.0, |tried| tried.error_rms_rad)).collect()
+            };
+            ErrorTable::new(kept.map(row).collect()).unwrap()
+        };
+        let own =
+            ratio(&errors(&law.id), &errors(law.again.as_ref().unwrap()), Bootstrap::default());
+        let own = own.unwrap();
+        assert!(own.ratio <= band.factor && own.ratio >= 1.0 / band.factor, "{own:?} {band:?}");
+    }
+    assert!(page.len() > 20_000 && !String::from_utf8(page).unwrap().contains("NaN"));
+}
+
+/// What cannot be used is said, and nothing is left.
+#[test]
+fn bad_options_are_told() {
+    let out = folder("bad");
+    let good = options(out.join("none"), &["pd"], 2);
+    for (options, word) in [
+        (FrontsOptions { caps: vec![1.5], ..good.clone() }, "1.5"),
+        (FrontsOptions { caps: vec![f64::NAN], ..good.clone() }, "NaN"),
+        (FrontsOptions { only: vec!["pdd".to_owned()], ..good.clone() }, "pdd"),
+        (FrontsOptions { from: vec![out.clone()], ..good.clone() }, "no journal"),
+        (FrontsOptions { study: out.join("no.toml"), ..good.clone() }, "no.toml"),
+    ] {
+        let told = options.run(&mut ()).err().unwrap().to_string();
+        assert!(told.contains(word), "{told}");
+    }
+}
