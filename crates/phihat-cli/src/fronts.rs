@@ -49,8 +49,8 @@ pub(crate) struct FrontsVerb {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     per_scalar: Option<u32>,
     /// Worlds to train in, to choose by, to be judged in [default: 20,20,50].
-    #[arg(long, value_name = "A,B,C", value_parser = three)]
-    worlds: Option<[u32; 3]>,
+    #[arg(long, value_name = "A,B,C")]
+    worlds: Option<String>,
     /// Decides all that is drawn [default: 1].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seed: Option<u64>,
@@ -58,8 +58,8 @@ pub(crate) struct FrontsVerb {
     #[arg(long)]
     count: bool,
     /// Only the K-th of N parts of the searches.
-    #[arg(long, value_name = "K/N", value_parser = shard)]
-    shard: Option<Shard>,
+    #[arg(long, value_name = "K/N")]
+    shard: Option<String>,
     /// Take over the searches of a shard: its folder or its journal; once for each.
     #[arg(long, value_name = "FOLDER")]
     from: Vec<PathBuf>,
@@ -82,18 +82,21 @@ pub(crate) struct FrontsVerb {
 const BAR: &str = "{wide_bar} {pos} of {len} searches · {elapsed} · {eta} left";
 
 /// `20,20,50`
-fn three(text: &str) -> Result<[u32; 3], String> {
+fn three(text: &str) -> Result<[u32; 3], Failure> {
     let parts: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let counts = parts.and_then(|parts| <[u32; 3]>::try_from(parts).ok());
     let valid = |counts: &[u32; 3]| counts.iter().all(|n| (1..=10_000).contains(n));
-    counts
-        .filter(valid)
-        .ok_or_else(|| "three whole numbers from 1 to 10000 are valid, such as 20,20,50".to_owned())
+    counts.filter(valid).ok_or_else(|| {
+        Failure::plain(format!(
+            "--worlds {text}: three whole numbers from 1 to 10000 are valid, such as 20,20,50"
+        ))
+    })
 }
 
 /// `3/8`
-fn shard(text: &str) -> Result<Shard, String> {
-    Shard::parse(text).ok_or_else(|| "K/N with 1 ≤ K ≤ N ≤ 100000 is valid, such as 3/8".to_owned())
+fn shard(text: &str) -> Result<Shard, Failure> {
+    let why = || format!("--shard {text}: K/N with 1 ≤ K ≤ N ≤ 100000 is valid, such as 3/8");
+    Shard::parse(text).ok_or_else(|| Failure::plain(why()))
 }
 
 impl FrontsVerb {
@@ -106,9 +109,9 @@ impl FrontsVerb {
             caps: self.caps.clone(),
             restarts: self.restarts,
             per_scalar: self.per_scalar,
-            worlds: self.worlds,
+            worlds: self.worlds.as_deref().map(three).transpose()?,
             seed: self.seed,
-            shard: self.shard,
+            shard: self.shard.as_deref().map(shard).transpose()?,
             from: self.from.clone(),
             fresh: self.fresh,
             threads: self.threads,

@@ -3,12 +3,13 @@
 use phihat_campaign::Ended;
 use phihat_session::Dice;
 
-use super::job::{Job, Law};
-use super::plan::{Done, FrontsPlan};
+use super::extent::FrontsExtent;
+use super::job::{Done, Job, Law};
 use super::record::{
     AtCap, Chosen, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
 };
 use super::tier::Tier;
+use crate::arm_case::ArmCase;
 use crate::protocol::{Tried, better};
 use crate::statistics::{
     Bootstrap, ErrorTable, Placebo, Point, Ratio, Spread, Standing, critical_difference, holm,
@@ -28,10 +29,15 @@ const LEVEL: f64 = 0.05;
 const DRAWS: usize = 1000;
 
 /// All that follows from the searches, in the order of the plan's jobs.
-pub(super) fn fronts(plan: &FrontsPlan, jobs: &[Job], done: Vec<Ended<Done>>) -> Fronts {
-    let caps = &plan.extent.caps;
+pub(super) fn fronts(
+    arm: &ArmCase,
+    (tried, extent): (&[Law], &FrontsExtent),
+    jobs: &[Job],
+    done: Vec<Ended<Done>>,
+) -> Fronts {
+    let caps = &extent.caps;
     let mut points: Vec<AtCap> = Vec::new();
-    for law in &plan.laws {
+    for law in tried {
         let empty =
             |cap: &f64| AtCap { law: law.id(), cap: *cap, restarts: Vec::new(), chosen: None };
         points.extend(caps.iter().map(empty));
@@ -42,7 +48,7 @@ pub(super) fn fronts(plan: &FrontsPlan, jobs: &[Job], done: Vec<Ended<Done>>) ->
     for point in &mut points {
         point.chosen = chosen(point);
     }
-    let laws: Vec<LawRecord> = plan.laws.iter().map(record).collect();
+    let laws: Vec<LawRecord> = tried.iter().map(record).collect();
     let placebo = caps.iter().map(|cap| band(&laws, &points, *cap)).collect::<Vec<_>>();
     let mut versus = Vec::new();
     for cap in caps {
@@ -53,8 +59,8 @@ pub(super) fn fronts(plan: &FrontsPlan, jobs: &[Job], done: Vec<Ended<Done>>) ->
     Fronts {
         format: FRONTS_FORMAT,
         phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
-        arm: plan.arm.record(),
-        extent: plan.extent.clone(),
+        arm: arm.record(),
+        extent: extent.clone(),
         volumes: volumes(&laws, &points, caps),
         ordered: ordered.filter_map(|(tier, cap)| order(&laws, &points, tier, cap)).collect(),
         laws,

@@ -56,6 +56,14 @@ pub(super) struct Searched {
     pub(super) test: Vec<Option<Tried>>,
 }
 
+/// What the journal keeps of a search.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Done {
+    Searched(Box<Searched>),
+    Refused(String),
+}
+
 /// Seeds of searches that have nothing to do with each other are this far apart: rounds and restarts inside of a search lie between.
 const APART: u64 = 1_000_000;
 

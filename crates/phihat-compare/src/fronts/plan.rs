@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use phihat_campaign::{Ended, Journal, Progress, Shard, run_all};
 use phihat_rivals::{Entry, RIVALS};
 use phihat_session::short_hash;
-use serde::{Deserialize, Serialize};
 
 use super::extent::FrontsExtent;
 use super::gather;
-use super::job::{Job, Law, Searched};
+use super::job::{Done, Job, Law};
 use super::record::{Chosen, Fronts, HeldOut};
 use super::tier::Tier;
 use crate::arm_case::ArmCase;
@@ -26,19 +25,11 @@ const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "compute
 /// A comparison at equal noise, ready to run.
 #[derive(Debug)]
 pub struct FrontsPlan {
-    pub(super) arm: ArmCase,
+    arm: ArmCase,
     held_out: Option<ArmCase>,
-    pub(super) laws: Vec<Law>,
+    laws: Vec<Law>,
     /// How much is done.
     pub extent: FrontsExtent,
-}
-
-/// What the journal keeps of a search.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Done {
-    Searched(Box<Searched>),
-    Refused(String),
 }
 
 impl FrontsPlan {
@@ -59,7 +50,7 @@ impl FrontsPlan {
     }
 
     /// Its searches: every law at every cap as often as it is begun anew; laws of all kinds in turn.
-    pub(super) fn jobs(&self) -> Vec<Job> {
+    fn jobs(&self) -> Vec<Job> {
         let (caps, laws) = (self.extent.caps.len(), self.laws.len());
         let restarts = |law: usize| {
             let designed = self.laws[law].entry.scalars.is_empty();
@@ -108,7 +99,7 @@ impl FrontsPlan {
         if shard != Shard::WHOLE {
             return Ok(None);
         }
-        let mut fronts = gather::fronts(self, &jobs, done);
+        let mut fronts = gather::fronts(&self.arm, (&self.laws, &self.extent), &jobs, done);
         fronts.held_out = self.elsewhere(&fronts, (journal, threads), &mut progress)?;
         Ok(Some(fronts))
     }
