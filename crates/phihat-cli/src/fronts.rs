@@ -27,6 +27,7 @@ use crate::terminal::Page;
     phihat fronts studies/table1_panda.toml --count\n  \
     phihat fronts studies/table1_panda.toml --shard 1/8\n  \
     phihat fronts studies/table1_panda.toml --from out/table1_panda/fronts/shard-1-of-8 --from out/table1_panda/fronts/shard-2-of-8")]
+#[allow(clippy::struct_excessive_bools, reason = "independent switches of a command line")]
 pub(crate) struct FrontsVerb {
     /// The study (TOML): its arm, its loop, its sensors.
     study: PathBuf,

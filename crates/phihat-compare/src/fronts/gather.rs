@@ -142,7 +142,7 @@ impl Chosen {
         let loud = noise.iter().filter(|noise| **noise > cap).count() as f64;
         Self {
             restart,
-            error_rad: Spread::of(&test.iter().map(error).collect::<Vec<_>>()),
+            error_rad: Spread::of(&test.iter().copied().map(error).collect::<Vec<_>>()),
             noise: Spread::of(&noise),
             failed: (test.len() - followed.len()) as f64 / count,
             above_cap: loud / count,
@@ -162,10 +162,10 @@ fn table(point: &AtCap) -> Option<ErrorTable> {
 }
 
 fn errors(restart: &Restart) -> Vec<f64> {
-    restart.test.iter().map(error).collect()
+    restart.test.iter().copied().map(error).collect()
 }
 
-fn error(tried: &Option<Tried>) -> f64 {
+fn error(tried: Option<Tried>) -> f64 {
     tried.map_or(FAILED_RAD, |tried| tried.error_rms_rad)
 }
 

@@ -25,8 +25,8 @@ const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "compute
 /// A comparison at equal noise, ready to run.
 #[derive(Debug)]
 pub struct FrontsPlan {
-    arm: ArmCase,
-    held_out: Option<ArmCase>,
+    /// The one that laws are tuned on, and one that they are not.
+    arms: Vec<ArmCase>,
     laws: Vec<Law>,
     /// How much is done.
     pub extent: FrontsExtent,
@@ -44,9 +44,9 @@ impl FrontsPlan {
         only: &[String],
         extent: FrontsExtent,
     ) -> Result<Self, CompareError> {
-        let arm = ArmCase::read(study)?;
-        let held_out = held_out.map(|path| ArmCase::read(path)).transpose()?;
-        Ok(Self { arm, held_out, laws: laws(only)?, extent })
+        let studies = std::iter::once(study).chain(held_out.map(PathBuf::as_path));
+        let arms = studies.map(ArmCase::read).collect::<Result<_, _>>()?;
+        Ok(Self { arms, laws: laws(only)?, extent })
     }
 
     /// Its searches: every law at every cap as often as it is begun anew; laws of all kinds in turn.
@@ -99,14 +99,14 @@ impl FrontsPlan {
         if shard != Shard::WHOLE {
             return Ok(None);
         }
-        let mut fronts = gather::fronts(&self.arm, (&self.laws, &self.extent), &jobs, done);
+        let mut fronts = gather::fronts(&self.arms[0], (&self.laws, &self.extent), &jobs, done);
         fronts.held_out = self.elsewhere(&fronts, (journal, threads), &mut progress)?;
         Ok(Some(fronts))
     }
 
     fn search(&self, job: &Job) -> Done {
         let how = (self.extent.caps[job.cap], job.restart);
-        match self.extent.search(&self.arm, self.laws[job.law], how) {
+        match self.extent.search(&self.arms[0], self.laws[job.law], how) {
             Ok(searched) => Done::Searched(Box::new(searched)),
             Err(why) => Done::Refused(why.to_string()),
         }
@@ -128,7 +128,7 @@ impl FrontsPlan {
         );
         let scalars = format!("{:?}", law.entry.scalars);
         let version = env!("CARGO_PKG_VERSION");
-        let (sum, name) = (&self.arm.study.sha256, &self.arm.name);
+        let (sum, name) = (&self.arms[0].study.sha256, &self.arms[0].name);
         let parts = [EDITION, version, sum, name, law.entry.card.id, &scalars, &how];
         short_hash(&with_edition(&parts, law.entry.edition))
     }
@@ -140,7 +140,7 @@ impl FrontsPlan {
         (journal, threads): (&mut Journal, usize),
         progress: &mut impl FnMut(Progress),
     ) -> Result<Option<HeldOut>, CompareError> {
-        let Some(arm) = &self.held_out else { return Ok(None) };
+        let Some(arm) = self.arms.get(1) else { return Ok(None) };
         let worlds = draw(self.extent.seed, Split::Test, self.extent.worlds[2]);
         let mut tried = Vec::new();
         for point in &fronts.points {
