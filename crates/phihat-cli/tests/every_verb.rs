@@ -30,7 +30,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 47] = [
+    let cases: [(&[&str], i32); 51] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -64,6 +64,10 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["compare", "--rival", "pd"], 0),
         (&["compare", "--rival", "pdd"], 2),
         (&["compare", "bad.toml"], 2),
+        (&["fronts", "good.toml", "--quick", "--only", "pd", "--count"], 0),
+        (&["fronts", "good.toml", "--only", "pd", "--worlds", "1,2"], 2),
+        (&["fronts", "good.toml", "--only", "pd", "--shard", "9/8"], 2),
+        (&["fronts", "bad.toml"], 2),
         (&["reproduce", "--only", "nothing of this name"], 2),
         (&["robots"], 0),
         (&["robots", "panda"], 0),
