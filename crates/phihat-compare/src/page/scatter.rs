@@ -212,7 +212,7 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     let widths: Vec<_> = points.iter().map(|p| CHARACTER * p.id.chars().count() as f64).collect();
     let labels = places(&at, &widths, [left + 4.0, top, width - right, height - bottom - 4.0]);
     html! {
-        svg role="img" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
+        svg role="group" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
             (axes(&x, &y, against.axis))
             @for (mark, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { (leader(*mark, label)) }
             @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {
