@@ -176,7 +176,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards."
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
         }

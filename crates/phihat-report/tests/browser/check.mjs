@@ -519,7 +519,10 @@ async function compares(browser, file) {
     check(name, `${view}: the picture begins on the first screen`, first < (view === "phone" ? 1.3 : 1), first.toFixed(2));
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
-    if (view !== "phone") await accessible(page, name, view);
+    if (view === "phone") {
+      const svg = await page.locator(".plot > svg").first().boundingBox();
+      check(name, "phone: the opening is one screen: the whole picture, without a scroll sideways", svg.y + svg.height <= options.viewport.height && svg.x + svg.width <= options.viewport.width, JSON.stringify(svg));
+    } else await accessible(page, name, view);
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
     await context.close();
   }
