@@ -18,6 +18,7 @@ mod fuzz;
 mod instructions;
 mod laws;
 mod mutants;
+mod pages;
 mod rivals;
 mod ros2;
 mod rules;

@@ -2,22 +2,12 @@
 
 use std::path::{Path, absolute};
 
+use crate::pages::{COMPARISON, PLAIN, made};
 use crate::shell::{command, tested};
 use crate::test::{browser_tools, reports};
 
 /// Where they are put unless somebody says otherwise.
 const OUT: &str = "out/screenshots";
-
-/// What makes the pages beside the reports: the page, in a folder of its own, what `--out` is told, and the words of the command.
-const PAGES: [(&str, &str, &str); 3] = [
-    ("faults/report.html", "faults", "faults studies/first.toml --quick"),
-    ("budget/budget.html", "budget/gains.json", "design studies/panda_design.toml --budget"),
-    (
-        "comparison/report.html",
-        "comparison",
-        "compare studies/table1.toml --quick --worlds exact,friction",
-    ),
-];
 
 /// Makes the pages that are not there yet, and pictures of all of them, of those that `args` names after the folder, and of
 /// the studio.
@@ -34,13 +24,8 @@ pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
     let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
     let mut pages = reports(root)?;
     pages.push(at("docs/reproduction/report.html"));
-    for (page, told, words) in PAGES {
-        let (page, told) = (at(&format!("{OUT}/pages/{page}")), format!("{OUT}/pages/{told}"));
-        if !Path::new(&page).exists() {
-            let words: Vec<_> = words.split(' ').chain(["--out", &told]).collect();
-            command(root, &program, &words)?;
-        }
-        pages.push(page);
+    for page in PLAIN.into_iter().chain([COMPARISON]) {
+        pages.push(made(root, page)?);
     }
     for page in more {
         pages.push(whole(page)?);

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::shell::{EVERYTHING, cargo, command, root, tested};
-use crate::{attack, binaries, bindings, bless, book, instructions, mutants, rules, twice};
+use crate::{attack, binaries, bindings, bless, book, instructions, mutants, pages, rules, twice};
 
 /// One check: what a person reads, and what runs.
 type Step = (&'static str, fn(&Path) -> Result<(), String>);
@@ -150,6 +150,12 @@ fn browser(root: &Path) -> Result<(), String> {
     let words = ["phihat"].into_iter().chain(small.split(' ')).chain(["--out", &out]);
     cargo(root, &words.collect::<Vec<_>>())?;
     command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
+    // Made anew: what an earlier program left there says nothing of this one.
+    let _ = std::fs::remove_dir_all(root.join(pages::FOLDER));
+    let plain = pages::PLAIN.into_iter().map(|page| pages::made(root, page));
+    let plain = plain.collect::<Result<Vec<_>, _>>()?;
+    let words = ["check.mjs", "--plain"].into_iter().chain(plain.iter().map(String::as_str));
+    command(&folder, "node", &words.collect::<Vec<_>>())?;
     // Without what an earlier run left there.
     let hostile = root.join("target/hostile");
     let _ = std::fs::remove_dir_all(&hostile);

@@ -447,7 +447,10 @@
       const [p, text] = labels[i];
       const clip = [0, 1, 3].map((r) => matrix[r] * p[0] + matrix[4 + r] * p[1] + matrix[8 + r] * p[2] + matrix[12 + r]);
       span.textContent = text;
-      const left = Math.min(Math.max((clip[0] / clip[2] + 1) / 2 * w, 4), w - span.offsetWidth - 4);
+      // Nor beside the edge for something that is not seen, as the arrow of gravity on a phone.
+      const share = (clip[0] / clip[2] + 1) / 2;
+      if (clip[2] <= 0 || share < 0 || share > 1) { span.hidden = true; return; }
+      const left = Math.min(Math.max(share * w, 4), w - span.offsetWidth - 4);
       let top = Math.min(Math.max((1 - clip[1] / clip[2]) / 2 * h - 26, 2), h - 24);
       // Words do not stand on words.
       for (const [x, y, wide] of taken) if (Math.abs(top - y) < 24 && left < x + wide + 4 && x < left + span.offsetWidth + 4) top = y + 24;

@@ -343,7 +343,7 @@
     const says = table.closest(".scroll").nextElementSibling;
     const { caption, unit } = table.dataset;
     const heads = [...table.tHead.rows[0].cells].map((cell) => cell.textContent);
-    table.addEventListener("pointerover", (e) => {
+    const tell = (e) => {
       const cell = e.target.closest("td");
       if (!cell) return;
       const [moved, on] = [cell.parentNode.cells[0].textContent, heads[cell.cellIndex]];
@@ -351,7 +351,8 @@
       const [most, own] = [cell.firstChild ? cell.firstChild.textContent : "", cell.dataset.unit || unit];
       const [way, push] = own.split(" per ");
       says.textContent = unit === "mrad per N·m" ? `1 ${push} ${on} moves ${moved} by at most ${most} ${way}` : `${caption} of ${moved}, ${on}: at most ${most} ${own}`;
-    });
+    };
+    for (const way of ["pointerover", "focusin"]) table.addEventListener(way, tell);
   }
   if (!data || !data.joints.length) return;
   document.documentElement.classList.add("live");

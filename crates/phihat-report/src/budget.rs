@@ -146,20 +146,22 @@ fn front(budget: &Budget) -> Markup {
                 "Below the level of 1 the allowed error is kept; to the left there is less torque noise."
             } }
         }
-        div.scroll tabindex="0" role="region" aria-label="Table: error against torque noise" { table {
-            thead { tr {
-                th scope="col" { "torque noise " span.unit { "[N·m per sample]" } }
-                th scope="col" { "error, of the allowed one" }
-                th scope="col" { "order" }
-                th scope="col" { "bandwidth " span.unit { "[rad/s]" } }
+        details { summary { (budget.front.len()) " laws as a table" }
+            div.scroll tabindex="0" role="region" aria-label="Table: error against torque noise" { table {
+                thead { tr {
+                    th scope="col" { "torque noise " span.unit { "[N·m per sample]" } }
+                    th scope="col" { "error, of the allowed one" }
+                    th scope="col" { "order" }
+                    th scope="col" { "bandwidth " span.unit { "[rad/s]" } }
+                } }
+                tbody { @for point in &budget.front { tr {
+                    th scope="row" { (number(point.torque_noise_nm)) }
+                    td { (percent(point.error_share, 1.0)) @if point.chosen { span.note { "the law of this budget" } } }
+                    td { (point.order) }
+                    td { (number(point.bandwidth_rad_s)) }
+                } } }
             } }
-            tbody { @for point in &budget.front { tr {
-                th scope="row" { (number(point.torque_noise_nm)) }
-                td { (percent(point.error_share, 1.0)) @if point.chosen { span.note { "the law of this budget" } } }
-                td { (point.order) }
-                td { (number(point.bandwidth_rad_s)) }
-            } } }
-        } }
+        }
         p { "Laws that no other beats in both. Estimates of the search, joint by joint, not certified." }
     }
 }

@@ -101,7 +101,7 @@ fn matrix(
                 } } }
             }
         }
-        p.heat-says aria-hidden="true" { "Point at an entry to read it as a sentence; each shade is a factor of two." }
+        p.heat-says aria-hidden="true" { "Point at an entry, or go to it with Tab and arrows, to read it as a sentence; each shade is a factor of two." }
     }
 }
 

@@ -176,7 +176,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards."
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
         }
@@ -212,7 +212,7 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     let widths: Vec<_> = points.iter().map(|p| CHARACTER * p.id.chars().count() as f64).collect();
     let labels = places(&at, &widths, [left + 4.0, top, width - right, height - bottom - 4.0]);
     html! {
-        svg role="img" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
+        svg role="group" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
             (axes(&x, &y, against.axis))
             @for (mark, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { (leader(*mark, label)) }
             @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {

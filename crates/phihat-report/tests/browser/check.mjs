@@ -5,6 +5,7 @@
 //   node check.mjs --hostile PAGE.html...        pages full of hostile names: nothing may run
 //   node check.mjs --comparison PAGE.html...     pages of a comparison: sorting, links, phone, paper
 //   node check.mjs --reproduction PAGE.html...   pages of the paper's reproduction
+//   node check.mjs --plain PAGE.html...          pages of tables and figures: faults, budgets, sweeps
 //
 // Chromium: the one of the system (`apt-get install chromium fonts-dejavu-core`), or CHROMIUM=PATH.
 // With SHOTS=FOLDER it leaves pictures there. The last line is `N passed, N failed`; the exit code
@@ -12,19 +13,18 @@
 
 import { chromium } from "playwright-core";
 import { existsSync, mkdirSync, readFileSync, statSync } from "node:fs";
-import { createRequire } from "node:module";
 import { basename, dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { graveFaults, mouseOnly, tellsByKeys, tellsByTouch } from "./everywhere.mjs";
 
 const words = process.argv.slice(2);
 const hostile = words.includes("--hostile");
 const comparison = words.includes("--comparison");
 const reproduction = words.includes("--reproduction");
+const plain = words.includes("--plain");
 const pages = words.filter((word) => !word.startsWith("--"));
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
-
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 // How every page is looked at.
 const VIEWS = [
@@ -93,13 +93,51 @@ async function looks(browser, file) {
   }
 }
 
-// No fault that axe calls serious or critical.
+// No fault that axe calls serious or critical, and nothing for the mouse alone; what is folded is looked at too.
 async function accessible(page, name, view) {
-  await page.evaluate(axe);
-  const found = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
-  const grave = found.violations.filter((one) => ["serious", "critical"].includes(one.impact));
-  const told = grave.map((one) => `${one.id} (${one.nodes.length}): ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`);
-  check(name, `${view}: axe finds no serious fault`, grave.length === 0, told.join("; "));
+  await page.evaluate(() => document.querySelectorAll("details").forEach((part) => { part.open = true; }));
+  const told = await graveFaults(page);
+  check(name, `${view}: axe finds no serious fault`, told.length === 0, told.join("; "));
+  const mouse = await mouseOnly(page);
+  check(name, `${view}: nothing answers to the mouse alone`, mouse.length === 0, mouse.join("; "));
+}
+
+// Figures say what they are, by keys and by a finger.
+async function tells(browser, file) {
+  const name = basename(file);
+  const wide = await open(browser, file, { viewport: { width: 1280, height: 900 } });
+  const some = (await wide.page.locator("table td[tabindex='0']").count()) > 0;
+  check(name, "there are tables with figures", some || reproduction);
+  if (some) await tellsByKeys(wide.page, (what, holds, detail) => check(name, `by keys: ${what}`, holds, detail));
+  const mark = wide.page.locator("svg g:has(> title) a").first();
+  if (await mark.count()) {
+    await mark.focus();
+    const [told, own] = [await wide.page.locator("#figure-says").textContent(), await mark.locator("xpath=..").locator("> title").textContent()];
+    check(name, "by keys: a mark of a picture says its figures", told === own && (await wide.page.locator("#figure-says").isVisible()), `${told} ${own}`);
+  }
+  check(name, "by keys: says nothing on the console", wide.seen.errors.length === 0, wide.seen.errors.join("; "));
+  await wide.context.close();
+  if (!some) return;
+  const phone = await open(browser, file, { viewport: { width: 390, height: 800 }, hasTouch: true, isMobile: true });
+  await phone.page.evaluate(() => document.querySelectorAll("details").forEach((part) => { part.open = true; }));
+  await tellsByTouch(phone.page, (what, holds, detail) => check(name, `by touch: ${what}`, holds, detail));
+  await phone.context.close();
+}
+
+// Pages of tables and pictures: nothing is wider than the screen, and all of it is there for everybody.
+async function reads(browser, file) {
+  const name = basename(dirname(resolve(file)));
+  for (const [view, options] of VIEWS) {
+    const { context, page, seen } = await open(browser, file, options);
+    const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
+    check(name, `${view}: the verdict is on the first screen`, await page.locator(".verdict").first().evaluate((e) => e.getBoundingClientRect().top < innerHeight));
+    if (view !== "phone") await accessible(page, name, view);
+    check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
+    check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
+    if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
+    await context.close();
+  }
 }
 
 // The arm: it is drawn, plays, and shares its instant with the plots.
@@ -188,7 +226,7 @@ async function moves(browser, file) {
   check(name, "the tip is where the record has it", Math.hypot(...drawn.map((x, i) => x - tip[i])) < 1e-4, `${drawn} ${tip}`);
   const figure = page.locator(".scroll tbody td").first();
   await figure.hover();
-  const told = (await figure.getAttribute("title")) ?? "";
+  const told = (await page.locator("#figure-says").textContent()) ?? "";
   check(name, "a figure tells what it is: row, column with unit, meaning", told.includes(data.joints[0]) && told.includes("[mrad]") && told.includes("e: Measured minus desired position"), told);
   check(name, "nothing was said on the console", seen.errors.length === 0, seen.errors.join("; "));
   await context.close();
@@ -448,6 +486,7 @@ async function reproduced(browser, file) {
     }
     await page.check("#show-all");
     check(name, `${view}: all again`, (await visible()).length === all.length);
+    if (view !== "phone") await accessible(page, name, view);
     await page.locator(".group a").last().click();
     const target = await page.evaluate(() => { const box = document.querySelector("tr:target").getBoundingClientRect(); return box.top >= 0 && box.top < innerHeight; });
     check(name, `${view}: a link leads to its statement`, target);
@@ -480,6 +519,10 @@ async function compares(browser, file) {
     check(name, `${view}: the picture begins on the first screen`, first < (view === "phone" ? 1.3 : 1), first.toFixed(2));
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
+    if (view === "phone") {
+      const svg = await page.locator(".plot > svg").first().boundingBox();
+      check(name, "phone: the opening is one screen: the whole picture, without a scroll sideways", svg.y + svg.height <= options.viewport.height && svg.x + svg.width <= options.viewport.width, JSON.stringify(svg));
+    } else await accessible(page, name, view);
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
     await context.close();
   }
@@ -528,12 +571,14 @@ for (const file of pages) {
     if (hostile) await harmless(browser, file);
     else if (comparison) await compares(browser, file);
     else if (reproduction) await reproduced(browser, file);
+    else if (plain) await reads(browser, file);
     else {
       await looks(browser, file);
       await works(browser, file);
       await moves(browser, file);
       await honest(browser, file);
     }
+    if (!hostile) await tells(browser, file);
   } catch (error) {
     check(basename(file), "the check itself", false, error.message);
   }

@@ -8,15 +8,14 @@
 
 import { chromium } from "playwright-core";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
+import { graveFaults, mouseOnly } from "./everywhere.mjs";
 import { started } from "./started.mjs";
 
 const [program, study, gains] = process.argv.slice(2);
 const record = study === "--replay" ? resolve(gains) : null;
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 function check(what, holds, detail = "") {
   count[holds ? "passed" : "failed"] += 1;
@@ -43,10 +42,10 @@ async function opened(options) {
 }
 
 async function accessible(page, view) {
-  await page.evaluate(axe);
-  const found = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
-  const grave = found.violations.filter((one) => ["serious", "critical"].includes(one.impact));
-  check(`${view}: axe finds no serious fault`, grave.length === 0, grave.map((one) => `${one.id}: ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`).join("; "));
+  const grave = await graveFaults(page);
+  check(`${view}: axe finds no serious fault`, grave.length === 0, grave.join("; "));
+  const mouse = await mouseOnly(page);
+  check(`${view}: nothing answers to the mouse alone`, mouse.length === 0, mouse.join("; "));
 }
 
 async function works() {

@@ -1,0 +1,41 @@
+//! Pages beside the reports: how each is made, for those who look at them.
+
+use std::path::Path;
+
+use crate::shell::{command, tested};
+
+/// Where they are put.
+pub(crate) const FOLDER: &str = "out/screenshots/pages";
+
+/// A page in [`FOLDER`], what `--out` is told, and the words of the command.
+pub(crate) type Made = (&'static str, &'static str, &'static str);
+
+/// Pages of tables and pictures.
+pub(crate) const PLAIN: [Made; 3] = [
+    ("faults/report.html", "faults", "faults studies/first.toml --quick"),
+    ("budget/budget.html", "budget/gains.json", "design studies/panda_design.toml --budget"),
+    (
+        "sweep/report.html",
+        "sweep",
+        "sweep studies/first.toml --vary world.payload.mass_kg=0..0.5 --runs 64 --seed 7",
+    ),
+];
+
+/// A comparison of every law.
+pub(crate) const COMPARISON: Made = (
+    "comparison/report.html",
+    "comparison",
+    "compare studies/table1.toml --quick --worlds exact,friction",
+);
+
+/// Makes a page where it is not there yet; its path.
+pub(crate) fn made(root: &Path, (page, told, words): Made) -> Result<String, String> {
+    let page = root.join(FOLDER).join(page);
+    if !page.exists() {
+        let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
+        let told = format!("{FOLDER}/{told}");
+        let words: Vec<_> = words.split(' ').chain(["--out", &told]).collect();
+        command(root, &program, &words)?;
+    }
+    Ok(page.display().to_string())
+}
