@@ -31,6 +31,12 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
         let help = "leave it out: what a load does is in the inertia and φ of each [[joint]]";
         return Err(node.error(Kind::Conflict, key, why).with_help(help));
     }
+    let (spec, key) = (top.child("spec"), "tip_error_max_mm");
+    if spec.has(key) {
+        let why = "no place on joints that are known without a description: where the tip is they do not tell";
+        let help = "leave it out: `error_max_rad` bounds each joint, in rad or m";
+        return Err(spec.error(Kind::Conflict, key, why).with_help(help));
+    }
     let (mut joints, mut low, mut high, mut rate, mut jump) =
         (Vec::<Joint>::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for node in top.children("joint") {

@@ -11,7 +11,7 @@ use crate::digits;
 const FREQUENCIES: [f64; 8] = [0.10, 0.15, 0.20, 0.12, 0.25, 0.30, 0.18, 0.22];
 
 /// Amplitudes at most \[rad\], \[m\], and as a share of the travel.
-const ANGLE: f64 = 0.3;
+pub(super) const ANGLE: f64 = 0.3;
 const LENGTH: f64 = 0.1;
 const SHARE: f64 = 0.2;
 
