@@ -162,7 +162,11 @@ mod tests {
         for (friction, effort, said) in [
             // At most cos(0.6) of what holds it stretched out can be saved inside of its travel.
             (0.0, 0.3, ["cannot hold itself", "of joint lift", "0.3 N·m", "--torque-max"]),
-            (5.8, 6.0, ["even a slow motion", "of joint lift", "alone up to 5.8 N·m", "6 N·m"]),
+            (
+                5.8,
+                6.0,
+                ["even a slow and small motion", "of joint lift", "alone up to 5.8 N·m", "6 N·m"],
+            ),
         ] {
             let begun = begin(&options(folder.path(), friction, effort), &mut ()).unwrap();
             let why = begun.infeasible.unwrap();
@@ -186,6 +190,18 @@ mod tests {
             assert_eq!(found.notes.len(), usize::from(told), "{:?}", found.notes);
             let said = ["up to 4.9 N·m", "little is left for control"];
             assert!(found.notes.iter().all(|n| said.iter().all(|part| n.contains(part))));
+        }
+    }
+    #[test]
+    fn where_gravity_leaves_little_the_motion_is_smaller() {
+        let folder = tempfile::tempdir().unwrap();
+        // Held within seven tenths of the limit, at cos(0.6) of what it takes stretched out, and not a whole motion further.
+        for (effort, angle) in [(0.6, 0.075), (2.0, 0.3)] {
+            let options = options(folder.path(), 0.0, effort);
+            let chosen = Chosen::of(&options, folder.path(), "first").unwrap();
+            let found = followed(&options, &chosen, &options.out).unwrap();
+            assert_eq!((found.weak, found.notes.len()), (None, 0));
+            assert!((found.motion.angle - angle).abs() < 1e-12, "{}", found.motion.angle);
         }
     }
 }

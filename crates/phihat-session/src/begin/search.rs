@@ -11,7 +11,7 @@ use phihat_sim::{Demand, SimError, derive_substeps};
 use phihat_study::Study;
 
 use super::arm::{Chosen, READY};
-use super::motion::{ANGLE, Sines};
+use super::motion::Sines;
 use super::options::BeginOptions;
 use super::posture::unit;
 use super::text::{Centre, Words};
@@ -36,15 +36,15 @@ const MORE: f64 = 1.4;
 /// How often an error is tried.
 const ROUNDS: u32 = 5;
 
-/// The largest error that is asked for \[rad\]: as much as the motion moves a joint at most, so that an arm that stands still
-/// keeps it. No more is looked for.
-const STANDS_STILL: f64 = ANGLE;
-
 /// Share of a torque limit that the motion may take, and how it is made slower until it does; and what the slowest may take.
 const TORQUE: f64 = 0.8;
 const TORQUE_MOST: f64 = 0.95;
 const SLOWER: f64 = 0.6;
 const PACES: i32 = 4;
+
+/// How it is made smaller after that: gravity does not fall with the pace.
+const SMALLER: f64 = 0.5;
+const REACHES: i32 = 2;
 
 /// When an arm has settled at the latest \[s\].
 const SETTLED_S: f64 = 3.0;
@@ -159,6 +159,12 @@ impl<'a> Looked<'a> {
         Ok(any_law(&self.study, &self.arm, &self.path)?.is_some())
     }
 
+    /// The largest error that is asked for \[rad\]: as much as the motion moves a joint at most, so that an arm that stands still
+    /// keeps it.
+    fn stands_still(&self) -> f64 {
+        self.motion.angle
+    }
+
     /// The smallest error that is promised and kept. Where none is with the whole interval of dry friction, with a narrower one.
     pub(super) fn search(
         &mut self,
@@ -207,7 +213,7 @@ impl<'a> Looked<'a> {
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(watch)? {
-                Least::Error(least) => two_digits(MARGIN * least).min(STANDS_STILL),
+                Least::Error(least) => two_digits(MARGIN * least).min(self.stands_still()),
                 Least::None(why) => {
                     self.stable = false;
                     return Ok(self.infeasible(UNASKED, why));
@@ -233,14 +239,14 @@ impl<'a> Looked<'a> {
                 Asked::No(no) => (no.to_string(), MORE),
             };
             last = Some(why);
-            if error >= STANDS_STILL || round == ROUNDS {
+            if error >= self.stands_still() || round == ROUNDS {
                 break;
             }
-            error = two_digits(error * by).min(STANDS_STILL);
+            error = two_digits(error * by).min(self.stands_still());
         }
         let tried =
             format!("no error up to {:.3} mrad is kept by gains and runs alike", 1e3 * error);
-        let tried = if error >= STANDS_STILL {
+        let tried = if error >= self.stands_still() {
             format!("{tried}, and that is as far as the motion moves a joint")
         } else {
             tried
@@ -387,13 +393,13 @@ fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
 /// A study with a motion, and what is to be said of it.
 pub(super) struct Followed {
     study: Box<Study>,
-    motion: Sines,
+    pub(super) motion: Sines,
     pub(super) notes: Vec<String>,
     /// Why the drives cannot bear it.
     pub(super) weak: Option<String>,
 }
 
-/// A motion that the drives can follow: slower until the torque along it is well inside their limits. Where none is, the slowest:
+/// A motion that the drives can follow: slower, then smaller, until the torque along it is well inside their limits. Where none is, the last:
 /// with a word of it, or with the reason that it is none for these drives.
 pub(super) fn followed(
     options: &BeginOptions,
@@ -405,7 +411,7 @@ pub(super) fn followed(
     let centre = chosen.robot.poses.get(READY).cloned().unwrap_or_default();
     let mut round = 0;
     loop {
-        let motion = Sines::about(&chosen.robot, &centre, SLOWER.powi(round));
+        let motion = Sines::about(&chosen.robot, &centre, pace(round));
         let error = vec![1e-3; chosen.robot.joints.len()];
         let text = words(options, chosen, (&lines, &error), &motion);
         let mut study = Box::new(Study::from_text(&text, &path.display().to_string(), folder)?);
@@ -418,11 +424,16 @@ pub(super) fn followed(
         let none = (0.0, 0, 0.0);
         let most = shares.fold(none, |most, next| if next.0 <= most.0 { most } else { next });
         round += 1;
-        if most.0 <= TORQUE || round == PACES || chosen.unheld.is_some() {
+        if most.0 <= TORQUE || round == PACES + REACHES || chosen.unheld.is_some() {
             let (notes, weak) = slowest(chosen, most);
             return Ok(Followed { study, motion, notes, weak });
         }
     }
+}
+
+/// How fast and how far the motion goes that is tried after so many: slower first, then smaller.
+fn pace(round: i32) -> (f64, f64) {
+    (SLOWER.powi(round.min(PACES - 1)), SMALLER.powi((round - PACES + 1).max(0)))
 }
 
 /// What is to be said of the slowest motion, of which a joint takes a share of its limit: what is worth knowing, and why the drives
@@ -446,7 +457,7 @@ fn slowest(
         String::new()
     };
     let takes = format!(
-        "even a slow motion about the easiest posture takes {:.3} {unit} of joint {name}{of_friction}, whose limit is {limit} {unit}",
+        "even a slow and small motion about the easiest posture takes {:.3} {unit} of joint {name}{of_friction}, whose limit is {limit} {unit}",
         share * limit
     );
     if share <= TORQUE_MOST {
