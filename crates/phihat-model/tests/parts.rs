@@ -82,6 +82,29 @@ fn chains_end_before_the_fingers_and_the_longest_comes_first() {
 }
 
 #[test]
+fn a_finger_from_its_root_on_is_an_arm_of_all_its_joints() {
+    let body = crate::support::inertial(1.0, [0.1; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
+    let of = |names: [&str; 3]| {
+        let (mut parts, mut before) = (vec![crate::support::link("root", "")], "root".to_owned());
+        for name in names {
+            let link = format!("{name}_link");
+            let ends = [&*before, &*link];
+            parts.push(crate::support::joint(name, "revolute", ends, "0 0 0.2", "0 1 0"));
+            parts.push(crate::support::link(&link, &body));
+            before = link;
+        }
+        let text = format!("<robot name=\"one\">{}</robot>", parts.concat());
+        let chains = Robot::chains_of_text(&text, "one").unwrap();
+        chains.into_iter().map(|chain| chain.joints.len()).collect::<Vec<_>>()
+    };
+    assert_eq!(of(["finger_base", "finger_middle", "finger_tip"]), [3]);
+    assert_eq!(of(["thumb_a", "thumb_b", "thumb_c"]), [3]);
+    // What is carried by an arm stays behind its end.
+    assert_eq!(of(["elbow", "wrist", "finger"]), [2]);
+    assert_eq!(of(["elbow", "finger_near", "finger_far"]), [1]);
+}
+
+#[test]
 fn what_follows_stands_where_its_leader_puts_it() {
     let text = two_arms();
     let at = |finger: f64, other: Option<f64>| {

@@ -45,8 +45,11 @@ pub(crate) struct TipMeasured {
 }
 
 impl TipMeasured {
-    /// `None`: the robot's description names no such frame.
+    /// `None`: the robot's description names no such frame, or there is no description.
     pub(crate) fn new(study: &Study) -> Option<Self> {
+        if !study.has_tip() {
+            return None;
+        }
         let model = study.robot.model.clone();
         let frame = model.frame(&study.robot.tip)?;
         let metrics = TipMetrics {

@@ -24,13 +24,7 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
         let why = "given, while [[joint]] says what is known of the arm";
         return Err(top.error(Kind::Conflict, "robot", why).with_help("keep one of them"));
     }
-    let (world, design) = (top.child("world"), top.child("design"));
-    let payloads = [(&world, "payload"), (&design, "payload_kg"), (&design, "payload_max_kg")];
-    if let Some((node, key)) = payloads.into_iter().find(|(node, key)| node.has(key)) {
-        let why = "no place on joints that are known without a description";
-        let help = "leave it out: what a load does is in the inertia and φ of each [[joint]]";
-        return Err(node.error(Kind::Conflict, key, why).with_help(help));
-    }
+    needs_description(top)?;
     let (mut joints, mut low, mut high, mut rate, mut jump) =
         (Vec::<Joint>::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for node in top.children("joint") {
@@ -78,6 +72,24 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
          of its inertia and a dry friction of half of its jump; world.joint_inertia = \"{word}\" simulates the {other} end"
     ));
     Ok((robot, Stated { inertia: (low, high), phi: (rate, jump) }))
+}
+
+/// Refuses what has no place without a description.
+fn needs_description(top: &Node<'_>) -> Result<(), StudyError> {
+    let (world, design) = (top.child("world"), top.child("design"));
+    let payloads = [(&world, "payload"), (&design, "payload_kg"), (&design, "payload_max_kg")];
+    if let Some((node, key)) = payloads.into_iter().find(|(node, key)| node.has(key)) {
+        let why = "no place on joints that are known without a description";
+        let help = "leave it out: what a load does is in the inertia and φ of each [[joint]]";
+        return Err(node.error(Kind::Conflict, key, why).with_help(help));
+    }
+    let (spec, key) = (top.child("spec"), "tip_error_max_mm");
+    if spec.has(key) {
+        let why = "no place on joints that are known without a description: where the tip is they do not tell";
+        let help = "leave it out: `error_max_rad` bounds each joint, in rad or m";
+        return Err(spec.error(Kind::Conflict, key, why).with_help(help));
+    }
+    Ok(())
 }
 
 /// Both ends of travel, or none.

@@ -517,6 +517,12 @@ pub enum Held {
 }
 
 impl Study {
+    /// Whether it is known where the arm's tip is: not of an arm that is stated by `[[joint]]`.
+    pub fn has_tip(&self) -> bool {
+        let stated = |line: &String| line.starts_with(crate::joint::JOINT_BY_JOINT);
+        !self.robot.warnings.iter().any(stated)
+    }
+
     /// The torque \[N·m\] per joint that holds the arm at a start `q` \[rad\].
     pub fn held_torque(&self, q: &[f64]) -> Option<Vec<f64>> {
         self.world.held.as_ref().map(|held| match held {

@@ -233,3 +233,19 @@ fn dry_friction_is_known_to_an_interval_that_holds_the_worlds() {
     let none = GOOD.replace("[world]", "[world]\nfriction = 'none'");
     assert_eq!(read(&none).unwrap().design.coulomb, (vec![0.0; 3], vec![0.1; 3]));
 }
+
+#[test]
+fn joints_without_a_description_have_no_tip() {
+    let text = |spec: &str| {
+        format!(
+            "duration_s = 2.0\n[spec]\n{spec}[gains]\nbandwidth_rad_s = 10\nestimator_bandwidth_rad_s = 30\n\
+             inertia_kg_m2 = 1\n[reference]\nkind = 'hold'\nq_rad = 0.1\n[[joint]]\nname = 'a'\ninertia_min_kg_m2 = 1\n\
+             inertia_max_kg_m2 = 2\nphi_rate_max_nm_s = 1\nphi_jump_max_nm = 0.1\n"
+        )
+    };
+    assert!(!read(&text("")).unwrap().has_tip());
+    assert!(read(GOOD).unwrap().has_tip());
+    let error = read(&text("tip_error_max_mm = 1\n")).unwrap_err().to_string();
+    let said = ["spec.tip_error_max_mm", "where the tip is they do not tell", "error_max_rad"];
+    assert!(said.iter().all(|part| error.contains(part)), "{error}");
+}

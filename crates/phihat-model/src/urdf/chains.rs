@@ -33,7 +33,7 @@ impl Whole<'_, '_, '_> {
                 .copied()
                 .filter(|at| self.moves(*at) || counts[self.tree.child_of_joint[*at]] > 0)
                 .collect();
-            if (on.is_empty() || self.is_hand(&on, &counts, path.len())) && !path.is_empty() {
+            if (on.is_empty() || self.is_hand(&on, &counts, &path)) && !path.is_empty() {
                 if !found.iter().any(|(own, _)| *own == path) {
                     found.push((path, link));
                 }
@@ -78,12 +78,17 @@ impl Whole<'_, '_, '_> {
     }
 
     /// Whether what goes on from a link grasps.
-    fn is_hand(&self, on: &[usize], counts: &[usize], before: usize) -> bool {
+    fn is_hand(&self, on: &[usize], counts: &[usize], path: &[usize]) -> bool {
         let child = |at: usize| self.tree.child_of_joint[at];
         let has = |name: &str, words: &[&str]| {
             let name = name.to_lowercase();
             words.iter().any(|word| name.contains(word))
         };
+        let before = path.len();
+        // What is a finger from its root on carries none: it is the arm, joint after joint.
+        if before > 0 && path.iter().all(|at| has(self.joints[*at].element.name, &FINGERS)) {
+            return false;
+        }
         // A wrist may carry a link that is called gripper, but none that is called finger.
         let named = |at: usize| {
             has(self.joints[at].element.name, &GRASPS)

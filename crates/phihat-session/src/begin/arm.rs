@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use phihat_model::{Part, Robot};
 
 use super::options::{ArmOptions, BeginOptions};
-use super::posture::easy_posture;
+use super::posture::{Easy, easy_posture};
 use super::torque::assume;
 use crate::disk::folder_of;
 use crate::error::SessionError;
@@ -26,6 +26,8 @@ pub(super) struct Chosen {
     pub(super) notes: Vec<String>,
     /// Whether the posture of the motion is none of the arm's own poses.
     pub(super) posture_added: bool,
+    /// Why the drives cannot hold the arm anywhere that was looked at.
+    pub(super) unheld: Option<String>,
 }
 
 /// A file of an arm, its URDF beside it.
@@ -49,7 +51,8 @@ impl Chosen {
             notes.extend(assume(&mut robot, options.payload_kg, &options.arm.arm)?);
         }
         let (lines, written, posture_added) = (Vec::new(), None, false);
-        let mut chosen = Self { robot, part, lines, written, notes: Vec::new(), posture_added };
+        let (before, unheld) = (Vec::new(), None);
+        let mut chosen = Self { robot, part, lines, written, notes: before, posture_added, unheld };
         if Robot::names().contains(&options.arm.arm.as_str()) && chosen.robot.files.is_empty() {
             chosen.lines.push(format!("name = {:?}", options.arm.arm));
         } else if let [urdf] = &chosen.robot.files[..] {
@@ -64,8 +67,9 @@ impl Chosen {
         }
         chosen.notes = notes;
         if !chosen.robot.poses.contains_key(READY) || chosen.written.is_some() {
-            let pose = easy_posture(&chosen.robot, options.payload_kg)?;
-            chosen.robot.poses.insert(READY.to_owned(), pose);
+            let Easy { posture, unheld } = easy_posture(&chosen.robot, options.payload_kg)?;
+            chosen.robot.poses.insert(READY.to_owned(), posture);
+            chosen.unheld = unheld;
             chosen.posture_added = true;
         }
         Ok(chosen)
@@ -213,9 +217,9 @@ pub(super) fn to_write(
     }
     let mut robot = robot.estimated();
     if robot.without_torque_limit().is_empty()
-        && let Ok(pose) = easy_posture(&robot, 0.0)
+        && let Ok(Easy { posture, unheld: None }) = easy_posture(&robot, 0.0)
     {
-        robot.poses.insert(READY.to_owned(), pose);
+        robot.poses.insert(READY.to_owned(), posture);
     }
     Ok((robot, part, place, notes))
 }

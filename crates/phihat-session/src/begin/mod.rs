@@ -129,3 +129,79 @@ pub fn write_arm(
     phihat_model::Robot::read(out).map_err(|why| SessionError::at(out, why))?;
     Ok(notes)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use phihat_study::Study;
+
+    use super::search::followed;
+    use super::{ArmOptions, BeginOptions, Chosen, begin};
+
+    /// What to begin with, for an arm of one joint: half a kilogram 0.1 m out, 0.49 N·m by hand; and what its file says of friction
+    /// and limit.
+    fn options(folder: &Path, friction: f64, effort: f64) -> BeginOptions {
+        let urdf = format!(
+            "<robot name=\"one\"><link name=\"base\"/><joint name=\"lift\" type=\"revolute\"><parent link=\"base\"/>\
+             <child link=\"arm\"/><axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"{effort}\" velocity=\"3\"/>\
+             <dynamics friction=\"{friction}\"/></joint><link name=\"arm\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"0.5\"/>\
+             <inertia ixx=\"0.005\" ixy=\"0\" ixz=\"0\" iyy=\"0.005\" iyz=\"0\" izz=\"0.005\"/></inertial></link></robot>"
+        );
+        let arm = folder.join("one.urdf");
+        fs::write(&arm, urdf).unwrap();
+        let arm = ArmOptions { arm: arm.display().to_string(), ..ArmOptions::default() };
+        let out = folder.join("first.toml");
+        BeginOptions { arm, out, replace: true, ..BeginOptions::default() }
+    }
+
+    #[test]
+    fn what_the_drives_cannot_bear_is_an_answer_with_joint_need_limit_and_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        for (friction, effort, said) in [
+            // At most cos(0.6) of what holds it stretched out can be saved inside of its travel.
+            (0.0, 0.3, ["cannot hold itself", "of joint lift", "0.3 N·m", "--torque-max"]),
+            (
+                5.8,
+                6.0,
+                ["even a slow and small motion", "of joint lift", "alone up to 5.8 N·m", "6 N·m"],
+            ),
+        ] {
+            let begun = begin(&options(folder.path(), friction, effort), &mut ()).unwrap();
+            let why = begun.infeasible.unwrap();
+            assert!(said.iter().all(|part| why.contains(part)), "{why}");
+            assert_eq!(begun.simulated, None);
+            // Its files are there to be changed.
+            let study = Study::read(&begun.study).unwrap();
+            assert_eq!(study.robot.joints[0].torque_max, Some(effort));
+        }
+    }
+
+    #[test]
+    fn friction_of_most_of_a_limit_is_said_and_no_refusal() {
+        let folder = tempfile::tempdir().unwrap();
+        // With nearly half a newton metre of gravity, of 6 N·m: nine tenths, and a half.
+        for (friction, told) in [(4.9, true), (2.5, false)] {
+            let options = options(folder.path(), friction, 6.0);
+            let chosen = Chosen::of(&options, folder.path(), "first").unwrap();
+            let found = followed(&options, &chosen, &options.out).unwrap();
+            assert_eq!(found.weak, None);
+            assert_eq!(found.notes.len(), usize::from(told), "{:?}", found.notes);
+            let said = ["up to 4.9 N·m", "little is left for control"];
+            assert!(found.notes.iter().all(|n| said.iter().all(|part| n.contains(part))));
+        }
+    }
+    #[test]
+    fn where_gravity_leaves_little_the_motion_is_smaller() {
+        let folder = tempfile::tempdir().unwrap();
+        // Held within seven tenths of the limit, at cos(0.6) of what it takes stretched out, and not a whole motion further.
+        for (effort, angle) in [(0.6, 0.075), (2.0, 0.3)] {
+            let options = options(folder.path(), 0.0, effort);
+            let chosen = Chosen::of(&options, folder.path(), "first").unwrap();
+            let found = followed(&options, &chosen, &options.out).unwrap();
+            assert_eq!((found.weak, found.notes.len()), (None, 0));
+            assert!((found.motion.angle - angle).abs() < 1e-12, "{}", found.motion.angle);
+        }
+    }
+}

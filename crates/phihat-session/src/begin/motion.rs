@@ -30,11 +30,13 @@ pub(super) struct Sines {
     pub(super) phase: Vec<f64>,
     pub(super) fade_in: f64,
     pub(super) duration: f64,
+    /// What no joint that turns goes beyond \[rad\].
+    pub(super) angle: f64,
 }
 
 impl Sines {
-    /// About a posture, so many times as fast as it could be.
-    pub(super) fn about(robot: &Robot, centre: &[f64], pace: f64) -> Self {
+    /// About a posture, so many times as fast as it could be, and so many times as far.
+    pub(super) fn about(robot: &Robot, centre: &[f64], (pace, reach): (f64, f64)) -> Self {
         let fade_in = FADE / pace;
         let frequency: Vec<f64> = FREQUENCIES
             .iter()
@@ -43,20 +45,28 @@ impl Sines {
             .map(|hz| digits::places(hz * pace, 3))
             .collect();
         let joints = robot.joints.iter().zip(centre).zip(&frequency);
-        let amplitude = joints.map(|((joint, at), hz)| amplitude(joint, *at, (*hz, fade_in)));
+        let amplitude =
+            joints.map(|((joint, at), hz)| amplitude(joint, *at, reach, (*hz, fade_in)));
         let amplitude = amplitude.collect();
         let phase = (0..robot.joints.len()).map(|i| i as f64).collect();
-        Self { amplitude, frequency, phase, fade_in, duration: (10.0 / pace).round() }
+        Self {
+            amplitude,
+            frequency,
+            phase,
+            fade_in,
+            duration: (10.0 / pace).round(),
+            angle: reach * ANGLE,
+        }
     }
 }
 
-fn amplitude(joint: &Joint, at: f64, (hz, fade_in): (f64, f64)) -> f64 {
+fn amplitude(joint: &Joint, at: f64, reach: f64, (hz, fade_in): (f64, f64)) -> f64 {
     let (low, high) = travel(joint);
     let own = if joint.kind == JointKind::Prismatic { LENGTH } else { ANGLE };
     let room = 0.9 * (at - low).min(high - at).max(0.0);
     let speed = joint
         .velocity_max
         .map_or(f64::INFINITY, |limit| SPEED * limit / (STEEPEST / fade_in + TAU * hz));
-    let most = own.min(SHARE * (high - low)).min(room).min(speed);
+    let most = (reach * own.min(SHARE * (high - low))).min(room).min(speed);
     digits::places(digits::down(most.max(0.0), 2), 6)
 }

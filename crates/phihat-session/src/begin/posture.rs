@@ -1,7 +1,6 @@
 //! Where gravity is easy on an arm.
 
 use core::f64::consts::PI;
-use std::path::Path;
 
 use phihat_model::{Body, Joint, JointKind, Robot, Workspace, evenly};
 
@@ -29,7 +28,19 @@ pub(super) fn travel(joint: &Joint) -> (f64, f64) {
 
 /// A posture well inside the travel at which holding the arm takes little of its torque: the middle, else one near zero, else
 /// the best of some hundred.
-pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Vec<f64>, SessionError> {
+pub(super) struct Easy {
+    /// Positions \[rad, m\], to three digits after the point.
+    pub(super) posture: Vec<f64>,
+    /// Why the drives cannot hold the arm there, and so nowhere that was looked at.
+    pub(super) unheld: Option<String>,
+}
+
+/// Where an arm is put, see [`Easy`].
+///
+/// # Errors
+///
+/// [`SessionError`]: the arm has no joints.
+pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Easy, SessionError> {
     let body = Body { mass: payload_kg, com: [0.0; 3], inertia: [0.0; 6] };
     let bare = robot.plant_model();
     let model = match bare.clone().with_payload_on(&robot.tip, &body) {
@@ -62,22 +73,26 @@ pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Vec<f64>, S
             break;
         }
     }
-    match best {
-        Some((share, joint, torque, q)) if share > MOST => {
-            let joint = &robot.joints[joint];
-            let limit = joint.torque_max.unwrap_or(f64::INFINITY);
-            let file = robot.files.first().map_or(Path::new(&robot.name), |file| file);
-            let why = format!(
-                "the arm cannot hold itself: at the easiest of {TRIED} postures ({q:.2?}) gravity takes {torque:.3} N·m of joint \
-                 {}, whose limit is {limit} N·m: state the drives' limits with --torque-max, a lighter --payload, or a chain \
-                 of stronger joints with --base and --tip",
-                joint.name
-            );
-            Err(SessionError::at(file, why))
-        }
-        Some((.., q)) => Ok(q.into_iter().map(|x| (x * 1e3).round() / 1e3).collect()),
-        None => Err(SessionError::other("the arm has no joints")),
-    }
+    let (share, joint, torque, q) =
+        best.ok_or_else(|| SessionError::other("the arm has no joints"))?;
+    let unheld = (share > MOST).then(|| {
+        let joint = &robot.joints[joint];
+        let limit = joint.torque_max.unwrap_or(f64::INFINITY);
+        let unit = unit(joint);
+        format!(
+            "the arm cannot hold itself: at the easiest of {TRIED} postures ({q:.2?}) gravity takes {torque:.3} {unit} of joint \
+             {}, whose limit is {limit} {unit}: state the drives' limits with --torque-max, a lighter --payload, or a chain \
+             of stronger joints with --base and --tip",
+            joint.name
+        )
+    });
+    let posture = q.into_iter().map(|x| (x * 1e3).round() / 1e3).collect();
+    Ok(Easy { posture, unheld })
+}
+
+/// Of what a joint's drive gives.
+pub(super) fn unit(joint: &Joint) -> &'static str {
+    if joint.kind == JointKind::Prismatic { "N" } else { "N·m" }
 }
 
 /// The part of a joint's travel in which it may stand.

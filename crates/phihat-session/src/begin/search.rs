@@ -13,6 +13,7 @@ use phihat_study::Study;
 use super::arm::{Chosen, READY};
 use super::motion::Sines;
 use super::options::BeginOptions;
+use super::posture::unit;
 use super::text::{Centre, Words};
 use crate::along::arm_along;
 use crate::design::{Advice, designed_for};
@@ -25,6 +26,9 @@ use crate::watch::Watch;
 /// An error that no gains keep \[rad\], to hear which one they can.
 const IN_VAIN: f64 = 1e-7;
 
+/// What a study asks for where no error was looked for \[rad\].
+const UNASKED: f64 = 1e-2;
+
 /// What is asked for over the least that the search finds, and by how much more while the tube or a run says no.
 const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
@@ -32,10 +36,15 @@ const MORE: f64 = 1.4;
 /// How often an error is tried.
 const ROUNDS: u32 = 5;
 
-/// Share of a torque limit that the motion may take, and how it is made slower until it does.
+/// Share of a torque limit that the motion may take, and how it is made slower until it does; and what the slowest may take.
 const TORQUE: f64 = 0.8;
+const TORQUE_MOST: f64 = 0.95;
 const SLOWER: f64 = 0.6;
 const PACES: i32 = 4;
+
+/// How it is made smaller after that: gravity does not fall with the pace.
+const SMALLER: f64 = 0.5;
+const REACHES: i32 = 2;
 
 /// When an arm has settled at the latest \[s\].
 const SETTLED_S: f64 = 3.0;
@@ -67,6 +76,8 @@ pub(super) struct Looked<'a> {
     path: PathBuf,
     motion: Sines,
     notes: Vec<String>,
+    /// Why the drives cannot bear any motion that was looked at.
+    weak: Option<String>,
     /// The arm with the rotors that were settled on.
     arm: Arm,
     /// Whether some gains keep the arm inside their window.
@@ -100,11 +111,12 @@ impl<'a> Looked<'a> {
         folder: &Path,
     ) -> Result<Self, SessionError> {
         let path = folder.join(format!("{}.toml", options.study_name()?));
-        let (study, motion) = followed(options, chosen, &path)?;
+        let Followed { study, motion, notes, weak } = followed(options, chosen, &path)?;
         let arm = arm_of(&study, &path)?;
-        let mut looked =
-            Self { options, study, path, motion, notes: Vec::new(), arm, stable: true };
-        looked.narrow(chosen)?;
+        let mut looked = Self { options, study, path, motion, notes, weak, arm, stable: true };
+        if looked.weak.is_none() {
+            looked.narrow(chosen)?;
+        }
         Ok(looked)
     }
 
@@ -147,12 +159,21 @@ impl<'a> Looked<'a> {
         Ok(any_law(&self.study, &self.arm, &self.path)?.is_some())
     }
 
+    /// The largest error that is asked for \[rad\]: as much as the motion moves a joint at most, so that an arm that stands still
+    /// keeps it.
+    fn stands_still(&self) -> f64 {
+        self.motion.angle
+    }
+
     /// The smallest error that is promised and kept. Where none is with the whole interval of dry friction, with a narrower one.
     pub(super) fn search(
         &mut self,
         (chosen, out): (&mut Chosen, &Path),
         watch: &mut dyn Watch,
     ) -> Result<Found, SessionError> {
+        if let Some(why) = self.weak.take() {
+            return Ok(self.infeasible(self.options.error_max.unwrap_or(UNASKED), why));
+        }
         let found = self.search_once(out, watch)?;
         if found.infeasible.is_none() || !self.stable || chosen.written.is_none() {
             return Ok(found);
@@ -192,10 +213,10 @@ impl<'a> Looked<'a> {
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(watch)? {
-                Least::Error(least) => two_digits(MARGIN * least),
+                Least::Error(least) => two_digits(MARGIN * least).min(self.stands_still()),
                 Least::None(why) => {
                     self.stable = false;
-                    return Ok(self.infeasible(1e-2, why));
+                    return Ok(self.infeasible(UNASKED, why));
                 }
             },
         };
@@ -205,7 +226,7 @@ impl<'a> Looked<'a> {
                 "try {round}: gains for an error of {:.3} mrad, and runs",
                 1e3 * error
             ));
-            match self.asked(error, out)? {
+            let (why, by) = match self.asked(error, out)? {
                 Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
                 Asked::Never(why) => return Ok(self.infeasible(error, why)),
                 Asked::No(no) if fixed.is_some() => {
@@ -214,18 +235,22 @@ impl<'a> Looked<'a> {
                 Asked::Beyond(why, _) if fixed.is_some() => {
                     return Ok(self.infeasible(error, why));
                 }
-                Asked::Beyond(why, by) => {
-                    error = two_digits(error * by.clamp(1.1, 4.0));
-                    last = Some(why);
-                }
-                Asked::No(no) => {
-                    error = two_digits(error * MORE);
-                    last = Some(no.to_string());
-                }
+                Asked::Beyond(why, by) => (why, by.clamp(1.1, 4.0)),
+                Asked::No(no) => (no.to_string(), MORE),
+            };
+            last = Some(why);
+            if error >= self.stands_still() || round == ROUNDS {
+                break;
             }
+            error = two_digits(error * by).min(self.stands_still());
         }
         let tried =
             format!("no error up to {:.3} mrad is kept by gains and runs alike", 1e3 * error);
+        let tried = if error >= self.stands_still() {
+            format!("{tried}, and that is as far as the motion moves a joint")
+        } else {
+            tried
+        };
         let why =
             last.map_or_else(|| tried.clone(), |last| format!("{tried}; the last try: {last}"));
         Ok(self.infeasible(error, why))
@@ -365,18 +390,28 @@ fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
     late.map(|(_, (low, high))| larger(low.abs(), high.abs())).largest()
 }
 
-/// A motion that the drives can follow: slower until the torque along it is well inside their limits.
-fn followed(
+/// A study with a motion, and what is to be said of it.
+pub(super) struct Followed {
+    study: Box<Study>,
+    pub(super) motion: Sines,
+    pub(super) notes: Vec<String>,
+    /// Why the drives cannot bear it.
+    pub(super) weak: Option<String>,
+}
+
+/// A motion that the drives can follow: slower, then smaller, until the torque along it is well inside their limits. Where none is, the last:
+/// with a word of it, or with the reason that it is none for these drives.
+pub(super) fn followed(
     options: &BeginOptions,
     chosen: &Chosen,
     path: &Path,
-) -> Result<(Box<Study>, Sines), SessionError> {
+) -> Result<Followed, SessionError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let lines = chosen.put(folder)?;
     let centre = chosen.robot.poses.get(READY).cloned().unwrap_or_default();
-    let mut worst = None;
-    for round in 0..PACES {
-        let motion = Sines::about(&chosen.robot, &centre, SLOWER.powi(round));
+    let mut round = 0;
+    loop {
+        let motion = Sines::about(&chosen.robot, &centre, pace(round));
         let error = vec![1e-3; chosen.robot.joints.len()];
         let text = words(options, chosen, (&lines, &error), &motion);
         let mut study = Box::new(Study::from_text(&text, &path.display().to_string(), folder)?);
@@ -388,19 +423,48 @@ fn followed(
         });
         let none = (0.0, 0, 0.0);
         let most = shares.fold(none, |most, next| if next.0 <= most.0 { most } else { next });
-        if most.0 <= TORQUE {
-            return Ok((study, motion));
+        round += 1;
+        if most.0 <= TORQUE || round == PACES + REACHES || chosen.unheld.is_some() {
+            let (notes, weak) = slowest(chosen, most);
+            return Ok(Followed { study, motion, notes, weak });
         }
-        worst = Some(most);
     }
-    let (share, joint, limit) = worst.unwrap_or_default();
-    let why = format!(
-        "even a slow motion about the easiest posture takes {:.3} N·m of joint {}, whose limit is {limit} N·m: state the \
-         drives' limits with --torque-max, or a lighter --payload",
-        share * limit,
-        chosen.robot.joints[joint].name
+}
+
+/// How fast and how far the motion goes that is tried after so many: slower first, then smaller.
+fn pace(round: i32) -> (f64, f64) {
+    (SLOWER.powi(round.min(PACES - 1)), SMALLER.powi((round - PACES + 1).max(0)))
+}
+
+/// What is to be said of the slowest motion, of which a joint takes a share of its limit: what is worth knowing, and why the drives
+/// cannot bear it.
+fn slowest(
+    chosen: &Chosen,
+    (share, joint, limit): (f64, usize, f64),
+) -> (Vec<String>, Option<String>) {
+    if chosen.unheld.is_some() {
+        return (Vec::new(), chosen.unheld.clone());
+    }
+    if share <= TORQUE {
+        return (Vec::new(), None);
+    }
+    let joint = &chosen.robot.joints[joint];
+    let (name, unit, friction) = (&joint.name, unit(joint), joint.friction);
+    let dry = friction.coulomb_range.map_or(friction.coulomb, |(_, high)| high);
+    let of_friction = if dry > 0.5 * share * limit {
+        format!(" (its dry friction alone up to {dry} {unit}, by the description)")
+    } else {
+        String::new()
+    };
+    let takes = format!(
+        "even a slow and small motion about the easiest posture takes {:.3} {unit} of joint {name}{of_friction}, whose limit is {limit} {unit}",
+        share * limit
     );
-    Err(SessionError::at(Path::new(&options.arm.arm), why))
+    if share <= TORQUE_MOST {
+        return (vec![format!("{takes}: little is left for control")], None);
+    }
+    let remedy = "state the drives' limits with --torque-max, a lighter --payload, or less friction in the arm's file";
+    (Vec::new(), Some(format!("{takes}: {remedy}")))
 }
 
 fn words(
