@@ -23,7 +23,7 @@ from phihat import _sweep
 from ray.cluster_utils import Cluster
 
 VARY = {"world.payload.mass_kg": "0.05..0.9", "world.coulomb_extra_nm": "log:0.05..0.5"}
-RUNS = 1200
+RUNS = 240
 SEED = 9
 
 

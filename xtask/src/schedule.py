@@ -16,10 +16,11 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Costs:
-    """What things take, as `cargo xtask ray` measured it on two cores of the machine that this was written on."""
+    """What things take. Those that `cargo xtask ray` prints are to be put here by whoever has a machine to himself; these are round
+    figures for a core that nothing else uses, larger than what was seen where that was possible."""
 
-    run_s: float = 0.0072
-    """A run of 5 s of a Panda with friction, payload and encoder, on one core."""
+    run_s: float = 0.015
+    """A run of 5 s of a Panda with friction, payload and encoder, alone on one core; in lanes it takes less."""
     run_spread: float = 0.15
     """Standard deviation of a shard's time over its mean: other work on a machine, longer steps of some runs."""
     process_s: float = 2.0

@@ -105,11 +105,7 @@ impl Rollouts {
     }
 }
 
-fn arrays<'py>(
-    py: Python<'py>,
-    rolled: Rolled,
-    signals: Vec<String>,
-) -> PyResult<Bound<'py, PyDict>> {
+fn arrays(py: Python<'_>, rolled: Rolled, signals: Vec<String>) -> PyResult<Bound<'_, PyDict>> {
     let shaped =
         |values: Vec<f64>, shape: Vec<usize>| PyArray1::from_vec(py, values).reshape(shape);
     let (runs, joints, kept) = (rolled.runs, rolled.joints, rolled.kept);

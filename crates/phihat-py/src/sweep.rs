@@ -56,11 +56,11 @@ pub(crate) fn sweep_folder(py: Python<'_>, asked: SweepAsked) -> PyResult<PathBu
 /// Runs a sweep, or a shard of one; its folder, and the answer of a whole one, as in sweep.json.
 #[pyfunction]
 #[pyo3(signature = (asked, progress))]
-pub(crate) fn sweep<'py>(
-    py: Python<'py>,
+pub(crate) fn sweep(
+    py: Python<'_>,
     asked: SweepAsked,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let options = asked.options();
     let mut told = Told { progress, raised: None };
     let answer = py.detach(|| options.run(&mut told)).map_err(|why| failure::campaign(py, why))?;

@@ -31,7 +31,7 @@ const STOPPED: u8 = 3;
 #[derive(Debug)]
 pub(crate) struct Worlds {
     maker: Maker,
-    worlds: Mutex<Vec<Option<World>>>,
+    held: Mutex<Vec<Option<World>>>,
     #[pyo3(get)]
     joint_names: Vec<String>,
     #[pyo3(get)]
@@ -100,8 +100,8 @@ impl Worlds {
         let mut maker = Maker { study, origin, table, inertia: Vec::new(), gains, corrects };
         let first = maker.world(maker.study.clone(), None);
         maker.inertia = first.map_err(|why| why.raise(py))?.run.inertia;
-        let worlds = Mutex::new((0..count).map(|_| None).collect());
-        Ok(Self { maker, worlds, joint_names, period, torque_max: limits, error_max: bounds })
+        let held = Mutex::new((0..count).map(|_| None).collect());
+        Ok(Self { maker, held, joint_names, period, torque_max: limits, error_max: bounds })
     }
 
     /// Begins a world anew: its seed, and numbers of the study by their paths.
@@ -113,7 +113,7 @@ impl Worlds {
         numbers: Vec<(String, f64)>,
     ) -> PyResult<()> {
         let made = py.detach(|| self.maker.begin(seed, &numbers)).map_err(|why| why.raise(py))?;
-        let mut held = self.worlds.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let place = held.get_mut(world).ok_or_else(|| internal(py, "no such world"))?;
         *place = Some(made);
         Ok(())
@@ -138,7 +138,7 @@ impl Worlds {
             let message = format!("action[{world}]: {value} at joint {joint}; it must be finite");
             return Err(failure::argument(py, "action", Some(joint), value, "finite", &message));
         }
-        let mut held = self.worlds.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let told = held.iter_mut().zip(values.chunks_exact(n)).zip(&acting);
         let mut told: Vec<_> = told
             .filter_map(|((world, action), acts)| Some((world.as_mut().filter(|_| *acts)?, action)))
@@ -163,7 +163,7 @@ impl Worlds {
     /// accelerations; one row per world, no numbers where none was begun.
     fn observed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let n = self.joint_names.len();
-        let held = self.worlds.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let mut all = Vec::with_capacity(held.len() * 6 * n);
         for world in &*held {
             let Some(World { run, .. }) = world else {
@@ -187,7 +187,7 @@ impl Worlds {
         &self,
         py: Python<'py>,
     ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u8>>) {
-        let held = self.worlds.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let times = held.iter().map(|w| w.as_ref().map_or(f64::NAN, |world| world.run.run.t()));
         let times: Vec<f64> = times.collect();
         let states: Vec<u8> = held.iter().map(|w| w.as_ref().map_or(AT_ITS_END, state)).collect();
@@ -196,7 +196,7 @@ impl Worlds {
 
     /// The record of a world that is over; it can be taken once.
     fn trace(&self, py: Python<'_>, world: usize) -> PyResult<Trace> {
-        let mut held = self.worlds.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let over = |world: &mut World| state(world) != RUNS;
         let taken = held.get_mut(world).and_then(|place| place.take_if(over));
         let ended = taken.and_then(|world| py.detach(|| world.run.end()));
