@@ -12,7 +12,7 @@ rng = np.random.default_rng(1)
 told = {
     "payload_kg": rng.uniform(0.05, 0.9, 64),
     "friction_nm": rng.uniform(0.0, 0.3, (64, 3)),  # one per run and joint
-    "duration_s": 2.0,  # the same in all of them
+    "loop.delay_samples": 1,  # the same in all of them
 }
 rolled = phihat.rollouts(STUDY, told, seeds=range(64))
 print(rolled, f"{rolled.in_lanes} in lanes")
