@@ -95,7 +95,7 @@ const CRATES: [Row; 22] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages",
+        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages; rollouts, which leave arrays",
     ),
     (
         "phihat-compare",

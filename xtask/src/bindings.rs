@@ -109,28 +109,8 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
     let python = environment(root)?;
     // What other people's clients talk to.
     cargo(root, &["build", "--release", "--quiet", "--package", "phihat-cli"])?;
+    install(root, &python)?;
     let package = root.join("crates/phihat-py");
-    let wheels = root.join("target/wheels");
-    if wheels.exists() {
-        fs::remove_dir_all(&wheels).map_err(|e| e.to_string())?;
-    }
-    // For this machine, as the command was just built: a wheel for others is built with `RUSTFLAGS=""`, which changes no bit.
-    let build = ["-m", "maturin", "build", "--release", "--quiet", "--out"];
-    let status = Command::new(&python)
-        .args(build)
-        .arg(&wheels)
-        .args(["--interpreter", &python])
-        .current_dir(&package)
-        .status()
-        .map_err(|e| e.to_string())?;
-    if !status.success() {
-        return Err("the wheel does not build".to_owned());
-    }
-    let found = files(&wheels, "whl")?;
-    let wheel = found.first().ok_or("maturin left no wheel")?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    let over = ["--force-reinstall", "--no-deps", wheel];
-    command(root, &python, &[&install[..], &over].concat())?;
     command(
         &package,
         &python,
@@ -152,6 +132,31 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
         command(root, &python, &[&example])?;
     }
     book::python(root, &python)
+}
+
+/// Builds the wheel and puts it into an environment, which has maturin.
+pub(crate) fn install(root: &Path, python: &str) -> Result<(), String> {
+    let wheels = root.join("target/wheels");
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels).map_err(|e| e.to_string())?;
+    }
+    // For this machine, as the command was just built: a wheel for others is built with `RUSTFLAGS=""`, which changes no bit.
+    let build = ["-m", "maturin", "build", "--release", "--quiet", "--out"];
+    let status = Command::new(python)
+        .args(build)
+        .arg(&wheels)
+        .args(["--interpreter", python])
+        .current_dir(root.join("crates/phihat-py"))
+        .status()
+        .map_err(|e| e.to_string())?;
+    if !status.success() {
+        return Err("the wheel does not build".to_owned());
+    }
+    let found = files(&wheels, "whl")?;
+    let wheel = found.first().ok_or("maturin left no wheel")?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let over = ["--force-reinstall", "--no-deps", wheel];
+    command(root, python, &[&install[..], &over].concat())
 }
 
 /// Studies whose logs other people's readers look at: one without a supervisor, and one with.

@@ -19,6 +19,7 @@ mod instructions;
 mod laws;
 mod mutants;
 mod pages;
+mod ray;
 mod rivals;
 mod ros2;
 mod rules;
@@ -63,6 +64,8 @@ const USAGE: &str = "usage:
   cargo xtask drive-cost       counts the instructions of a cycle of the control thread of `phihat drive`
   cargo xtask ros2             `phihat drive --ros2` beside another DDS: every kind of message both ways, counts compared (half a minute
                                beyond the build, which compiles DDS)
+  cargo xtask ray              `phihat.sweep` on a cluster of Ray on this machine, a worker and a node killed half-way: the same bytes; and
+                               the times that xtask/src/schedule.py reckons with (minutes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";
 
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),
         Some((verb, rest)) if verb == "ros2" => ros2::run(&shell::root(), rest),
+        Some((verb, rest)) if verb == "ray" => ray::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "zoo" => zoo::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "laws" => laws::run(&shell::root(), rest),
         Some((verb, _)) if verb == "rivals" => rivals::run(&shell::root()),

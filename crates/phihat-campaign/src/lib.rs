@@ -7,6 +7,8 @@
 //! [`faults`] is the campaign that breaks everything an arm, its sensors, its drives and its network can
 //! break, and says what became of it.
 //!
+//! [`sweep`] draws the numbers of a study anew in every run; [`rollouts`] is told them, and leaves arrays.
+//!
 //! # Not claimed
 //!
 //! Runs are simulated. What no fault of the table does to the arm is not in the answer.
@@ -17,6 +19,7 @@ pub mod faults;
 mod folder;
 mod journal;
 mod page;
+pub mod rollouts;
 mod runner;
 pub mod sweep;
 

@@ -18,10 +18,13 @@ mod plant;
 mod position_gains;
 mod raised;
 mod robot;
+mod rollouts;
 mod run;
 mod sample;
 mod study;
 mod supervisor;
+mod sweep;
+mod worlds;
 
 use pyo3::prelude::*;
 
@@ -41,6 +44,8 @@ mod _phihat {
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]
+    use super::rollouts::Rollouts;
+    #[pymodule_export]
     use super::run::Trace;
     #[pymodule_export]
     use super::run::{compare, design, faults, recorded, report, reproduce, simulate};
@@ -51,7 +56,11 @@ mod _phihat {
     #[pymodule_export]
     use super::supervisor::Supervisor;
     #[pymodule_export]
+    use super::sweep::{merge, sweep, sweep_folder};
+    #[pymodule_export]
     use super::version;
+    #[pymodule_export]
+    use super::worlds::Worlds;
 }
 
 /// Version of the package.

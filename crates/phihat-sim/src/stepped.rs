@@ -111,6 +111,16 @@ impl Stepped {
         stopped || self.k >= self.run.samples()
     }
 
+    /// Whether the arm left every plausible state.
+    pub fn diverged(&self) -> bool {
+        self.divergence.is_some()
+    }
+
+    /// Whether the robot's interface stopped the run.
+    pub fn stopped(&self) -> bool {
+        self.run.world.path.abort.is_some()
+    }
+
     /// Tells the torque \[N·m\] of every joint for this sample, and goes on to the next. What is not finite is refused and
     /// the torque before held, as with any [`Driver`](crate::Driver). In a run that is over, nothing happens.
     ///

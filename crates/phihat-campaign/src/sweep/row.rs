@@ -23,6 +23,15 @@ impl End {
     pub const ALL: [Self; 5] =
         [Self::Whole, Self::Diverged, Self::Stopped, Self::Refused, Self::Panicked];
 
+    /// How a run ended that ran.
+    pub fn of(ended: &Ended) -> Self {
+        match ended {
+            Ended { divergence: Some(_), .. } => Self::Diverged,
+            Ended { abort: Some(_), .. } => Self::Stopped,
+            _ => Self::Whole,
+        }
+    }
+
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {
@@ -144,11 +153,7 @@ pub struct Row {
 impl Row {
     /// Of a run with these figures.
     pub(crate) fn of(at: (u64, u64, Vec<f64>), metrics: &Metrics, ended: &Ended) -> Self {
-        let end = match ended {
-            Ended { divergence: Some(_), .. } => End::Diverged,
-            Ended { abort: Some(_), .. } => End::Stopped,
-            _ => End::Whole,
-        };
+        let end = End::of(ended);
         let whole = end == End::Whole;
         let joints = metrics.joints.iter().map(|joint| joint.error_steady_max_rad);
         let all = FIGURES.iter().map(|figure| (figure.of)(metrics)).chain(joints);

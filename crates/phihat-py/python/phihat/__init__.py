@@ -8,6 +8,7 @@
 True
 >>> controller = phihat.Controller(gains)                   # the law: one call per sample
 >>> mine = phihat.simulate("studies/panda.toml", controller=my_law)     # your own law in the same world
+>>> rolled = phihat.rollouts("studies/first.toml", {"payload_kg": [0.1, 0.5]})    # many runs, as arrays
 >>> arm = phihat.Supervisor(gains)                          # and around it what a real arm needs
 >>> phihat.drive("studies/panda.toml", my_robot)            # the whole of it on your own robot     # doctest: +SKIP
 
@@ -30,6 +31,9 @@ from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
 from ._document import Study
 from ._drive import Driven, Link, drive
+from ._read import read_trace
+from ._rollouts import Rollouts, rollouts
+from ._sweep import sweep
 from .own import ArmFacts, Law, Plant
 from .study import compare, design, faults, read_run, report, reproduce, robots, simulate, verify
 from .trace import Trace
@@ -53,6 +57,7 @@ __all__ = [
     "Refuted",
     "Robot",
     "RobotError",
+    "Rollouts",
     "Sample",
     "SampleRefused",
     "Study",
@@ -65,9 +70,12 @@ __all__ = [
     "drive",
     "faults",
     "read_run",
+    "read_trace",
     "report",
     "reproduce",
     "robots",
+    "rollouts",
     "simulate",
+    "sweep",
     "verify",
 ]

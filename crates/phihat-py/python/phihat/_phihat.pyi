@@ -1,7 +1,7 @@
 """The compiled half of phihat."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypedDict, final
 
 import numpy as np
@@ -28,18 +28,23 @@ __all__ = [
     "Plant",
     "PositionGains",
     "Robot",
+    "Rollouts",
     "Sample",
     "Supervisor",
     "Trace",
+    "Worlds",
     "design",
     "drive",
     "faults",
     "compare",
+    "merge",
     "recorded",
     "report",
     "reproduce",
     "simulate",
     "study_document",
+    "sweep",
+    "sweep_folder",
     "version",
 ]
 
@@ -58,6 +63,9 @@ def drive(asked: dict[str, Any]) -> tuple[Trace, dict[str, Any], bool, _Path]: .
 def faults(asked: dict[str, Any]) -> dict[str, Any]: ...
 def compare(asked: dict[str, Any]) -> dict[str, Any]: ...
 def reproduce(only: str | None, quick: bool, threads: int | None, out: _Path | None) -> dict[str, Any]: ...
+def sweep(asked: dict[str, Any], progress: Callable[[int, int], object] | None) -> dict[str, Any]: ...
+def sweep_folder(asked: dict[str, Any]) -> str | os.PathLike[str]: ...
+def merge(folders: Sequence[_Path], out: _Path | None) -> dict[str, Any]: ...
 def study_document(
     path: _Path | None, document: str | None, name: str
 ) -> tuple[dict[str, Any], Robot]: ...
@@ -690,3 +698,50 @@ class Plant:
     def done(self) -> bool: ...
     def step(self, tau: _Array) -> Sample: ...
     def trace(self) -> Trace: ...
+
+@final
+class Rollouts:
+    """Many runs of a study, ready to go; see :func:`phihat.rollouts`."""
+
+    def __new__(cls, asked: dict[str, Any]) -> Rollouts: ...
+    @property
+    def gains(self) -> Gains: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def period(self) -> float: ...
+    def study(self, run: int) -> dict[str, Any]: ...
+    def run(
+        self,
+        signals: list[str],
+        every: int,
+        threads: int | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> dict[str, Any]: ...
+
+@final
+class Worlds:
+    """Many worlds of a study, each of which waits for the torque of its next sample; see :mod:`phihat.gym`."""
+
+    def __new__(
+        cls,
+        path: _Path | None,
+        document: str | None,
+        name: str,
+        count: int,
+        gains: Gains | None,
+        corrects: bool,
+    ) -> Worlds: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def period(self) -> float: ...
+    @property
+    def torque_max(self) -> list[float]: ...
+    @property
+    def error_max(self) -> list[float]: ...
+    def begin(self, world: int, seed: int, numbers: list[tuple[str, float]]) -> None: ...
+    def step(self, acting: list[bool], actions: _Array, repeat: int) -> None: ...
+    def observed(self) -> _Array: ...
+    def states(self) -> tuple[_Array, NDArray[np.uint8]]: ...
+    def trace(self, world: int) -> Trace: ...

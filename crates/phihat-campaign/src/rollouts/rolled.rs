@@ -1,0 +1,172 @@
+//! What rollouts leave: figures of every run and joint, and the signals that are asked for.
+
+use phihat_sim::{JointMetrics, JointTrace};
+
+use crate::sweep::End;
+
+use super::error::RolloutsError;
+
+/// A signal of a joint.
+#[derive(Debug)]
+pub struct Signal {
+    /// Its name.
+    pub name: &'static str,
+    /// Where a record has it.
+    pub of: fn(&JointTrace) -> &[f64],
+}
+
+macro_rules! signals {
+    ($($field:ident),* $(,)?) => {
+        [$(Signal { name: stringify!($field), of: |joint| &joint.$field }),*]
+    };
+}
+
+/// All signals of a joint, in SI units and radians.
+pub static SIGNALS: [Signal; 15] = signals![
+    q,
+    dq,
+    ddq,
+    q_desired,
+    dq_desired,
+    ddq_desired,
+    e,
+    e_integral,
+    de,
+    q_measured,
+    dq_measured,
+    tau_command,
+    tau_applied,
+    phi,
+    phi_hat,
+];
+
+/// A signal by its name.
+pub fn signal(name: &str) -> Option<&'static Signal> {
+    SIGNALS.iter().find(|signal| signal.name == name)
+}
+
+/// A figure of a joint over a run.
+#[derive(Debug)]
+pub struct JointFigure {
+    /// Its name, as in `metrics.json`.
+    pub name: &'static str,
+    /// Where the metrics have it.
+    pub of: fn(&JointMetrics) -> f64,
+}
+
+macro_rules! figures {
+    ($($field:ident),* $(,)?) => {
+        [$(JointFigure { name: stringify!($field), of: |joint| joint.$field }),*]
+    };
+}
+
+/// The figures that are kept of every run and joint.
+pub static JOINT_FIGURES: [JointFigure; 10] = figures![
+    error_rms_rad,
+    error_max_rad,
+    error_steady_max_rad,
+    error_integral_steady_max_rad_s,
+    velocity_error_steady_max_rad_s,
+    tau_max_nm,
+    tau_step_max_nm,
+    limited_steady_share,
+    phi_max_nm,
+    phi_error_steady_max_nm,
+];
+
+/// Which signals are kept, and how often.
+#[derive(Debug, Clone)]
+pub struct Keep {
+    /// Their names.
+    pub signals: Vec<String>,
+    /// Every so many samples, the first one included.
+    pub every: u64,
+}
+
+impl Default for Keep {
+    fn default() -> Self {
+        Self { signals: Vec::new(), every: 1 }
+    }
+}
+
+impl Keep {
+    pub(super) fn found(&self) -> Result<Vec<&'static Signal>, RolloutsError> {
+        if self.every == 0 {
+            return Err(RolloutsError::Keep("every: 0; it must be 1 or more".to_owned()));
+        }
+        let find = |name: &String| {
+            signal(name).ok_or_else(|| {
+                let names: Vec<&str> = SIGNALS.iter().map(|signal| signal.name).collect();
+                let names = names.join(", ");
+                RolloutsError::Keep(format!("signals: there is no {name:?}; there are {names}"))
+            })
+        };
+        self.signals.iter().map(find).collect()
+    }
+}
+
+/// What came of all runs.
+#[derive(Debug)]
+pub struct Rolled {
+    /// Runs.
+    pub runs: usize,
+    /// Joints.
+    pub joints: usize,
+    /// Kept samples of a run.
+    pub kept: usize,
+    /// How each run ended.
+    pub ended: Vec<End>,
+    /// Whether it kept every bound that its study states, to its end.
+    pub within_spec: Vec<bool>,
+    /// Samples that it had.
+    pub samples: Vec<u64>,
+    /// Largest error of the tip after `settle_s` \[m\]; no number where the robot names no tip.
+    pub tip: Vec<f64>,
+    /// [`JOINT_FIGURES`], each one value per run and joint, run by run. Of a run that ended early, of the samples that it had.
+    pub figures: Vec<Vec<f64>>,
+    /// The signals that were asked for, each one value per run, kept sample and joint, in this order; no numbers after a run's end.
+    pub signals: Vec<Vec<f64>>,
+    /// How many runs moved in lanes with others.
+    pub in_lanes: usize,
+}
+
+impl Rolled {
+    /// A figure by its name: one value per run and joint, run by run.
+    pub fn figure(&self, name: &str) -> Option<&[f64]> {
+        let at = JOINT_FIGURES.iter().position(|figure| figure.name == name)?;
+        self.figures.get(at).map(Vec::as_slice)
+    }
+
+    /// Room for so many runs.
+    pub(super) fn with_room(
+        (runs, joints, kept): (usize, usize, usize),
+        signals: usize,
+    ) -> Result<Self, RolloutsError> {
+        let long = runs.checked_mul(kept).and_then(|all| all.checked_mul(joints));
+        let column = |length: Option<usize>| -> Result<Vec<f64>, RolloutsError> {
+            let mut column = Vec::new();
+            let room = length.map(|length| column.try_reserve_exact(length).is_ok());
+            if let (Some(length), Some(true)) = (length, room) {
+                column.resize(length, f64::NAN);
+                return Ok(column);
+            }
+            let gigabytes = runs as f64 * kept as f64 * joints as f64 * signals as f64 * 8e-9;
+            Err(RolloutsError::Keep(format!(
+                "signals: {gigabytes:.1} GB do not fit into memory; keep fewer of them, or less often"
+            )))
+        };
+        let figures = JOINT_FIGURES.iter().map(|_| column(runs.checked_mul(joints)));
+        Ok(Self {
+            runs,
+            joints,
+            kept,
+            ended: vec![End::Refused; runs],
+            within_spec: vec![false; runs],
+            samples: vec![0; runs],
+            tip: vec![f64::NAN; runs],
+            figures: figures.collect::<Result<_, _>>()?,
+            signals: (0..signals).map(|_| column(long)).collect::<Result<_, _>>()?,
+            in_lanes: 0,
+        })
+    }
+}
