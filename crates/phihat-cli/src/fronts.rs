@@ -27,7 +27,6 @@ use crate::terminal::Page;
     phihat fronts studies/table1_panda.toml --count\n  \
     phihat fronts studies/table1_panda.toml --shard 1/8\n  \
     phihat fronts studies/table1_panda.toml --from out/table1_panda/fronts/shard-1-of-8 --from out/table1_panda/fronts/shard-2-of-8")]
-#[allow(clippy::struct_excessive_bools, reason = "independent switches of a command line")]
 pub(crate) struct FrontsVerb {
     /// The study (TOML): its arm, its loop, its sensors.
     study: PathBuf,
@@ -37,24 +36,8 @@ pub(crate) struct FrontsVerb {
     /// Only these laws (`phihat compare --list`).
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
-    /// Few of everything: to see the page.
-    #[arg(long)]
-    quick: bool,
-    /// Caps on the rms of the torque above 50 Hz, over the torque limit [default: 0.0005,0.001,0.002,0.005,0.01].
-    #[arg(long, value_name = "SHARE", value_delimiter = ',')]
-    caps: Vec<f64>,
-    /// Searches of each law at each cap [default: 10].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
-    restarts: Option<u16>,
-    /// Evaluations of a search for each free scalar and one more [default: 200].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    per_scalar: Option<u32>,
-    /// Worlds to train in, to choose by, to be judged in [default: 20,20,50].
-    #[arg(long, value_name = "A,B,C")]
-    worlds: Option<String>,
-    /// Decides all that is drawn [default: 1].
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    seed: Option<u64>,
+    #[command(flatten)]
+    much: HowMuch,
     /// Print how many searches and runs it is, and do nothing.
     #[arg(long)]
     count: bool,
@@ -78,6 +61,29 @@ pub(crate) struct FrontsVerb {
     json: bool,
     #[command(flatten)]
     page: Page,
+}
+
+/// How much is done.
+#[derive(Debug, Args)]
+struct HowMuch {
+    /// Few of everything: to see the page.
+    #[arg(long)]
+    quick: bool,
+    /// Caps on the rms of the torque above 50 Hz, over the torque limit [default: 0.0005,0.001,0.002,0.005,0.01].
+    #[arg(long, value_name = "SHARE", value_delimiter = ',')]
+    caps: Vec<f64>,
+    /// Searches of each law at each cap [default: 10].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    restarts: Option<u16>,
+    /// Evaluations of a search for each free scalar and one more [default: 200].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    per_scalar: Option<u32>,
+    /// Worlds to train in, to choose by, to be judged in [default: 20,20,50].
+    #[arg(long, value_name = "A,B,C")]
+    worlds: Option<String>,
+    /// Decides all that is drawn [default: 1].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    seed: Option<u64>,
 }
 
 const BAR: &str = "{wide_bar} {pos} of {len} searches · {elapsed} · {eta} left";
@@ -106,12 +112,12 @@ impl FrontsVerb {
             study: self.study.clone(),
             held_out: self.held_out.clone(),
             only: self.only.clone(),
-            quick: self.quick,
-            caps: self.caps.clone(),
-            restarts: self.restarts,
-            per_scalar: self.per_scalar,
-            worlds: self.worlds.as_deref().map(three).transpose()?,
-            seed: self.seed,
+            quick: self.much.quick,
+            caps: self.much.caps.clone(),
+            restarts: self.much.restarts,
+            per_scalar: self.much.per_scalar,
+            worlds: self.much.worlds.as_deref().map(three).transpose()?,
+            seed: self.much.seed,
             shard: self.shard.as_deref().map(shard).transpose()?,
             from: self.from.clone(),
             fresh: self.fresh,
