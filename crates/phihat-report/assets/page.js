@@ -140,6 +140,17 @@
   const [stepped, straight] = [uPlot.paths.stepped({ align: 1 }), uPlot.paths.linear()];
   const steps = (u, i, from, to) => (to - from > 2 * u.bbox.width ? straight : stepped)(u, i, from, to);
 
+  // A click on a curve's name hides it; so do keys.
+  function keyed(u) {
+    u.root.querySelectorAll(".u-series:not(:first-child) .u-label").forEach((name) => {
+      const tell = () => name.setAttribute("aria-pressed", String(!name.closest("tr").classList.contains("u-off")));
+      Object.assign(name, { tabIndex: 0, role: "button" });
+      name.addEventListener("keydown", (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); name.closest("th").click(); } });
+      name.closest("th").addEventListener("click", () => requestAnimationFrame(tell));
+      tell();
+    });
+  }
+
   // A finger that goes sideways zooms, one that taps reads, two taps show everything.
   function touchable(u) {
     let [from, to, tapped] = [null, null, 0];
@@ -191,6 +202,7 @@
     }, columns(chart, joint), host);
     u.over.addEventListener("mouseleave", () => requestAnimationFrame(() => place(clock.t)));
     touchable(u);
+    keyed(u);
     plots.push({ u, chart, host });
     return u;
   }

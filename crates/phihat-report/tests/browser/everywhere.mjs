@@ -17,7 +17,7 @@ export async function graveFaults(page) {
 export const mouseOnly = (page) => page.evaluate(() => {
   const keyed = "a[href], button, summary, label, input, select, textarea, [tabindex]";
   const all = [...document.body.querySelectorAll("*")].filter((e) => e.checkVisibility() && getComputedStyle(e).cursor === "pointer");
-  return all.filter((e) => !e.closest(keyed)).map((e) => `${e.tagName} ${e.className.baseVal ?? e.className} ${e.textContent.slice(0, 40)}`);
+  return all.filter((e) => !e.closest(keyed) && !e.closest("th")?.querySelector(keyed)).map((e) => `${e.tagName} ${e.className.baseVal ?? e.className} ${e.textContent.slice(0, 40)}`);
 });
 
 // What is said of the figure that has the focus, and whether that is on the screen.
