@@ -57,6 +57,7 @@
 
 mod arm_file;
 mod body;
+mod choice;
 mod columns;
 mod compile;
 mod description;
@@ -104,6 +105,7 @@ pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, Target};
 pub use joint::{Friction, Joint, JointKind, Rotor, Sigmoid};
 pub use kinematics::Pose;
+pub use choice::Choice;
 pub use lanes::Lanes;
 pub use lockstep::{Lockstep, LockstepError};
 pub use look::{Look, Shape};
