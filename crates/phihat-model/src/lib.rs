@@ -97,6 +97,7 @@ mod vector;
 mod workspace;
 
 pub use body::Body;
+pub use choice::Choice;
 pub use error::{ModelError, NotRigid, RobotError};
 pub use estimate::{Estimate, SPEED_ASSUMED, dry_friction, rotor_inertia};
 pub use evenly::evenly;
@@ -105,7 +106,6 @@ pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, Target};
 pub use joint::{Friction, Joint, JointKind, Rotor, Sigmoid};
 pub use kinematics::Pose;
-pub use choice::Choice;
 pub use lanes::Lanes;
 pub use lockstep::{Lockstep, LockstepError};
 pub use look::{Look, Shape};

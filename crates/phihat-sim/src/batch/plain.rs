@@ -305,7 +305,7 @@ mod tests {
         let world = |arm: usize, shared: bool| {
             let mut text = format!(
                 "[loop]\ndelay_samples = {}\ntorque_rate_max_nm_s = {}\ntorque_max_nm = {}\n",
-                arm % 4,
+                arm % 3,
                 [900.0, 300.0, 2000.0][arm % 3],
                 [87.0, 20.0][arm % 2],
             );
@@ -315,8 +315,8 @@ mod tests {
                 "encoder_bits = 14\nposition_noise_rad = 1e-5\nsample_jitter_s = 2e-4\n",
                 "encoder_bits = 19\nvelocity = \"differenced\"\nvelocity_noise_rad_s = 0.0\n",
             ][arm % 4];
-            write!(text, "[sensor]\nsample_delay_samples = 2\n{sensor}").unwrap();
-            let drive = ["", "drive_bandwidth_hz = 90.0\n"][arm % 2];
+            write!(text, "[sensor]\nsample_delay_samples = 1\n{sensor}").unwrap();
+            let drive = ["", "drive_bandwidth_hz = 200.0\n"][arm % 2];
             let payload = format!(
                 "{{ frame = \"panda_link8\", mass_kg = 0.{}, com_m = [0.0, 0.01, 0.05] }}",
                 arm + 1
