@@ -99,7 +99,7 @@ impl TipMeasured {
 }
 
 /// Distance \[m\] of two poses, and the sine of half the angle between their axes, lane by lane.
-#[inline(always)]
+#[inline]
 pub(crate) fn between(a: &Pose<Lanes>, b: &Pose<Lanes>) -> (Lanes, Lanes) {
     let squares = |differences: &mut dyn Iterator<Item = Lanes>| {
         differences.fold(Lanes::splat(0.0), |sum, difference| sum + difference * difference)

@@ -80,7 +80,7 @@ impl Figures {
     }
 
     /// A sample begins at this state, with these references; `steady`: in the steady part.
-    #[inline(always)]
+    #[inline]
     pub(super) fn begin(&mut self, steady: bool, [q, dq]: [&[Lanes]; 2], wanted: &[[Lanes; 3]]) {
         let first = self.samples == 0;
         self.samples += 1;
@@ -103,7 +103,7 @@ impl Figures {
     }
 
     /// A joint's sample ends: what was asked of it, and what came of it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn end(&mut self, steady: bool, joint: usize, answer: &Answer, acted: Acted) {
         let first = self.samples == 1;
         let own = &mut self.joints[joint];
@@ -124,7 +124,7 @@ impl Figures {
     }
 
     /// The tip is at `a` where `b` is wanted.
-    #[inline(always)]
+    #[inline]
     pub(super) fn tip(&mut self, steady: bool, a: &Pose<Lanes>, b: &Pose<Lanes>) {
         let (off, half) = tip::between(a, b);
         let own = &mut self.tip;

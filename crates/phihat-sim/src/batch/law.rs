@@ -118,7 +118,7 @@ impl Observer {
         })
     }
 
-    #[inline(always)]
+    #[inline]
     fn answer(
         &mut self,
         first: bool,
@@ -155,7 +155,7 @@ impl Observer {
 }
 
 /// `x` limited to `[−limit, limit]`.
-#[inline(always)]
+#[inline]
 fn saturated(x: Lanes, limit: Lanes) -> Lanes {
     let below = (-limit).exceeds(x).pick(-limit, x);
     x.exceeds(limit).pick(limit, below)

@@ -35,6 +35,8 @@ pub(super) struct Plain<'a> {
     start: Vec<Lanes>,
     mean: Vec<Lanes>,
     wanted: Vec<[Lanes; 3]>,
+    /// The tip's pose that is wanted.
+    wanted_pose: Option<[Lanes; 12]>,
     samples: u64,
     period_ns: u64,
 }
@@ -50,6 +52,8 @@ impl<'a> Plain<'a> {
                 && simulation.period_ns == first.period_ns
                 && study.control.period_ns == first.period_ns
                 && study.spec.settle.to_bits() == own[0].spec.settle.to_bits()
+                && study.robot.tip == own[0].robot.tip
+                && study.robot.model == own[0].robot.model
                 && simulation.world.uneventful()
         };
         if !group.iter().zip(&own).all(alike) {
@@ -73,11 +77,12 @@ impl<'a> Plain<'a> {
             plant,
             drives: (0..n).map(|i| DriveLanes::of(&worlds, i)).collect(),
             figures: Figures::new(&inertia, first.period_ns as f64 * 1e-9),
-            tip: tip_of(&own)?,
+            tip: tip_of(own[0]),
             answers: vec![Answer::default(); n],
             start: vec![Lanes::default(); n],
             mean: (0..n).map(|i| lane(&|s| s.world.plant.tau_mean[i])).collect(),
             wanted: vec![[Lanes::default(); 3]; n],
+            wanted_pose: None,
             samples: first.samples(),
             period_ns: first.period_ns,
             studies: own,
@@ -123,7 +128,7 @@ impl<'a> Plain<'a> {
 
     /// Sample `k`, time `t` \[s\].
     fn sample(&mut self, k: u64, t: f64, steady: bool, told: &mut [Told]) -> Option<()> {
-        let wanted_pose = self.refer(k, told)?;
+        self.refer(k, told)?;
         let [q, dq, ddq] = self.plant.state();
         for i in 0..self.wanted.len() {
             let torques = [self.mean[i], self.path.told(i)];
@@ -135,7 +140,7 @@ impl<'a> Plain<'a> {
             return None;
         }
         self.figures.begin(steady, [q, dq], &self.wanted);
-        if let (Some(tip), Some(wanted)) = (&mut self.tip, wanted_pose) {
+        if let (Some(tip), Some(wanted)) = (&mut self.tip, self.wanted_pose) {
             self.figures.tip(steady, &tip.pose(q), &pose(&wanted));
         }
         for (i, answer) in self.answers.iter().enumerate() {
@@ -158,14 +163,15 @@ impl<'a> Plain<'a> {
         Some(())
     }
 
-    /// What is wanted at sample `k` goes into `wanted`; the tip's numbers.
-    fn refer(&mut self, k: u64, told: &mut [Told]) -> Option<Option<[Lanes; 12]>> {
+    /// What is wanted at sample `k` goes into `wanted` and `wanted_pose`.
+    fn refer(&mut self, k: u64, told: &mut [Told]) -> Option<()> {
         if let [shared] = told {
             let (row, tip) = shared.at(k, self.samples)?;
             for (wanted, row) in self.wanted.iter_mut().zip(row) {
                 *wanted = row.map(Lanes::splat);
             }
-            return Some(tip.map(|numbers| numbers.map(Lanes::splat)));
+            self.wanted_pose = tip.map(|numbers| numbers.map(Lanes::splat));
+            return Some(());
         }
         let mut numbers = [[0.0; Lanes::COUNT]; 12];
         let mut rows = vec![[[0.0; Lanes::COUNT]; 3]; self.wanted.len()];
@@ -184,18 +190,15 @@ impl<'a> Plain<'a> {
         for (wanted, rows) in self.wanted.iter_mut().zip(rows) {
             *wanted = rows.map(Lanes::from);
         }
-        Some(self.tip.is_some().then(|| numbers.map(Lanes::from)))
+        self.wanted_pose = self.tip.is_some().then(|| numbers.map(Lanes::from));
+        Some(())
     }
 }
 
-/// The tip that these studies share, if they have one; `None`: not all have the same.
-fn tip_of(studies: &[&Study]) -> Option<Option<Tip>> {
-    let first = &studies.first()?.robot;
-    let same = |study: &&Study| study.robot.tip == first.tip && study.robot.model == first.model;
-    if !studies.iter().all(same) {
-        return None;
-    }
-    Some(first.model.frame(&first.tip).map(|frame| Tip::new(&first.model, frame)))
+/// The tip of an arm, if its description has one.
+fn tip_of(study: &Study) -> Option<Tip> {
+    let robot = &study.robot;
+    robot.model.frame(&robot.tip).map(|frame| Tip::new(&robot.model, frame))
 }
 
 #[cfg(test)]

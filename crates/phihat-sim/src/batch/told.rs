@@ -37,6 +37,9 @@ impl Tip {
     }
 }
 
+/// References of all joints, and the tip's pose if there is one.
+type Row<'a> = (&'a [[f64; 3]], Option<&'a [f64; 12]>);
+
 /// A motion of an arm, sample by sample, as far as it was worked out.
 #[derive(Debug)]
 pub(super) struct Told {
@@ -85,7 +88,7 @@ impl Told {
     }
 
     /// Sample `k` of a run of so many: `q_d`, `q̇_d`, `q̈_d` of every joint, and the tip's pose; `None`: numbers that no law takes.
-    pub(super) fn at(&mut self, k: u64, samples: u64) -> Option<(&[[f64; 3]], Option<&[f64; 12]>)> {
+    pub(super) fn at(&mut self, k: u64, samples: u64) -> Option<Row<'_>> {
         let here = self.rows.len() / self.joints.max(1);
         let mut at = k.checked_sub(self.from).and_then(|at| usize::try_from(at).ok());
         if at.is_none_or(|at| at >= here) {

@@ -58,7 +58,7 @@ impl DriveLanes {
     }
 
     /// Takes a new demand \[N·m\]; the torque at the start of the interval.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn begin(&mut self, demand: Lanes) -> Lanes {
         let mut demand = demand;
         if let Some(step) = self.step {
@@ -77,7 +77,7 @@ impl DriveLanes {
     }
 
     /// Ends the interval: its mean torque \[N·m\].
-    #[inline(always)]
+    #[inline]
     pub(crate) fn finish(&mut self) -> Lanes {
         let Some(lag) = self.lag else { return self.demand };
         let mean = self.demand - self.gap * lag.loss / lag.angle;

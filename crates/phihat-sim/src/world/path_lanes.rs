@@ -45,19 +45,19 @@ impl PathLanes {
     }
 
     /// What the drive of a joint was last told \[N·m\].
-    #[inline(always)]
+    #[inline]
     pub(crate) fn told(&self, joint: usize) -> Lanes {
         self.joints[joint].told
     }
 
     /// The next sample begins.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn advance(&mut self) {
         self.at = (self.at + 1) % ROOM;
     }
 
     /// Sends a joint's command \[N·m\] of this sample; what its drive is told now.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn pass(&mut self, joint: usize, command: Lanes) -> Lanes {
         let way = &mut self.joints[joint];
         way.sent[self.at] = command;

@@ -66,7 +66,7 @@ impl SensingLanes {
     }
 
     /// Takes sample `k` of a joint from its true `[q, q̇, q̈]`, the mean torque that acted and the one it was told.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn sense(
         &mut self,
         (worlds, k): (&[&World], u64),
@@ -97,13 +97,13 @@ impl SensingLanes {
     }
 
     /// The message that arrives with this sample: position, velocity and torque of every joint.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn arrived(&self) -> &[[Lanes; 3]] {
         &self.way[(self.at + 1) % self.way.len()]
     }
 
     /// The next sample begins.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn advance(&mut self) {
         self.at = (self.at + 1) % self.way.len();
     }
@@ -111,7 +111,7 @@ impl SensingLanes {
 
 impl SensorLanes {
     /// As `Sensor::sense`.
-    #[inline(always)]
+    #[inline]
     fn sense(&mut self, q: Lanes, dq: Lanes, (first, period): (bool, Lanes)) -> [Lanes; 2] {
         let [codes, differences] = self.any;
         let position =
