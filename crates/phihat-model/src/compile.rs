@@ -41,7 +41,7 @@ pub(crate) struct Seat {
 }
 
 /// The compiled form of a description.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Compiled {
     pub(crate) segments: Vec<Segment>,
     /// `θ₀` \[rad\] of each segment; zeros at the end fill up whole vectors.

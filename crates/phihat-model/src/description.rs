@@ -12,7 +12,7 @@ pub(crate) enum Motion {
 }
 
 /// A joint with its child link: a tree's links other than the root have exactly one.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointOf {
     pub(crate) name: String,
     pub(crate) motion: Motion,
@@ -25,7 +25,7 @@ pub(crate) struct JointOf {
 }
 
 /// A link and how it hangs on its parent.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Link {
     pub(crate) name: String,
     pub(crate) matter: Lumped,
@@ -35,7 +35,7 @@ pub(crate) struct Link {
 
 /// A whole tree in depth-first order: every link comes after its parent, and what hangs on a link
 /// follows it without a gap.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Description {
     pub(crate) links: Vec<Link>,
 }

@@ -29,7 +29,7 @@ use crate::{Quad, Scalar};
 /// # impl Bits for f64 { fn sin_cos_bits(&self) -> u64 { Scalar::sin_cos(*self).0.to_bits() } }
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Lanes([f64x4; 2]);
+pub struct Lanes(pub(crate) [f64x4; 2]);
 
 impl Lanes {
     /// How many there are.
@@ -69,13 +69,13 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn each(self, f: impl Fn(f64x4) -> f64x4) -> Self {
+    pub(crate) fn each(self, f: impl Fn(f64x4) -> f64x4) -> Self {
         let [a, b] = self.0;
         Self([f(a), f(b)])
     }
 
     #[inline(always)]
-    fn with(self, other: Self, f: impl Fn(f64x4, f64x4) -> f64x4) -> Self {
+    pub(crate) fn with(self, other: Self, f: impl Fn(f64x4, f64x4) -> f64x4) -> Self {
         let ([a, b], [c, d]) = (self.0, other.0);
         Self([f(a, c), f(b, d)])
     }

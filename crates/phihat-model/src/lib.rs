@@ -57,6 +57,7 @@
 
 mod arm_file;
 mod body;
+mod choice;
 mod columns;
 mod compile;
 mod description;
@@ -96,6 +97,7 @@ mod vector;
 mod workspace;
 
 pub use body::Body;
+pub use choice::Choice;
 pub use error::{ModelError, NotRigid, RobotError};
 pub use estimate::{Estimate, SPEED_ASSUMED, dry_friction, rotor_inertia};
 pub use evenly::evenly;

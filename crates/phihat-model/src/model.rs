@@ -56,7 +56,7 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// assert!(ddq.iter().zip(again).all(|(a, b)| (a - b).abs() < 1e-12));
 /// # Ok::<(), phihat_model::RobotError>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     description: Description,
     compiled: Compiled,

@@ -3,7 +3,7 @@
 use crate::description::Motion;
 
 /// One body of the compiled form: how it sits on its parent, and its matter in its own frame.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Segment {
     pub(crate) motion: Motion,
     /// Coordinate index; meaningless for [`Motion::Fixed`].

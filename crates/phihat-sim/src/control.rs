@@ -38,6 +38,9 @@ pub struct ControlSide {
     pub(crate) commands: Vec<Command<f64>>,
 }
 
+/// Gains and states of an arm's joints, and the torques that its law takes over from \[N·m\].
+pub(crate) type LawAlone<'a> = (&'a [JointGains<f64>], &'a [JointState<f64>], Option<Vec<f64>>);
+
 /// Who computes the torques.
 #[derive(Debug)]
 enum Brain {
@@ -97,6 +100,22 @@ impl ControlSide {
         if let Brain::Outside { driver: None, tau, .. } = &mut self.brain {
             tau.copy_from_slice(torque);
         }
+    }
+
+    /// Gains and states of the joints, and the torques that the law takes over from, if any, where nothing but it and the study's
+    /// motion decides what is commanded; `None`: more does.
+    pub(crate) fn law_alone(&self) -> Option<LawAlone<'_>> {
+        let Brain::Law { gains, states, .. } = &self.brain else { return None };
+        if self.fed.is_some() || self.echo.is_some() || self.starts {
+            return None;
+        }
+        let held = self.takes_over.then(|| self.commands.iter().map(|c| c.tau).collect());
+        Some((gains, states, held))
+    }
+
+    /// The study's motion.
+    pub(crate) fn motion(&self) -> &Motion {
+        &self.motion
     }
 
     /// What the arm shall do at time `t` \[s\].

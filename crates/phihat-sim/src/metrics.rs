@@ -150,6 +150,25 @@ impl Measured {
         }
     }
 
+    /// The figures of as many samples, and of the steady ones among them, as they were taken elsewhere. `joint` sets a joint's, and
+    /// tells `Σ e²` of the steady part and how many of its commands met a limit; `tip`: error, steady error, steady angle.
+    pub(crate) fn taken(
+        mut self,
+        (samples, steady): (u64, u64),
+        joint: impl Fn(usize, &mut JointMetrics) -> (f64, u64),
+        tip: [f64; 3],
+    ) -> Metrics {
+        (self.metrics.samples, self.metrics.steady_samples) = (samples, steady);
+        for (i, (metrics, sums)) in self.metrics.joints.iter_mut().zip(&mut self.sums).enumerate() {
+            (sums.squares, sums.limited) = joint(i, metrics);
+        }
+        if let Some(own) = &mut self.tip {
+            let own = &mut own.metrics;
+            [own.error_max_m, own.error_steady_max_m, own.angle_steady_max_rad] = tip;
+        }
+        self.metrics()
+    }
+
     /// The figures of all samples so far.
     pub fn metrics(self) -> Metrics {
         let Self { mut metrics, sums, tip, .. } = self;

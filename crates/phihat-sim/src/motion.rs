@@ -42,14 +42,14 @@ use crate::spline::{Jet, Spline, quintic_step};
 /// assert_eq!((q, dq, ddq), (0.4, 0.0, 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     path: Path,
     /// From a sample to the interval in which its torque acts, and how long that is \[s\]; `None`: no preview.
     preview: Option<(f64, f64)>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 enum Path {
     Sines { center: Vec<f64>, terms: Vec<Sine>, fade_in: f64 },
     Waypoints { t: Vec<f64>, q: Vec<Vec<f64>> },

@@ -1,6 +1,6 @@
 //! The tip of the arm: where it is, where the reference has it, and what joints may be off for it.
 
-use phihat_model::{FrameId, Lanes, Model, Scalar, Workspace};
+use phihat_model::{FrameId, Lanes, Model, Pose, Scalar, Workspace};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -74,8 +74,7 @@ impl TipMeasured {
                     let widest = self.half;
                     raise(&mut self.half, half);
                     if widest.to_bits() != self.half.to_bits() {
-                        let sine = if half > 1.0 { 1.0 } else { half };
-                        raise(&mut self.metrics.angle_steady_max_rad, 2.0 * libm::asin(sine));
+                        raise_angle(&mut self.metrics.angle_steady_max_rad, half);
                     }
                 }
             }
@@ -97,14 +96,27 @@ impl TipMeasured {
             self.model.pose(&self.workspace, self.frame)
         };
         let (a, b) = (pose(|joint| &joint.q), pose(|joint| &joint.q_desired));
-        let squares = |differences: &mut dyn Iterator<Item = Lanes>| {
-            differences.fold(Lanes::splat(0.0), |sum, difference| sum + difference * difference)
-        };
-        let off = squares(&mut (0..3).map(|i| a.p[i] - b.p[i]));
-        // ‖A − B‖ = 2√2 |sin(θ/2)| by Frobenius: exact also for small angles.
-        let apart = squares(&mut (0..9).map(|i| a.r[i / 3][i % 3] - b.r[i / 3][i % 3]));
-        (off.sqrt().into(), (apart / Lanes::splat(8.0)).sqrt().into())
+        let (off, half) = between(&a, &b);
+        (off.into(), half.into())
     }
+}
+
+/// Distance \[m\] of two poses, and the sine of half the angle between their axes, lane by lane.
+#[inline]
+pub(crate) fn between(a: &Pose<Lanes>, b: &Pose<Lanes>) -> (Lanes, Lanes) {
+    let squares = |differences: &mut dyn Iterator<Item = Lanes>| {
+        differences.fold(Lanes::splat(0.0), |sum, difference| sum + difference * difference)
+    };
+    let off = squares(&mut (0..3).map(|i| a.p[i] - b.p[i]));
+    // ‖A − B‖ = 2√2 |sin(θ/2)| by Frobenius: exact also for small angles.
+    let apart = squares(&mut (0..9).map(|i| a.r[i / 3][i % 3] - b.r[i / 3][i % 3]));
+    (off.sqrt(), (apart / Lanes::splat(8.0)).sqrt())
+}
+
+/// Raises a largest angle \[rad\] to the one of which half the sine is told; NaN if there is one.
+pub(crate) fn raise_angle(most: &mut f64, half: f64) {
+    let sine = if half > 1.0 { 1.0 } else { half };
+    raise(most, 2.0 * libm::asin(sine));
 }
 
 /// Raises a largest value; NaN if there is one.

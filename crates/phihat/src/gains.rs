@@ -20,6 +20,21 @@ pub enum Form {
     Positions,
 }
 
+/// What the observer form computes with, see [`JointGains::update`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObserverNumbers<R> {
+    /// `T` \[s\].
+    pub period: R,
+    /// `M̄` \[kg·m²\].
+    pub inertia: R,
+    /// `K_p` \[1/s²\].
+    pub kp: R,
+    /// `K_d` \[1/s\].
+    pub kd: R,
+    /// `α_{m−1}` first; 0 beyond the order.
+    pub alpha: [R; ORDER_MAX],
+}
+
 /// A [`Form`] that the compiler knows, so that each has machine code of its own: one decision per sample.
 pub(crate) trait Built {
     const FORM: Form;
@@ -276,6 +291,14 @@ impl<R: Real> JointGains<R> {
     /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
     pub(crate) fn knows_as(&self, other: &Self) -> bool {
         self.form == other.form && self.form != Form::Literal
+    }
+
+    /// The numbers of the observer form, for code that computes the very law of [`update`](Self::update) for many joints side by
+    /// side; `None`: another form.
+    pub fn observer(&self) -> Option<ObserverNumbers<R>> {
+        let Self { period, inertia, kp, kd, alpha, .. } = *self;
+        let numbers = ObserverNumbers { period, inertia, kp, kd, alpha };
+        (self.form == Form::Observer).then_some(numbers)
     }
 
     /// Which form of the law runs.

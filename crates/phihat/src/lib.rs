@@ -88,7 +88,7 @@ mod velocity;
 pub use controller::{Controller, update_joints};
 pub use delay::{DELAY_MAX, Delay, DelayTooLong};
 pub use gain_error::{Gain, GainError};
-pub use gains::{Form, JointDesign, JointGains};
+pub use gains::{Form, JointDesign, JointGains, ObserverNumbers};
 pub use joint::{Command, JointState, Measurement, Reference, Status};
 pub use joint_map::{JointMap, JointMapError, order_hash};
 pub use limits::Limits;

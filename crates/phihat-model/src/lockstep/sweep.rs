@@ -75,7 +75,15 @@ fn out<const N: usize, const PLAIN: bool>(
     let nothing = Vec3::<Lanes>::zero();
     let mut wrenches = [(nothing, nothing); N];
     let (mut omega, mut alpha, mut acc) = (nothing, nothing, lift);
-    for (i, part) in parts.iter().enumerate() {
+    let mut rest = parts.iter().enumerate();
+    if PLAIN && let Some((i, part)) = rest.next() {
+        // It turns about its own axis alone, and of its wrench only the moment about that axis counts: what is zero or counts for
+        // nothing is not computed.
+        acc = screws.turn(i).into_z(part.tilt_in(acc));
+        omega.z = dq[i];
+        wrenches[i].1.z = part.matter.h.cross(acc).z;
+    }
+    for (i, part) in rest {
         let turn = screws.turn(i);
         if part.reaches {
             let (w, l) = (omega, alpha);
@@ -149,7 +157,7 @@ fn back<const N: usize, const PLAIN: bool>(
             break;
         }
         let (turn, d) = (screws.turn(i), screws.shifts[i]);
-        inertia = part.inertia_out_x(&inertia.out_z((turn, d)));
+        let moved = part.inertia_out_x(&inertia.out_z((turn, d)));
         let outward = |(force, mut moment): Wrench| {
             if part.slides {
                 moment.x -= d * force.y;
@@ -163,6 +171,17 @@ fn back<const N: usize, const PLAIN: bool>(
             }
             (force, moment)
         };
+        if PLAIN && i == 1 {
+            // Of what arrives at the first joint, only what is about its axis counts.
+            let [own, ..] = parts else { break };
+            for j in 1..n {
+                system.m[0][j] = outward(columns[j]).1.z;
+            }
+            system.m[0][0] = moved.zz + own.matter.zz + own.armature;
+            system.rhs[0] = outward(bias).1.z + wrenches[0].1.z - tau[0];
+            break;
+        }
+        inertia = moved;
         for column in &mut columns[first..n] {
             *column = outward(*column);
         }

@@ -1,6 +1,10 @@
 //! Many closed loops at once: arms of one structure side by side.
 
+mod figures;
 mod group;
+mod law;
+mod plain;
+mod told;
 
 use phihat_model::Lanes;
 use phihat_study::Study;
@@ -10,6 +14,7 @@ use crate::simulation::{Ended, Simulation};
 use crate::trace::Trace;
 use crate::world::PlantLanes;
 use group::Group;
+use plain::Plain;
 
 /// Samples that are kept before their figures are taken.
 const BLOCK: usize = 64;
@@ -129,29 +134,57 @@ impl Batch {
         block: usize,
         mut each: impl FnMut(usize, &mut Trace) -> Result<(), E>,
     ) -> Result<Vec<Ended>, E> {
-        let mut ends: Vec<(usize, Ended)> = Vec::with_capacity(self.arms);
+        let arms = self.arms;
+        let ends = self.ends(block, &mut each)?;
+        debug_assert_eq!(ends.len(), arms, "every arm ends once");
+        Ok(ends.into_iter().map(|(_, ended)| ended).collect())
+    }
+
+    /// Runs all, and tells how each arm ended, in their order.
+    fn ends<E>(
+        self,
+        block: usize,
+        each: &mut impl FnMut(usize, &mut Trace) -> Result<(), E>,
+    ) -> Result<Vec<(usize, Ended)>, E> {
+        let mut ends = Vec::with_capacity(self.arms);
         for group in self.groups {
-            Group::new(group, block).run(&mut each, &mut ends)?;
+            Group::new(group, block).run(each, &mut ends)?;
         }
         for (arm, simulation, _) in self.alone {
             ends.push((arm, simulation.stream(block, |_| (), |trace| each(arm, trace))?));
         }
         ends.sort_by_key(|(arm, _)| *arm);
-        Ok(ends.into_iter().map(|(_, ended)| ended).collect())
+        Ok(ends)
     }
 
     /// Runs all to their ends and leaves the figures that [`Metrics::of`] makes of each one's record, and how it ended. `studies` are
     /// those of the simulations, in their order; an arm without one has no figures.
-    pub fn measure(self, studies: &[&Study]) -> Vec<(Metrics, Ended)> {
+    ///
+    /// No record is made: where neither faults, losses, a supervisor nor a robot's interface meddle, sensing, law, delays, drives and
+    /// figures are in lanes too.
+    pub fn measure(mut self, studies: &[&Study]) -> Vec<(Metrics, Ended)> {
+        let (mut done, mut kept) = (Vec::new(), Vec::new());
+        self.groups.retain(|group| {
+            let plain = Plain::of(group, studies).and_then(|plain| plain.run(group, &mut kept));
+            let Some(figures) = plain else { return true };
+            done.extend(group.iter().map(|(arm, _)| *arm).zip(figures));
+            false
+        });
         let mut measured: Vec<Measured> =
             studies.iter().map(|study| Measured::new(study)).collect();
-        let take = |arm: usize, trace: &mut Trace| -> Result<(), core::convert::Infallible> {
+        let mut take = |arm: usize, trace: &mut Trace| -> Result<(), core::convert::Infallible> {
             if let Some(measured) = measured.get_mut(arm) {
                 measured.block(trace);
             }
             Ok(())
         };
-        let Ok(ends) = self.stream(BLOCK, take);
-        measured.into_iter().map(Measured::metrics).zip(ends).collect()
+        let Ok(ends) = self.ends(BLOCK, &mut take);
+        let mut measured: Vec<Option<Measured>> = measured.into_iter().map(Some).collect();
+        done.extend(ends.into_iter().filter_map(|(arm, ended)| {
+            let measured = measured.get_mut(arm)?.take()?;
+            Some((arm, (measured.metrics(), ended)))
+        }));
+        done.sort_by_key(|(arm, _)| *arm);
+        done.into_iter().map(|(_, figures)| figures).collect()
     }
 }

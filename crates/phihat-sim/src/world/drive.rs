@@ -53,6 +53,11 @@ impl Drive {
         }
     }
 
+    /// Largest change of a demand from one to the next \[N·m\].
+    pub(super) fn step(&self) -> f64 {
+        self.step
+    }
+
     /// `ω`, the demand, and what was between it and the torque at the start of the interval.
     pub(super) fn held_over(&self) -> (Option<f64>, f64, f64) {
         (self.rate, self.demand, self.gap)

@@ -4,6 +4,7 @@ mod bristle;
 mod build;
 mod contact;
 mod drive;
+mod drive_lanes;
 mod fault;
 mod firmware;
 mod forces;
@@ -12,20 +13,25 @@ mod friction_lanes;
 mod loss;
 mod noise;
 mod path;
+mod path_lanes;
 mod payload;
 mod plant;
 mod plant_lanes;
 mod sensing;
+mod sensing_lanes;
 mod sensor;
 mod shape;
 mod spring;
 mod stiffness;
 
 pub(crate) use build::{frictions, frictions_of_robot, loaded_model};
+pub(crate) use drive_lanes::DriveLanes;
 pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
+pub(crate) use path_lanes::PathLanes;
 pub(crate) use payload::loaded;
 pub(crate) use plant_lanes::PlantLanes;
+pub(crate) use sensing_lanes::SensingLanes;
 
 use phihat_study::{Fault, FaultKind, Study};
 
@@ -98,6 +104,16 @@ impl World {
         self.path.meet(study);
         self.sensing.meet(study);
         Ok(())
+    }
+
+    /// Whether nothing happens in it but what every sample brings: no fault, no loss, nothing that a robot adds or refuses.
+    pub(crate) fn uneventful(&self) -> bool {
+        self.sensing.uneventful() && self.path.uneventful() && PlantLanes::lasting(self)
+    }
+
+    /// Length of a sample \[s\], and integration steps in it.
+    pub(crate) fn steps(&self) -> (f64, u32) {
+        (self.period, self.substeps)
     }
 
     /// Integration steps per sample.

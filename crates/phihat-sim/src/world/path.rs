@@ -12,6 +12,7 @@ use crate::error::SimError;
 #[derive(Debug)]
 pub(crate) struct CommandPath {
     delays: Vec<Delay<f64>>,
+    late: usize,
     loss: Option<Loss>,
     stops: Vec<Fault>,
     /// Whether the command of this sample gets through, once that was asked.
@@ -38,6 +39,7 @@ impl CommandPath {
         let stop = |fault: &&Fault| fault.kind == FaultKind::ControllerStop;
         Ok(Self {
             delays: vec![delay; zero.len()],
+            late: study.control.delay_samples as usize,
             loss: Loss::new(study.world.network.command, &study.faults, kinds, study.seed),
             stops: study.faults.iter().filter(stop).cloned().collect(),
             drawn: None,
@@ -69,6 +71,16 @@ impl CommandPath {
             self.sent[i] = *torque;
             self.told[i] = *torque;
         }
+    }
+
+    /// Whether commands are late at most: neither lost, nor stopped, nor looked at by a robot's interface.
+    pub(super) fn uneventful(&self) -> bool {
+        self.loss.is_none() && self.stops.is_empty() && self.firmware.is_none()
+    }
+
+    /// Samples by which a command is late.
+    pub(super) fn late(&self) -> usize {
+        self.late
     }
 
     /// Whether the controller runs at time `t` \[s\].

@@ -51,6 +51,11 @@ impl Carried {
         }
     }
 
+    /// Whether it is the same from the start to the end.
+    pub(super) fn lasts(&self) -> bool {
+        self.stages.len() == 1
+    }
+
     /// The model in force, and its place among those of the run.
     pub(super) fn stage(&self) -> (usize, &Model) {
         (self.at, &self.stages[self.at].1)

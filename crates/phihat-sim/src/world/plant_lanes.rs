@@ -3,10 +3,11 @@
 use phihat_model::{Lanes, Lockstep, LockstepError, Model, Scalar};
 
 use super::World;
+use super::drive_lanes::DriveLanes;
 use super::friction_lanes::FrictionLanes;
 use super::plant::Plant;
 
-/// A lane whose state adds up to more than this within an interval goes through it alone.
+/// A lane whose state adds up to more than this after an interval goes through it alone.
 const TAME: f64 = 1e6;
 
 /// The moving parts of up to [`Lanes::COUNT`] worlds.
@@ -14,7 +15,7 @@ const TAME: f64 = 1e6;
 /// # Method
 ///
 /// The state is taken from the worlds at the start of an interval and given back at its end; in between are the steps of
-/// `Rk4`, operation by operation. A lane that leaves every plausible state within an interval is not given back: its world
+/// `Rk4`, operation by operation. A lane that leaves every plausible state in an interval is not given back: its world
 /// goes through it by itself, so infinities and what comes of them are those of the single run.
 #[derive(Debug)]
 pub(crate) struct PlantLanes {
@@ -32,8 +33,6 @@ pub(crate) struct PlantLanes {
     first: Vec<Lanes>,
     stage: Stage,
     pushes: Vec<(f64, f64, usize, Lanes)>,
-    /// What the state of each lane adds up to within the interval.
-    size: Lanes,
 }
 
 /// One joint of every arm.
@@ -123,7 +122,6 @@ impl PlantLanes {
                 acceleration: zero(),
             },
             pushes: pushes(&plants),
-            size: Lanes::default(),
             arms,
         })
     }
@@ -145,13 +143,9 @@ impl PlantLanes {
         let plants: [Option<&Plant>; Lanes::COUNT] =
             core::array::from_fn(|k| lanes[k].as_deref().map(|world| &world.plant));
         self.take(&plants);
-        self.size = Lanes::splat(0.0);
-        let h = period / f64::from(substeps);
-        for step in 0..substeps {
-            self.step(t, (t + f64::from(step) * h, h), step == 0);
-        }
+        self.go(t, (period, substeps));
         let [q, dq, first] = [&self.q, &self.dq, &self.first];
-        let sizes = <[f64; Lanes::COUNT]>::from(self.size);
+        let sizes = <[f64; Lanes::COUNT]>::from(self.size());
         for (k, world) in lanes.iter_mut().enumerate() {
             let Some(world) = world else { continue };
             let tame = sizes[k] < TAME;
@@ -164,6 +158,55 @@ impl PlantLanes {
             give(dq, k, &mut plant.dq);
             give(first, k, &mut plant.ddq);
         }
+    }
+
+    /// Through the interval that begins at `t` \[s\], of so long a period in so many steps.
+    pub(crate) fn go(&mut self, t: f64, (period, substeps): (f64, u32)) {
+        let h = period / f64::from(substeps);
+        for step in 0..substeps {
+            self.step(t, (t + f64::from(step) * h, h), step == 0);
+        }
+    }
+
+    /// What the state of each lane adds up to: an infinity or NaN on the way to it has left one here.
+    fn size(&self) -> Lanes {
+        let sizes = self.q.iter().zip(&self.dq).map(|(q, dq)| q.abs() + dq.abs());
+        sizes.fold(Lanes::splat(0.0), |sum, size| sum + size)
+    }
+
+    /// Whether every position and velocity is less than `bound`; NaN is not.
+    pub(crate) fn within(&self, bound: f64) -> bool {
+        self.q.iter().chain(&self.dq).all(|x| x.all_below(bound))
+    }
+
+    /// Whether worlds stay what they were made of: neither load nor friction changes with time.
+    pub(crate) fn lasting(world: &World) -> bool {
+        let plant = &world.plant;
+        plant.faults.is_empty() && plant.warm_up.is_none() && plant.forces.carried.lasts()
+    }
+
+    /// Takes over the state of worlds, for good: from here on it is kept here.
+    pub(crate) fn take_over(&mut self, worlds: &[&World]) {
+        let plant = |k: usize| worlds.get(k).or(worlds.last()).map(|world| &world.plant);
+        let lane = |of: &dyn Fn(&Plant) -> f64| {
+            Lanes::from(core::array::from_fn(|k| plant(k).map_or(0.0, of)))
+        };
+        for i in 0..self.joints.len() {
+            self.q[i] = lane(&|plant| plant.q[i]);
+            self.dq[i] = lane(&|plant| plant.dq[i]);
+            self.first[i] = lane(&|plant| plant.ddq[i]);
+        }
+    }
+
+    /// What the drive of a joint shall give, and what it still lacks of it, at the start of an interval.
+    pub(crate) fn demand(&mut self, joint: usize, drive: &DriveLanes) {
+        let own = &mut self.joints[joint];
+        (own.demand, own.gap) = (drive.demand, drive.gap);
+    }
+
+    /// Positions, velocities, and accelerations at the start of the last interval.
+    pub(crate) fn state(&self) -> [&[Lanes]; 3] {
+        [&self.q, &self.dq, &self.first]
     }
 
     /// Takes over state and demands at the start of an interval.
@@ -212,7 +255,6 @@ impl PlantLanes {
             for i in 0..n {
                 q[i] = self.q[i] + length * dq[i];
                 dq[i] = self.dq[i] + length * ddq[i];
-                self.size += q[i].abs() + dq[i].abs();
             }
             self.accelerate((start + step) - interval, start);
             let Stage { dq, ddq, velocity, acceleration, .. } = &mut self.stage;
@@ -225,7 +267,6 @@ impl PlantLanes {
         for i in 0..n {
             self.q[i] += sixth * self.stage.velocity[i];
             self.dq[i] += sixth * self.stage.acceleration[i];
-            self.size += self.q[i].abs() + self.dq[i].abs();
         }
     }
 

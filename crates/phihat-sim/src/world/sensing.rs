@@ -145,23 +145,18 @@ impl Sensing {
         &self.sample
     }
 
-    fn measure(
-        &mut self,
+    /// Random and constant errors of a joint's position, velocity and torque, and what faults add to them.
+    fn spoiled(
+        &self,
         i: usize,
         (k, t, age): (u64, f64, f64),
-        plant: &Plant,
-        told: f64,
-    ) -> Measurement<f64> {
-        let at = self.side + i;
-        let (mut q, mut dq) = (plant.q[at], plant.dq[at]);
-        let mut tau_applied = match self.torque {
-            TorqueSource::Applied => plant.tau_mean[i],
-            TorqueSource::Demanded => told,
-        };
+        [mut q, mut dq, ddq]: [f64; 3],
+        mut tau_applied: f64,
+    ) -> (f64, f64, f64) {
         if let Some(errors) = &self.errors {
             if age > 0.0 {
-                q -= age * (dq - 0.5 * age * plant.ddq[at]);
-                dq -= age * plant.ddq[at];
+                q -= age * (dq - 0.5 * age * ddq);
+                dq -= age * ddq;
             }
             let own = &errors.joints[i];
             q += own.bias + own.position.0 * own.position.1.normal(k);
@@ -175,6 +170,60 @@ impl Sensing {
                 }
             }
         }
+        (q, dq, tau_applied)
+    }
+
+    /// Whether every message arrives, and none is spoiled or wrapped.
+    pub(super) fn uneventful(&self) -> bool {
+        self.faults.is_empty() && self.loss.is_none() && self.wrapped.is_empty()
+    }
+
+    /// By how many samples messages are late.
+    pub(super) fn late(&self) -> usize {
+        self.way.as_ref().map_or(0, VecDeque::len)
+    }
+
+    /// Whether the torque that is told is the one that was asked for, not the one that acted.
+    pub(super) fn tells_demand(&self) -> bool {
+        self.torque == TorqueSource::Demanded
+    }
+
+    /// The sensor of a joint.
+    pub(super) fn sensor(&self, i: usize) -> &Sensor {
+        &self.sensors[i]
+    }
+
+    /// What errors make of a joint's true state `[q, q̇, q̈]` and torque at sample `k`; `None`: there are none.
+    pub(super) fn errors(
+        &self,
+        i: usize,
+        k: u64,
+        x: [f64; 3],
+        tau: f64,
+    ) -> Option<(f64, f64, f64)> {
+        let age = self.errors.as_ref()?.age(k);
+        Some(self.spoiled(i, (k, 0.0, age), x, tau))
+    }
+
+    /// Whether there are any.
+    pub(super) fn errs(&self) -> bool {
+        self.errors.is_some()
+    }
+
+    fn measure(
+        &mut self,
+        i: usize,
+        (k, t, age): (u64, f64, f64),
+        plant: &Plant,
+        told: f64,
+    ) -> Measurement<f64> {
+        let at = self.side + i;
+        let true_state = [plant.q[at], plant.dq[at], plant.ddq[at]];
+        let tau_applied = match self.torque {
+            TorqueSource::Applied => plant.tau_mean[i],
+            TorqueSource::Demanded => told,
+        };
+        let (q, dq, tau_applied) = self.spoiled(i, (k, t, age), true_state, tau_applied);
         let (mut q, dq) = self.sensors[i].sense(q, dq);
         if self.wrapped.contains(&i) {
             q = wrap(q);

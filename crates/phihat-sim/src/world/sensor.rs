@@ -40,6 +40,11 @@ impl Sensor {
         }
     }
 
+    /// Its quantum \[rad\], whether its velocity is the difference of positions, and the weight of its filter; 1: none.
+    pub(super) fn numbers(&self) -> (Option<f64>, bool, f64) {
+        (self.quantum, self.source == VelocitySource::Differenced, self.filter)
+    }
+
     /// Position and velocity as the controller gets them. The first sample differences to the true
     /// velocity: a real driver has been running before the controller starts.
     pub(crate) fn sense(&mut self, q: f64, dq: f64) -> (f64, f64) {

@@ -1,0 +1,90 @@
+//! Decisions lane by lane: comparisons, and what follows from them.
+
+use wide::{CmpGe, CmpGt, f64x4};
+
+use crate::Lanes;
+
+/// A yes or no per lane.
+///
+/// # Example
+///
+/// ```
+/// use phihat_model::{Lanes, Scalar};
+///
+/// let x = Lanes::from([-2.5, -0.5, 0.2, 0.5, 1.0, 2.5, 9.0, 1e17]);
+/// let limit = Lanes::splat(2.0);
+/// let limited = x.exceeds(limit).pick(limit, x);
+/// assert_eq!(<[f64; 8]>::from(limited), [-2.5, -0.5, 0.2, 0.5, 1.0, 2.0, 2.0, 2.0]);
+/// assert_eq!(<[f64; 8]>::from(x.round()), [-3.0, -1.0, 0.0, 1.0, 1.0, 3.0, 9.0, 1e17]);
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Choice([f64x4; 2]);
+
+impl Choice {
+    /// `yes` in the lanes that are chosen, `no` in the others.
+    #[must_use]
+    #[inline(always)]
+    pub fn pick(self, yes: Lanes, no: Lanes) -> Lanes {
+        let ([a, b], [y, z], [m, n]) = (self.0, yes.0, no.0);
+        Lanes([a.blend(y, m), b.blend(z, n)])
+    }
+
+    /// What one or the other has chosen.
+    #[must_use]
+    #[inline(always)]
+    pub fn or(self, other: Self) -> Self {
+        let ([a, b], [c, d]) = (self.0, other.0);
+        Self([a | c, b | d])
+    }
+
+    /// 1 in the lanes that are chosen, 0 in the others.
+    #[must_use]
+    #[inline(always)]
+    pub fn ones(self) -> Lanes {
+        Lanes(self.0.map(|mask| mask & f64x4::splat(1.0)))
+    }
+
+    /// Whether any lane is chosen.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        let [a, b] = self.0;
+        (a | b).any()
+    }
+}
+
+impl From<[bool; Lanes::COUNT]> for Choice {
+    fn from(chosen: [bool; Lanes::COUNT]) -> Self {
+        let number = chosen.map(|chosen| if chosen { 1.0 } else { 0.0 });
+        Lanes::from(number).exceeds(Lanes::default())
+    }
+}
+
+impl Lanes {
+    /// Where this is greater; a NaN is not.
+    #[must_use]
+    #[inline(always)]
+    pub fn exceeds(self, other: Self) -> Choice {
+        let ([a, b], [c, d]) = (self.0, other.0);
+        Choice([a.cmp_gt(c), b.cmp_gt(d)])
+    }
+
+    /// The greater of both, lane by lane, of numbers that are none of them NaN.
+    #[must_use]
+    #[inline(always)]
+    pub fn larger(self, other: Self) -> Self {
+        self.with(other, f64x4::fast_max)
+    }
+
+    /// The nearest whole number, lane by lane; halves away from zero, as `f64::round`.
+    #[must_use]
+    #[inline(always)]
+    pub fn round(self) -> Self {
+        self.each(|x| {
+            let sign = x & f64x4::splat(-0.0);
+            let size = x.abs();
+            let whole = size.floor();
+            let up = (size - whole).cmp_ge(f64x4::splat(0.5)) & f64x4::splat(1.0);
+            (whole + up) | sign
+        })
+    }
+}
