@@ -108,7 +108,7 @@ impl World {
 
     /// Whether nothing happens in it but what every sample brings: no fault, no loss, nothing that a robot adds or refuses.
     pub(crate) fn uneventful(&self) -> bool {
-        self.sensing.uneventful() && self.path.uneventful() && PlantLanes::lasting(self)
+        self.sensing.uneventful() && self.path.uneventful() && self.plant.lasting()
     }
 
     /// Length of a sample \[s\], and integration steps in it.

@@ -64,6 +64,11 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
+    /// Whether it stays what it was made of: neither load nor friction changes with time.
+    pub(super) fn lasting(&self) -> bool {
+        self.faults.is_empty() && self.warm_up.is_none() && self.forces.carried.lasts()
+    }
+
     /// Starts at the links' positions and velocities; elastic transmissions start as bent as gravity has
     /// them.
     pub(super) fn new(parts: Parts, (mut q, mut dq): (Vec<f64>, Vec<f64>)) -> Self {

@@ -179,12 +179,6 @@ impl PlantLanes {
         self.q.iter().chain(&self.dq).all(|x| x.all_below(bound))
     }
 
-    /// Whether worlds stay what they were made of: neither load nor friction changes with time.
-    pub(crate) fn lasting(world: &World) -> bool {
-        let plant = &world.plant;
-        plant.faults.is_empty() && plant.warm_up.is_none() && plant.forces.carried.lasts()
-    }
-
     /// Takes over the state of worlds, for good: from here on it is kept here.
     pub(crate) fn take_over(&mut self, worlds: &[&World]) {
         let plant = |k: usize| worlds.get(k).or(worlds.last()).map(|world| &world.plant);
