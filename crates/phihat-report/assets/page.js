@@ -146,7 +146,7 @@
       const tell = () => name.setAttribute("aria-pressed", String(!name.closest("tr").classList.contains("u-off")));
       Object.assign(name, { tabIndex: 0, role: "button" });
       name.addEventListener("keydown", (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); name.closest("th").click(); } });
-      name.closest("th").addEventListener("click", () => requestAnimationFrame(tell));
+      name.closest("th").addEventListener("click", tell);
       tell();
     });
   }

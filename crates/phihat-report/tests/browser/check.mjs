@@ -379,6 +379,13 @@ async function works(browser, file) {
   check(name, "one joint: one plot per quantity", (await canvases(page)).all === data.charts.length);
   await centre();
   const last = await timeAt(page, plot, 1);
+  const curve = page.locator(".u-series:not(:first-child) .u-label").first();
+  const shown = () => page.evaluate(() => document.getElementById("cards").plots()[0].u.series[1].show);
+  await curve.focus();
+  await page.keyboard.press("Enter");
+  const hidden = !(await shown()) && (await curve.getAttribute("aria-pressed")) === "false";
+  await page.keyboard.press("Space");
+  check(name, "keys hide a curve and show it again", hidden && (await shown()));
   check(name, "the legend follows the cursor", Math.abs(last - data.end_s) < 0.02 * data.end_s, `${last}`);
   const values = await page.locator(".u-legend").evaluateAll((all) => all.map((l) => l.querySelector(".u-value").textContent));
   check(name, "the cursor is shared", new Set(values).size <= 2 && !values.includes("–"), values.join(" "));
