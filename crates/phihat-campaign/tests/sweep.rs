@@ -161,8 +161,12 @@ fn a_row_is_the_run_of_its_written_study_to_the_last_bit() {
     let vary = VARY.map(str::to_owned);
     let plan = Plan::new((&options.study, None), &vary, (5, 40), true).unwrap();
     let (mut ended, mut kept) = (0, 0);
+    let (columns, together) = (plan.columns(), plan.chunk(0..40));
     for run in 0..40 {
         let row = plan.run(run).unwrap();
+        // Text, so that NaN equals itself.
+        let in_lanes = columns.row(&together[usize::try_from(run).unwrap() * columns.width()..]);
+        assert_eq!(format!("{in_lanes:?}"), format!("{:?}", Some(&row)), "{run} in lanes");
         let (text, uncertified) = plan.repeated(run).unwrap();
         let path = place.join(format!("run-{run}.toml"));
         fs::write(&path, text).unwrap();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_design::{Gains, requested_gains};
 use phihat_session::{Session, SessionError, set, short_hash};
-use phihat_sim::{Measured, SimError, Simulation};
+use phihat_sim::{Batch, Measured, SimError, Simulation};
 use phihat_study::Study;
 use toml::{Table, Value};
 
@@ -16,6 +16,9 @@ use super::vary::Vary;
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
 const EDITION: &str = "sweep 1";
+
+/// Runs whose studies are in memory at a time: eight times as many as share lanes.
+const TOGETHER: usize = 64;
 
 /// A sweep, ready to run.
 #[derive(Debug)]
@@ -177,21 +180,53 @@ impl Plan {
     /// The rows of some runs, as bytes: the one place where runs are done. Nothing but the plan and their places decides them.
     pub fn chunk(&self, runs: Range<u64>) -> Vec<u8> {
         let mut bytes = Vec::new();
-        for run in runs {
-            // What a panicking run leaves half-done is its own and goes with it.
-            let row = catch_unwind(AssertUnwindSafe(|| self.run(run)));
-            let none = |end| {
-                let (seed, values) = self.drawn(run);
-                Row::none((run, seed, values), end, self.study.robot.joints.len())
-            };
-            let row = match row {
-                Ok(Ok(row)) => row,
-                Ok(Err(_)) => none(End::Refused),
-                Err(_) => none(End::Panicked),
-            };
-            row.write(&mut bytes);
+        let runs: Vec<u64> = runs.collect();
+        for some in runs.chunks(TOGETHER) {
+            // What a panicking run leaves half-done is its own and goes with it: each of them is done again by itself.
+            let rows = catch_unwind(AssertUnwindSafe(|| self.together(some)));
+            let rows =
+                rows.unwrap_or_else(|_| some.iter().map(|run| self.by_itself(*run)).collect());
+            rows.iter().for_each(|row| row.write(&mut bytes));
         }
         bytes
+    }
+
+    /// Some runs, in lanes where their arms can share them: each has the row that [`run`](Self::run) gives.
+    fn together(&self, runs: &[u64]) -> Vec<Row> {
+        let (mut studies, mut simulations) = (Vec::new(), Vec::new());
+        let mut begin = |run: &u64| {
+            let (study, simulation) = self.simulation(&mut self.table(*run)).ok()?;
+            studies.push(study);
+            simulations.push(simulation);
+            Some(())
+        };
+        let begun: Vec<bool> = runs.iter().map(|run| begin(run).is_some()).collect();
+        let studies: Vec<&Study> = studies.iter().map(Box::as_ref).collect();
+        let mut measured = Batch::new(simulations).measure(&studies).into_iter();
+        let mut row =
+            |(run, begun): (&u64, bool)| match measured.by_ref().take(usize::from(begun)).next() {
+                Some((metrics, ended)) => {
+                    let (seed, values) = self.drawn(*run);
+                    Row::of((*run, seed, values), &metrics, &ended)
+                }
+                None => self.none(*run, End::Refused),
+            };
+        runs.iter().zip(begun).map(&mut row).collect()
+    }
+
+    /// The row of a run that may panic.
+    fn by_itself(&self, run: u64) -> Row {
+        match catch_unwind(AssertUnwindSafe(|| self.run(run))) {
+            Ok(Ok(row)) => row,
+            Ok(Err(_)) => self.none(run, End::Refused),
+            Err(_) => self.none(run, End::Panicked),
+        }
+    }
+
+    /// The row of a run that could not be.
+    fn none(&self, run: u64, end: End) -> Row {
+        let (seed, values) = self.drawn(run);
+        Row::none((run, seed, values), end, self.study.robot.joints.len())
     }
 
     /// A run as the text of a study that repeats it, files named by their whole paths; and whether it runs only uncertified. With the
