@@ -87,11 +87,20 @@ fn not_followed(fronts: &Fronts) -> Vec<String> {
 /// itself is inside its own band, which says of no law that it is better than itself.
 #[test]
 fn every_law_follows_and_chance_is_inside_its_band() {
-    let mut options = options(folder("laws"), &[], 3);
-    (options.caps, options.worlds, options.restarts) = (vec![0.05], Some([1, 1, 2]), Some(2));
-    let (fronts, [_, page]) = whole(&options);
-    let without = not_followed(&fronts);
-    assert!(without.is_empty(), "{without:?}");
+    let few = |name: &str, only: &[&str], per_scalar: u32| FrontsOptions {
+        caps: vec![0.05],
+        worlds: Some([1, 1, 2]),
+        restarts: Some(2),
+        ..options(folder(name), only, per_scalar)
+    };
+    let (fronts, [_, page]) = whole(&few("laws", &[], 1));
+    // Some laws need a longer search than one evaluation for each scalar and one more.
+    let longer = not_followed(&fronts);
+    if !longer.is_empty() {
+        let ids: Vec<&str> = longer.iter().map(String::as_str).collect();
+        let without = not_followed(&whole(&few("longer", &ids, 5)).0);
+        assert!(without.is_empty(), "{longer:?}, at last {without:?}");
+    }
     let band = fronts.placebo[0];
     assert!(band.pairs == Tier::ALL.len() && band.factor.is_finite(), "{band:?}");
     for law in fronts.laws.iter().filter(|law| law.again.is_some()) {

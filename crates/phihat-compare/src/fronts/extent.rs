@@ -45,7 +45,7 @@ impl FrontsExtent {
             per_scalar: 6,
             widenings: 1,
             worlds: [2, 2, 4],
-            span: (2.5, 1.0),
+            span: (2.0, 1.0),
             ..Self::full()
         }
     }
