@@ -186,7 +186,9 @@ impl Plan {
             let rows = catch_unwind(AssertUnwindSafe(|| self.together(some)));
             let rows =
                 rows.unwrap_or_else(|_| some.iter().map(|run| self.by_itself(*run)).collect());
-            rows.iter().for_each(|row| row.write(&mut bytes));
+            for row in &rows {
+                row.write(&mut bytes);
+            }
         }
         bytes
     }
