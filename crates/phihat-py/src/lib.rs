@@ -14,6 +14,7 @@ mod json;
 mod laws;
 mod link;
 mod own_law;
+mod patience;
 mod plant;
 mod position_gains;
 mod raised;

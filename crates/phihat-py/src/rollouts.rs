@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::gains::Gains;
+use crate::patience::patiently;
 use crate::raised::plain;
 use crate::{failure, json, study};
 
@@ -44,11 +45,11 @@ impl Rollouts {
         let numbers = numbers.into_iter();
         let numbers = numbers.map(|(name, paths, values)| Numbers { name, paths, values });
         let told = (numbers.collect(), seeds);
-        let made = || {
+        let made = move || {
             let input = (study, origin.as_path());
             phihat_campaign::rollouts::Rollouts::new(input, given, told, runs, uncertified)
         };
-        let inner = py.detach(made).map_err(|why| refused(py, &why))?;
+        let inner = patiently(py, made)?.map_err(|why| refused(py, &why))?;
         Ok(Self { inner })
     }
 

@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 
 use crate::gains::Gains;
 use crate::own_law::{Declared, Raised, entry};
+use crate::patience::patiently;
 use crate::raised::plain;
 use crate::{failure, json, study};
 
@@ -27,7 +28,7 @@ pub(crate) fn design(
     name: &str,
 ) -> PyResult<Gains> {
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
-    let designed = || {
+    let designed = move || {
         let arm = phihat_session::arm(&study, &origin)?;
         let outcome = designed_for(&study, &arm, &origin, Advice::Clauses)?;
         let told = match &outcome {
@@ -38,7 +39,7 @@ pub(crate) fn design(
         };
         Ok((outcome, told))
     };
-    match py.detach(designed).map_err(|e: SessionError| failure::session(py, &e))? {
+    match patiently(py, designed)?.map_err(|e: SessionError| failure::session(py, &e))? {
         (Outcome::Designed(gains), _) => Ok(Gains { inner: *gains }),
         (Outcome::Infeasible(no), told) => Err(failure::infeasible(py, &no, told.as_ref())),
     }
@@ -57,8 +58,8 @@ pub(crate) fn simulate(
 ) -> PyResult<Trace> {
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
     let given = gains.map(|gains| (gains.inner.clone(), Path::new("gains.json")));
-    let run = || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
-    let (done, trace) = py.detach(run).map_err(|e: SessionError| failure::session(py, &e))?;
+    let run = move || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
+    let (done, trace) = patiently(py, run)?.map_err(|e: SessionError| failure::session(py, &e))?;
     Ok(Trace { done, trace })
 }
 
