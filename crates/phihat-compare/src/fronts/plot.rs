@@ -1,10 +1,9 @@
 //! The pictures of a comparison at equal noise.
 
 use maud::{Markup, html};
-use phihat_report::kit::number::tick;
 use phihat_report::kit::text::line;
 
-use crate::page::axis::Axis;
+use crate::page::axis::{Axis, axes};
 use crate::page::labels::places;
 
 /// Size of a picture, and its margins: left, top, right, bottom.
@@ -50,7 +49,7 @@ pub(super) fn curves(all: &[Curve], label: &str, (below, beside): (&str, &str)) 
     };
     html! {
         svg role="img" aria-label=(line(label)) viewBox=(format!("0 0 {width} {height}")) {
-            (axes(&x, &y, (below, beside)))
+            (axes(SIZE, MARGIN, (&x, &y), (below, beside)))
             @for ((curve, label), end) in drawn.iter().zip(&labels).zip(&ends) {
                 @if label.led { @let [u, v] = label.nearest(*end);
                     path.leader d=(format!("M{:.1} {:.1}L{u:.1} {v:.1}", end[0], end[1])) {} }
@@ -67,25 +66,6 @@ pub(super) fn curves(all: &[Curve], label: &str, (below, beside): (&str, &str)) 
                 }
             }
         }
-    }
-}
-
-fn axes(x: &Axis, y: &Axis, (below, beside): (&str, &str)) -> Markup {
-    let [width, height] = SIZE;
-    let [left, top, right, bottom] = MARGIN;
-    let (low, end) = (height - bottom, width - right);
-    html! {
-        @for value in x.ticks() {
-            path.grid d=(format!("M{:.1} {top}V{low}", x.at(value))) {}
-            text.tick.below x=(format!("{:.1}", x.at(value))) y=(low + 20.0) { (tick(value, value)) }
-        }
-        @for value in y.ticks() {
-            path.grid d=(format!("M{left} {:.1}H{end}", y.at(value))) {}
-            text.tick.beside x=(left - 8.0) y=(format!("{:.1}", y.at(value) + 5.0)) { (tick(value, value)) }
-        }
-        path.frame d=(format!("M{left} {top}V{low}H{end}")) {}
-        text.tick.below x=(f64::midpoint(left, end)) y=(height - 8.0) { (below) }
-        text.tick.below transform=(format!("translate(16 {}) rotate(-90)", f64::midpoint(top, low))) { (beside) }
     }
 }
 

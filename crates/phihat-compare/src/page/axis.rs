@@ -1,4 +1,7 @@
-//! A logarithmic axis of a figure.
+//! Logarithmic axes of a figure.
+
+use maud::{Markup, html};
+use phihat_report::kit::number::tick;
 
 /// Ticks are looked for from 10^−30 to 10^30.
 const DECADES: i32 = 30;
@@ -51,6 +54,29 @@ impl Axis {
         let all = (-DECADES..=DECADES)
             .flat_map(|d| digits.iter().map(move |digit| digit * 10f64.powi(d)));
         all.filter(|v| (self.low..=self.high).contains(&v.log10())).collect()
+    }
+}
+
+/// Both axes of a figure of a size with margins at its left, top, right and bottom: grid, ticks, frame, and what they are of.
+pub(crate) fn axes(
+    [width, height]: [f64; 2],
+    [left, top, right, bottom]: [f64; 4],
+    (x, y): (&Axis, &Axis),
+    (below, beside): (&str, &str),
+) -> Markup {
+    let (low, end) = (height - bottom, width - right);
+    html! {
+        @for value in x.ticks() {
+            path.grid d=(format!("M{:.1} {top}V{low}", x.at(value))) {}
+            text.tick.below x=(format!("{:.1}", x.at(value))) y=(low + 20.0) { (tick(value, value)) }
+        }
+        @for value in y.ticks() {
+            path.grid d=(format!("M{left} {:.1}H{end}", y.at(value))) {}
+            text.tick.beside x=(left - 8.0) y=(format!("{:.1}", y.at(value) + 5.0)) { (tick(value, value)) }
+        }
+        path.frame d=(format!("M{left} {top}V{low}H{end}")) {}
+        text.tick.below x=(f64::midpoint(left, end)) y=(height - 8.0) { (below) }
+        text.tick.below transform=(format!("translate(16 {}) rotate(-90)", f64::midpoint(top, low))) { (beside) }
     }
 }
 

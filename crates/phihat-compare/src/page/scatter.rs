@@ -4,13 +4,13 @@ use crate::{ArmRecord, Comparison, Figures, GainsKind, Row};
 use maud::{Markup, html};
 use phihat_rivals::Needs;
 
-use super::axis::Axis;
+use super::axis::{Axis, axes};
 use super::labels::{Place, places};
 use super::losses::is_proposed;
 use super::names::{main_world, title};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::anchor;
-use phihat_report::kit::number::{number, stated, tick};
+use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 
 /// Size of the figure, and its margins: left, top, right, bottom.
@@ -213,7 +213,7 @@ fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
     let labels = places(&at, &widths, [left + 4.0, top, width - right, height - bottom - 4.0]);
     html! {
         svg role="group" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
-            (axes(&x, &y, against.axis))
+            (axes(SIZE, MARGIN, (&x, &y), (against.axis, "rms error [mrad]")))
             @for (mark, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { (leader(*mark, label)) }
             @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {
                 g class=(class(point.kind)) {
@@ -251,23 +251,4 @@ fn mark(kind: Kind, x: f64, y: f64) -> Markup {
         Kind::Model => "M0 -6.5l6 10.4h-12z",
     };
     html! { path.mark transform=(format!("translate({x:.1} {y:.1})")) d=(d) {} }
-}
-
-fn axes(x: &Axis, y: &Axis, name: &str) -> Markup {
-    let [width, height] = SIZE;
-    let [left, top, right, bottom] = MARGIN;
-    let (low, end) = (height - bottom, width - right);
-    html! {
-        @for value in x.ticks() {
-            path.grid d=(format!("M{:.1} {top}V{low}", x.at(value))) {}
-            text.tick.below x=(format!("{:.1}", x.at(value))) y=(low + 20.0) { (tick(value, value)) }
-        }
-        @for value in y.ticks() {
-            path.grid d=(format!("M{left} {:.1}H{end}", y.at(value))) {}
-            text.tick.beside x=(left - 8.0) y=(format!("{:.1}", y.at(value) + 5.0)) { (tick(value, value)) }
-        }
-        path.frame d=(format!("M{left} {top}V{low}H{end}")) {}
-        text.tick.below x=(f64::midpoint(left, end)) y=(height - 8.0) { (name) }
-        text.tick.below transform=(format!("translate(16 {}) rotate(-90)", f64::midpoint(top, low))) { "rms error [mrad]" }
-    }
 }
