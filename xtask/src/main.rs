@@ -46,7 +46,9 @@ const USAGE: &str = "usage:
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
   cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
-  cargo xtask bench [--quick]  dynamics, core and closed loop, side by side with Pinocchio
+  cargo xtask bench [--quick] [--keep]
+                               dynamics, core and closed loop, side by side with Pinocchio and MuJoCo; --keep puts a line into
+                               docs/speed.md
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)

@@ -19,7 +19,7 @@ use crate::terminal::Page;
 ///
 /// Every law is tuned from several random starts under each cap on its noise, in drawn worlds; other worlds choose among its
 /// tunings, and others again judge, once. One law under two names says what chance does. Writes journal.jsonl, fronts.json and
-/// report.html to out/STUDY/fronts/. The whole takes days on two cores: an interrupted one goes on where it was, and shards may run
+/// report.html to out/STUDY/fronts/. The whole takes weeks on two cores: an interrupted one goes on where it was, and shards may run
 /// anywhere.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \

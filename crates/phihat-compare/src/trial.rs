@@ -1,9 +1,11 @@
 //! One rival, one choice of gains, one study: a run.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
+use phihat_model::Lanes;
 use phihat_rivals::{Entry, Knows, Orbit, Refusal, Running, Supply, Tuning};
-use phihat_sim::{Outcome, SimError, Simulation, Trace};
+use phihat_sim::{Batch, Outcome, SimError, Simulation, Trace};
 use phihat_study::Study;
 use thiserror::Error;
 
@@ -51,22 +53,92 @@ pub(crate) fn run(
 /// # Errors
 ///
 /// [`TrialError`]: the study cannot be simulated.
-pub(crate) fn run_with(
+fn run_with(
     entry: &Entry,
     rival: Box<dyn Running>,
     supply: &Supply,
     (study, units): (&Study, &[f64]),
 ) -> Result<Trial, TrialError> {
-    let broken = Broken::default();
-    let mut driver = Adapter::watched(rival, units.len(), Arc::clone(&broken));
-    if entry.needs.preview {
-        driver = driver.with_preview(study)?;
+    let Prepared { simulation, broken } = Prepared::new(entry, rival, (study, units))?;
+    Trial { outcome: simulation.run(|_| ()), broken: broken.get().copied() }.judged(entry, supply)
+}
+
+/// A law in its closed loop, ready to run.
+#[derive(Debug)]
+struct Prepared {
+    simulation: Simulation,
+    broken: Broken,
+}
+
+impl Prepared {
+    fn new(
+        entry: &Entry,
+        rival: Box<dyn Running>,
+        (study, units): (&Study, &[f64]),
+    ) -> Result<Self, TrialError> {
+        let broken = Broken::default();
+        let mut driver = Adapter::watched(rival, units.len(), Arc::clone(&broken));
+        if entry.needs.preview {
+            driver = driver.with_preview(study)?;
+        }
+        Ok(Self { simulation: Simulation::driven(study, driver, units)?, broken })
     }
-    let mut outcome = Simulation::driven(study, driver, units)?.run(|_| ());
-    if untimed(entry) {
-        transversal(&mut outcome.trace, supply)?;
+}
+
+impl Trial {
+    /// The same with the error that the rival is judged by.
+    fn judged(mut self, entry: &Entry, supply: &Supply) -> Result<Self, TrialError> {
+        if untimed(entry) {
+            transversal(&mut self.outcome.trace, supply)?;
+        }
+        Ok(self)
     }
-    Ok(Trial { outcome, broken: broken.get().copied() })
+}
+
+/// Runs that share lanes: as many as keep them full most of the time, and few enough for their records to be in memory together.
+const TOGETHER: usize = 2 * Lanes::COUNT;
+
+/// One rival in many studies, several at a time in lanes, each with the bits that it has alone: hands over what each run leaves, by the
+/// place of its study. `made` builds the law for a study, by its place, with what it is handed.
+pub(crate) fn run_many<'a>(
+    entry: &Entry,
+    units: &[f64],
+    studies: impl Iterator<Item = &'a Study>,
+    mut made: impl FnMut(usize, &Study) -> Result<(Box<dyn Running>, Supply), TrialError>,
+    mut show: impl FnMut(usize, &Study, Result<Trial, TrialError>),
+) {
+    let mut begin = |place: usize, study: &Study| {
+        let (rival, supply) = made(place, study)?;
+        Ok((Prepared::new(entry, rival, (study, units))?, supply))
+    };
+    // Those that can share lanes, side by side.
+    let mut studies: Vec<(usize, &Study)> = studies.enumerate().collect();
+    studies.sort_by_key(|(_, study)| (study.world.drive.is_some(), study.world.substeps));
+    for studies in studies.chunks(TOGETHER) {
+        let prepared = studies.iter().map(|(place, study)| begin(*place, study));
+        let (mut simulations, mut kept) = (Vec::new(), Vec::new());
+        for prepared in prepared {
+            kept.push(prepared.map(|(Prepared { simulation, broken }, supply)| {
+                simulations.push(simulation);
+                (broken, supply)
+            }));
+        }
+        let mut traces = vec![Trace::default(); simulations.len()];
+        let mut take = |arm: usize, trace: &mut Trace| -> Result<(), Infallible> {
+            traces[arm] = core::mem::take(trace);
+            Ok(())
+        };
+        let Ok(ended) = Batch::new(simulations).stream(usize::MAX, &mut take);
+        let mut left = traces.into_iter().zip(ended);
+        for (kept, (place, study)) in kept.into_iter().zip(studies) {
+            let trial = kept.and_then(|(broken, supply)| {
+                let (trace, ended) = left.next().unwrap_or_default();
+                let outcome = Outcome::of(trace, ended);
+                Trial { outcome, broken: broken.get().copied() }.judged(entry, &supply)
+            });
+            show(*place, study, trial);
+        }
+    }
 }
 
 /// Whether a rival follows a path without a time table: it is then judged by its distance to the path.

@@ -56,12 +56,12 @@ pub(crate) fn by_positions(
     let mut best: Option<(Rank, Gains)> = None;
     let mut stuck = 0;
     // Where a limit can act there is no tube, and no figure to go by.
-    let free = without_rate_limits(study);
+    let unlimited = without_rate_limits(study);
     for round in 0..ROUNDS {
         let Some((mut gains, _)) = search.laws(&shares) else { break };
         search.certify(&mut gains).map_err(refused)?;
         let desired = told(&gains)?;
-        let judged = judge(&free, &mut gains, &desired);
+        let judged = judge(&unlimited, &mut gains, &desired);
         let loudest = shares.iter().copied().largest();
         let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
         let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
@@ -89,8 +89,10 @@ pub(crate) fn by_positions(
     }
     // Laws of which a claim is refused do not arm.
     let best = best.filter(|(rank, _)| rank.armed);
-    let Some((_, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
-    if (0..shares.len()).any(|joint| study.limits(joint).1.is_some()) {
+    let Some((rank, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
+    // A tube whose steps are within the limits is that of the loop with them.
+    let free = rank.loudest <= 1.0 || (0..shares.len()).all(|i| study.limits(i).1.is_none());
+    if !free {
         let desired = told(&gains)?;
         judge(study, &mut gains, &desired);
     }

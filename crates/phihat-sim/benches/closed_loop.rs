@@ -129,10 +129,15 @@ fn main() {
         println!(r#"{{"algorithm":"{name}","times_real_time":{figure:.1}}}"#);
     }
     let [alone, together, ratio] = figures(&full, 8, if quick { 1 } else { 15 });
+    let [_, bare, _] = figures(&plain, 8, if quick { 1 } else { 15 });
     let [low, ratio, high] = ratio;
-    for (name, [first, median, third]) in [("figures", alone), ("figures_in_lanes", together)] {
+    for (name, [first, median, third]) in [
+        ("full_world_figures", alone),
+        ("full_world_figures_in_lanes", together),
+        ("rk4_many", bare),
+    ] {
         println!(
-            r#"{{"algorithm":"closed_loop_panda_full_world_{name}","times_real_time":{median:.1},"quartiles":[{first:.1},{third:.1}]}}"#
+            r#"{{"algorithm":"closed_loop_panda_{name}","times_real_time":{median:.1},"quartiles":[{first:.1},{third:.1}]}}"#
         );
     }
     println!(

@@ -38,8 +38,16 @@ pub struct Outcome {
     pub told_step_max: Vec<f64>,
 }
 
+impl Outcome {
+    /// From a record that was handed over whole, and how the run ended.
+    pub fn of(trace: Trace, ended: Ended) -> Self {
+        let Ended { divergence, abort, told_max, told_step_max } = ended;
+        Self { trace, divergence, abort, told_max, told_step_max }
+    }
+}
+
 /// How a run ended, where its record was handed over in blocks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ended {
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
@@ -176,13 +184,7 @@ impl Simulation {
     pub fn run(self, progress: impl FnMut(u64)) -> Outcome {
         let mut whole = Trace::default();
         let Ok(ended) = self.record(&mut whole, progress);
-        Outcome {
-            trace: whole,
-            divergence: ended.divergence,
-            abort: ended.abort,
-            told_max: ended.told_max,
-            told_step_max: ended.told_step_max,
-        }
+        Outcome::of(whole, ended)
     }
 
     /// Runs to the end as [`run`](Self::run) does, and leaves its samples to a recorder: a whole trace, figures alone, a file.

@@ -20,6 +20,8 @@ enum Unit {
     Ns,
     /// Simulated seconds per second.
     TimesRealTime,
+    /// One figure of ours over another, measured in one program.
+    Ratio,
 }
 
 impl Unit {
@@ -27,6 +29,7 @@ impl Unit {
         match self {
             Self::Ns => "ns",
             Self::TimesRealTime => "times_real_time",
+            Self::Ratio => "ratio",
         }
     }
 }
@@ -36,7 +39,7 @@ impl Series {
     fn best(&self) -> f64 {
         match self.unit {
             Unit::Ns => self.rounds.iter().copied().fold(f64::INFINITY, f64::min),
-            Unit::TimesRealTime => self.rounds.iter().copied().fold(0.0, f64::max),
+            Unit::TimesRealTime | Unit::Ratio => self.rounds.iter().copied().fold(0.0, f64::max),
         }
     }
 
@@ -66,8 +69,8 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Takes one round's output: a JSON object per line, such as
-    /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Further fields name a variant; lines that
-    /// are no JSON object are other people's talk.
+    /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Quartiles of a round are passed over, further fields name a variant; lines
+    /// that are no JSON object are other people's talk.
     pub(super) fn add(&mut self, lines: &str) -> Result<(), String> {
         for line in lines.lines().filter(|line| line.starts_with('{')) {
             let read: Map<String, Value> =
@@ -84,7 +87,8 @@ fn figure(mut read: Map<String, Value>) -> Option<(Name, Unit, f64)> {
     let word = |value: Option<Value>| value.map(|v| v.as_str().map(str::to_owned));
     let robot = word(read.remove("robot")).unwrap_or_default().unwrap_or_default();
     let mut algorithm = word(read.remove("algorithm"))??;
-    let (unit, value) = [Unit::Ns, Unit::TimesRealTime]
+    read.remove("quartiles");
+    let (unit, value) = [Unit::Ns, Unit::TimesRealTime, Unit::Ratio]
         .into_iter()
         .find_map(|unit| Some((unit, read.remove(unit.key())?.as_f64()?)))?;
     if let Some((loop_name, arm)) = ARMS.iter().find_map(|arm| without_arm(&algorithm, arm)) {
@@ -103,11 +107,29 @@ fn without_arm(algorithm: &str, arm: &str) -> Option<(String, String)> {
     Some((format!("{before}{after}"), arm.to_owned()))
 }
 
-/// Ours and the peer's.
+/// Ours, Pinocchio's, and MuJoCo's.
 #[derive(Default)]
 pub(super) struct Sides {
     pub(super) ours: Figures,
     pub(super) peer: Figures,
+    pub(super) mujoco: Figures,
+}
+
+/// Many arms at once: what each line is, whose figure, and of what.
+const MANY: [(&str, Side, &str); 5] = [
+    ("ours in lanes, the bare arm", Side::Ours, "closed_loop_rk4_many"),
+    ("ours in lanes, the whole world", Side::Ours, "closed_loop_full_world_figures_in_lanes"),
+    ("ours alone, the whole world", Side::Ours, "closed_loop_full_world_figures"),
+    ("Pinocchio, one after the other", Side::Pinocchio, "closed_loop_rk4"),
+    ("MuJoCo's rollouts", Side::Mujoco, "closed_loop_rk4_many"),
+];
+
+/// Whose figure it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Ours,
+    Pinocchio,
+    Mujoco,
 }
 
 impl Sides {
@@ -159,6 +181,34 @@ impl Sides {
                  of which figures are kept alone (figures)\n",
             );
         }
+        text + &self.many()
+    }
+
+    fn series(&self, side: Side, algorithm: &str) -> Option<&Series> {
+        let figures = match side {
+            Side::Ours => &self.ours,
+            Side::Pinocchio => &self.peer,
+            Side::Mujoco => &self.mujoco,
+        };
+        figures.series.get(&("panda".to_owned(), algorithm.to_owned()))
+    }
+
+    /// Many Pandas at once, on one core: simulated seconds of all of them per second, and ours in lanes over each.
+    fn many(&self) -> String {
+        let world = self.series(Side::Ours, MANY[1].2).map(Series::best);
+        let mut text = format!(
+            "\n{:40} {:>10} {:>7} {:>22}\n",
+            "many pandas, one core", "s per s", "spread", "whole world over it"
+        );
+        for (what, side, algorithm) in MANY {
+            let series = self.series(side, algorithm);
+            let over = series.zip(world).map(|(series, world)| world / series.best());
+            let over = over.map_or("–".into(), |over| format!("{over:.2}"));
+            let _ = writeln!(text, "  {what:38} {} {over:>22}", cells(series));
+        }
+        text.push_str(
+            "\nthe whole world: friction, loads, encoders, delay, limits; the bare arm: none of them, as in the others' loops\n",
+        );
         text
     }
 
@@ -171,6 +221,7 @@ impl Sides {
                 "unit": ours.or(peer).map(|series| series.unit.key()),
                 "ours": ours.map(Series::json),
                 "pinocchio": peer.map(Series::json),
+                "mujoco": self.mujoco.series.get(name).map(Series::json),
                 "ratio": self.ratio(name),
             })
         };
@@ -211,11 +262,33 @@ mod tests {
                 r#"{"robot":"panda","algorithm":"aba","ns":400.0}"#,
                 r#"{"robot":"panda","algorithm":"closed_loop_rk4","times_real_time":200.0}"#,
             ]),
+            mujoco: Figures::default(),
         };
         for algorithm in ["aba", "closed_loop_rk4"] {
             let ratio = sides.ratio(&("panda".into(), algorithm.into())).unwrap();
             assert!((ratio - 0.25).abs() < 1e-12, "{algorithm}: {ratio}");
         }
+    }
+
+    #[test]
+    fn many_arms_are_set_beside_every_peer() {
+        let sides = Sides {
+            ours: side(&[
+                r#"{"algorithm":"closed_loop_panda_full_world_figures_in_lanes","times_real_time":1500.0,"quartiles":[1.0,2.0]}"#,
+                r#"{"algorithm":"lanes_over_alone","ratio":4.5,"quartiles":[4.0,5.0]}"#,
+            ]),
+            peer: side(&[
+                r#"{"robot":"panda","algorithm":"closed_loop_rk4","times_real_time":150.0}"#,
+            ]),
+            mujoco: side(&[
+                r#"{"algorithm":"closed_loop_panda_rk4_many","times_real_time":100.0}"#,
+            ]),
+        };
+        let text = sides.many();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[3].contains("1500.0x") && lines[3].ends_with(" 1.00"), "{text}");
+        assert!(lines[5].contains("150.0x") && lines[5].ends_with(" 10.00"), "{text}");
+        assert!(lines[6].contains("100.0x") && lines[6].ends_with(" 15.00"), "{text}");
     }
 
     #[test]

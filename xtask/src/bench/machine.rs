@@ -91,6 +91,11 @@ fn last_allowed_core() -> Option<usize> {
     list.trim().rsplit([',', '-']).next()?.parse().ok()
 }
 
+/// The day of the commit that is measured.
+pub(super) fn date(root: &Path) -> String {
+    first_line(Command::new("git").current_dir(root).args(["log", "-1", "--format=%cs"]))
+}
+
 fn commit(root: &Path) -> String {
     let hash =
         first_line(Command::new("git").current_dir(root).args(["rev-parse", "--short", "HEAD"]));

@@ -1,11 +1,12 @@
-//! `cargo xtask bench`: our dynamics and Pinocchio's, side by side on this machine.
+//! `cargo xtask bench`: our dynamics and Pinocchio's, side by side on this machine; and many arms at once, beside MuJoCo's rollouts.
 //!
-//! Both sides are built here with the machine's full instruction set, pinned to one core, and run in
-//! alternation, so that a slow minute of the machine meets both. Each run prints one median per
+//! All sides are built here with the machine's full instruction set, pinned to one core, and run in
+//! alternation, so that a slow minute of the machine meets all. Each run prints one median per
 //! algorithm; the table shows the best of the rounds' medians and how far the rounds spread.
 #![allow(clippy::print_stdout, reason = "a chore of the terminal: its table is the product")]
 
 mod figures;
+mod history;
 mod machine;
 mod peer;
 mod places;
@@ -18,7 +19,7 @@ use machine::Machine;
 use peer::Peer;
 use places::{Places, output, write};
 
-const USAGE: &str = "usage: cargo xtask bench [--quick] [--cxx COMPILER]";
+const USAGE: &str = "usage: cargo xtask bench [--quick] [--keep] [--cxx COMPILER]";
 const ROUNDS: usize = 5;
 
 /// Our bench binaries that print figures: package and bench.
@@ -40,6 +41,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     for round in 1..=options.rounds {
         println!("round {round} of {}", options.rounds);
         sides.peer.add(&output(&mut machine.pin(peer.command(options.quick)))?)?;
+        sides.mujoco.add(&output(&mut machine.pin(peer.rollouts(options.quick)))?)?;
         for (package, bench) in &benches {
             let mut command = cargo_bench(&places.root, package, bench);
             if options.quick {
@@ -59,22 +61,29 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     });
     write(&file, &format!("{document:#}\n"))?;
     println!("\nwritten: {}", file.display());
-    Ok(())
+    if options.keep {
+        history::keep(&places.root, &document, &machine::date(&places.root))
+    } else {
+        Ok(())
+    }
 }
 
 struct Options {
     quick: bool,
+    /// Puts the figures at the end of those that the repository keeps.
+    keep: bool,
     rounds: usize,
     cxx: Option<String>,
 }
 
 impl Options {
     fn parse(args: &[String]) -> Result<Self, String> {
-        let mut options = Self { quick: false, rounds: ROUNDS, cxx: None };
+        let mut options = Self { quick: false, keep: false, rounds: ROUNDS, cxx: None };
         let mut rest = args.iter();
         while let Some(word) = rest.next() {
             match word.as_str() {
                 "--quick" => (options.quick, options.rounds) = (true, 1),
+                "--keep" => options.keep = true,
                 "--cxx" => options.cxx = Some(rest.next().ok_or(USAGE)?.clone()),
                 other => return Err(format!("unknown argument `{other}`\n{USAGE}")),
             }

@@ -1,4 +1,4 @@
-//! Pinocchio: its wheel, a compiler, and the timing program built from the wheel's headers.
+//! Pinocchio: its wheel, a compiler, and the timing program built from the wheel's headers. MuJoCo: its wheel and a script.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,10 +26,14 @@ const FLAGS: [&str; 8] = [
 /// are within 5 % of each other on the panda. So clang is the bar, and `--cxx g++` shows the rest.
 const CLANG_PACKAGE: &str = "clang-19";
 
-/// The timing program, ready to run.
+/// The timing programs, ready to run.
 pub(super) struct Peer {
     program: PathBuf,
     arms: PathBuf,
+    python: PathBuf,
+    script: PathBuf,
+    /// The arm that MuJoCo rolls out.
+    arm: PathBuf,
     compiler: String,
     packages: Vec<String>,
 }
@@ -46,7 +50,9 @@ impl Peer {
         let program = compile(places, &python, &cxx, &compiler)?;
         let text = read(&places.sources().join("requirements.txt"))?;
         let packages = text.lines().filter(|l| l.contains("==")).map(str::to_owned).collect();
-        Ok(Self { program, arms, compiler, packages })
+        let script = places.sources().join("mujoco_rollout.py");
+        let arm = places.root.join("crates/phihat-model/robots/panda.urdf");
+        Ok(Self { program, arms, python, script, arm, compiler, packages })
     }
 
     pub(super) fn command(&self, quick: bool) -> Command {
@@ -55,9 +61,16 @@ impl Peer {
         command
     }
 
+    /// MuJoCo's rollouts of many arms, on one thread.
+    pub(super) fn rollouts(&self, quick: bool) -> Command {
+        let mut command = Command::new(&self.python);
+        command.arg(&self.script).arg(&self.arm).arg(if quick { "0" } else { "3" });
+        command
+    }
+
     pub(super) fn text(&self) -> String {
         let flags = FLAGS[..4].join(" ");
-        format!("Pinocchio  {}; {}, {flags}\n", self.packages.join(", "), self.compiler)
+        format!("peers      {}; {}, {flags}\n", self.packages.join(", "), self.compiler)
     }
 
     pub(super) fn json(&self) -> Value {

@@ -14,7 +14,7 @@ use crate::cost::LIMITED;
 use crate::error::CompareError;
 use crate::judge::{Bars, judge};
 use crate::run_outcome::{Figures, RunOutcome};
-use crate::trial::{TrialError, run_with};
+use crate::trial::{Trial, TrialError, run_many};
 use crate::tune::{Widened, tune_widening_from};
 
 /// Evaluations of one search, for each of a law's free scalars and one more.
@@ -65,15 +65,15 @@ impl<'a> Assessor<'a> {
 
     /// What a candidate measures, one per world; `None` where it did not follow.
     pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
-        let tried = |(masses, study, _): &(f64, Study, Vec<Study>)| {
-            let (outcome, figures) = self.once(entry, values, (*masses, study))?;
+        let tried = |(outcome, figures): (RunOutcome, Option<Figures>)| {
             let figures = figures.filter(|_| outcome.followed())?;
             Some(Tried {
                 error_rms_rad: figures.error_rms_rad.max(LEAST),
                 noise: figures.noise_above_50_hz?,
             })
         };
-        self.worlds.iter().map(tried).collect()
+        let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
+        self.runs(entry, values, plain.collect()).into_iter().map(|run| tried(run?)).collect()
     }
 
     /// The candidate over all worlds: the geometric mean of its errors \[rad\], and as violation the sum over worlds of
@@ -83,8 +83,12 @@ impl<'a> Assessor<'a> {
     /// - what the share of samples at a torque limit is beyond 2 %, over 2 %.
     pub fn assess(&self, entry: &Entry, values: &[f64]) -> Assessed {
         let (mut logs, mut all) = (0.0, Assessed { error: 0.0, violation: 0.0 });
-        for (masses, study, trials) in &self.worlds {
-            match self.once(entry, values, (*masses, study)) {
+        let every = self.worlds.iter().flat_map(|(masses, study, trials)| {
+            std::iter::once(study).chain(trials).map(|study| (*masses, study))
+        });
+        let mut runs = self.runs(entry, values, every.collect()).into_iter();
+        for (_, _, trials) in &self.worlds {
+            match runs.next().flatten() {
                 Some((outcome, Some(figures))) => {
                     logs += figures.error_rms_rad.max(LEAST).ln();
                     all = all
@@ -95,8 +99,7 @@ impl<'a> Assessor<'a> {
                 // Ended early, or refused: worse than any run that reached its end.
                 _ => all = all.within(HALTED, 1.0),
             }
-            for trial in trials {
-                let bears = self.once(entry, values, (*masses, trial));
+            for bears in runs.by_ref().take(trials.len()) {
                 all = all.provided(bears.is_some_and(|(outcome, _)| outcome.followed()));
             }
         }
@@ -119,24 +122,29 @@ impl<'a> Assessor<'a> {
         tune_widening_from(scalars, start, (runs, widenings), seed, cost)
     }
 
-    /// One run; `None` where the law refuses these values.
-    fn once(
+    /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law refuses these values.
+    fn runs(
         &self,
         entry: &Entry,
         values: &[f64],
-        (masses, study): (f64, &Study),
-    ) -> Option<(RunOutcome, Option<Figures>)> {
-        let period = study.control.period_ns as f64 * 1e-9;
-        let attempt = || -> Result<_, TrialError> {
-            let tuning = Tuning::new(values, &self.arm.units, period)?;
-            let handed = self.arm.completed(entry, supply(study, &self.arm.units, masses)?);
-            let law = entry.build_with_friction(&tuning, &handed)?;
-            run_with(entry, law, &handed, (study, &self.arm.units))
+        studies: Vec<(f64, &Study)>,
+    ) -> Vec<Option<(RunOutcome, Option<Figures>)>> {
+        let units = &self.arm.units;
+        let made = |place: usize, study: &Study| -> Result<_, TrialError> {
+            let period = study.control.period_ns as f64 * 1e-9;
+            let tuning = Tuning::new(values, units, period)?;
+            let (masses, _) = studies[place];
+            let handed = self.arm.completed(entry, supply(study, units, masses)?);
+            Ok((entry.build_with_friction(&tuning, &handed)?, handed))
         };
-        let trial = attempt().ok()?;
         let bars =
             Bars { error_bound: &self.arm.error_bound, limits: &self.arm.limits, bound: None };
-        Some(judge(study, &trial.outcome, trial.broken, &bars))
+        let mut all = vec![None; studies.len()];
+        let every = studies.iter().map(|(_, study)| *study);
+        run_many(entry, units, every, made, |place, study, trial: Result<Trial, TrialError>| {
+            all[place] = trial.ok().map(|trial| judge(study, &trial.outcome, trial.broken, &bars));
+        });
+        all
     }
 }
 

@@ -26,7 +26,8 @@ impl Harder {
     /// Puts it into a study's table, on top of a world whose torques act `delay` samples late.
     pub(crate) fn change(self, table: &mut Table, delay: u32, joints: usize) {
         set(table, &["loop", "delay_samples"], i64::from(delay + self.delay).into());
-        if self != Self::NOT && self.gain > 0.0 {
+        // A drive of gain 1 would be none, and keep the run out of lanes.
+        if self.gain > 0.0 && (self.gain < 1.0 || self.gain > 1.0) {
             let gains = vec![Value::from(self.gain); joints];
             set(table, &["world", "drive", "gain"], Value::Array(gains));
         }

@@ -11,7 +11,7 @@ const LONGEST: u32 = 30_000;
 const DEAD: f64 = 2e-4;
 
 /// … for so many samples.
-const QUIET: u32 = 48;
+const QUIET: f64 = 48.0;
 
 /// A response that is this much larger than it began grows.
 const GROWN: f64 = 1e4;
@@ -31,126 +31,194 @@ pub(super) struct Response {
     pub(super) change: f64,
 }
 
-/// One joint's loop, ready to be played.
-pub(super) struct Played<'a> {
+/// Inertia ratios at which a loop is played side by side.
+const BESIDE: usize = 4;
+
+/// What a loop is played from: a push, a reading that is off, a kick in position; each at all of these ratios.
+const PUSH: usize = 0;
+const READING: usize = BESIDE;
+const KICK: usize = 2 * BESIDE;
+const PLAYS: usize = 3 * BESIDE;
+
+/// One joint's loop at several inertia ratios, ready to be played.
+pub(super) struct Played<'a, const W: usize> {
     law: &'a Positions,
     late: usize,
     drive: Option<Drive>,
     period: f64,
-    mu: f64,
+    mu: [f64; W],
 }
 
-/// All that the loop remembers: at most 5 states of the observer, 4 torques sent, 8 + 8 on their way.
+/// All that the loops remember: at most 5 states of the observer, 4 torques sent, 8 + 8 on their way.
 #[derive(Clone)]
-struct State {
-    q: f64,
-    v: f64,
-    held: [[f64; 1]; 5],
-    sent: [[f64; 1]; 4],
-    line: [f64; 16],
-    mean: f64,
-    end: f64,
+struct State<const W: usize> {
+    q: [f64; W],
+    v: [f64; W],
+    held: [[f64; W]; 5],
+    sent: [[f64; W]; 4],
+    line: [[f64; W]; 16],
+    mean: [f64; W],
+    end: [f64; W],
 }
 
-const REST: State = State {
-    q: 0.0,
-    v: 0.0,
-    held: [[0.0]; 5],
-    sent: [[0.0]; 4],
-    line: [0.0; 16],
-    mean: 0.0,
-    end: 0.0,
-};
+impl<const W: usize> State<W> {
+    const REST: Self = Self {
+        q: [0.0; W],
+        v: [0.0; W],
+        held: [[0.0; W]; 5],
+        sent: [[0.0; W]; 4],
+        line: [[0.0; W]; 16],
+        mean: [0.0; W],
+        end: [0.0; W],
+    };
+}
 
-impl<'a> Played<'a> {
-    pub(super) fn new(law: &'a Positions, model: &LoopModel, mu: f64) -> Self {
+/// What a sample shows: position, velocity, torque commanded; and 1 where a run has not yet died, 0 from then on.
+struct Shown<'a, const W: usize> {
+    q: &'a [f64; W],
+    v: &'a [f64; W],
+    u: &'a [f64; W],
+    alive: &'a [f64; W],
+}
+
+impl<const W: usize> Shown<'_, W> {
+    /// A value of a run, 0 from its death on.
+    #[inline]
+    fn of(&self, c: usize, value: f64) -> f64 {
+        if self.alive[c] > 0.0 { value } else { 0.0 }
+    }
+}
+
+impl<'a, const W: usize> Played<'a, W> {
+    pub(super) fn new(law: &'a Positions, model: &LoopModel, mu: [f64; W]) -> Self {
         let late = model.late() as usize;
         Self { law, late, drive: model.drive(), period: model.period_s, mu }
     }
 
-    /// One sample: the torque commanded, by a reading that is off.
-    fn step(&self, x: &mut State, reading: f64) -> f64 {
+    /// One sample: the torques commanded, by readings that are off.
+    #[inline]
+    fn step(&self, x: &mut State<W>, off: &[f64; W]) -> [f64; W] {
         let (n, t) = (self.law.length(), self.period);
-        self.law.see(&mut x.held[..n], &[x.mean], &[x.q + reading]);
-        let [u] = self.law.answer(&x.held[..n], &x.sent);
+        let mut reading = x.q;
+        for c in 0..W {
+            reading[c] += off[c];
+        }
+        self.law.see(&mut x.held[..n], &x.mean, &reading);
+        let u = self.law.answer(&x.held[..n], &x.sent);
         x.sent.copy_within(..3, 1);
-        x.sent[0] = [u];
+        x.sent[0] = u;
         let told = if self.late == 0 { u } else { x.line[0] };
         if self.late > 0 {
             x.line.copy_within(1..self.late, 0);
             x.line[self.late - 1] = u;
         }
-        let (mut mean, mut double) = (told, 0.5 * t * t * told);
-        if let Some(drive) = &self.drive {
-            let gap = x.end - told;
-            mean += drive.mean * gap;
-            double += drive.double * gap;
-            x.end = told + (1.0 - drive.lost) * gap;
+        let mut double = [0.0; W];
+        x.mean = told;
+        for c in 0..W {
+            double[c] = 0.5 * t * t * told[c];
         }
-        x.mean = mean;
-        x.q += t * x.v + double / self.mu;
-        x.v += t * mean / self.mu;
+        if let Some(drive) = &self.drive {
+            for c in 0..W {
+                let gap = x.end[c] - told[c];
+                x.mean[c] += drive.mean * gap;
+                double[c] += drive.double * gap;
+                x.end[c] = told[c] + (1.0 - drive.lost) * gap;
+            }
+        }
+        for c in 0..W {
+            x.q[c] += t * x.v[c] + double[c] / self.mu[c];
+            x.v[c] += t * x.mean[c] / self.mu[c];
+        }
         u
     }
 
-    /// Plays from a state until it has died; `None` where it does not.
-    fn play(&self, mut x: State, first: f64, mut show: impl FnMut(f64, f64, f64)) -> Option<()> {
-        let (mut largest, mut quiet) = ([0.0_f64; 2], 0);
-        let begun = x.q.abs().max(x.v.abs() * self.period).max(first.abs());
+    /// Plays from states until each has died; `None` where one does not.
+    fn play(
+        &self,
+        mut x: State<W>,
+        first: [f64; W],
+        mut show: impl FnMut(&Shown<'_, W>),
+    ) -> Option<()> {
+        let (mut largest, mut quiet, mut alive) = ([[0.0_f64; W]; 2], [0.0; W], [1.0; W]);
+        let begun: [f64; W] = core::array::from_fn(|c| {
+            x.q[c].abs().max(x.v[c].abs() * self.period).max(first[c].abs())
+        });
         let mut reading = first;
         for _ in 0..LONGEST {
             let (q, v) = (x.q, x.v);
-            let u = self.step(&mut x, reading);
-            reading = 0.0;
-            show(q, v, u);
-            let sizes = [q.abs(), v.abs()];
-            largest = core::array::from_fn(|i| largest[i].max(sizes[i]));
-            let grows = largest[0].is_nan() || largest[0] > GROWN * begun;
-            if grows {
+            let u = self.step(&mut x, &reading);
+            reading = [0.0; W];
+            show(&Shown { q: &q, v: &v, u: &u, alive: &alive });
+            let (mut grow, mut living) = (0.0, 0.0);
+            for c in 0..W {
+                let sizes = [q[c].abs(), v[c].abs()];
+                for (largest, size) in largest.iter_mut().zip(sizes) {
+                    // A NaN stays.
+                    largest[c] = if size <= largest[c] { largest[c] } else { size };
+                }
+                let sound = largest[0][c] <= GROWN * begun[c];
+                grow += if sound { 0.0 } else { alive[c] };
+                let still = sizes[0] <= DEAD * largest[0][c] && sizes[1] <= DEAD * largest[1][c];
+                // A reading moves nothing before its torque has acted.
+                let waits = largest[0][c] <= 0.0;
+                quiet[c] = if still && !waits { quiet[c] + 1.0 } else { 0.0 };
+                alive[c] = if quiet[c] > QUIET { 0.0 } else { alive[c] };
+                living += alive[c];
+            }
+            if grow > 0.0 {
                 return None;
             }
-            let still = (0..2).all(|i| sizes[i] <= DEAD * largest[i]);
-            // A reading moves nothing before its torque has acted.
-            let waits = largest[0] <= 0.0;
-            quiet = if still && !waits { quiet + 1 } else { 0 };
-            if quiet > QUIET {
+            if living <= 0.0 {
                 return Some(());
             }
         }
         None
     }
 
-    /// Whether the loop forgets.
-    pub(super) fn forgets(&self) -> bool {
-        let pushed = State { v: self.period / self.mu, ..REST };
-        self.play(pushed, 0.0, |_, _, _| ()).is_some()
+    /// Whether all of the loops forget.
+    pub(super) fn forget(&self) -> bool {
+        let mut pushed = State::REST;
+        pushed.v = self.mu.map(|mu| self.period / mu);
+        self.play(pushed, [0.0; W], |_| ()).is_some()
     }
+}
 
-    /// `None` where the loop does not forget.
-    pub(super) fn response(&self) -> Option<Response> {
-        let (t, mu) = (self.period, self.mu);
-        let mut out = Response::default();
-        let mut sums = [0.0; 2];
-        let pushed = State { q: -0.5 * t * t / mu, v: -t / mu, ..REST };
-        self.play(pushed, 0.0, |q, v, _| {
-            for (i, value) in [q, v].into_iter().enumerate() {
-                out.jump[i] += value.abs();
-                sums[i] += value;
-                out.ramp[i] += t * sums[i].abs();
+impl Played<'_, PLAYS> {
+    /// The worst of the ratios; `None` where a loop does not forget.
+    fn worst(&self) -> Option<Response> {
+        let (t, mut x, mut first) = (self.period, State::REST, [0.0; PLAYS]);
+        let mut unit = [1.0; PLAYS];
+        for c in 0..BESIDE {
+            let mu = self.mu[c];
+            (x.q[PUSH + c], x.v[PUSH + c]) = (-0.5 * t * t / mu, -t / mu);
+            first[READING + c] = 1.0;
+            (x.q[KICK + c], unit[KICK + c]) = (1.0, mu);
+        }
+        let zero = [0.0; PLAYS];
+        let (mut size, mut sum, mut ramp) = ([zero; 2], [zero; 2], [zero; 2]);
+        let (mut change, mut last) = (zero, zero);
+        self.play(x, first, |shown| {
+            for (i, values) in [shown.q, shown.v].into_iter().enumerate() {
+                for c in 0..PLAYS {
+                    size[i][c] += shown.of(c, values[c].abs() / unit[c]);
+                    sum[i][c] += shown.of(c, values[c]);
+                    ramp[i][c] += shown.of(c, t * sum[i][c].abs());
+                }
             }
+            for c in 0..PLAYS {
+                change[c] += shown.of(c, (shown.u[c] - last[c]).abs());
+            }
+            last = *shown.u;
         })?;
-        let mut last = 0.0;
-        self.play(REST, 1.0, |q, v, u| {
-            out.reading[0] += q.abs();
-            out.reading[1] += v.abs();
-            out.change += (u - last).abs();
-            last = u;
-        })?;
-        self.play(State { q: 1.0, ..REST }, 0.0, |q, v, _| {
-            out.kick[0] += q.abs() / mu;
-            out.kick[1] += v.abs() / mu;
-        })?;
-        Some(out)
+        let of = |both: &[[f64; PLAYS]; 2], c: usize| both.map(|values| values[c]);
+        let each = (0..BESIDE).map(|c| Response {
+            jump: of(&size, PUSH + c),
+            ramp: of(&ramp, PUSH + c),
+            reading: of(&size, READING + c),
+            kick: of(&size, KICK + c),
+            change: change[READING + c],
+        });
+        Some(each.fold(Response::default(), Response::worse))
     }
 }
 
@@ -170,8 +238,10 @@ impl Response {
     /// Worst over inertia ratios.
     pub(super) fn over(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<Self> {
         let law = Positions::of(record, model.period_s)?;
-        mu.iter().try_fold(Self::default(), |worst, mu| {
-            Some(worst.worse(Played::new(&law, model, *mu).response()?))
+        mu.chunks(BESIDE).try_fold(Self::default(), |worst, mu| {
+            // The last one again where there are fewer.
+            let mu = core::array::from_fn(|c| mu[(c % BESIDE).min(mu.len() - 1)]);
+            Some(worst.worse(Played::new(&law, model, mu).worst()?))
         })
     }
 }

@@ -76,7 +76,7 @@ impl Task<'_> {
         let Some(law) = Positions::of(record, self.model.period_s) else { return false };
         let (low, high) = self.range;
         let ends = [low / self.margin, high * self.margin];
-        ends.iter().all(|mu| Played::new(&law, &self.model, *mu).forgets())
+        Played::new(&law, &self.model, ends).forget()
     }
 
     /// Estimate of the smallest distance from −1 over the range.
