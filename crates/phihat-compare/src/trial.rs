@@ -169,8 +169,43 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests: a panic is the report")]
 
     use super::super::adapter::supply;
-    use super::{Study, Trace, transversal};
+    use super::{Study, Trace, Tuning, run_many, run_with, transversal};
     use crate::adapter::NOMINAL_MASSES;
+    use crate::arm_case::ArmCase;
+    use crate::protocol::{Harder, Split, draw};
+    use phihat_rivals::rival;
+
+    /// Worlds of several structures and one of louder drives, more than go together at a time: what each run leaves is what it leaves
+    /// alone.
+    #[test]
+    fn in_lanes_every_run_is_the_one_alone() {
+        let text = include_str!("../../../studies/table1.toml");
+        let arm = ArmCase::from_text(text, "table1.toml").unwrap();
+        let mut studies = Vec::new();
+        for drawn in draw(5, Split::Train, 6) {
+            for harder in [Harder::NOT, Harder::TRIALS[0], Harder::TRIALS[1]] {
+                studies.push(arm.in_drawn(&drawn, harder, (0.2, 0.1)).unwrap());
+            }
+        }
+        for (id, values) in [("pd-gravity", &[15.0, 1.0][..]), ("computed-torque", &[15.0, 1.0])] {
+            let entry = rival(id).unwrap();
+            let made = |study: &Study| {
+                let tuning = Tuning::new(values, &arm.units, 1e-3).unwrap();
+                let supply = supply(study, &arm.units, NOMINAL_MASSES).unwrap();
+                (entry.build(&tuning, &supply).unwrap(), supply)
+            };
+            let mut left = vec![None; studies.len()];
+            let show = |place: usize, _: &Study, trial: Result<super::Trial, _>| {
+                left[place] = Some(trial.unwrap().outcome);
+            };
+            run_many(entry, &arm.units, studies.iter(), |_, study| Ok(made(study)), show);
+            for (study, left) in studies.iter().zip(left) {
+                let (law, supply) = made(study);
+                let alone = run_with(entry, law, &supply, (study, &arm.units)).unwrap();
+                assert!(left == Some(alone.outcome), "{id}: {}", study.title);
+            }
+        }
+    }
 
     /// Late by a fifth of a second, and beside the path by a little: the first does not count, the second does.
     #[test]
