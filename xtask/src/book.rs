@@ -42,7 +42,7 @@ const FIGURES: [(&str, &str, &str); 6] = [
 ];
 
 /// Documents outside of the book whose links are followed too.
-const DOCUMENTS: [&str; 10] = [
+const DOCUMENTS: [&str; 11] = [
     "README.md",
     "GLOSSARY.md",
     "NOTATION.md",
@@ -53,6 +53,7 @@ const DOCUMENTS: [&str; 10] = [
     "docs/study.md",
     "docs/reliability.md",
     "docs/zoo.md",
+    "docs/speed.md",
 ];
 
 /// One fenced block of a page.
