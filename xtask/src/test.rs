@@ -147,8 +147,9 @@ fn browser(root: &Path) -> Result<(), String> {
     command(&folder, "node", &arguments)?;
     let small = "compare studies/table1.toml --quick --only pd,computed-torque,proposed-2 --worlds exact,friction";
     let out = root.join("out/browser-compare").display().to_string();
-    let words = ["phihat"].into_iter().chain(small.split(' ')).chain(["--out", &out]);
-    cargo(root, &words.collect::<Vec<_>>())?;
+    let words: Vec<_> = small.split(' ').chain(["--out", &out]).collect();
+    let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
+    command(root, &program, &words)?;
     command(&folder, "node", &["check.mjs", "--comparison", &format!("{out}/report.html")])?;
     // Made anew: what an earlier program left there says nothing of this one.
     let _ = std::fs::remove_dir_all(root.join(pages::FOLDER));
@@ -174,12 +175,19 @@ fn browser(root: &Path) -> Result<(), String> {
     studio(root, &folder)
 }
 
-/// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, and a record.
+/// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, a record, an arm
+/// with a mesh, and a log.
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
     let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
     let at = |path: &str| root.join(path).display().to_string();
     let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
     command(folder, "node", &["studio.mjs", &program, &study, &gains])?;
     command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])?;
-    command(folder, "node", &["studio.mjs", &program, "--replay", &at("out/panda")])
+    command(folder, "node", &["studio.mjs", &program, "--replay", &at("out/panda")])?;
+    command(folder, "node", &["studio.mjs", &program, "--mesh"])?;
+    // A log, played on the study that it is of.
+    let (study, out) = (at("studies/first.toml"), at("out/browser-log"));
+    let log = format!("{out}/first.mcap");
+    command(root, &program, &["run", &study, "--out", &out, "--mcap", &log, "--quiet"])?;
+    command(folder, "node", &["studio.mjs", &program, &study, "--replay", &log])
 }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::Page;
 use phihat_report::kit::number::{number, stated};
-use phihat_report::kit::text::line;
+use phihat_report::kit::text::{line, parted};
 
 /// The self-contained page of a fault matrix. `command` is the one that made it, without `--only`.
 pub fn faults_page(summary: &Summary, command: &str) -> String {
@@ -20,11 +20,13 @@ pub fn faults_page(summary: &Summary, command: &str) -> String {
         }
         (heat_map(summary))
         h2 id="runs" { "Every run" }
-        p { "Each line's command repeats that very run and keeps its study, trace and report." }
+        p { "Each line's command, " code { (line(command)) " --only RUN --trace" } ", repeats that very run and keeps its study, trace and report. "
+            "What missed a bar is open." }
         @for fault in &summary.faults { (runs(summary, fault, command)) }
         (not_claimed())
     };
-    Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+    Page { title: &title, style: include_str!("page.css"), script: Some(include_str!("page.js")) }
+        .document(&main)
 }
 
 fn verdict(summary: &Summary) -> Markup {
@@ -60,6 +62,7 @@ fn columns(summary: &Summary) -> Vec<(&str, usize)> {
 
 fn heat_map(summary: &Summary) -> Markup {
     let columns = columns(summary);
+    let severities = summary.faults.iter().map(|fault| fault.levels.len()).max().unwrap_or(0);
     html! {
         h2 id="map" { "Heat map" }
         p.key {
@@ -72,20 +75,27 @@ fn heat_map(summary: &Summary) -> Markup {
             table.map {
                 thead { tr {
                     th scope="col" { "fault" }
-                    th.what scope="col" { "severity" }
-                    @for (arm, order) in &columns { th scope="col" { (line(arm)) br; "m = " (order) } }
+                    @for (arm, order) in &columns { @for severity in 1..=severities {
+                        th.first[severity == 1] scope="col" { (line(arm)) ", m = " (order) br; (severe(severity, severities)) }
+                    } }
                 } }
-                tbody { @for fault in &summary.faults { @for severity in 1..=fault.levels.len() {
-                    tr.first[severity == 1] {
-                        th scope="row" { (line(&fault.row)) " " (line(&fault.name)) }
-                        th.what scope="row" { (level(fault, severity)) }
-                        @for (arm, order) in &columns {
-                            (cell(summary, fault, severity, (arm, *order)))
-                        }
-                    }
+                tbody { @for fault in &summary.faults { tr {
+                    th scope="row" { (line(&fault.row)) " " (parted(&fault.name)) }
+                    @for (arm, order) in &columns { @for severity in 1..=severities {
+                        (cell(summary, fault, severity, (arm, *order)))
+                    } }
                 } } }
             }
         }
+    }
+}
+
+/// A severity in words: the first is mild, the last severe.
+fn severe(severity: usize, of: usize) -> &'static str {
+    match severity {
+        1 => "mild",
+        last if last == of => "severe",
+        _ => "medium",
     }
 }
 
@@ -112,9 +122,10 @@ fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usiz
         (shade(worst, bar), "")
     };
     let stopped = runs.iter().filter_map(|run| run.cell()).filter(|c| c.stopped.is_some()).count();
-    html! { td class=(class) { a href=(format!("#{}", anchor(&first.name))) {
+    let (first_of_arm, level) = ((severity == 1).then_some("first"), level(fault, severity));
+    html! { td class={ (class) @if let Some(first) = first_of_arm { " " (first) } } { a href=(format!("#{}", anchor(&first.name))) {
         (mark) (number(MILLI * worst))
-        span.note { @if stopped == 0 { "goes on" } @else { (stopped) " of " (runs.len()) " stop" } }
+        span.note { (level) " · " @if stopped == 0 { "goes on" } @else if runs.len() == 1 { "stops" } @else { (stopped) " of " (runs.len()) " stop" } }
     } } }
 }
 
@@ -135,8 +146,12 @@ fn anchor(name: &str) -> String {
 
 fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
     let of = || summary.runs.iter().filter(|run| run.fault == fault.name);
-    html! {
-        h3 { (line(&fault.row)) " · " (line(&fault.name)) }
+    let (all, kept) = (of().count(), of().filter(|run| run.missed.is_empty()).count());
+    html! { details.fault open[kept < all] {
+        summary {
+            strong { (line(&fault.row)) " · " (line(&fault.name)) } " "
+            span class=(if kept < all { "outside" } else { "note" }) { (kept) " of " (all) " kept every bar" }
+        }
         p { (line(&fault.what)) ": " (levels(fault)) ". " (bars(fault)) }
         div.scroll.runs tabindex="0" role="region" aria-label=(format!("Table: runs of {}", line(&fault.name))) {
             table {
@@ -155,7 +170,7 @@ fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
                 tbody { @for run in of() { (row(run, command)) } }
             }
         }
-    }
+    } }
 }
 
 fn row(run: &RunRecord, command: &str) -> Markup {

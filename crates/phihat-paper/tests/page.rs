@@ -71,7 +71,7 @@ fn counts_are_those_of_the_verdicts() {
     let counts: Vec<_> = all(&document, ".counts li").iter().map(text).collect();
     assert_eq!(
         counts,
-        ["✓ 2 holds as printed", "◐ 0 holds with a correction", "✗ 1 refuted", "? 1 open"]
+        ["✓ 2 hold as printed", "◐ 0 hold with a correction", "✗ 1 refuted", "? 1 open"]
     );
     assert!(
         text(&all(&document, ".verdict")[0])

@@ -6,7 +6,7 @@
   const stage = document.querySelector(".stage");
   if (!stage || !data.arm || !data.joints.length || !times.length) return;
   const canvas = document.getElementById("arm-view");
-  const gl = canvas.getContext("webgl2", { antialias: true, stencil: true, alpha: true, premultipliedAlpha: false });
+  const gl = canvas.getContext("webgl2", { antialias: true, stencil: true, alpha: true });
   if (!gl) return;
 
   // ── Mathematics: 4 × 4 matrices column by column.

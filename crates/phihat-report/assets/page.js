@@ -151,6 +151,25 @@
     });
   }
 
+  // Keys zoom at the cursor and move in time.
+  function zoomsByKeys(u) {
+    Object.assign(u.over, { tabIndex: 0, role: "application" });
+    u.over.setAttribute("aria-label", "Plot over time. Plus and minus zoom at the cursor; left and right move; 0 shows everything.");
+    u.over.addEventListener("keydown", (e) => {
+      if (e.ctrlKey || e.metaKey || e.altKey) return;
+      const [first, last, { min, max }] = [u.data[0][0], u.data[0].at(-1), u.scales.x];
+      const at = clock.t >= min && clock.t <= max ? clock.t : 0.5 * (min + max);
+      const by = (factor) => [at - (at - min) * factor, at + (max - at) * factor];
+      const moved = (share) => { const d = Math.min(Math.max(share * (max - min), first - min), last - max); return [min + d, max + d]; };
+      const ends = { "+": by(0.5), "-": by(2), 0: [first, last], ArrowLeft: moved(-0.2), ArrowRight: moved(0.2) }[e.key];
+      if (!ends) return;
+      e.preventDefault();
+      const [low, high] = [Math.max(ends[0], first), Math.min(ends[1], last)];
+      // Some samples are left to be seen.
+      if (high - low > 8 * (last - first) / u.data[0].length) u.setScale("x", { min: low, max: high });
+    });
+  }
+
   // A finger that goes sideways zooms, one that taps reads, two taps show everything.
   function touchable(u) {
     let [from, to, tapped] = [null, null, 0];
@@ -203,6 +222,7 @@
     u.over.addEventListener("mouseleave", () => requestAnimationFrame(() => place(clock.t)));
     touchable(u);
     keyed(u);
+    zoomsByKeys(u);
     plots.push({ u, chart, host });
     return u;
   }

@@ -178,8 +178,8 @@ fn weights(joint: &JointCertificate) -> Markup {
         @if let Some(c) = certified {
             details {
                 summary { "H-infinity optimality: γ = " (number(c.gamma)) " at K̃ = " (number(c.k_tilde)) " 1/s; Q and S" }
+                p { "Weights of the game (13), for M̄ = 1 kg·m²; the last column is the diagonal of Q." }
                 table {
-                    caption { span { "Weights of the game (13), for M̄ = 1 kg·m²; the last column is the diagonal of Q" } }
                     tbody { @for (row, q) in c.s.iter().zip(&c.q) { tr {
                         @for entry in row { td { (number(*entry)) } }
                         td { (number(*q)) }

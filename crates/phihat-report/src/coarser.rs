@@ -1,7 +1,7 @@
 //! What becomes of the tube behind coarser encoders.
 
 use crate::kit::number::number;
-use crate::kit::text::line;
+use crate::kit::text::{line, parted, prose};
 use crate::kit::{MILLI, own_unit};
 use maud::{Markup, html};
 use phihat_design::Gains;
@@ -19,8 +19,8 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                 caption { span { "The same gains behind coarser encoders: largest |e| after settling by the tube, in mrad" } }
                 thead { tr {
                     th scope="col" { "bits" }
-                    @for joint in &tube.joints { th scope="col" { (line(&joint.name)) } }
-                    th scope="col" { "largest |Δτ| " span.unit { "[N·m]" } }
+                    @for joint in &tube.joints { th.name scope="col" { (parted(&joint.name)) } }
+                    th scope="col" { (prose("largest |Δτ|")) " " span.unit { "[N·m]" } }
                     th scope="col" { "limit of torque rate" }
                 } }
                 tbody {
@@ -30,7 +30,7 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                         @if let Some(why) = &one.refused {
                             tr {
                                 th scope="row" { (bits) }
-                                td colspan=(errors.len() + 2) { "no tube: " (line(why)) }
+                                td.why colspan=(errors.len() + 2) { "no tube: " (line(why)) }
                             }
                         } @else {
                             (row(&bits, (&one.error_max_rad, &one.torque_step_max_nm), &slides, one.within_rate_limits))
@@ -52,6 +52,6 @@ fn row(bits: &str, (errors, steps): (&[f64], &[f64]), slides: &[bool], within: b
         th scope="row" { (bits) }
         @for (error, slides) in errors.iter().zip(slides) { td { (number(error * MILLI)) (own_unit("mrad", *slides)) } }
         td { (number(largest)) }
-        td { @if within { "cannot act" } @else { "can act" } }
+        td.whole { @if within { "cannot act" } @else { "can act" } }
     } }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use phihat_design::{CoupledGains, Gains};
 
 use crate::kit::number::number;
-use crate::kit::text::line;
+use crate::kit::text::{line, parted};
 use crate::kit::{MILLI, unit_of};
 
 /// The coupled gains, or nothing where there are none.
@@ -88,7 +88,7 @@ fn matrix(
                 caption { span { (caption) " of the row's joint, frozen postures " } span.unit { "[" (unit) "]" } }
                 thead { tr {
                     th scope="col" { "joint" }
-                    @for name in names { th scope="col" { "on " (line(name)) } }
+                    @for name in names { th.name scope="col" { "on " (parted(name)) } }
                 } }
                 tbody { @for (i, (name, row)) in names.iter().zip(rows).enumerate() { tr {
                     th scope="row" { (line(name)) }

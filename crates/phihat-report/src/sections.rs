@@ -25,7 +25,7 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
                     th scope="col" { "K_p " span.unit { "[1/s²]" } }
                     th scope="col" { "K_d " span.unit { "[1/s]" } }
                     th scope="col" { "m" }
-                    @for i in 0..order { th scope="col" { "a_" (i) " " span.unit { "[1/s^(m−" (i) ")]" } } }
+                    @for i in 0..order { th scope="col" { "a_" (i) " " (unit_of_coefficient(i, &gains.joints)) } }
                 } }
                 tbody { @for joint in &gains.joints { tr {
                     th scope="row" { (line(&joint.name)) }
@@ -41,7 +41,15 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
     }
 }
 
-/// Laws from positions.
+/// The unit of the `i`-th coefficient, where all joints have one order; else with the order's letter.
+fn unit_of_coefficient(i: usize, joints: &[JointRecord]) -> Markup {
+    let order = joints.first().map_or(0, |joint| joint.a.len());
+    if joints.iter().all(|joint| joint.a.len() == order) {
+        return unit_of_order(order.saturating_sub(i));
+    }
+    html! { span.unit { "[1/s" sup { "m" @if i > 0 { "−" (i) } } "]" } }
+}
+
 /// The unit of a gain that makes the `i`-th derivative of what an angle is off.
 fn unit_of_order(i: usize) -> Markup {
     let text = match i {
@@ -54,6 +62,7 @@ fn unit_of_order(i: usize) -> Markup {
     html! { span.unit { (text) } }
 }
 
+/// Laws from positions.
 fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
     let states = joints.iter().map(|(_, own)| own.correction.len()).max().unwrap_or(0);
     html! {

@@ -1,7 +1,7 @@
 //! The figures per joint, each beside its bound.
 
 use crate::kit::number::{number, percent, stated};
-use crate::kit::text::line;
+use crate::kit::text::{line, prose};
 use crate::kit::{MILLI, own_unit};
 use crate::verdict::{CLAUSES, Clause, excess, share};
 use maud::{Markup, html};
@@ -17,10 +17,10 @@ pub fn tracking(metrics: &Metrics) -> Markup {
                 thead { tr {
                     th scope="col" { "joint" }
                     @for clause in &CLAUSES {
-                        th scope="col" { "largest " (clause.symbol) ", steady" (unit(clause.unit)) }
+                        (heading(&format!("largest {}, steady", clause.symbol), clause.unit))
                     }
-                    th scope="col" { "RMS of e, steady" (unit("mrad")) }
-                    th scope="col" { "largest |e|, whole run" (unit("mrad")) }
+                    (heading("RMS of e, steady", "mrad"))
+                    (heading("largest |e|, whole run", "mrad"))
                 } }
                 tbody { @for joint in &metrics.joints { tr {
                     th scope="row" { (line(&joint.name)) }
@@ -41,13 +41,13 @@ pub fn torque(metrics: &Metrics) -> Markup {
                 caption { span { "Torque and estimate per joint, against the limits in force" } }
                 thead { tr {
                     th scope="col" { "joint" }
-                    th scope="col" { "largest |τ| applied" (unit("N·m")) }
-                    th scope="col" { "largest |Δτ| commanded" (unit("N·m per sample")) }
-                    th scope="col" { "torque limit met" (unit("samples")) }
-                    th scope="col" { "rate limit met" (unit("samples")) }
-                    th scope="col" { "either met, steady" (unit("% of samples")) }
-                    th scope="col" { "largest |φ|" (unit("N·m")) }
-                    th scope="col" { "largest |φ − φ̂|, steady" (unit("N·m")) }
+                    (heading("largest |τ| applied", "N·m"))
+                    (heading("largest |Δτ| commanded", "N·m per sample"))
+                    (heading("torque limit met", "samples"))
+                    (heading("rate limit met", "samples"))
+                    (heading("either met, steady", "% of samples"))
+                    (heading("largest |φ|", "N·m"))
+                    (heading("largest |φ − φ̂|, steady", "N·m"))
                 } }
                 tbody { @for joint in &metrics.joints { tr {
                     th scope="row" { (line(&joint.name)) }
@@ -66,8 +66,9 @@ pub fn torque(metrics: &Metrics) -> Markup {
     }
 }
 
-fn unit(text: &str) -> Markup {
-    html! { " " span.unit { "[" (text) "]" } }
+fn heading(text: &str, unit: &str) -> Markup {
+    let text = prose(text).replace(" − ", "\u{a0}−\u{a0}");
+    html! { th scope="col" { (text) " " span.unit { "[" (unit) "]" } } }
 }
 
 fn against_spec(clause: &Clause, joint: &JointMetrics) -> Markup {

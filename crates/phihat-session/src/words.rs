@@ -51,7 +51,7 @@ pub(crate) fn unstable(
 pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
     let world = &study.world;
     let mut lines = vec![
-        ("gravity".to_owned(), format!("{:?} m/s²", world.gravity)),
+        ("gravity".to_owned(), format!("{} m/s²", world.gravity.map(|g| g.to_string()).join(", "))),
         ("identified friction of the robot".to_owned(), yes_no(world.robot_friction)),
         ("Coulomb friction on top".to_owned(), per_joint(&world.extra_coulomb, "N·m")),
         ("viscous friction on top".to_owned(), per_joint(&world.extra_viscous, "N·m·s/rad")),
@@ -83,7 +83,8 @@ pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
         lines.push(("velocity filter".to_owned(), format!("first order, {filter} Hz")));
     }
     lines.extend(trouble(study));
-    lines.push(("plant".to_owned(), format!("RK4, {} step(s) per sample", world.substeps)));
+    let steps = if world.substeps == 1 { "step" } else { "steps" };
+    lines.push(("plant".to_owned(), format!("RK4, {} {steps} per sample", world.substeps)));
     lines
 }
 

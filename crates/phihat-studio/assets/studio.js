@@ -32,7 +32,7 @@
   const unit = (j) => (state.slides[j] ? "mm" : "mrad");
   const torqueUnit = (j) => (state.slides[j] ? "N" : "N·m");
   $("title").textContent = state.title || state.study;
-  $("byline").textContent = `study ${state.study} · ${state.robot}, ${n} ${n === 1 ? "joint" : "joints"} at ${state.rate_hz} Hz · gains: ${state.method} · simulated`;
+  $("byline").textContent = `study ${state.study} · ${state.robot}, ${n} ${n === 1 ? "joint" : "joints"} at ${state.rate_hz} Hz · gains: ${state.method} · ${state.record_s == null ? "simulated" : "recorded"}`;
   if (state.warnings.length) tell(state.warnings.join(" · "));
 
   // ── What the view of the arm reads: first the motion, for its path; then what there is now.
@@ -252,7 +252,7 @@
   if (state.record_s != null) {
     $("seek-row").hidden = false;
     $("seek").max = state.record_s;
-    $("again").textContent = "from its begin";
+    $("again").textContent = "from its start";
     for (const id of ["desk", "study"]) $(id).hidden = true;
     const to = slowly((t) => order("/seek", { t }));
     $("seek").addEventListener("input", () => to(Number($("seek").value)));
@@ -364,7 +364,7 @@
     if (found.refused) line("refused", found.refused);
     if (figures) {
       const pair = (range) => (range ? `${show(range[0])} to ${show(range[1])}` : "none");
-      line("armed", figures.armed ? (found.now ? "yes: they run now" : "yes: from the next begin on") : `no: ${figures.why}`);
+      line("armed", figures.armed ? (found.now ? "yes: they run now" : "yes: from the next start on") : `no: ${figures.why}`);
       line("inertia window", pair(figures.window));
       line("range of the arm in it", pair(figures.arm));
       line("margins", figures.phase_deg == null ? "–" : `phase ${show(figures.phase_deg)}°, delay ${show(figures.delay_ms)} ms, modulus ${show(figures.modulus)}`);

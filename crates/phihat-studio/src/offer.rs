@@ -80,13 +80,13 @@ pub(crate) const OFFERS: [Offer; 11] = [
     ),
     sized(
         (FaultKind::SampleLoss, "sample_loss", "measurements lost"),
-        "",
+        "of all",
         (0.0, 1.0, 0.0, 0.01),
         false,
     ),
     sized(
         (FaultKind::CommandLoss, "command_loss", "commands lost"),
-        "",
+        "of all",
         (0.0, 1.0, 0.0, 0.01),
         false,
     ),

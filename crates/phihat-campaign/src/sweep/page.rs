@@ -29,11 +29,14 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
             "A run that did not come to its end counts as worse than any number (∞)." }
         (table(summary))
         h2 { "Distributions" }
-        p { "Bars: how many runs; curve: the share of runs at or below a value; dashed: the bound." }
-        div.plots { @for figure in &summary.figures { figure {
+        p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the bound." }
+        div.plots { @for figure in summary.figures.iter().filter(|figure| differs(figure)) { figure {
             (distribution(&figure.name, &figure.unit, &figure.curve, bound(figure)))
             figcaption { (line(&figure.what)) }
         } } }
+        @for figure in summary.figures.iter().filter(|figure| !differs(figure)) {
+            p { (line(&figure.what)) ": " (shown(figure.least)) @if !figure.unit.is_empty() { "\u{a0}" (line(&figure.unit)) } " in every run." }
+        }
         h2 { "Errors against what varied" }
         (scatters(summary, drawn))
         h2 id="worst" { "The worst runs" }
@@ -44,6 +47,11 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
             "a share of runs is no certificate." }
     };
     Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+}
+
+/// Whether there is a distribution to draw.
+fn differs(figure: &FigureRecord) -> bool {
+    figure.least.total_cmp(&figure.largest).is_ne()
 }
 
 fn bound(figure: &FigureRecord) -> Option<f64> {

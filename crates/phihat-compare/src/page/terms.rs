@@ -18,8 +18,8 @@ pub(super) fn fairness(comparison: &Comparison, command: &str) -> Markup {
                 (terms.tuning_runs) " evaluations for every law with a free scalar, on every arm"
                 @if terms.widenings > 0 { ", and as many again up to " (terms.widenings) " times where the best gains are at an end of a range, which is then widened tenfold" }
             }
-            dt { "tuned on" } dd { (motions) " motions of " (stated(length)) " s in the worlds “" (line(&terms.training_worlds.join("”, “"))) "”" }
-            dt { "scored on" } dd { (terms.seeds) " other motions of " (stated(terms.scored_s)) " s in every world; the study's own is the first" }
+            dt { "tuned on" } dd { (motions) @if motions == 1 { " motion of " } @else { " motions of " } (stated(length)) " s in the worlds “" (line(&terms.training_worlds.join("”, “"))) "”" }
+            dt { "scored on" } dd { (terms.seeds) @if terms.seeds == 1 { " other motion of " } @else { " other motions of " } (stated(terms.scored_s)) " s in every world" @if terms.seeds > 1 { "; the study's own is the first" } @else { ": the study's own" } }
             dt { "nominal model" } dd { "links " (stated(terms.nominal_masses)) " times as heavy as the arm's, for every law that is handed a model, in every world" }
             dt { "cap on torque noise" } dd { (stated(terms.noise_cap)) " of the joint's torque limit, for tuned gains" }
             dt { "share of draws" } dd { (terms.draws) " draws of gains within a decade of the default ones" }

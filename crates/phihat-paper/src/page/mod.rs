@@ -4,7 +4,7 @@ use crate::record::{Origin, Reproduction, Section, Table, Verdict};
 use maud::{Markup, PreEscaped, html};
 
 use crate::figure::draw as reproduction_figure;
-use phihat_report::kit::text::{line, prose};
+use phihat_report::kit::text::{coded, line, prose};
 use phihat_report::kit::{Page, anchor};
 
 mod coverage;
@@ -56,7 +56,7 @@ fn part(section: &Section) -> Markup {
                     @if count > 0 { span.tally title=(verdict.words()) { (verdict.sign()) " " (count) } }
                 }
             }
-            @for paragraph in &section.text { p { (prose(paragraph)) } }
+            @for paragraph in &section.text { p { (coded(paragraph)) } }
             (statement::table(section))
             @for figure in &section.figures {
                 figure.claim id=(anchor("figure", &figure.id)) {

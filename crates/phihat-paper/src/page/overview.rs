@@ -34,8 +34,9 @@ pub(super) fn header(reproduction: &Reproduction) -> Markup {
             div.verdict {
                 p { strong { (correct) " of " (count) " statements of the paper hold as printed." } }
                 ul.counts { @for verdict in Verdict::ALL {
-                    @let (class, sign, word) = (class(verdict), verdict.sign(), verdict.words());
-                    li.(class) { span.sign { (sign) } " " (of(reproduction, verdict).count()) " " (word) }
+                    @let (class, sign, count) = (class(verdict), verdict.sign(), of(reproduction, verdict).count());
+                    @let word = if count == 1 { verdict.words().to_owned() } else { verdict.words().replace("holds", "hold") };
+                    li.(class) { span.sign { (sign) } " " (count) " " (word) }
                 } }
                 @if again + ours > 0 {
                     p { "Not counted: " (again) " statements looked at once more, and " (ours) " findings of this project." }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use super::words::{class, whose};
 use phihat_report::kit::anchor;
 use phihat_report::kit::number::{percent, stated};
-use phihat_report::kit::text::{line, prose};
+use phihat_report::kit::text::{coded, line, prose};
 
 pub(super) fn table(section: &Section) -> Markup {
     let title = line(&section.title);
@@ -37,7 +37,7 @@ fn row(statement: &Statement) -> Markup {
             }
             td data-label="what is stated" {
                 (prose(&statement.claim))
-                p.why { (prose(&statement.why)) }
+                p.why { (coded(&statement.why)) }
                 (evidence(statement))
             }
             td data-label="paper" { (prose(&statement.paper)) }
@@ -102,7 +102,8 @@ fn value(number: &Number) -> Markup {
         }
         @if !number.unit.is_empty() && number.value.is_some() { " " (line(&number.unit)) }
         @if number.value.is_some() {
-            span.unit { " (agrees within " (percent(number.tolerance, 1.0)) ")" }
+            @if number.tolerance > 1.0 { span.unit { " (rounding; agrees up to " (stated(number.tolerance)) " times)" } }
+            @else { span.unit { " (agrees within " (percent(number.tolerance, 1.0)) ")" } }
         }
     }
 }

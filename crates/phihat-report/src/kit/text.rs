@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use maud::{Markup, html};
+
 /// Writes characters that steer a terminal, a parser or the direction of writing as their code
 /// points, so that a page shows what a file holds and XML can carry it.
 ///
@@ -45,6 +47,19 @@ pub fn prose(text: &str) -> String {
         }
     }
     shown
+}
+
+/// As [`prose`], what stands between backticks as code.
+pub fn coded(text: &str) -> Markup {
+    let prose = prose(text);
+    let parts = prose.split('`').enumerate();
+    html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
+/// As [`line()`], with leave to break behind an underscore: a name at the head of a narrow column.
+pub fn parted(text: &str) -> Markup {
+    let line = line(text);
+    html! { @for part in line.split_inclusive('_') { (part) wbr; } }
 }
 
 /// At most `limit` characters, for the narrow title of a panel.

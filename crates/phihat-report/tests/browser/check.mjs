@@ -13,6 +13,7 @@
 
 import { chromium } from "playwright-core";
 import { existsSync, mkdirSync, readFileSync, statSync } from "node:fs";
+import { cpus, loadavg } from "node:os";
 import { basename, dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { graveFaults, mouseOnly, tellsByKeys, tellsByTouch } from "./everywhere.mjs";
@@ -81,7 +82,9 @@ async function looks(browser, file) {
     const claims = await page.locator(".claim svg[role=img]").evaluateAll((all) => all.map((svg) => svg.getBoundingClientRect()));
     const certified = (await page.locator("#certificate").count()) === 1;
     check(name, `${view}: a certificate brings its figures`, certified ? claims.length >= 2 : claims.length === 0, `${claims.length}`);
-    check(name, `${view}: they fill the page and keep inside`, claims.every((box) => box.width > 250 && box.left >= 0 && box.right <= options.viewport.width && box.height > 80));
+    check(name, `${view}: they fill the page, and their letters can be read`, claims.every((box) => box.width > 500 && box.left >= 0 && box.height > 80));
+    const frames = await page.locator(".claim").evaluateAll((all) => all.map((figure) => figure.getBoundingClientRect().right));
+    check(name, `${view}: they keep inside`, frames.every((right) => right <= options.viewport.width), `${frames}`);
     check(name, `${view}: static figures are hidden`, !(await page.locator(".static").isVisible()));
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
@@ -263,6 +266,48 @@ function traceOf(file) {
 const COLUMNS = { q: ["q_rad", 1], q_d: ["q_desired_rad", 1], e: ["e_rad", 1e3], "ė": ["de_rad_s", 1e3], "τ applied": ["tau_applied_nm", 1], "τ commanded": ["tau_command_nm", 1], "φ": ["phi_nm", 1], "φ̂": ["phi_hat_nm", 1] };
 const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 
+// How soon a page is there and how smoothly it scrolls: told and never asserted, since both are the machine's affair.
+async function measured(browser, file) {
+  const [came, gaps, work] = [[], [], []];
+  for (let k = 0; k < 3; k += 1) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+    const page = await context.newPage();
+    await page.addInitScript(() => {
+      globalThis.came = {};
+      const look = () => { for (const name of ["live", "alive"]) if (document.documentElement?.classList.contains(name) && !(name in came)) { came[name] = null; requestAnimationFrame(() => setTimeout(() => { came[name] = performance.now(); })); } };
+      new MutationObserver(look).observe(document, { attributes: true, subtree: true, attributeFilter: ["class"] });
+    });
+    await page.goto(pathToFileURL(resolve(file)).href);
+    await page.waitForFunction(() => came.alive, null, { timeout: 30_000 }).catch(() => {});
+    came.push(await page.evaluate(() => ({ words: performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? NaN, plots: came.live ?? NaN, arm: came.alive ?? NaN })));
+    // The page's own work, without waiting for others on the machine.
+    const counted = await context.newCDPSession(page);
+    await counted.send("Performance.enable", { timeDomain: "threadTicks" });
+    const busy = async () => (await counted.send("Performance.getMetrics")).metrics.find(({ name }) => name === "TaskDuration").value;
+    const before = await busy();
+    // From top to bottom in three seconds, a step for each picture.
+    gaps.push(await page.evaluate(() => new Promise((done) => {
+      const [far, list, start] = [document.documentElement.scrollHeight - innerHeight, [], performance.now()];
+      let last = null;
+      const step = (now) => {
+        if (last != null) list.push(now - last);
+        last = now;
+        const share = (performance.now() - start) / 3000;
+        scrollTo(0, far * Math.min(share, 1));
+        if (share < 1) requestAnimationFrame(step); else done(list.sort((a, b) => a - b));
+      };
+      requestAnimationFrame(step);
+    })));
+    work.push(1e3 * (await busy() - before) / gaps.at(-1).length);
+    await context.close();
+  }
+  const middle = (of) => [...of].sort((a, b) => a - b)[1].toFixed(0);
+  const rate = (list) => 1e3 * list.length / list.reduce((sum, gap) => sum + gap, 0);
+  const late = (list) => list[Math.floor(0.95 * (list.length - 1))];
+  console.log(`${basename(dirname(resolve(file)))}: ${(statSync(file).size / 1e6).toFixed(2)} MB; drawn after ${middle(came.map((c) => c.words))} ms (words and tables), ${middle(came.map((c) => c.plots))} ms (plots), ${middle(came.map((c) => c.arm))} ms (the arm); `
+    + `scrolls at ${middle(gaps.map(rate))} pictures per second, 95 % of them within ${middle(gaps.map(late))} ms, each ${[...work].sort((a, b) => a - b)[1].toFixed(1)} ms of the page's own work; middle of three, drawn by software, ${cpus().length} cores, load ${loadavg()[0].toFixed(1)}`);
+}
+
 // What is shown at a zoom has the extremes of the trace: in its data, and in its pixels.
 async function honest(browser, file) {
   const [name, trace] = [basename(file), traceOf(file)];
@@ -417,6 +462,21 @@ async function works(browser, file) {
   const reset = await timeAt(page, other, 0);
   check(name, "a double click resets every plot", reset < 0.02 * data.end_s, `${reset}`);
 
+  // By keys: nearer, all plots; further, and everything.
+  const spans = () => page.evaluate(() => document.getElementById("cards").plots().filter(({ chart }) => !chart.phase).map(({ u }) => [u.scales.x.min, u.scales.x.max]));
+  await page.locator("#cards .u-over[tabindex]").first().focus();
+  await page.keyboard.press("+");
+  await painted(page, 50);
+  const near = await spans();
+  check(name, "a key zooms every plot", near.every(([a, b]) => Math.abs(b - a - 0.5 * data.end_s) < 0.02 * data.end_s), JSON.stringify(near));
+  await page.keyboard.press("ArrowRight");
+  await painted(page, 50);
+  const moved = await spans();
+  check(name, "a key moves every plot in time", moved.every(([a, b], i) => b > near[i][1] && Math.abs(b - a - (near[i][1] - near[i][0])) < 1e-6), JSON.stringify(moved));
+  await page.keyboard.press("0");
+  await painted(page, 50);
+  check(name, "a key shows everything again", (await spans()).every(([a, b]) => b - a > 0.98 * data.end_s));
+
   await page.selectOption("#joint", "-1");
   const all = await canvases(page);
   check(name, "all joints: small multiples", all.all === data.charts.length * data.joints.length, JSON.stringify(all));
@@ -564,6 +624,26 @@ async function compares(browser, file) {
   await bare.context.close();
 }
 
+// Headings of a long table stay where they are, the corner in front, however far it is scrolled.
+async function stays(browser, file) {
+  const name = basename(dirname(resolve(file)));
+  for (const width of [1280, 390]) {
+    const { context, page } = await open(browser, file, { viewport: { width, height: 800 } });
+    await page.evaluate(() => document.querySelectorAll("details.behind").forEach((part) => { part.open = true; }));
+    const found = await page.evaluate(() => [...document.querySelectorAll(".tall, .behind .scroll")].filter((part) => part.checkVisibility() && part.scrollHeight > part.clientHeight + 100).map((part) => {
+      part.scrollIntoView({ block: "start" });
+      [part.scrollTop, part.scrollLeft] = [0.5 * part.scrollHeight, 150];
+      const box = part.getBoundingClientRect();
+      const heads = [...part.querySelectorAll("thead th")].filter((th) => th.checkVisibility());
+      const corner = heads[0].getBoundingClientRect();
+      const seen = document.elementFromPoint(corner.left + 4, corner.bottom - 6);
+      return { up: heads.every((th) => Math.abs(th.getBoundingClientRect().bottom - corner.bottom) < 2 && th.getBoundingClientRect().bottom <= box.top + 0.5 * box.height), left: Math.abs(corner.left - box.left) < 2, front: heads[0].contains(seen) };
+    }));
+    check(name, `${width} px: headings stay, the corner in front`, found.length > 0 && found.every(({ up, left, front }) => up && left && front), JSON.stringify(found));
+    await context.close();
+  }
+}
+
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
   .find((path) => path && existsSync(path));
 if (!executablePath || pages.length === 0) {
@@ -576,7 +656,7 @@ const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "
 for (const file of pages) {
   try {
     if (hostile) await harmless(browser, file);
-    else if (comparison) await compares(browser, file);
+    else if (comparison) { await compares(browser, file); await stays(browser, file); }
     else if (reproduction) await reproduced(browser, file);
     else if (plain) await reads(browser, file);
     else {
@@ -584,6 +664,7 @@ for (const file of pages) {
       await works(browser, file);
       await moves(browser, file);
       await honest(browser, file);
+      await measured(browser, file);
     }
     if (!hostile) await tells(browser, file);
   } catch (error) {

@@ -18,8 +18,8 @@ const [out, ...words] = process.argv.slice(2);
 const SLICE = 1800;
 // More than this of a page that goes on like that is seen by nobody.
 const SLICES = 12;
-// A sheet of A4 without its margins, at 96 px per inch.
-const SHEET = 718;
+// A sheet of A4 without the margins of the styles, at 96 px per inch.
+const SHEET = 658;
 
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
 if (!executablePath || !out || !words.length) {
@@ -33,6 +33,8 @@ let made = 0;
 // The page from top to bottom, in slices: a window as tall as a slice, moved down. A window as tall as a long page would not be drawn.
 async function slices(page, name, width) {
   await page.setViewportSize({ width, height: SLICE });
+  // Wider or taller, plots are drawn anew, and then the page has its height.
+  await page.waitForTimeout(300);
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   const count = Math.min(SLICES, Math.ceil(height / SLICE));
   for (let k = 0; k < count; k += 1) {
@@ -73,7 +75,7 @@ async function looks(name, address, ready, print) {
   await context.close();
 }
 
-const arm = (page) => page.waitForFunction(() => { const view = document.getElementById("arm-view"); return !view || view.paint || getComputedStyle(view.closest(".stage")).display === "none"; }, null, { timeout: 30000 }).catch(() => {});
+const arm = (page) => page.waitForFunction(() => { const view = document.getElementById("arm-view"); return !view || view.paint; }, null, { timeout: 60000 }).catch(() => console.log("the arm did not come to be drawn"));
 const still = async (page) => { await arm(page); await page.waitForTimeout(600); };
 const alive = async (page) => { await page.waitForFunction(() => document.getElementById("arm-view")?.frames > 20 && document.getElementById("arm-view").paint, null, { timeout: 60000 }); await page.waitForTimeout(1500); };
 

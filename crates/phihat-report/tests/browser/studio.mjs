@@ -3,17 +3,24 @@
 //   cd crates/phihat-report/tests/browser && npm ci
 //   node studio.mjs PHIHAT STUDY [GAINS]
 //   node studio.mjs PHIHAT --replay RECORD
+//   node studio.mjs PHIHAT STUDY --replay LOG        a log (MCAP) of that study's run, in the folder of its record: positions as measured
+//   node studio.mjs PHIHAT --mesh                    an arm with a mesh of its own
 //
 // With SHOTS=FOLDER it leaves pictures there; with STRICT=1 rates and times are asserted. The last line is `N passed, N failed`; the exit code is 0 only if nothing failed.
 
 import { chromium } from "playwright-core";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
+import { dirname, join, resolve } from "node:path";
 import { graveFaults, mouseOnly } from "./everywhere.mjs";
 import { started } from "./started.mjs";
 
-const [program, study, gains] = process.argv.slice(2);
-const record = study === "--replay" ? resolve(gains) : null;
+const [program, ...words] = process.argv.slice(2);
+const at = words.indexOf("--replay");
+const replayed = at < 0 ? null : resolve(words[at + 1]);
+const log = replayed?.endsWith(".mcap") ? replayed : null;
+const mesh = words[0] === "--mesh";
+const [study, gains] = at === 0 || mesh ? [] : words;
+const record = replayed && (log ? dirname(log) : replayed);
 const shots = process.env.SHOTS;
 const count = { passed: 0, failed: 0 };
 
@@ -25,7 +32,21 @@ function check(what, holds, detail = "") {
 // What depends on who else uses the machine: told always, asserted with STRICT=1.
 const timed = (what, holds, detail) => (holds || process.env.STRICT ? check(what, holds, detail) : console.log(`slow here: ${what} ${detail}`));
 
-const { link, folder, stop } = await started(program, record ? { record } : { study, gains });
+// A mesh of twelve triangles: a box of these edges [m], from the link's axes on.
+const corner = (size, k) => size.map((edge, i) => (k >> i) & 1 ? edge : 0);
+const FACES = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
+const stl = (size) => `solid box\n${FACES.map((face) => `facet normal 0 0 0\nouter loop\n${face.map((k) => `vertex ${corner(size, k).join(" ")}`).join("\n")}\nendloop\nendfacet`).join("\n")}\nendsolid box\n`;
+const obj = (size) => [...Array.from({ length: 8 }, (_, k) => `v ${corner(size, k).join(" ")}`), ...FACES.map((face) => `f ${face.map((k) => k + 1).join(" ")}`)].join("\n");
+
+// The planar arm, its first link with a mesh in this file.
+function meshed(name, text) {
+  const robots = new URL("../../../phihat-model/robots/", import.meta.url);
+  const urdf = readFileSync(new URL("planar3r.urdf", robots), "utf8").replace('<link name="link1">', `<link name="link1"><visual><geometry><mesh filename="${name}"/></geometry></visual>`);
+  const first = readFileSync(new URL("../../../../studies/first.toml", import.meta.url), "utf8").replace('name = "planar3r"', 'file = "planar3r.toml"');
+  return [["meshed.toml", first], ["planar3r.urdf", urdf], ["planar3r.toml", readFileSync(new URL("planar3r.toml", robots), "utf8")], [name, text]];
+}
+
+let { link, folder, stop } = await started(program, mesh ? { files: meshed("box.stl", stl([0.3, 0.1, 0.1])) } : log ? { study, log } : record ? { record } : { study, gains });
 
 const executablePath = process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
@@ -163,7 +184,7 @@ async function works() {
 async function plays() {
   const { context, page, errors } = await opened({ viewport: { width: 1300, height: 1000 }, colorScheme: "light" });
   const [head, ...lines] = readFileSync(join(record, "trace.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
-  const [time, joint, position] = ["t_s", "joint", "q_rad"].map((name) => head.indexOf(name));
+  const [time, joint, position] = ["t_s", "joint", log ? "q_measured_rad" : "q_rad"].map((name) => head.indexOf(name));
   check("what can be done to a run is not offered", (await page.locator("#desk").isHidden()) && (await page.locator("#study").isHidden()));
   await page.locator("#pause").click();
   const seek = page.locator("#seek");
@@ -187,6 +208,30 @@ async function plays() {
   await context.close();
 }
 
+// A mesh of a file of one's own is what is drawn: its corners, and as large as it is.
+async function shaped() {
+  const seen = [];
+  for (const [what, size, again] of [["STL", [0.3, 0.1, 0.1], null], ["OBJ", [0.1, 0.05, 0.05], (edges) => meshed("box.obj", obj(edges))]]) {
+    if (again) { stop(); ({ link, folder, stop } = await started(program, { files: again(size) })); }
+    const { context, page, errors } = await opened({ viewport: { width: 1300, height: 1000 }, colorScheme: "light" });
+    await page.locator("#pause").click();
+    await page.locator("#ghost").uncheck();
+    const [points, link1] = await page.evaluate(() => {
+      const { shapes, links } = globalThis.phihat.data.arm;
+      const [{ link }] = shapes;
+      return [document.getElementById("arm-view").shapeOf(link), shapes.length === 1 && links[link].joint === 0];
+    });
+    const corners = Array.from({ length: 8 }, (_, k) => corner(size, k));
+    const near = (a, b) => Math.hypot(...a.map((x, i) => x - b[i])) < 1e-4;
+    check(`${what}: the link has the mesh's corners, and no other`, link1 && points.every((p) => corners.some((c) => near(p, c))) && corners.every((c) => points.some((p) => near(p, c))), JSON.stringify(points.slice(0, 3)));
+    seen.push(await page.evaluate(() => { const all = document.getElementById("arm-view").pixels(); let solid = 0; for (let k = 3; k < all.length; k += 4) if (all[k] === 255) solid += 1; return solid; }));
+    check(`${what}: says nothing on the console`, errors.length === 0, errors.join("; "));
+    if (shots) await page.screenshot({ path: `${shots}/studio-mesh-${what}.png` });
+    await context.close();
+  }
+  check("the smaller one fills less of the view", seen[1] > 0 && seen[1] < 0.6 * seen[0], seen.join(" and "));
+}
+
 async function looks() {
   for (const width of [1300, 390]) {
     for (const colorScheme of ["light", "dark"]) {
@@ -205,8 +250,8 @@ async function looks() {
 
 if (shots) mkdirSync(shots, { recursive: true });
 try {
-  await (record ? plays() : works());
-  await looks();
+  await (mesh ? shaped() : record ? plays() : works());
+  if (!mesh) await looks();
 } catch (why) {
   check("no step took too long", false, why.message);
 } finally {

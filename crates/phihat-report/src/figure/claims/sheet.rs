@@ -92,8 +92,17 @@ pub(super) fn plain(value: f64) -> String {
         stated(value)
     } else {
         let text = format!("{value:.0e}");
-        text.replace("1e", "10^")
+        let (digit, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let power: String = power.chars().map(raised).collect();
+        if digit == "1" { format!("10{power}") } else { format!("{digit}·10{power}") }
     }
+}
+
+/// A digit or a sign above the line.
+fn raised(c: char) -> char {
+    let digit =
+        |d: u32| ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'].get(d as usize).copied();
+    c.to_digit(10).and_then(digit).unwrap_or('⁻')
 }
 
 /// The extent of positive values, in whole decades or widened a little.
