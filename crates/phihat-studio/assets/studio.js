@@ -363,7 +363,7 @@
     const figures = found.numbers;
     if (found.refused) line("refused", found.refused);
     if (figures) {
-      const pair = (range) => (range ? `${show(range[0])} to ${show(range[1])}` : "none");
+      const pair = (range) => (range ? `${show(range[0])} to ${show(range[1])} times M̄` : "none");
       line("armed", figures.armed ? (found.now ? "yes: they run now" : "yes: from the next start on") : `no: ${figures.why}`);
       line("inertia window", pair(figures.window));
       line("range of the arm in it", pair(figures.arm));
