@@ -16,6 +16,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::own_law::{Raised, kept};
+use crate::patience::signals;
 use crate::raised::plain;
 use crate::run::Trace;
 use crate::{failure, json};
@@ -140,10 +141,6 @@ fn refused(py: Python<'_>, why: DriveError, raised: &Raised) -> PyErr {
 struct Interrupted<'a> {
     stop: &'a AtomicBool,
     raised: Raised,
-}
-
-fn signals(py: Python<'_>) -> PyResult<()> {
-    py.check_signals()
 }
 
 impl Watch for Interrupted<'_> {

@@ -24,7 +24,7 @@ pub(crate) fn patiently<T: Send + 'static>(
         loop {
             match receiver.recv_timeout(TICK) {
                 Ok(done) => return Ok(done),
-                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+                Err(RecvTimeoutError::Timeout) => Python::attach(signals)?,
                 Err(RecvTimeoutError::Disconnected) => {
                     let why = "phihat panicked; what it printed says where";
                     return Err(PyRuntimeError::new_err(why));
@@ -32,4 +32,9 @@ pub(crate) fn patiently<T: Send + 'static>(
             }
         }
     })
+}
+
+/// What a signal that came raises.
+pub(crate) fn signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
 }

@@ -58,8 +58,9 @@ pub(crate) fn simulate(
 ) -> PyResult<Trace> {
     let (study, origin) = study::read(py, path.as_deref(), document, name)?;
     let given = gains.map(|gains| (gains.inner.clone(), Path::new("gains.json")));
-    let run = move || Ok(Session::new(study, &origin, given, uncertified)?.run(|_| ()));
-    let (done, trace) = patiently(py, run)?.map_err(|e: SessionError| failure::session(py, &e))?;
+    let run = move || Ok(Box::new(Session::new(study, &origin, given, uncertified)?.run(|_| ())));
+    let ran = patiently(py, run)?.map_err(|e: SessionError| failure::session(py, &e))?;
+    let (done, trace) = *ran;
     Ok(Trace { done, trace })
 }
 

@@ -73,7 +73,10 @@ impl<'a> Assessor<'a> {
             })
         };
         let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
-        self.runs(entry, values, plain.collect()).into_iter().map(|run| tried(run?)).collect()
+        self.runs(entry, values, &plain.collect::<Vec<_>>())
+            .into_iter()
+            .map(|run| tried(run?))
+            .collect()
     }
 
     /// The candidate over all worlds: the geometric mean of its errors \[rad\], and as violation the sum over worlds of
@@ -86,7 +89,7 @@ impl<'a> Assessor<'a> {
         let every = self.worlds.iter().flat_map(|(masses, study, trials)| {
             std::iter::once(study).chain(trials).map(|study| (*masses, study))
         });
-        let mut runs = self.runs(entry, values, every.collect()).into_iter();
+        let mut runs = self.runs(entry, values, &every.collect::<Vec<_>>()).into_iter();
         for (_, _, trials) in &self.worlds {
             match runs.next().flatten() {
                 Some((outcome, Some(figures))) => {
@@ -127,7 +130,7 @@ impl<'a> Assessor<'a> {
         &self,
         entry: &Entry,
         values: &[f64],
-        studies: Vec<(f64, &Study)>,
+        studies: &[(f64, &Study)],
     ) -> Vec<Option<(RunOutcome, Option<Figures>)>> {
         let units = &self.arm.units;
         let made = |place: usize, study: &Study| -> Result<_, TrialError> {

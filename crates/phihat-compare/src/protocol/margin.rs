@@ -27,7 +27,7 @@ impl Harder {
     pub(crate) fn change(self, table: &mut Table, delay: u32, joints: usize) {
         set(table, &["loop", "delay_samples"], i64::from(delay + self.delay).into());
         // A drive of gain 1 would be none, and keep the run out of lanes.
-        if self.gain > 0.0 && (self.gain < 1.0 || self.gain > 1.0) {
+        if self.gain > 0.0 && (self.gain - 1.0).abs() > 0.0 {
             let gains = vec![Value::from(self.gain); joints];
             set(table, &["world", "drive", "gain"], Value::Array(gains));
         }
