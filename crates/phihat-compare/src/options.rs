@@ -147,9 +147,6 @@ impl CompareOptions {
         let mut words: Vec<String> = vec!["phihat compare".to_owned()];
         words.extend(self.studies.iter().map(|study| study.display().to_string()));
         words.extend(self.quick.then(|| "--quick".to_owned()));
-        for (option, names) in [("--only", &self.only), ("--worlds", &self.worlds)] {
-            words.extend((!names.is_empty()).then(|| format!("{option} {}", names.join(","))));
-        }
         words.extend(self.seeds.map(|seeds| format!("--seeds {seeds}")));
         words.extend(self.out.as_ref().map(|folder| format!("--out {}", folder.display())));
         words.join(" ")

@@ -630,6 +630,11 @@ async function stays(browser, file) {
   for (const width of [1280, 390]) {
     const { context, page } = await open(browser, file, { viewport: { width, height: 800 } });
     await page.evaluate(() => document.querySelectorAll("details.behind").forEach((part) => { part.open = true; }));
+    // A small comparison has short tables: its rows twenty times over make them long.
+    await page.evaluate(() => document.querySelectorAll(".tall tbody, .behind .scroll tbody").forEach((body) => {
+      const rows = [...body.rows];
+      for (let k = 0; k < 20; k += 1) body.append(...rows.map((row) => row.cloneNode(true)));
+    }));
     const found = await page.evaluate(() => [...document.querySelectorAll(".tall, .behind .scroll")].filter((part) => part.checkVisibility() && part.scrollHeight > part.clientHeight + 100).map((part) => {
       part.scrollIntoView({ block: "start" });
       [part.scrollTop, part.scrollLeft] = [0.5 * part.scrollHeight, 150];
