@@ -29,7 +29,7 @@ const TESTS_ONLY: [&str; 5] =
     ["cbindgen", "cssparser", "cssparser-macros", "dtoa-short", "selectors"];
 
 /// Packages that are there in several versions, and who brings the other one.
-const TWICE: [(&str, usize, &str); 15] = [
+const TWICE: [(&str, usize, &str); 17] = [
     ("base64", 2, "parquet, resvg"),
     ("getrandom", 3, "rand of cmaes, tempfile"),
     ("miniz_oxide", 2, "resvg"),
@@ -38,9 +38,11 @@ const TWICE: [(&str, usize, &str); 15] = [
     ("rand", 2, "cmaes, proptest"),
     ("rand_core", 2, "cmaes, proptest"),
     ("roxmltree", 2, "resvg"),
+    ("safe_arch", 2, "simba of nalgebra, which has no vectors of eight"),
     ("syn", 3, "proc macros"),
     ("thiserror", 2, "ros2-client, behind a feature"),
     ("thiserror-impl", 2, "ros2-client, behind a feature"),
+    ("wide", 2, "simba of nalgebra, which has no vectors of eight"),
     ("windows-sys", 2, "ros2-client, behind a feature, on Windows"),
     ("toml", 2, "cbindgen"),
     ("toml_datetime", 2, "cbindgen"),

@@ -2,8 +2,11 @@
 //!
 //! Median over blocks of about 0.4 ms, calls cycling over 64 random states that stay in cache.
 //! `--quick` runs a few blocks only, to see that it runs.
-#![allow(clippy::print_stdout, reason = "the figures go to whoever runs the bench")]
-#![allow(clippy::unwrap_used, reason = "a bench may stop at what should not happen")]
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "figures go to whoever runs the bench; it may stop at what should not happen"
+)]
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -1,6 +1,6 @@
 //! Decisions lane by lane: comparisons, and what follows from them.
 
-use wide::{CmpGe, CmpGt, f64x4};
+use wide::f64x8;
 
 use crate::Lanes;
 
@@ -18,37 +18,34 @@ use crate::Lanes;
 /// assert_eq!(<[f64; 8]>::from(x.round()), [-3.0, -1.0, 0.0, 1.0, 1.0, 3.0, 9.0, 1e17]);
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Choice([f64x4; 2]);
+pub struct Choice(f64x8);
 
 impl Choice {
     /// `yes` in the lanes that are chosen, `no` in the others.
     #[must_use]
     #[inline(always)]
     pub fn pick(self, yes: Lanes, no: Lanes) -> Lanes {
-        let ([a, b], [y, z], [m, n]) = (self.0, yes.0, no.0);
-        Lanes([a.blend(y, m), b.blend(z, n)])
+        Lanes(self.0.bitselect(yes.0, no.0))
     }
 
     /// What one or the other has chosen.
     #[must_use]
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {
-        let ([a, b], [c, d]) = (self.0, other.0);
-        Self([a | c, b | d])
+        Self(self.0 | other.0)
     }
 
     /// 1 in the lanes that are chosen, 0 in the others.
     #[must_use]
     #[inline(always)]
     pub fn ones(self) -> Lanes {
-        Lanes(self.0.map(|mask| mask & f64x4::splat(1.0)))
+        Lanes(self.0 & f64x8::splat(1.0))
     }
 
     /// Whether any lane is chosen.
     #[inline(always)]
     pub fn any(self) -> bool {
-        let [a, b] = self.0;
-        (a | b).any()
+        self.0.any()
     }
 }
 
@@ -64,15 +61,14 @@ impl Lanes {
     #[must_use]
     #[inline(always)]
     pub fn exceeds(self, other: Self) -> Choice {
-        let ([a, b], [c, d]) = (self.0, other.0);
-        Choice([a.cmp_gt(c), b.cmp_gt(d)])
+        Choice(self.0.simd_gt(other.0))
     }
 
     /// The greater of both, lane by lane, of numbers that are none of them NaN.
     #[must_use]
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
-        self.with(other, f64x4::fast_max)
+        self.with(other, f64x8::fast_max)
     }
 
     /// The nearest whole number, lane by lane; halves away from zero, as `f64::round`.
@@ -80,10 +76,10 @@ impl Lanes {
     #[inline(always)]
     pub fn round(self) -> Self {
         self.each(|x| {
-            let sign = x & f64x4::splat(-0.0);
+            let sign = x & f64x8::splat(-0.0);
             let size = x.abs();
             let whole = size.floor();
-            let up = (size - whole).cmp_ge(f64x4::splat(0.5)) & f64x4::splat(1.0);
+            let up = (size - whole).simd_ge(f64x8::splat(0.5)) & f64x8::splat(1.0);
             (whole + up) | sign
         })
     }

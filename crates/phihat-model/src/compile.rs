@@ -26,6 +26,8 @@ use crate::columns::LANES;
 use crate::description::{Description, JointOf, Motion};
 use crate::placement::{Placement, SNAP, about, apply, mul, transpose, with_z_along};
 use crate::segment::Segment;
+use crate::shape::Shape;
+use crate::straight::Kernel;
 use crate::vector::Turn;
 
 /// Axes this close to parallel (sine of the angle) do not use their common normal.
@@ -48,6 +50,8 @@ pub(crate) struct Compiled {
     pub(crate) theta: Vec<f64>,
     /// Whether segments and coordinates are one to one, and all revolute.
     pub(crate) plain: bool,
+    /// Code written out for this structure.
+    pub(crate) kernel: Option<Kernel>,
     /// Pose of the base frame, in which the first segment's `α` and `a` are 0, in the world.
     pub(crate) base: Placement,
     /// One seat per link of the description.
@@ -182,11 +186,15 @@ fn assemble(
     let link_of_joint = movers.iter().map(|mover| mover.link).collect();
     let plain = segments.len() == movers.len()
         && segments.iter().all(|segment| segment.motion == Motion::Revolute);
+    let shapes: Vec<Shape> = segments.iter().map(|segment| Shape::shared(&[segment])).collect();
+    let chain = (1..segments.len()).all(|i| segments[i].follows_parent(i));
+    let kernel = if plain && chain { Kernel::of(&shapes) } else { None };
     thetas.resize(segments.len().next_multiple_of(LANES), 0.0);
     Compiled {
         segments,
         theta: thetas,
         plain,
+        kernel,
         base,
         seats,
         segment_of_joint,

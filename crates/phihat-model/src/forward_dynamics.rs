@@ -39,6 +39,11 @@ impl Model {
     ) {
         let n = self.joint_count();
         assert!(tau.len() == n && ddq.len() == n, "one torque and one acceleration per joint");
+        assert!(q.len() == n && dq.len() == n, "one position and one velocity per joint");
+        assert!(ws.screws.fits(self), "a workspace of this model");
+        if self.written_out([q, dq, tau], ddq).is_some() {
+            return;
+        }
         ws.screws.place(self, q);
         self.sweep_out(ws, dq, |_| S::splat(0.0));
         self.sweep_in(ws, Some(n));
@@ -49,6 +54,14 @@ impl Model {
             row[n] -= tau[i];
         }
         eliminate(&mut ws.rows, chunks, ddq);
+    }
+
+    /// The same by code written out for this structure, if there is any for this type.
+    #[inline]
+    fn written_out<S: Scalar>(&self, [q, dq, tau]: [&[S]; 3], ddq: &mut [S]) -> Option<()> {
+        let kernel = self.compiled().kernel?;
+        let state = [S::as_f64(q)?, S::as_f64(dq)?, S::as_f64(tau)?];
+        kernel.alone(self, state, S::as_f64_mut(ddq)?).then_some(())
     }
 }
 

@@ -8,7 +8,7 @@
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use bytemuck::cast;
-use wide::{CmpGe, CmpLt, f64x4, i64x4};
+use wide::{f64x8, i64x8};
 
 use crate::trig::{self, COS, HALF_PI, REDUCIBLE, ROUNDER, SIN};
 use crate::{Quad, Scalar};
@@ -29,7 +29,7 @@ use crate::{Quad, Scalar};
 /// # impl Bits for f64 { fn sin_cos_bits(&self) -> u64 { Scalar::sin_cos(*self).0.to_bits() } }
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Lanes(pub(crate) [f64x4; 2]);
+pub struct Lanes(pub(crate) f64x8);
 
 impl Lanes {
     /// How many there are.
@@ -39,14 +39,14 @@ impl Lanes {
     #[must_use]
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        self.each(f64x4::sqrt)
+        self.each(f64x8::sqrt)
     }
 
     /// `|x|`, lane by lane.
     #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.each(f64x4::abs)
+        self.each(f64x8::abs)
     }
 
     /// `eˣ`, lane by lane: the bits of `libm::exp`.
@@ -63,36 +63,31 @@ impl Lanes {
     /// Whether `|x| < bound` in every lane; a NaN is not.
     #[inline(always)]
     pub fn all_below(self, bound: f64) -> bool {
-        let bound = f64x4::splat(bound);
-        let [a, b] = self.0;
-        (a.abs().cmp_lt(bound) & b.abs().cmp_lt(bound)).all()
+        self.0.abs().simd_lt(f64x8::splat(bound)).all()
     }
 
     #[inline(always)]
-    pub(crate) fn each(self, f: impl Fn(f64x4) -> f64x4) -> Self {
-        let [a, b] = self.0;
-        Self([f(a), f(b)])
+    pub(crate) fn each(self, f: impl Fn(f64x8) -> f64x8) -> Self {
+        Self(f(self.0))
     }
 
     #[inline(always)]
-    pub(crate) fn with(self, other: Self, f: impl Fn(f64x4, f64x4) -> f64x4) -> Self {
-        let ([a, b], [c, d]) = (self.0, other.0);
-        Self([f(a, c), f(b, d)])
+    pub(crate) fn with(self, other: Self, f: impl Fn(f64x8, f64x8) -> f64x8) -> Self {
+        Self(f(self.0, other.0))
     }
 }
 
 impl From<[f64; Lanes::COUNT]> for Lanes {
     #[inline(always)]
-    fn from([a, b, c, d, e, f, g, h]: [f64; Self::COUNT]) -> Self {
-        Self([f64x4::new([a, b, c, d]), f64x4::new([e, f, g, h])])
+    fn from(lanes: [f64; Self::COUNT]) -> Self {
+        Self(f64x8::new(lanes))
     }
 }
 
 impl From<Lanes> for [f64; Lanes::COUNT] {
     #[inline(always)]
     fn from(lanes: Lanes) -> Self {
-        let [[a, b, c, d], [e, f, g, h]] = lanes.0.map(f64x4::to_array);
-        [a, b, c, d, e, f, g, h]
+        lanes.0.to_array()
     }
 }
 
@@ -119,7 +114,7 @@ impl Neg for Lanes {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        let sign = f64x4::splat(-0.0);
+        let sign = f64x8::splat(-0.0);
         self.each(|x| x ^ sign)
     }
 }
@@ -143,15 +138,15 @@ impl Scalar for Lanes {
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Self([f64x4::splat(value); 2])
+        Self(f64x8::splat(value))
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         // The bound of the code for one number is inside of its range: one number more.
         if self.all_below(REDUCIBLE) {
-            let [(s, c), (t, d)] = self.0.map(sin_cos);
-            (Self([s, t]), Self([c, d]))
+            let (sines, cosines) = sin_cos(self.0);
+            (Self(sines), Self(cosines))
         } else {
             let both = <[f64; Self::COUNT]>::from(self).map(trig::sin_cos);
             (Self::from(both.map(|(sine, _)| sine)), Self::from(both.map(|(_, cosine)| cosine)))
@@ -161,11 +156,11 @@ impl Scalar for Lanes {
 
 /// As `trig::reduced`.
 #[inline(always)]
-fn sin_cos(angle: f64x4) -> (f64x4, f64x4) {
-    let v = f64x4::splat;
+fn sin_cos(angle: f64x8) -> (f64x8, f64x8) {
+    let v = f64x8::splat;
     let rounded = angle * v(core::f64::consts::FRAC_2_PI) + v(ROUNDER);
     let k = rounded - v(ROUNDER);
-    let quadrant: i64x4 = cast(rounded);
+    let quadrant: i64x8 = cast(rounded);
     let x = angle - k * v(HALF_PI[0]) - k * v(HALF_PI[1]) - k * v(HALF_PI[2]);
     let z = x * x;
     let sine = x + z * x * polynomial(z, &SIN);
@@ -173,18 +168,18 @@ fn sin_cos(angle: f64x4) -> (f64x4, f64x4) {
     let half = v(0.5) * z;
     let head = v(1.0) - half;
     let cosine = head + ((v(1.0) - head - half) + z * tail);
-    let (one, two) = (i64x4::splat(1), i64x4::splat(2));
-    let odd: f64x4 = cast(i64x4::splat(0) - (quadrant & one));
-    let (s, c) = (odd.blend(cosine, sine), odd.blend(sine, cosine));
-    let flips: f64x4 = cast((quadrant & two) << 62_u32);
-    let turned: f64x4 = cast(((quadrant + one) & two) << 62_u32);
+    let (one, two) = (i64x8::splat(1), i64x8::splat(2));
+    let odd: f64x8 = cast(i64x8::splat(0) - (quadrant & one));
+    let (s, c) = (odd.bitselect(cosine, sine), odd.bitselect(sine, cosine));
+    let flips: f64x8 = cast((quadrant & two) << 62_u32);
+    let turned: f64x8 = cast(((quadrant + one) & two) << 62_u32);
     (s ^ flips, c ^ turned)
 }
 
 /// As `trig::polynomial`.
 #[inline(always)]
-fn polynomial(z: f64x4, c: &[f64; 6]) -> f64x4 {
-    let [c0, c1, c2, c3, c4, c5] = c.map(f64x4::splat);
+fn polynomial(z: f64x8, c: &[f64; 6]) -> f64x8 {
+    let [c0, c1, c2, c3, c4, c5] = c.map(f64x8::splat);
     let z2 = z * z;
     (c0 + z * c1) + z2 * ((c2 + z * c3) + z2 * (c4 + z * c5))
 }
@@ -212,22 +207,22 @@ const ROUNDED: f64 = f64::from_bits(0x3ff0_a2b2 << 32);
 ///
 /// K. C. Ng, fdlibm `e_exp.c`, Sun Microsystems 2004.
 #[inline(always)]
-fn exp(angle: f64x4) -> f64x4 {
-    let v = f64x4::splat;
+fn exp(angle: f64x8) -> f64x8 {
+    let v = f64x8::splat;
     let size = angle.abs();
     let whole = (v(core::f64::consts::LOG2_E) * size + v(0.5)).floor();
-    let k = size.cmp_ge(v(ROUNDED)).blend(whole, v(1.0));
-    let k = k & size.cmp_ge(v(REDUCED));
+    let k = size.simd_ge(v(ROUNDED)).bitselect(whole, v(1.0));
+    let k = k & size.simd_ge(v(REDUCED));
     let k = k | (angle & v(-0.0));
     let (high, low) = (angle - k * v(LN2[0]), k * v(LN2[1]));
     let x = high - low;
     let z = x * x;
-    let [p1, p2, p3, p4, p5] = EXP.map(f64x4::splat);
+    let [p1, p2, p3, p4, p5] = EXP.map(f64x8::splat);
     let c = x - z * (p1 + z * (p2 + z * (p3 + z * (p4 + z * p5))));
     let y = v(1.0) + (x * c / (v(2.0) - c) - low + high);
     // 2^k by its bits: the product is exact.
-    let exponent: i64x4 = cast(k + v(ROUNDER));
-    let bias: i64x4 = cast(v(ROUNDER));
-    let power: f64x4 = cast((exponent - bias + i64x4::splat(1023)) << 52_u32);
-    size.cmp_lt(v(TINY)).blend(v(1.0) + angle, y * power)
+    let exponent: i64x8 = cast(k + v(ROUNDER));
+    let bias: i64x8 = cast(v(ROUNDER));
+    let power: f64x8 = cast((exponent - bias + i64x8::splat(1023)) << 52_u32);
+    size.simd_lt(v(TINY)).bitselect(v(1.0) + angle, y * power)
 }

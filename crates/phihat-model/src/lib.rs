@@ -90,11 +90,15 @@ mod robot_files;
 mod robot_text;
 mod scalar;
 mod segment;
+mod shape;
+mod straight;
 mod trig;
 mod uncoupled;
 mod urdf;
 mod vector;
 mod workspace;
+#[cfg(test)]
+mod written;
 
 pub use body::Body;
 pub use choice::Choice;

@@ -52,6 +52,18 @@ pub trait Scalar:
             (*sine, *cosine) = angle.sin_cos();
         }
     }
+
+    /// These numbers as `f64`, if that is what they are: for code that is compiled for that type alone.
+    #[doc(hidden)]
+    fn as_f64(_numbers: &[Self]) -> Option<&[f64]> {
+        None
+    }
+
+    /// The same, to be written to.
+    #[doc(hidden)]
+    fn as_f64_mut(_numbers: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
 }
 
 impl Scalar for f64 {
@@ -70,6 +82,16 @@ impl Scalar for f64 {
     #[inline]
     fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
         trig::sin_cos_each(angles, sines, cosines);
+    }
+
+    #[inline]
+    fn as_f64(numbers: &[Self]) -> Option<&[f64]> {
+        Some(numbers)
+    }
+
+    #[inline]
+    fn as_f64_mut(numbers: &mut [Self]) -> Option<&mut [f64]> {
+        Some(numbers)
     }
 }
 

@@ -103,6 +103,12 @@ impl<S: Scalar> Screws<S> {
         (Turn { c: self.cosines[i], s: self.sines[i] }, d)
     }
 
+    /// Whether this is scratch of `model`.
+    #[inline(always)]
+    pub(crate) fn fits(&self, model: &Model) -> bool {
+        self.angles.len() == model.compiled().theta.len()
+    }
+
     /// Fills in the screws of `model` at `q`.
     #[inline(always)]
     pub(crate) fn place(&mut self, model: &Model, q: &[S]) {

@@ -23,7 +23,6 @@ mod lockstep;
 mod look;
 mod mass_matrix;
 mod no_allocation;
-mod operations;
 mod parts;
 mod pinocchio;
 mod quirks;

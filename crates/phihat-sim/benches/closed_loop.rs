@@ -11,6 +11,9 @@ use phihat::{Form, JointDesign, JointGains};
 use phihat_sim::{Batch, Measured, Simulation};
 use phihat_study::Study;
 
+/// Batches that are timed together: what has been computed is told in steps of some milliseconds.
+const REPEATED: usize = 8;
+
 /// Reference: one sinusoid per joint, as in the loops of other libraries that this is set beside.
 const PLAIN: &str = r#"
 duration_s = 20.0
@@ -99,12 +102,17 @@ fn figures(study: &Study, arms: usize, runs: usize) -> [[f64; 3]; 3] {
         let mut measured = Measured::new(study);
         let Ok(_) = simulation.record(&mut measured, |_| ());
         alone.push(study.duration / (computed() - start));
-        let simulations = studies.iter().map(|study| Simulation::new(study, &gains).unwrap());
-        let batch = Batch::new(simulations.collect());
-        assert_eq!(batch.alone().count(), 0);
+        let batch = || {
+            let simulations = studies.iter().map(|study| Simulation::new(study, &gains).unwrap());
+            let batch = Batch::new(simulations.collect());
+            assert_eq!(batch.alone().count(), 0);
+            batch
+        };
+        let batches: Vec<Batch> = (0..REPEATED).map(|_| batch()).collect();
+        let all: Vec<&Study> = studies.iter().collect();
         let start = computed();
-        let figures = batch.measure(&studies.iter().collect::<Vec<_>>());
-        together.push(arms as f64 * study.duration / (computed() - start));
+        let figures: Vec<_> = batches.into_iter().flat_map(|batch| batch.measure(&all)).collect();
+        together.push((REPEATED * arms) as f64 * study.duration / (computed() - start));
         assert!(figures.iter().all(|(_, ended)| ended.divergence.is_none()));
         ratio.push(together[together.len() - 1] / alone[alone.len() - 1]);
     }

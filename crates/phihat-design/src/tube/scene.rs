@@ -36,7 +36,6 @@ pub(super) struct AddedFriction {
 }
 
 /// `v/√(v² + v_c²)`.
-#[allow(clippy::imprecise_flops, reason = "velocities do not overflow")]
 pub(super) fn dry(v: f64) -> f64 {
     v / v.hypot(COULOMB_VELOCITY)
 }

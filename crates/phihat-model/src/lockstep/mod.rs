@@ -1,11 +1,13 @@
 //! Forward dynamics of many arms of one structure, one arm per lane, each with its own numbers.
 
-mod part;
-mod sweep;
+pub(crate) mod part;
+pub(crate) mod sweep;
 
 use thiserror::Error;
 
 use crate::description::Motion;
+use crate::shape::Shape;
+use crate::straight::Kernel;
 use crate::vector::Vec3;
 use crate::{Lanes, Model};
 use part::{Part, in_lanes};
@@ -53,10 +55,10 @@ const MOST: usize = 12;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Lockstep {
-    parts: Vec<Part>,
+    parts: Vec<Part<Lanes>>,
     joints: usize,
-    /// Whether segments and coordinates are one to one, and all revolute.
-    plain: bool,
+    /// Code written out for their structure.
+    kernel: Option<Kernel>,
     lift: Vec3<Lanes>,
 }
 
@@ -107,10 +109,13 @@ impl Lockstep {
             }
         }
         let lift = |axis: usize| in_lanes(models, |model| model.lift()[axis]);
+        let parts: Vec<_> = (0..first.len()).filter_map(|i| Part::of(models, i)).collect();
+        let plain = first.iter().all(|segment| segment.motion == Motion::Revolute);
+        let shapes: Vec<Shape> = parts.iter().map(|part| part.shape).collect();
         Ok(Self {
-            parts: (0..first.len()).filter_map(|i| Part::of(models, i)).collect(),
+            parts,
             joints: first.iter().filter(|segment| segment.motion != Motion::Fixed).count(),
-            plain: first.iter().all(|segment| segment.motion == Motion::Revolute),
+            kernel: if plain { Kernel::of(&shapes) } else { None },
             lift: Vec3::new(lift(0), lift(1), lift(2)),
         })
     }
@@ -130,31 +135,14 @@ impl Lockstep {
         let fits = [q.len(), dq.len(), tau.len(), ddq.len()] == [n; 4];
         assert!(fits, "one position, velocity, torque and acceleration per joint");
         let state = [q, dq, tau];
-        match n {
-            3 if self.plain => self.chain_of_3(state, ddq),
-            6 if self.plain => self.chain_of_6(state, ddq),
-            7 if self.plain => self.chain_of_7(state, ddq),
-            _ => self.any_chain(state, ddq),
+        let arms = (&self.parts[..], self.lift);
+        if self.kernel.is_none_or(|kernel| !kernel.beside(arms, state, ddq)) {
+            self.any_chain(state, ddq);
         }
     }
 
     #[inline(never)]
-    fn chain_of_3(&self, state: [&[Lanes]; 3], ddq: &mut [Lanes]) {
-        sweep::forward::<3, true>((&self.parts, self.lift), state, ddq);
-    }
-
-    #[inline(never)]
-    fn chain_of_6(&self, state: [&[Lanes]; 3], ddq: &mut [Lanes]) {
-        sweep::forward::<6, true>((&self.parts, self.lift), state, ddq);
-    }
-
-    #[inline(never)]
-    fn chain_of_7(&self, state: [&[Lanes]; 3], ddq: &mut [Lanes]) {
-        sweep::forward::<7, true>((&self.parts, self.lift), state, ddq);
-    }
-
-    #[inline(never)]
     fn any_chain(&self, state: [&[Lanes]; 3], ddq: &mut [Lanes]) {
-        sweep::forward::<MOST, false>((&self.parts, self.lift), state, ddq);
+        sweep::forward::<Lanes, MOST>((&self.parts, self.lift), state, ddq);
     }
 }

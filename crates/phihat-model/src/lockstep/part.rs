@@ -3,62 +3,34 @@
 use crate::description::Motion;
 use crate::inertia::Inertia;
 use crate::segment::Segment;
+use crate::shape::{Shape, Tilt};
 use crate::vector::{Turn, Vec3};
 use crate::{Lanes, Model, Scalar};
 
-/// How the first screw turns, where it is the same for all arms.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Tilt {
-    /// Not at all.
-    Level,
-    /// By a quarter turn.
-    Up,
-    /// By a quarter turn the other way.
-    Down,
-    /// By some angle.
-    Any,
-}
-
 /// One segment of every arm.
 #[derive(Debug, Clone)]
-pub(super) struct Part {
-    pub(super) motion: Motion,
+pub(crate) struct Part<S> {
+    pub(crate) motion: Motion,
     /// The first coordinate of this segment and all that hangs on it.
-    pub(super) first: usize,
-    tilt: Tilt,
-    turn: Turn<Lanes>,
-    /// `a`, and whether any arm has one.
-    pub(super) a: Lanes,
-    pub(super) reaches: bool,
-    /// `d` and `θ₀`, and whether any arm has a `d`.
-    pub(super) d: Lanes,
-    pub(super) slides: bool,
-    pub(super) theta: Lanes,
-    pub(super) armature: Lanes,
-    pub(super) matter: Inertia<Lanes>,
-    pub(super) sigma: [Lanes; 6],
+    pub(crate) first: usize,
+    pub(crate) shape: Shape,
+    pub(crate) turn: Turn<S>,
+    pub(crate) a: S,
+    pub(crate) d: S,
+    pub(crate) theta: S,
+    pub(crate) armature: S,
+    pub(crate) matter: Inertia<S>,
+    pub(crate) sigma: [S; 6],
 }
 
-impl Part {
+impl Part<Lanes> {
     /// Segment number `i` of arms of one structure; where there are fewer arms than lanes, the last one fills the rest.
-    pub(super) fn of(models: &[&Model], i: usize) -> Option<Self> {
+    pub(crate) fn of(models: &[&Model], i: usize) -> Option<Self> {
         let own = models.first()?.segments().get(i)?;
-        let all = |same: &dyn Fn(&Segment) -> bool| {
-            models.iter().all(|model| model.segments().get(i).is_some_and(same))
-        };
+        let segments: Vec<&Segment> =
+            models.iter().filter_map(|model| model.segments().get(i)).collect();
         let lanes = |of: &dyn Fn(&Segment) -> f64| {
             in_lanes(models, |model| model.segments().get(i).map_or(0.0, of))
-        };
-        let turned = |cos: f64, sin: f64| {
-            all(&|s| {
-                (s.cos_alpha.to_bits(), s.sin_alpha.to_bits()) == (cos.to_bits(), sin.to_bits())
-            })
-        };
-        let tilt = match () {
-            () if turned(1.0, 0.0) => Tilt::Level,
-            () if turned(0.0, 1.0) => Tilt::Up,
-            () if turned(0.0, -1.0) => Tilt::Down,
-            () => Tilt::Any,
         };
         let joint = own.joint;
         let armature = |model: &Model| match own.motion {
@@ -68,12 +40,10 @@ impl Part {
         Some(Self {
             motion: own.motion,
             first: own.coordinates.0,
-            tilt,
+            shape: Shape::shared(&segments),
             turn: Turn { c: lanes(&|s| s.cos_alpha), s: lanes(&|s| s.sin_alpha) },
             a: lanes(&|s| s.a),
-            reaches: !all(&|s| s.a.abs() <= 0.0),
             d: lanes(&|s| s.d),
-            slides: own.motion == Motion::Prismatic || !all(&|s| s.d.abs() <= 0.0),
             theta: in_lanes(models, |model| model.compiled().theta.get(i).copied().unwrap_or(0.0)),
             armature: in_lanes(models, armature),
             matter: Inertia {
@@ -89,11 +59,13 @@ impl Part {
             sigma: core::array::from_fn(|k| lanes(&|s| s.sigma[k])),
         })
     }
+}
 
+impl<S: Scalar> Part<S> {
     /// `Rx v`: from the tilted axes to those before.
     #[inline(always)]
-    pub(super) fn tilt_out(&self, v: Vec3<Lanes>) -> Vec3<Lanes> {
-        match self.tilt {
+    pub(crate) fn tilt_out(&self, v: Vec3<S>) -> Vec3<S> {
+        match self.shape.tilt {
             Tilt::Level => v,
             Tilt::Up => Vec3::new(v.x, -v.z, v.y),
             Tilt::Down => Vec3::new(v.x, v.z, -v.y),
@@ -103,8 +75,8 @@ impl Part {
 
     /// `Rxᵀ v`: into the tilted axes.
     #[inline(always)]
-    pub(super) fn tilt_in(&self, v: Vec3<Lanes>) -> Vec3<Lanes> {
-        match self.tilt {
+    pub(crate) fn tilt_in(&self, v: Vec3<S>) -> Vec3<S> {
+        match self.shape.tilt {
             Tilt::Level => v,
             Tilt::Up => Vec3::new(v.x, v.z, -v.y),
             Tilt::Down => Vec3::new(v.x, -v.z, v.y),
@@ -114,16 +86,16 @@ impl Part {
 
     /// `inertia` seen from the frame before `Rx Tx(a)`.
     #[inline(always)]
-    pub(super) fn inertia_out_x(&self, inertia: &Inertia<Lanes>) -> Inertia<Lanes> {
+    pub(crate) fn inertia_out_x(&self, inertia: &Inertia<S>) -> Inertia<S> {
         let Inertia { m, h, xx, yy, zz, xy, xz, yz } = *inertia;
-        let (yy, zz, yz, xy, xz) = match self.tilt {
+        let (yy, zz, yz, xy, xz) = match self.shape.tilt {
             Tilt::Level => (yy, zz, yz, xy, xz),
             Tilt::Up => (zz, yy, -yz, -xz, xy),
             Tilt::Down => (zz, yy, -yz, xz, -xy),
             Tilt::Any => return inertia.out_x((self.turn, self.a)),
         };
         let h = self.tilt_out(h);
-        if !self.reaches {
+        if !self.shape.reaches {
             return Inertia { m, h, xx, yy, zz, xy, xz, yz };
         }
         let a = self.a;
@@ -143,13 +115,7 @@ impl Part {
 }
 
 /// One number of every arm; the last one fills up.
-pub(super) fn in_lanes(models: &[&Model], of: impl Fn(&Model) -> f64) -> Lanes {
+pub(crate) fn in_lanes(models: &[&Model], of: impl Fn(&Model) -> f64) -> Lanes {
     let at = |k: usize| models.get(k).or(models.last()).map_or(0.0, |model| of(model));
     Lanes::from(core::array::from_fn(at))
-}
-
-/// The constant in every lane.
-#[inline(always)]
-pub(super) fn zero() -> Lanes {
-    Lanes::splat(0.0)
 }
