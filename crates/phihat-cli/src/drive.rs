@@ -139,8 +139,8 @@ impl Drive {
             study: self.study.clone(),
             gains: self.gains.clone(),
             out: self.out.clone(),
-            uncertified: false,
             log: self.mcap.clone(),
+            ..RunOptions::default()
         };
         let accept = accept.collect::<Result<_, _>>()?;
         let first = self.first.asked()?;

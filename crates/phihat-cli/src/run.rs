@@ -2,31 +2,28 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::UNIX_EPOCH;
 
 use clap::Args;
 use phihat_report::limits_acted;
-use phihat_session::{Done, RunOptions, SessionError, files, log_layout, stopped};
+use phihat_session::{Done, RunOptions, SessionError, files, log_layout, short_hash, stopped};
 use serde_json::json;
 
 use crate::failure::Failure;
 use crate::shown::Shown;
 use crate::table;
-use crate::terminal::Page;
+use crate::terminal::{Page, is_quiet};
 
 /// What `run` and `simulate` are told.
 #[derive(Debug, Args)]
 struct RunArguments {
     /// The study file (TOML).
     study: PathBuf,
-    /// Use these gains (a gains.json) in place of those the study states.
-    #[arg(long, value_name = "FILE")]
-    gains: Option<PathBuf>,
+    #[command(flatten)]
+    which: Which,
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
-    #[arg(long)]
-    uncertified: bool,
     /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -41,10 +38,25 @@ struct RunArguments {
     json: bool,
 }
 
+/// Which gains run.
+#[derive(Debug, Args)]
+struct Which {
+    /// Use these gains (a gains.json) in place of those the study states.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
+    /// Design the gains anew, even where the folder holds those that this program designed for the same study.
+    #[arg(long, conflicts_with = "gains")]
+    fresh: bool,
+    /// Run gains even where the arm's inertia is not inside their window; marked in the record.
+    #[arg(long)]
+    uncertified: bool,
+}
+
 /// Take a study through gains, the closed loop and a report.
 ///
 /// Writes report.html, static figures, trace.csv, metrics.json, gains.json, run.json and copies of the study and of the
-/// files it names to out/STUDY/.
+/// files it names to out/STUDY/. Gains that were designed for it there are not designed once more while study, files and
+/// program are the same.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat run studies/panda.toml")]
 pub(crate) struct Run {
@@ -83,15 +95,24 @@ impl RunArguments {
     fn execute(&self, shown_page: Option<&Page>) -> Result<ExitCode, Failure> {
         let options = RunOptions {
             study: self.study.clone(),
-            gains: self.gains.clone(),
+            gains: self.which.gains.clone(),
             out: self.out.clone(),
-            uncertified: self.uncertified,
+            uncertified: self.which.uncertified,
+            program: build(),
+            fresh: self.which.fresh,
             log: self.mcap.clone(),
         };
         let (session, folder) = match options.open() {
             Ok(opened) => opened,
             Err(why) => return self.refused(&options, why),
         };
+        if session.designed_before() && !is_quiet() {
+            let file = folder.join("gains.json");
+            eprintln!(
+                "gains: designed by the last run of this study, {} (--fresh designs them anew)",
+                file.display()
+            );
+        }
         let page = shown_page.map(|_| folder.join("report.html"));
         let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
@@ -102,6 +123,15 @@ impl RunArguments {
         }
         Ok(code)
     }
+}
+
+/// Which build this is: the version, and of the file that runs its size and when it was written.
+fn build() -> Option<String> {
+    let file = std::env::current_exe().ok()?.metadata().ok()?;
+    let written = file.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    let version = env!("CARGO_PKG_VERSION");
+    let this = short_hash(&[&file.len().to_string(), &written.as_nanos().to_string()]);
+    Some(format!("phihat {version}, build {this}"))
 }
 
 impl RunArguments {

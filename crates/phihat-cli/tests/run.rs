@@ -42,6 +42,44 @@ fn same_study_same_bytes_and_the_report_can_be_made_again() {
     assert!(read("one", "report.html") == before, "the report made again differs");
 }
 
+/// Gains are not designed twice for one study by one program, and everything else is designed anew: another study, gains that somebody
+/// changed, another program, or `--fresh`.
+#[test]
+fn a_study_run_again_keeps_the_gains_that_were_designed_for_it() {
+    let folder = folder("again");
+    let text = fs::read_to_string(folder.join("studies/first.toml")).unwrap();
+    let (before, rest) = text.split_once("# The gains.").unwrap();
+    let (_, after) = rest.split_once("# The control loop").unwrap();
+    let study = format!("{before}[design]\norders = [1]\n\n# The control loop{after}");
+    let own = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
+    own("own.toml", &study);
+    let run = |more: &[&str]| {
+        let answer = phihat(&folder, &[&["run", "own.toml"], more].concat());
+        assert_eq!(answer.code, 0, "{}", answer.err);
+        answer.err.contains("designed by the last run of this study")
+    };
+    let read = || FILES.map(|file| fs::read(folder.join("out/own").join(file)).unwrap());
+    assert!(!run(&[]));
+    let first = read();
+    assert!(run(&[]) && read() == first, "kept gains leave other bytes");
+    assert!(!run(&["--fresh"]) && read() == first, "designed anew, they differ");
+    let gains = folder.join("out/own/gains.json");
+    let kept = fs::read_to_string(&gains).unwrap();
+    fs::write(&gains, kept.replacen("\"rate_hz\"", " \"rate_hz\"", 1)).unwrap();
+    assert!(!run(&[]) && read() == first, "gains that somebody changed were taken");
+    let origin = folder.join("out/own/run.json");
+    let words = fs::read_to_string(&origin).unwrap();
+    let another = words.replace(", build ", ", build 0");
+    assert!(another != words);
+    fs::write(&origin, another).unwrap();
+    assert!(!run(&[]) && read() == first, "another program's gains were taken");
+    own("own.toml", &study.replace("mass_kg = 0.3", "mass_kg = 0.31"));
+    assert!(!run(&[]) && read() != first, "another study's gains were taken");
+    assert_eq!(phihat(&folder, &["run", "own.toml", "--gains", "out/own/gains.json"]).code, 0);
+    assert!(!run(&[]), "gains that were given count as designed");
+    assert!(run(&[]));
+}
+
 #[test]
 fn json_has_its_documented_shape() {
     let folder = folder("json");

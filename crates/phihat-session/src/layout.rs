@@ -27,6 +27,10 @@ pub(crate) const PARQUET: &str = "trace.parquet";
 pub(crate) struct Origin {
     #[serde(flatten)]
     pub(crate) run: RunInfo,
+    /// The build of the program that designed the gains for this very study, where it says which it is; `None`: they were given, or
+    /// nobody can tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) designed_by: Option<String>,
     /// The SHA-256 of every other file of the record, by its name.
     pub(crate) files: BTreeMap<String, String>,
 }

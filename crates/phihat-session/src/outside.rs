@@ -105,7 +105,17 @@ impl OutsideRun {
         let divergence = ended.divergence;
         let run = run_info(&study, OUTSIDE, (command, warnings), divergence.as_ref());
         let abort = ended.abort;
-        let done = Done { study, gains: None, run, drawing, metrics, tube, divergence, abort };
+        let done = Done {
+            study,
+            gains: None,
+            designed_by: None,
+            run,
+            drawing,
+            metrics,
+            tube,
+            divergence,
+            abort,
+        };
         (done, trace)
     }
 }

@@ -27,6 +27,8 @@ pub struct Done {
     pub gains: Option<Gains>,
     /// Where the run came from.
     pub run: RunInfo,
+    /// The build of the program that designed them for this study, where that is known.
+    pub(crate) designed_by: Option<String>,
     /// What is drawn of it.
     pub drawing: Drawing,
     /// The figures of the run.
@@ -190,7 +192,8 @@ impl Done {
             Some(page) => add_page(&mut whole, &self.record(), page)?,
             None => remove_page(&mut whole, &at("report.html")),
         }
-        let origin = Origin { run: self.run.clone(), files };
+        let (run, designed_by) = (self.run.clone(), self.designed_by.clone());
+        let origin = Origin { run, designed_by, files };
         whole.add(&at(RUN), &pretty(&json!(origin)))?;
         Ok(whole.commit()?)
     }

@@ -70,7 +70,7 @@ impl RunRecord {
         mut each: impl FnMut(&mut Trace),
     ) -> Result<Self, SessionError> {
         let folder = folder_of(trace);
-        let Origin { run, files } = origin(folder)?;
+        let Origin { run, files, .. } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
         let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
         let ours = (run.form != OUTSIDE && !files.contains_key(GAINS)).then_some(GAINS);
@@ -137,8 +137,39 @@ pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     let kept =
         RunRecord::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
     let RunRecord { run, study, gains, seen: RunFigures { metrics, drawing, tube } } = kept;
-    let done = Done { study, gains, run, drawing, metrics, tube, divergence: None, abort: None };
+    let designed_by = origin(folder)?.designed_by;
+    let (divergence, abort) = (None, None);
+    let done = Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort };
     Ok((done, whole))
+}
+
+/// The gains that `program` designed for this very study, from the record in a folder; `None`: there are none, or a file is another one
+/// by now, of the study, of those that it names, or the gains themselves.
+pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Option<Gains> {
+    let Origin { run, designed_by, files } = origin(folder).ok()?;
+    if run.study != study.name || designed_by.as_deref() != Some(program) {
+        return None;
+    }
+    let is = |name: &str, path: &Path| {
+        let found = files::open(path).ok().and_then(|mut file| sha256(&mut file).ok());
+        found.is_some() && found.as_ref() == files.get(name)
+    };
+    let inputs = study.inputs.iter().map(|(name, path)| (Path::new(INPUTS).join(name), path));
+    let mut named = 0;
+    for (name, path) in inputs {
+        if !is(&name.display().to_string(), path) {
+            return None;
+        }
+        named += 1;
+    }
+    let recorded = files.keys().filter(|name| Path::new(name).starts_with(INPUTS)).count();
+    let text = sha256(&mut study.text.as_bytes()).ok();
+    let same = named == recorded && text.is_some() && text.as_ref() == files.get("study.toml");
+    let gains = folder.join(GAINS);
+    if !same || !is(GAINS, &gains) {
+        return None;
+    }
+    Gains::from_json(&files::read(&gains).ok()?).ok()
 }
 
 /// Makes the page of a record again, from its files alone; says where it is, and what the record is.

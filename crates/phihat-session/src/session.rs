@@ -18,6 +18,7 @@ use crate::files::read_gains;
 use crate::log::Log;
 use crate::observer::{RunFigures, RunObserver, settle};
 use crate::record::{Done, TraceFiles};
+use crate::run_record::designed_before;
 use crate::watch::Watch;
 use crate::words;
 
@@ -32,6 +33,11 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Runs gains even where they may not run on this arm; marked in the record.
     pub uncertified: bool,
+    /// Which build of the program runs, if it can tell: gains that it designed for the same study are taken from the folder instead of
+    /// being designed once more. `None`: they are designed.
+    pub program: Option<String>,
+    /// Designs once more, whatever the folder holds.
+    pub fresh: bool,
     /// A log of the run for ROS tools and viewers (MCAP), beside the record; see [`LOGS`](crate::LOGS).
     pub log: Option<PathBuf>,
 }
@@ -55,10 +61,20 @@ impl RunOptions {
         if let Some(log) = &self.log {
             Log::offered(log)?;
         }
-        let gains = self.gains.as_deref().map(|file| read_gains(file).map(|gains| (gains, file)));
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
-        let mut session = Session::new(study, &self.study, gains.transpose()?, self.uncertified)?;
+        let gains = match (&self.gains, &self.program) {
+            (Some(file), _) => Chosen::Given(Box::new(read_gains(file)?), file),
+            (None, Some(program)) if !self.fresh && requested_gains(&study).is_none() => {
+                designed_before(&study, &folder, program)
+                    .map_or(Chosen::Own, |gains| Chosen::Before(Box::new(gains)))
+            }
+            _ => Chosen::Own,
+        };
+        let mut session = Session::of(study, &self.study, gains, self.uncertified)?;
+        if session.designs {
+            session.designed_by.clone_from(&self.program);
+        }
         session.log.clone_from(&self.log);
         Ok((session, folder))
     }
@@ -96,6 +112,22 @@ pub struct Session {
     pub(crate) warnings: Vec<String>,
     /// Where a log is asked for.
     pub(crate) log: Option<PathBuf>,
+    /// Whether the gains are those that the design makes for this study.
+    designs: bool,
+    /// Whether they are of an earlier run.
+    before: bool,
+    /// The build that designed them, where it can tell.
+    designed_by: Option<String>,
+}
+
+/// Where a run's gains come from.
+enum Chosen<'a> {
+    /// Somebody gave them, in a file of this name.
+    Given(Box<Gains>, &'a Path),
+    /// An earlier run of the same study designed them.
+    Before(Box<Gains>),
+    /// The study states them, or leaves them to the design.
+    Own,
 }
 
 impl Session {
@@ -107,21 +139,36 @@ impl Session {
     /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the motion needs more than the drives have
     /// or the arm's inertia is not inside of the gains' window (unless `uncertified`), or the study cannot be simulated.
     pub fn new(
-        mut study: Box<Study>,
+        study: Box<Study>,
         path: &Path,
         gains: Option<(Gains, &Path)>,
+        uncertified: bool,
+    ) -> Result<Self, SessionError> {
+        let gains = gains.map_or(Chosen::Own, |(gains, file)| Chosen::Given(Box::new(gains), file));
+        Self::of(study, path, gains, uncertified)
+    }
+
+    /// Of gains from wherever.
+    fn of(
+        mut study: Box<Study>,
+        path: &Path,
+        gains: Chosen<'_>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
         let overload = beyond_drives(&study, path, uncertified)?;
         let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
-        let chosen = if let Some((given, file)) = gains {
-            command = format!("{command} --gains {}", file.display());
-            source = file;
-            given
-        } else {
-            own_gains(&study, &arm, path)?
+        let before = matches!(gains, Chosen::Before(_));
+        let mut designs = requested_gains(&study).is_none();
+        let chosen = match gains {
+            Chosen::Given(given, file) => {
+                command = format!("{command} --gains {}", file.display());
+                (source, designs) = (file, false);
+                given
+            }
+            Chosen::Before(designed) => designed,
+            Chosen::Own => own_gains(&study, &arm, path)?,
         };
         chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
@@ -139,7 +186,13 @@ impl Session {
         warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;
         let simulation = Box::new(simulation);
-        Ok(Self { study, gains: chosen, simulation, command, warnings, log: None })
+        let (gains, log, designed_by) = (*chosen, None, None);
+        Ok(Self { study, gains, simulation, command, warnings, log, designs, before, designed_by })
+    }
+
+    /// Whether the gains are those that an earlier run of the same study left, designed by the same build of the program.
+    pub fn designed_before(&self) -> bool {
+        self.before
     }
 
     /// What is said before the run.
@@ -224,14 +277,15 @@ impl Session {
         progress: impl FnMut(u64),
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Done, E> {
-        let Self { study, gains, simulation, command, warnings, .. } = self;
+        let Self { study, gains, simulation, command, warnings, designed_by, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));
         let ended = simulation.stream(block, progress, |block| {
             seen.block(block);
             each(block)
         })?;
         let figures = seen.finish(&study.sha256);
-        Ok(finished((study, gains), figures, ended, (command, warnings)))
+        let done = finished((study, gains), figures, ended, (command, warnings));
+        Ok(Done { designed_by, ..done })
     }
 }
 
@@ -251,7 +305,8 @@ pub(crate) fn finished(
     };
     let run = run_info(&study, form, (command, warnings), ended.divergence.as_ref());
     let (divergence, abort) = (ended.divergence, ended.abort);
-    Done { study, gains: Some(gains), run, drawing, metrics, tube, divergence, abort }
+    let (gains, designed_by) = (Some(gains), None);
+    Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort }
 }
 
 /// Why gains may not run on an arm, as a warning of a run that is uncertified.
@@ -286,8 +341,8 @@ fn beyond_drives(
 
 /// The gains that a study states, else designed ones.
 #[inline(never)]
-fn own_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    requested_gains(study).map_or_else(|| designed_gains(study, arm, path), Ok)
+fn own_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Box<Gains>, SessionError> {
+    requested_gains(study).map_or_else(|| designed_gains(study, arm, path), Ok).map(Box::new)
 }
 
 /// Gains for a study that leaves them to the design.
