@@ -113,7 +113,7 @@ pub(crate) fn run_many<'a>(
     };
     // Those that can share lanes, side by side.
     let mut studies: Vec<(usize, &Study)> = studies.enumerate().collect();
-    studies.sort_by_key(|(_, study)| (study.world.drive.is_some(), study.world.substeps));
+    studies.sort_by_key(|(_, study)| study.world.substeps);
     for studies in studies.chunks(TOGETHER) {
         let prepared = studies.iter().map(|(place, study)| begin(*place, study));
         let (mut simulations, mut kept) = (Vec::new(), Vec::new());

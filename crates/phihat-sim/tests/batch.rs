@@ -42,6 +42,17 @@ const ARMS: [(&str, &str, &str); 4] = [
     ("iiwa14", "lbr_iiwa_link_7", "[2.0, 3.0, 1.0, 1.5, 0.3, 0.3, 0.2]"),
 ];
 
+/// What a drive makes of the torque that it means to give, drawn.
+fn drive(random: &mut Random) -> String {
+    random.of(&[
+        "",
+        "",
+        "[world.drive]\ngain = 0.9\ngain_error = 0.1\n",
+        "[world.drive]\nripple = 0.02\ncogging_nm = 0.1\nripple_per_turn = 9\ngain_drift_per_s = 0.5\n",
+        "[world.drive]\ntorque_max_nm = 6.0\nno_load_speed_rad_s = 1.5\n",
+    ])
+}
+
 /// A study of an arm, drawn: its world, loop and sensors, and what goes wrong.
 fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> String {
     let r = random;
@@ -84,6 +95,7 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
         )
         .unwrap();
     }
+    text += &drive(r);
     text += &r.of(&["", "", "[world.network]\ncommand_loss = 0.1\nsample_loss = 0.1\n"]);
     text += &r.of(&["", "", "[supervisor]\nerror_stop_rad = 0.05\n"]);
     let fault = |kind: &str, size: &str| {
@@ -94,8 +106,7 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
         1 => fault("payload", "size = 0.4"),
         2 => fault("friction", "size = 1.7"),
         3 => fault("sensor_nan", ""),
-        // Runs alone.
-        4 => fault("drive_gain", "size = 0.5"),
+        4 => fault("drive_gain", "size = 0.5") + &fault("push", "size = 2.0"),
         _ => String::new(),
     };
     let amplitude = r.within(0.02, 0.08);
@@ -266,13 +277,13 @@ fn an_arm_that_diverges_ends_as_it_does_alone() {
 #[test]
 fn what_runs_alone_is_told_with_the_reason() {
     let base = drawn(&mut Random(1), ARMS[0]);
-    let base =
-        base.split("[[fault]]").next().unwrap().split("[reference]").next().unwrap().to_owned();
+    let first = ["[[fault]]", "[world.drive]", "[reference]"].map(|section| base.find(section));
+    let base = &base[..first.into_iter().flatten().min().unwrap()];
     let hold = "[reference]\nkind = \"hold\"\nq_rad = [0.4, -0.7, 0.9]\n";
     let with = |more: &str| study(&format!("{base}{more}{hold}"));
     let cases = [
         ("", None),
-        ("[world.drive]\ngain = 0.9\n", Some("imperfect drives")),
+        ("[world.drive]\ngain = 0.9\n", None),
         ("[world.end_stops]\nstiffness_nm_rad = 100.0\n", Some("end stops")),
         ("", None),
     ];

@@ -32,7 +32,7 @@ const BLOCK: usize = 64;
 ///
 /// # Alone
 ///
-/// Elastic transmissions, stiction, contacts, end stops, imperfect drives, and trees run one by one; [`alone`](Self::alone) tells
+/// Elastic transmissions, stiction, contacts, end stops, and trees run one by one; [`alone`](Self::alone) tells
 /// which and why. So does the rest of a group in which only one arm is left.
 ///
 /// # Example

@@ -145,7 +145,7 @@ impl<'a> Plain<'a> {
         }
         for (i, answer) in self.answers.iter().enumerate() {
             let told = self.path.pass(i, answer.tau);
-            self.start[i] = self.drives[i].begin(told);
+            self.start[i] = self.plant.shaped(i, self.drives[i].begin(told), t);
             self.plant.demand(i, &self.drives[i]);
         }
         self.plant.go(t, self.worlds[0].steps());
@@ -155,6 +155,9 @@ impl<'a> Plain<'a> {
         let [_, _, ddq] = self.plant.state();
         for (i, answer) in self.answers.iter().enumerate() {
             self.mean[i] = self.drives[i].finish();
+            if let Some(excess) = self.plant.excess(i, self.worlds[0].substeps()) {
+                self.mean[i] += excess;
+            }
             let acted = Acted { ddq: ddq[i], start: self.start[i], mean: self.mean[i] };
             self.figures.end(steady, i, answer, acted);
         }
@@ -325,6 +328,11 @@ mod tests {
                 arm + 1
             );
             write!(text, "[world]\nsubsteps = 4\n{drive}friction = \"robot\"\ncoulomb_extra_nm = 0.{arm}\npayload = {payload}\n").unwrap();
+            text += [
+                "",
+                "[world.drive]\ngain = 0.95\nripple = 0.01\nripple_per_turn = 7\n",
+                "[world.drive]\ntorque_max_nm = 30.0\nno_load_speed_rad_s = 2.0\n",
+            ][arm % 3];
             text + &sines(if shared { 0.1 } else { 0.04 + 0.01 * arm as f64 })
         };
         for shared in [true, false] {

@@ -53,7 +53,7 @@ pub(super) struct Forces {
 }
 
 /// Weights of the four stages of RK4.
-const STAGES: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+pub(super) const STAGES: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 impl Acceleration for Forces {
     fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]) {

@@ -21,6 +21,7 @@ mod sensing;
 mod sensing_lanes;
 mod sensor;
 mod shape;
+mod shape_lanes;
 mod spring;
 mod stiffness;
 

@@ -4,8 +4,10 @@ use phihat_model::{Lanes, Lockstep, LockstepError, Model, Scalar};
 
 use super::World;
 use super::drive_lanes::DriveLanes;
+use super::forces::STAGES;
 use super::friction_lanes::FrictionLanes;
 use super::plant::Plant;
+use super::shape_lanes::ShapeLanes;
 
 /// A lane whose state adds up to more than this after an interval goes through it alone.
 const TAME: f64 = 1e6;
@@ -25,8 +27,12 @@ pub(crate) struct PlantLanes {
     joints: Vec<Joint>,
     /// Whether any drive takes time.
     drives_lag: bool,
-    /// Whether friction changes from interval to interval.
+    /// Whether friction or what drives make of a torque changes from interval to interval.
     varies: bool,
+    /// What the drives make of a torque, joint by joint; `None`: all are perfect.
+    shapes: Option<Vec<ShapeLanes>>,
+    /// What they gave beyond what they meant to, summed over the interval with the integrator's weights.
+    excess: Vec<Lanes>,
     /// State at the start, then at the end of an interval, and `q̈` at its start.
     q: Vec<Lanes>,
     dq: Vec<Lanes>,
@@ -65,7 +71,6 @@ impl PlantLanes {
             () if forces.bristles.is_some() => Some("stiction"),
             () if forces.contacts.is_some() => Some("contacts"),
             () if forces.stops.is_some() => Some("end stops"),
-            () if forces.shapes.is_some() => Some("imperfect drives"),
             () => None,
         }
     }
@@ -110,6 +115,8 @@ impl PlantLanes {
             joints: (0..n).map(joint).collect(),
             drives_lag: plants.iter().any(lags),
             varies: plants.iter().any(varies),
+            shapes: shapes(&core::array::from_fn(|k| plants.get(k).or(plants.last()).copied())),
+            excess: zero(),
             q: zero(),
             dq: zero(),
             first: zero(),
@@ -144,7 +151,7 @@ impl PlantLanes {
             core::array::from_fn(|k| lanes[k].as_deref().map(|world| &world.plant));
         self.take(&plants);
         self.go(t, (period, substeps));
-        let [q, dq, first] = [&self.q, &self.dq, &self.first];
+        let [q, dq, first, excess] = [&self.q, &self.dq, &self.first, &self.excess];
         let sizes = <[f64; Lanes::COUNT]>::from(self.size());
         for (k, world) in lanes.iter_mut().enumerate() {
             let Some(world) = world else { continue };
@@ -157,12 +164,16 @@ impl PlantLanes {
             give(q, k, &mut plant.q);
             give(dq, k, &mut plant.dq);
             give(first, k, &mut plant.ddq);
+            if plant.forces.shapes.is_some() {
+                give(excess, k, &mut plant.forces.excess);
+            }
         }
     }
 
     /// Through the interval that begins at `t` \[s\], of so long a period in so many steps.
     pub(crate) fn go(&mut self, t: f64, (period, substeps): (f64, u32)) {
         let h = period / f64::from(substeps);
+        self.excess.fill(Lanes::default());
         for step in 0..substeps {
             self.step(t, (t + f64::from(step) * h, h), step == 0);
         }
@@ -198,6 +209,18 @@ impl PlantLanes {
         (own.demand, own.gap) = (drive.demand, drive.gap);
     }
 
+    /// What the drive of a joint makes of a torque \[N·m\] at the start of the interval that begins at `t` \[s\].
+    pub(crate) fn shaped(&self, joint: usize, torque: Lanes, t: f64) -> Lanes {
+        let Some(shapes) = &self.shapes else { return torque };
+        shapes[joint].torque(torque, t, self.q[joint], self.dq[joint])
+    }
+
+    /// What the drive of a joint gave on average over the last interval beyond what it meant to \[N·m\].
+    pub(crate) fn excess(&self, joint: usize, substeps: u32) -> Option<Lanes> {
+        self.shapes.as_ref()?;
+        Some(self.excess[joint] / Lanes::splat(f64::from(substeps)))
+    }
+
     /// Positions, velocities, and accelerations at the start of the last interval.
     pub(crate) fn state(&self) -> [&[Lanes]; 3] {
         [&self.q, &self.dq, &self.first]
@@ -218,6 +241,9 @@ impl PlantLanes {
             }
             (0..=last).for_each(|k| self.stages[k] = stage(k).0);
         }
+        if self.varies {
+            self.shapes = shapes(&plants.map(Some));
+        }
         for (i, joint) in self.joints.iter_mut().enumerate() {
             self.q[i] = Lanes::from(plants.map(|plant| plant.q[i]));
             self.dq[i] = Lanes::from(plants.map(|plant| plant.dq[i]));
@@ -236,13 +262,14 @@ impl PlantLanes {
         let n = self.joints.len();
         self.stage.q.copy_from_slice(&self.q);
         self.stage.dq.copy_from_slice(&self.dq);
-        self.accelerate(start - interval, start);
+        self.accelerate([start, start, interval], STAGES[0]);
         if is_first {
             self.first.copy_from_slice(&self.stage.ddq);
         }
         self.stage.velocity.copy_from_slice(&self.dq);
         self.stage.acceleration.copy_from_slice(&self.stage.ddq);
-        for (node, weight) in [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        let stages = [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
+        for ((node, weight), share) in stages.into_iter().zip(&STAGES[1..]) {
             let (step, weight) = (node * h, Lanes::splat(weight));
             let length = Lanes::splat(step);
             let Stage { q, dq, ddq, .. } = &mut self.stage;
@@ -250,7 +277,7 @@ impl PlantLanes {
                 q[i] = self.q[i] + length * dq[i];
                 dq[i] = self.dq[i] + length * ddq[i];
             }
-            self.accelerate((start + step) - interval, start);
+            self.accelerate([start + step, start, interval], *share);
             let Stage { dq, ddq, velocity, acceleration, .. } = &mut self.stage;
             for i in 0..n {
                 velocity[i] += weight * dq[i];
@@ -264,15 +291,20 @@ impl PlantLanes {
         }
     }
 
-    /// `q̈` of the stage, `elapsed` seconds into the interval, in the step that began at `begin`.
-    fn accelerate(&mut self, elapsed: f64, begin: f64) {
+    /// `q̈` of the stage at a time, in the step and the interval that began at the others \[s\]; `share` is the stage's in the interval.
+    fn accelerate(&mut self, [t, begin, interval]: [f64; 3], share: f64) {
         let Stage { q, dq, tau, ddq, .. } = &mut self.stage;
-        for ((tau, joint), dq) in tau.iter_mut().zip(&self.joints).zip(&*dq) {
-            *tau = joint.demand;
+        for (i, joint) in self.joints.iter().enumerate() {
+            let mut given = joint.demand;
             if self.drives_lag {
-                *tau += joint.gap * (joint.falling * Lanes::splat(elapsed)).exp();
+                given += joint.gap * (joint.falling * Lanes::splat(t - interval)).exp();
             }
-            *tau -= joint.friction.torque(*dq);
+            if let Some(shapes) = &self.shapes {
+                let meant = given;
+                given = shapes[i].torque(meant, t, q[i], dq[i]);
+                self.excess[i] += Lanes::splat(share) * (given - meant);
+            }
+            tau[i] = given - joint.friction.torque(dq[i]);
         }
         for (start, end, joint, torque) in &self.pushes {
             if *start <= begin && begin < *end {
@@ -288,6 +320,13 @@ fn give(lanes: &[Lanes], k: usize, out: &mut [f64]) {
     for (out, lanes) in out.iter_mut().zip(lanes) {
         *out = <[f64; Lanes::COUNT]>::from(*lanes)[k];
     }
+}
+
+/// What the drives of all joints make of a torque; `None`: all are perfect.
+fn shapes(plants: &[Option<&Plant>; Lanes::COUNT]) -> Option<Vec<ShapeLanes>> {
+    let own = plants.map(|plant| plant.and_then(|plant| plant.forces.shapes.as_deref()));
+    let joints = own.iter().flatten().map(|shapes| shapes.len()).next()?;
+    Some((0..joints).map(|i| ShapeLanes::of(&own.map(|own| own?.get(i)))).collect())
 }
 
 /// The frictions of joint `i`; free lanes have the last one's.

@@ -15,19 +15,32 @@ use super::noise::{Effect, Noise};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shape {
-    gain: f64,
-    drift: f64,
-    ripple: f64,
-    cogging: f64,
-    per_turn: f64,
-    max: f64,
-    no_load_speed: f64,
+    pub(super) gain: f64,
+    pub(super) drift: f64,
+    pub(super) ripple: f64,
+    pub(super) cogging: f64,
+    pub(super) per_turn: f64,
+    pub(super) max: f64,
+    pub(super) no_load_speed: f64,
     /// Gain and limit of the faults that act.
-    fault_gain: f64,
-    fault_max: f64,
+    pub(super) fault_gain: f64,
+    pub(super) fault_max: f64,
 }
 
 impl Shape {
+    /// That of a drive that gives what it means to.
+    pub(super) const PERFECT: Self = Self {
+        gain: 1.0,
+        drift: 0.0,
+        ripple: 0.0,
+        cogging: 0.0,
+        per_turn: 0.0,
+        max: f64::INFINITY,
+        no_load_speed: f64::INFINITY,
+        fault_gain: 1.0,
+        fault_max: f64::INFINITY,
+    };
+
     /// One per joint; `None` where all drives are perfect.
     pub(super) fn all(study: &Study) -> Option<Vec<Self>> {
         let faulty = study.faults.iter().any(|f| matches!(Acts::of(f.kind), Acts::Drive(_)));
@@ -38,17 +51,7 @@ impl Shape {
     }
 
     fn new(study: &Study, i: usize) -> Self {
-        let mut shape = Self {
-            gain: 1.0,
-            drift: 0.0,
-            ripple: 0.0,
-            cogging: 0.0,
-            per_turn: 0.0,
-            max: f64::INFINITY,
-            no_load_speed: f64::INFINITY,
-            fault_gain: 1.0,
-            fault_max: f64::INFINITY,
-        };
+        let mut shape = Self::PERFECT;
         if let Some(drive) = &study.world.drive {
             let drawn = Noise::new(study.seed, Effect::Gain, i).uniform(0);
             let limit = |v: &Option<Vec<f64>>| v.as_ref().map_or(f64::INFINITY, |v| v[i]);
