@@ -2,9 +2,9 @@
 //!
 //! # Method
 //!
-//! The recursions of [`lockstep`](crate::Lockstep) run once on a number type that writes down what is done with it
-//! (`written`), for a structure and any numbers; what is left after folding is a file of this folder. The same operations in the same order give the same
-//! bits; a zero may have the other sign, and where there is an infinity or NaN, another one may come out.
+//! The recursions of [`lockstep`](crate::Lockstep) run once on a number type that writes down what is done with it (`written`), for
+//! a structure and any numbers; what is left after folding is a file of this folder. The same operations in the same order give
+//! the same bits; a zero may have the other sign, and where there is an infinity or NaN, another one may come out.
 #![allow(clippy::too_many_lines, reason = "written by a program, held to the recursions by a test")]
 
 #[rustfmt::skip]
@@ -43,6 +43,15 @@ pub(crate) trait Numbers<S> {
     fn sigma(&self, i: usize, k: usize) -> S;
     /// Acceleration of the base that acts like gravity.
     fn lift(&self, k: usize) -> S;
+}
+
+/// Forward dynamics of chains of `N` joints, written out.
+trait Code<const N: usize> {
+    /// What a chain may have, joint by joint.
+    const SHAPES: [Shape; N];
+
+    /// Accelerations.
+    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; N];
 }
 
 /// The numbers of one arm.
@@ -212,35 +221,17 @@ macro_rules! kernels {
         impl Kernel {
             /// The code for a chain of revolute joints of these shapes, if there is any.
             pub(crate) fn of(shapes: &[Shape]) -> Option<Self> {
-                $(if serves(&$file::SHAPES, shapes) { return Some(Self::$kernel); })*
+                $(if serves(&<$file::Chain as Code<$joints>>::SHAPES, shapes) { return Some(Self::$kernel); })*
                 None
             }
 
             /// Accelerations of one arm; whether the arm is one of these.
             #[inline]
             pub(crate) fn alone(self, model: &Model, state: [&[f64]; 3], ddq: &mut [f64]) -> bool {
-                match self {
-                    $(Self::$kernel => {
-                        #[inline(never)]
-                        fn forward(model: &Model, state: [&[f64]; 3], ddq: &mut [f64]) -> Option<()> {
-                            let [q, dq, tau] = state;
-                            let (sines, cosines) = sines::<$joints>(model, q)?;
-                            let arm = Alone::<$joints> {
-                                segments: model.segments().try_into().ok()?,
-                                armature: model.armature().try_into().ok()?,
-                                lift: model.lift(),
-                                sines,
-                                cosines,
-                                dq: dq.try_into().ok()?,
-                                tau: tau.try_into().ok()?,
-                            };
-                            let ddq: &mut [f64; $joints] = ddq.try_into().ok()?;
-                            *ddq = $file::forward(&arm);
-                            Some(())
-                        }
-                        forward(model, state, ddq).is_some()
-                    })*
-                }
+                let done = match self {
+                    $(Self::$kernel => alone::<$joints, $file::Chain>(model, state, ddq),)*
+                };
+                done.is_some()
             }
 
             /// Accelerations of many arms; whether they are such.
@@ -251,26 +242,10 @@ macro_rules! kernels {
                 state: [&[Lanes]; 3],
                 ddq: &mut [Lanes],
             ) -> bool {
-                match self {
-                    $(Self::$kernel => {
-                        #[inline(never)]
-                        fn forward(
-                            (parts, lift): (&[Part<Lanes>], Vec3<Lanes>),
-                            state: [&[Lanes]; 3],
-                            ddq: &mut [Lanes],
-                        ) -> Option<()> {
-                            let [q, dq, tau] = state;
-                            let (parts, q) = (parts.try_into().ok()?, q.try_into().ok()?);
-                            let (dq, tau) = (dq.try_into().ok()?, tau.try_into().ok()?);
-                            let ddq: &mut [Lanes; $joints] = ddq.try_into().ok()?;
-                            let (sines, cosines) = sines_beside(parts, q);
-                            let arms = Beside::<$joints> { parts, lift: &lift, sines, cosines, dq, tau };
-                            *ddq = $file::forward(&arms);
-                            Some(())
-                        }
-                        forward(arms, state, ddq).is_some()
-                    })*
-                }
+                let done = match self {
+                    $(Self::$kernel => beside::<$joints, $file::Chain>(arms, state, ddq),)*
+                };
+                done.is_some()
             }
         }
     };
@@ -295,6 +270,43 @@ fn serves(code: &[Shape], arm: &[Shape]) -> bool {
         tilt && (i == 0 || (code.reaches || !arm.reaches) && (code.slides || !arm.slides))
     };
     code.len() == arm.len() && code.iter().zip(arm).enumerate().all(part)
+}
+
+/// One arm, by the code of its structure; `None`: it has other joints.
+#[inline(never)]
+fn alone<const N: usize, C: Code<N>>(
+    model: &Model,
+    [q, dq, tau]: [&[f64]; 3],
+    ddq: &mut [f64],
+) -> Option<()> {
+    let (sines, cosines) = sines(model, q)?;
+    let arm = Alone::<'_, N> {
+        segments: model.segments().try_into().ok()?,
+        armature: model.armature().try_into().ok()?,
+        lift: model.lift(),
+        sines,
+        cosines,
+        dq: dq.try_into().ok()?,
+        tau: tau.try_into().ok()?,
+    };
+    let ddq: &mut [f64; N] = ddq.try_into().ok()?;
+    *ddq = C::forward(&arm);
+    Some(())
+}
+
+/// Many arms, by the code of their structure; `None`: they have other joints.
+#[inline(never)]
+fn beside<const N: usize, C: Code<N>>(
+    (parts, lift): (&[Part<Lanes>], Vec3<Lanes>),
+    [q, dq, tau]: [&[Lanes]; 3],
+    ddq: &mut [Lanes],
+) -> Option<()> {
+    let parts: &[Part<Lanes>; N] = parts.try_into().ok()?;
+    let (sines, cosines) = sines_beside(parts, q.try_into().ok()?);
+    let (dq, tau) = (dq.try_into().ok()?, tau.try_into().ok()?);
+    let ddq: &mut [Lanes; N] = ddq.try_into().ok()?;
+    *ddq = C::forward(&Beside { parts, lift: &lift, sines, cosines, dq, tau });
+    Some(())
 }
 
 /// Sines and cosines of the angles of many arms.

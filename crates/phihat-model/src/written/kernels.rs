@@ -17,6 +17,8 @@ use crate::{Lanes, Model, Robot, Scalar, Workspace};
 /// Width of a line of a written file.
 const WIDTH: usize = 138;
 
+const INDENT: &str = "        ";
+
 /// Inputs of a program under construction, each with what the written code calls it.
 #[derive(Default)]
 struct Inputs(Vec<String>);
@@ -100,28 +102,29 @@ fn rust<const N: usize>(title: &str, shapes: &[Shape]) -> String {
         "//! Forward dynamics of {title}: what `lockstep::sweep::placed` does with it, {} operations.\n\
          //!\n\
          //! Written by a test (`written::kernels`): not to be edited.\n\n\
-         use super::Numbers;\n\
+         use super::{{Code, Numbers}};\n\
          use crate::Scalar;\n\
          use crate::shape::{{Shape, Tilt}};\n\n\
-         pub(super) const SHAPES: [Shape; {N}] = [\n",
+         pub(super) struct Chain;\n\n\
+         impl Code<{N}> for Chain {{\n    const SHAPES: [Shape; {N}] = [\n",
         program.operations()
     );
     for Shape { tilt, reaches, slides } in shapes {
         let _ = writeln!(
             text,
-            "    Shape {{ tilt: Tilt::{tilt:?}, reaches: {reaches}, slides: {slides} }},"
+            "        Shape {{ tilt: Tilt::{tilt:?}, reaches: {reaches}, slides: {slides} }},"
         );
     }
     let _ = write!(
         text,
-        "];\n\n\
-         #[inline(always)]\n\
-         pub(super) fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; {N}] {{\n"
+        "    ];\n\n    \
+         #[inline(always)]\n    \
+         fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; {N}] {{\n"
     );
     let mut line = String::new();
     for statement in statements {
-        if !line.is_empty() && line.len() + 1 + statement.len() > WIDTH - 4 {
-            let _ = writeln!(text, "    {line}");
+        if !line.is_empty() && line.len() + 1 + statement.len() > WIDTH - INDENT.len() {
+            let _ = writeln!(text, "{INDENT}{line}");
             line.clear();
         }
         if !line.is_empty() {
@@ -130,7 +133,7 @@ fn rust<const N: usize>(title: &str, shapes: &[Shape]) -> String {
         line += &statement;
     }
     let results: Vec<String> = program.results.iter().map(|k| name(*k)).collect();
-    let _ = write!(text, "    {line}\n    [{}]\n}}\n", results.join(", "));
+    let _ = write!(text, "{INDENT}{line}\n{INDENT}[{}]\n    }}\n}}\n", results.join(", "));
     text
 }
 
