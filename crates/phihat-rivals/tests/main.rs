@@ -13,5 +13,6 @@ mod certainty;
 mod coupled;
 mod every_rival;
 mod joints;
+mod programme;
 mod regressor;
 mod simple;

@@ -5,9 +5,10 @@ use phihat_rivals::{Entry, rival};
 use crate::protocol::random_start;
 
 /// Laws that another one contains: where the scalars that it has more are at the low ends of their ranges, it is nearly that one.
-const CONTAINED: [(&str, &str); 5] = [
+const CONTAINED: [(&str, &str); 6] = [
     ("computed-torque-integral", "computed-torque"),
     ("momentum-observer", "computed-torque"),
+    ("inverse-dynamics-qp", "computed-torque"),
     ("pd-plus", "pd-gravity"),
     ("proposed-2", "proposed-1"),
     ("proposed-positions-2", "proposed-positions-1"),
