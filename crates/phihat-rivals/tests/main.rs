@@ -10,6 +10,7 @@ mod support;
 
 mod adaptive;
 mod certainty;
+mod choices;
 mod coupled;
 mod every_rival;
 mod joints;
