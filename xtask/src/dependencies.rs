@@ -29,9 +29,13 @@ const TESTS_ONLY: [&str; 5] =
     ["cbindgen", "cssparser", "cssparser-macros", "dtoa-short", "selectors"];
 
 /// Packages that are there in several versions, and who brings the other one.
-const TWICE: [(&str, usize, &str); 17] = [
+const TWICE: [(&str, usize, &str); 23] = [
     ("base64", 2, "parquet, resvg"),
+    ("darling", 2, "clarabel, when it is built"),
+    ("darling_core", 2, "clarabel, when it is built"),
+    ("darling_macro", 2, "clarabel, when it is built"),
     ("getrandom", 3, "rand of cmaes, tempfile"),
+    ("itertools", 2, "clarabel"),
     ("miniz_oxide", 2, "resvg"),
     ("num-bigint", 2, "parquet"),
     ("r-efi", 2, "getrandom"),
@@ -39,9 +43,11 @@ const TWICE: [(&str, usize, &str); 17] = [
     ("rand_core", 2, "cmaes, proptest"),
     ("roxmltree", 2, "resvg"),
     ("safe_arch", 2, "simba of nalgebra, which has no vectors of eight"),
+    ("strsim", 2, "clarabel, when it is built"),
     ("syn", 3, "proc macros"),
     ("thiserror", 2, "ros2-client, behind a feature"),
     ("thiserror-impl", 2, "ros2-client, behind a feature"),
+    ("web-time", 2, "clarabel, in a browser"),
     ("wide", 2, "simba of nalgebra, which has no vectors of eight"),
     ("windows-sys", 2, "ros2-client, behind a feature, on Windows"),
     ("toml", 2, "cbindgen"),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
-use phihat_rivals::{DesignedPosition, Entry, Refusal, Supply};
+use phihat_rivals::{DesignedPosition, Entry, Refusal, Scalar, Sensed, Supply};
 use phihat_sim::Motion;
 use phihat_study::Study;
 use toml::Table;
@@ -143,6 +143,16 @@ impl ArmCase {
             supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
         }
         supply
+    }
+
+    /// A law's own scalars, then what is free in what it is handed; and how many of them, from the first, have ranges that may give way.
+    pub(crate) fn free(&self, entry: &Entry) -> (Vec<Scalar>, usize) {
+        let sensed = Sensed {
+            rate_hz: 1e9 / self.study.control.period_ns as f64,
+            velocity_filter_hz: self.study.sensor.velocity_filter_hz,
+        };
+        let (choices, wide) = entry.choices(sensed);
+        (entry.scalars.iter().copied().chain(choices).collect(), entry.scalars.len() + wide)
     }
 
     pub(crate) fn record(&self) -> ArmRecord {

@@ -91,12 +91,13 @@ pub fn tune_widening(
     mut cost: impl FnMut(&[f64]) -> f64,
 ) -> Widened {
     let start: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
-    tune_widening_from(scalars, &start, (runs, widenings), seed, &mut cost)
+    tune_widening_from((scalars, scalars.len()), &start, (runs, widenings), seed, &mut cost)
 }
 
-/// [`tune_widening`] from a start of one's own inside the ranges, in place of the default values.
+/// [`tune_widening`] from a start of one's own inside the ranges, in place of the default values; only the ranges of the first `wide`
+/// scalars may give way or are told of.
 pub(crate) fn tune_widening_from(
-    scalars: &[Scalar],
+    (scalars, wide): (&[Scalar], usize),
     start: &[f64],
     (runs, widenings): (usize, usize),
     seed: u64,
@@ -109,7 +110,7 @@ pub(crate) fn tune_widening_from(
         // Seeds of a round's restarts are those of no other round.
         let seed = seed.wrapping_add(1000 * (rounds as u64 - 1));
         spend(&scalars, rounds * runs, seed, &mut tuned, &mut cost);
-        let at_end = ends(&scalars, &tuned.values);
+        let at_end = ends(&scalars[..wide], &tuned.values);
         if at_end.is_empty() || rounds > widenings {
             let ranges = scalars.iter().map(|scalar| [scalar.low, scalar.high]).collect();
             return Widened { tuned, rounds, ranges, at_end };

@@ -30,6 +30,7 @@
 mod adaptation;
 mod basis;
 mod card;
+mod choice;
 mod claim;
 mod error;
 mod facts;
@@ -54,6 +55,7 @@ mod supply;
 mod tuning;
 
 pub use card::{Card, Grade, Tick, Ticks};
+pub use choice::{Chosen, Sensed};
 pub use claim::{Condition, DeclaredArm};
 pub use error::Refusal;
 pub use facts::{Designed, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax};

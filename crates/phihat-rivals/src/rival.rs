@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 
 use crate::card::Card;
+use crate::choice::{self, Chosen, Sensed};
 use crate::claim::{Condition, DeclaredArm};
 use crate::error::Refusal;
 use crate::friction::WithFriction;
@@ -167,6 +168,25 @@ impl Entry {
         }
     }
 
+    /// What is free in what it is handed, beside its own scalars, and how many of these have ranges that may give way; they come first.
+    /// The default values are what it is handed by [`build_with_friction`](Self::build_with_friction).
+    ///
+    /// A factor on the nominal inertia for a law that has it in itself and no such factor of its own; the cut-off of the filter on its
+    /// velocity, on its position if it takes no velocity; and for a law that takes a torque, whether that is the one that acted or the one
+    /// commanded last. Gains that were designed for the loop as it is leave nothing free.
+    pub fn choices(&self, sensed: Sensed) -> (Vec<Scalar>, usize) {
+        choice::scalars(&self.needs, self.scalars, sensed)
+    }
+
+    /// Values of [`choices`](Self::choices), in their order, taken apart; none at all: as the law declares it.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal::Tuning`]: another number of values, or one that is not above 0 and finite.
+    pub fn chosen(&self, values: &[f64]) -> Result<Chosen, Refusal> {
+        Chosen::of(&self.needs, self.scalars, values)
+    }
+
     /// Builds the rival with identified dry friction fed forward along the reference's velocity, where it is one that is handed a model
     /// and has no feed-forward of friction itself; any other is built as it is.
     ///
@@ -178,7 +198,30 @@ impl Entry {
         tuning: &Tuning,
         supply: &Supply,
     ) -> Result<Box<dyn Running>, Refusal> {
-        let law = self.build(tuning, supply)?;
+        self.build_as_chosen(tuning, supply, &Chosen::default())
+    }
+
+    /// The same with choices of what it is handed. The filter of a velocity is the sensors' own: who runs the law sets it there, by
+    /// [`Chosen::velocity_filter_hz`].
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build).
+    pub fn build_as_chosen(
+        &self,
+        tuning: &Tuning,
+        supply: &Supply,
+        chosen: &Chosen,
+    ) -> Result<Box<dyn Running>, Refusal> {
+        let law = match chosen.inertia_share {
+            Some(share) => {
+                let mut handed = supply.clone();
+                handed.inertia.iter_mut().for_each(|inertia| *inertia *= share);
+                self.build(tuning, &handed)?
+            }
+            None => self.build(tuning, supply)?,
+        };
+        let law = chosen.before(law, &self.needs, (supply.joints(), tuning.period()));
         if !self.needs.model || self.needs.dry || self.needs.derivatives == 0 {
             return Ok(law);
         }

@@ -10,8 +10,10 @@ mod support;
 
 mod adaptive;
 mod certainty;
+mod choices;
 mod coupled;
 mod every_rival;
 mod joints;
+mod programme;
 mod regressor;
 mod simple;

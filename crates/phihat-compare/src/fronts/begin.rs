@@ -1,13 +1,14 @@
 //! Where a search begins.
 
-use phihat_rivals::{Entry, rival};
+use phihat_rivals::{Entry, Scalar, rival};
 
 use crate::protocol::random_start;
 
 /// Laws that another one contains: where the scalars that it has more are at the low ends of their ranges, it is nearly that one.
-const CONTAINED: [(&str, &str); 5] = [
+const CONTAINED: [(&str, &str); 6] = [
     ("computed-torque-integral", "computed-torque"),
     ("momentum-observer", "computed-torque"),
+    ("inverse-dynamics-qp", "computed-torque"),
     ("pd-plus", "pd-gravity"),
     ("proposed-2", "proposed-1"),
     ("proposed-positions-2", "proposed-positions-1"),
@@ -23,20 +24,20 @@ pub(super) fn contained(entry: &Entry) -> Option<&'static Entry> {
 }
 
 /// Values of the larger law: those of the contained one where it has them, else the default, all inside the ranges.
-pub(super) fn from_contained(outer: &Entry, inner: &Entry, values: &[f64]) -> Vec<f64> {
+pub(super) fn from_contained(outer: &[Scalar], inner: &[Scalar], values: &[f64]) -> Vec<f64> {
     let known = |name: &str| {
-        let place = inner.scalars.iter().position(|scalar| scalar.name == name)?;
+        let place = inner.iter().position(|scalar| scalar.name == name)?;
         values.get(place).copied()
     };
-    let of = |scalar: &phihat_rivals::Scalar| {
+    let of = |scalar: &Scalar| {
         known(scalar.name).unwrap_or(scalar.default).clamp(scalar.low, scalar.high)
     };
-    outer.scalars.iter().map(of).collect()
+    outer.iter().map(of).collect()
 }
 
 /// Where a restart begins that has no law to begin from.
-pub(super) fn start(entry: &Entry, restart: u64, stream: u64, seed: u64) -> Vec<f64> {
-    random_start(entry.scalars, restart, stream.wrapping_add(1000 * seed))
+pub(super) fn start(scalars: &[Scalar], restart: u64, stream: u64, seed: u64) -> Vec<f64> {
+    random_start(scalars, restart, stream.wrapping_add(1000 * seed))
 }
 
 #[cfg(test)]
@@ -54,7 +55,7 @@ mod tests {
         let outer = rival("computed-torque-integral").sure();
         let inner = contained(outer).sure();
         let values: Vec<f64> = inner.scalars.iter().map(|scalar| 1.01 * scalar.low).collect();
-        let begun = from_contained(outer, inner, &values);
+        let begun = from_contained(outer.scalars, inner.scalars, &values);
         for (scalar, begun) in outer.scalars.iter().zip(&begun) {
             let same = inner.scalars.iter().position(|other| other.name == scalar.name);
             let exact = same.map_or(scalar.default, |place| values[place]);

@@ -48,7 +48,7 @@ pub(super) fn fronts(
     for point in &mut points {
         point.chosen = chosen(point);
     }
-    let laws: Vec<LawRecord> = tried.iter().map(record).collect();
+    let laws: Vec<LawRecord> = tried.iter().map(|law| record(arm, law)).collect();
     let placebo = caps.iter().map(|cap| band(&laws, &points, *cap)).collect::<Vec<_>>();
     let mut versus = Vec::new();
     for cap in caps {
@@ -71,7 +71,7 @@ pub(super) fn fronts(
     }
 }
 
-fn record(law: &Law) -> LawRecord {
+fn record(arm: &ArmCase, law: &Law) -> LawRecord {
     let (id, card) = (law.entry.card.id, law.entry.card);
     LawRecord {
         id: law.id(),
@@ -81,7 +81,7 @@ fn record(law: &Law) -> LawRecord {
         ours: id.starts_with("proposed"),
         designed: law.entry.scalars.is_empty(),
         again: (law.stream > 1).then(|| id.to_owned()),
-        scalars: law.entry.scalars.iter().map(|scalar| scalar.name.to_owned()).collect(),
+        scalars: arm.free(law.entry).0.iter().map(|scalar| scalar.name.to_owned()).collect(),
     }
 }
 

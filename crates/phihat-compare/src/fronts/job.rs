@@ -38,7 +38,7 @@ pub(super) struct Job {
 /// What came of a search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Searched {
-    /// The scalars' values.
+    /// Values of the law's scalars and of what is free in what it is handed.
     pub(super) values: Vec<f64>,
     /// Over the training worlds, with the margin's trials.
     pub(super) train: Assessed,
@@ -86,11 +86,12 @@ impl FrontsExtent {
         let effort = (self.per_scalar, self.widenings);
         let begin = match contained(entry).filter(|_| restart == 0) {
             Some(inner) => {
-                let start = start(inner, 0, law.stream, self.seed);
+                let smaller = arm.free(inner).0;
+                let start = start(&smaller, 0, law.stream, self.seed);
                 let found = train.search(inner, &start, effort, seed);
-                from_contained(entry, inner, &found.tuned.values)
+                from_contained(&arm.free(entry).0, &smaller, &found.tuned.values)
             }
-            None => start(entry, restart, law.stream, self.seed),
+            None => start(&arm.free(entry).0, restart, law.stream, self.seed),
         };
         let found = train.search(entry, &begin, effort, seed);
         let values = found.tuned.values;

@@ -7,8 +7,9 @@
 //! # Not claimed
 //!
 //! That a law can do no better: its errors are those of the tunings that were found. What is drawn is what [`draw`](crate::protocol::draw)
-//! draws; another arm, or a robot, is another question. The velocity that is measured is the study's, filtered as the study says, for
-//! all laws.
+//! draws; another arm, or a robot, is another question. How the velocity is filtered, how large the nominal
+//! inertia in a law is, and which torque it is fed with is free for every law that uses it, and tuned with its own scalars; a law from
+//! positions alone may filter these.
 
 mod begin;
 mod extent;

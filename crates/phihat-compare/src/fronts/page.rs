@@ -35,7 +35,9 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
         p { "Made by " code { (line(command)) } "." }
         h2 { "Not claimed" }
         p { "That a law can do no better: these are the best tunings that were found. Worlds are drawn at random from ranges; what lies \
-             outside of them was not tried. All laws measure the same positions and, filtered as the study says, velocities." }
+             outside of them was not tried. All laws measure the same positions and velocities; the cut-off of the filter, a factor on \
+             the nominal inertia, and whether the torque that acted or the one commanded last is handed over are free for every law \
+             that uses them, and tuned with its own scalars." }
     };
     Page { title: &title, style: include_str!("fronts.css"), script: None }.document(&main)
 }

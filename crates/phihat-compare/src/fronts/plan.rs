@@ -17,7 +17,7 @@ use crate::plan::with_edition;
 use crate::protocol::{Assessor, Split, Tried, draw};
 
 /// Raised when the same search would come out otherwise: journals of before are then done again.
-const EDITION: &str = "fronts 1";
+const EDITION: &str = "fronts 2";
 
 /// Of these, the first that a tier has is held against itself under a second name: laws of few scalars whose searches end well.
 const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "computed-torque-integral"];
@@ -68,7 +68,7 @@ impl FrontsPlan {
         let [train, validation, test] = self.extent.worlds.map(u64::from);
         let jobs = self.jobs();
         let runs = |job: &Job| {
-            let scalars = self.laws[job.law].entry.scalars.len();
+            let scalars = self.arms[0].free(self.laws[job.law].entry).0.len();
             // A world, and the two trials of its margin.
             3 * train * self.extent.evaluations(scalars) as u64 + 3 * (train + validation) + test
         };
@@ -126,7 +126,7 @@ impl FrontsPlan {
             extent.span,
             extent.seed
         );
-        let scalars = format!("{:?}", law.entry.scalars);
+        let scalars = format!("{:?}", self.arms[0].free(law.entry));
         let version = env!("CARGO_PKG_VERSION");
         let (sum, name) = (&self.arms[0].study.sha256, &self.arms[0].name);
         let parts = [EDITION, version, sum, name, law.entry.card.id, &scalars, &how];

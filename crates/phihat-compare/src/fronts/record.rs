@@ -56,7 +56,7 @@ pub struct LawRecord {
     pub designed: bool,
     /// The law whose second name this is.
     pub again: Option<String>,
-    /// Names of its free scalars.
+    /// Names of its free scalars, then of what is free in what it is handed.
     pub scalars: Vec<String>,
 }
 
@@ -80,7 +80,7 @@ pub struct Restart {
     pub restart: u64,
     /// Why there is none.
     pub failed: Option<String>,
-    /// Values of the law's scalars.
+    /// Values of the law's scalars, then of what is free in what it is handed.
     pub values: Vec<f64>,
     /// In the training worlds.
     pub train: Option<Assessed>,

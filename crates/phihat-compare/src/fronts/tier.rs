@@ -56,6 +56,7 @@ mod tests {
             ("pd-gravity", Tier::Model),
             ("computed-torque-integral", Tier::Model),
             ("slotine-li", Tier::Model),
+            ("inverse-dynamics-qp", Tier::Model),
         ] {
             assert_eq!(Tier::of(&rival(id).sure().needs), tier, "{id}");
         }

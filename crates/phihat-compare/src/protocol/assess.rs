@@ -1,6 +1,8 @@
 //! A candidate, tried in drawn worlds: what its error is, and which constraints it breaks.
 
-use phihat_rivals::{Entry, Scalar, Tuning};
+use std::borrow::Cow;
+
+use phihat_rivals::{Chosen, Entry, Scalar, Tuning};
 use phihat_session::Dice;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
@@ -63,7 +65,8 @@ impl<'a> Assessor<'a> {
         Ok(Self { arm, worlds: drawn.iter().map(world).collect::<Result<_, CompareError>>()?, cap })
     }
 
-    /// What a candidate measures, one per world; `None` where it did not follow.
+    /// What a candidate measures, one per world; `None` where it did not follow. `values`: of the law's own scalars, and behind them
+    /// of [`Entry::choices`] or nothing.
     pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
         let tried = |(outcome, figures): (RunOutcome, Option<Figures>)| {
             let figures = figures.filter(|_| outcome.followed())?;
@@ -109,8 +112,8 @@ impl<'a> Assessor<'a> {
         Assessed { error: (logs / self.worlds.len().max(1) as f64).exp(), ..all }
     }
 
-    /// The best of one search in the order of [`Assessed::cost`]: CMA-ES from a start inside the scalars' ranges, `per_scalar (d + 1)`
-    /// evaluations for `d` scalars, and as many again each time that an end of a range was hit and gave way, `widenings` times at
+    /// The best of one search in the order of [`Assessed::cost`]: CMA-ES over the law's own scalars and [`Entry::choices`], from a start
+    /// inside their ranges, `per_scalar (d + 1)` evaluations for `d` of them, and as many again each time that an end of a range was hit and gave way, `widenings` times at
     /// most. `seed` decides what the search draws.
     pub fn search(
         &self,
@@ -119,10 +122,10 @@ impl<'a> Assessor<'a> {
         (per_scalar, widenings): (usize, usize),
         seed: u64,
     ) -> Widened {
-        let scalars = entry.scalars;
+        let (scalars, wide) = self.arm.free(entry);
         let runs = per_scalar * (scalars.len() + 1);
         let cost = |values: &[f64]| self.assess(entry, values).cost();
-        tune_widening_from(scalars, start, (runs, widenings), seed, cost)
+        tune_widening_from((&scalars, wide), start, (runs, widenings), seed, cost)
     }
 
     /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law refuses these values.
@@ -133,22 +136,37 @@ impl<'a> Assessor<'a> {
         studies: &[(f64, &Study)],
     ) -> Vec<Option<(RunOutcome, Option<Figures>)>> {
         let units = &self.arm.units;
+        let mut all = vec![None; studies.len()];
+        let (values, choices) = values.split_at(entry.scalars.len().min(values.len()));
+        let Ok(chosen) = entry.chosen(choices) else { return all };
+        let sensed: Vec<Cow<'_, Study>> =
+            studies.iter().map(|&(_, study)| sensing(study, entry, &chosen)).collect();
         let made = |place: usize, study: &Study| -> Result<_, TrialError> {
             let period = study.control.period_ns as f64 * 1e-9;
             let tuning = Tuning::new(values, units, period)?;
             let (masses, _) = studies[place];
             let handed = self.arm.completed(entry, supply(study, units, masses)?);
-            Ok((entry.build_with_friction(&tuning, &handed)?, handed))
+            Ok((entry.build_as_chosen(&tuning, &handed, &chosen)?, handed))
         };
         let bars =
             Bars { error_bound: &self.arm.error_bound, limits: &self.arm.limits, bound: None };
-        let mut all = vec![None; studies.len()];
-        let every = studies.iter().map(|(_, study)| *study);
+        let every = sensed.iter().map(|study| &**study);
         run_many(entry, units, every, made, |place, study, trial: Result<Trial, TrialError>| {
             all[place] = trial.ok().map(|trial| judge(study, &trial.outcome, trial.broken, &bars));
         });
         all
     }
+}
+
+/// A study whose velocities are filtered as was chosen.
+fn sensing<'a>(study: &'a Study, entry: &Entry, chosen: &Chosen) -> Cow<'a, Study> {
+    if chosen.filter_hz.is_none() || !entry.needs.velocity {
+        return Cow::Borrowed(study);
+    }
+    let mut study = study.clone();
+    let rate = 1e9 / study.control.period_ns as f64;
+    study.sensor.velocity_filter_hz = chosen.velocity_filter_hz(rate);
+    Cow::Owned(study)
 }
 
 /// What a run that ended early counts as, beside 1 for one that did not follow.
@@ -195,6 +213,42 @@ mod tests {
         assert!(refused.violation >= 2.0 * 99.0, "{refused:?}");
     }
 
+    /// What is free in what a law is handed: at its default values the candidate is what it is without, to the bit; the filter reaches the
+    /// sensors, the inertia and the torque the law, and a number of choices that is none of these is refused.
+    #[test]
+    fn choices_reach_the_law_and_its_sensors() {
+        let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
+        let worlds = draw(5, Split::Train, 2);
+        let assessor = Assessor::new(&arm, &worlds, (1.3, 1.0), (1.0, false)).sure();
+        for (id, free) in [("pd-gravity", 1), ("time-delay", 2), ("adrc", 3), ("proposed-1", 3)] {
+            let entry = rival(id).sure();
+            let (scalars, wide) = arm.free(entry);
+            assert_eq!(scalars.len(), entry.scalars.len() + free, "{id}");
+            assert_eq!(wide, entry.scalars.len() + usize::from(free == 3), "{id}");
+            let default: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
+            let plain = assessor.assess(entry, &default[..entry.scalars.len()]);
+            assert_eq!(assessor.assess(entry, &default), plain, "{id}");
+            for place in entry.scalars.len()..scalars.len() {
+                let mut other = default.clone();
+                let scalar = &scalars[place];
+                other[place] = if scalar.default < 1.0 { 2.0 } else { 0.7 * scalar.default };
+                if scalar.name == "sensor_filter" {
+                    other[place] = 40.0;
+                }
+                if scalar.name == "torque_fed" {
+                    other[place] = 1.0 / scalar.default;
+                }
+                let found = assessor.assess(entry, &other);
+                assert!(found != plain && found.error < 1.0, "{id} {}: {found:?}", scalar.name);
+            }
+            let short = assessor.assess(entry, &default[..entry.scalars.len() - 1]);
+            let long: Vec<f64> = default.iter().copied().chain([1.0]).collect();
+            for refused in [short, assessor.assess(entry, &long)] {
+                assert!(refused.violation >= 2.0 * 99.0, "{id}: {refused:?}");
+            }
+        }
+    }
+
     /// One law, two restarts: what the search finds keeps its constraints, is no worse than where it began, and a restart is repeatable.
     #[test]
     fn a_search_begins_anywhere_and_ends_no_worse() {
@@ -202,13 +256,14 @@ mod tests {
         let assessor =
             Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).sure();
         let pd = rival("pd-gravity").sure();
-        let start = |restart: u64, stream: u64| random_start(pd.scalars, restart, stream);
-        assert_eq!(start(0, 1), [20.0, 1.0]);
+        let free = arm.free(pd).0;
+        let start = |restart: u64, stream: u64| random_start(&free, restart, stream);
+        assert_eq!(start(0, 1), [20.0, 1.0, 100.0]);
         assert!(start(1, 1) != start(2, 1) && start(1, 1) != start(1, 2));
         let search = || assessor.search(pd, &start(1, 1), (5, 0), 1);
         let found = search();
         let tuned = &found.tuned;
-        assert_eq!(tuned.history.len(), 15);
+        assert_eq!(tuned.history.len(), 20);
         assert!(tuned.cost <= tuned.history[0] && tuned.cost < 1.0, "{found:?}");
         assert_eq!(found, search());
         assert!(assessor.measured(pd, &tuned.values)[0].is_some());

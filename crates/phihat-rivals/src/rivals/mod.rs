@@ -21,6 +21,7 @@ mod h_infinity_pid;
 mod hayat_buss_2016;
 mod incremental;
 mod industrial_pid;
+mod inverse_dynamics_qp;
 mod makers_stack;
 mod momentum_observer;
 mod nonlinear_feedback;
@@ -58,6 +59,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<computed_torque::ComputedTorque>(),
     Entry::of::<computed_torque_integral::ComputedTorqueIntegral>(),
     Entry::of::<momentum_observer::MomentumObserver>(),
+    Entry::of::<inverse_dynamics_qp::InverseDynamicsQp>(),
     Entry::of::<slotine_li::SlotineLi>(),
     Entry::of::<slotine_li::ByUnit>(),
     Entry::of::<fat_lumped::FatLumped>(),
