@@ -27,6 +27,8 @@ pub struct RunRecord {
     pub gains: Option<Gains>,
     /// What its trace shows.
     pub seen: RunFigures,
+    /// The build of the program that designed the gains for this study, where that is known.
+    designed_by: Option<String>,
 }
 
 impl RunRecord {
@@ -70,7 +72,7 @@ impl RunRecord {
         mut each: impl FnMut(&mut Trace),
     ) -> Result<Self, SessionError> {
         let folder = folder_of(trace);
-        let Origin { run, files, .. } = origin(folder)?;
+        let Origin { run, designed_by, files } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
         let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
         let ours = (run.form != OUTSIDE && !files.contains_key(GAINS)).then_some(GAINS);
@@ -103,7 +105,7 @@ impl RunRecord {
         })
         .map_err(|e| SessionError::at(trace, e))?;
         let seen = seen.finish(&study.sha256);
-        Ok(Self { run, study, gains, seen })
+        Ok(Self { run, study, gains, seen, designed_by })
     }
 
     /// Whether the figures that the record states are those of its trace.
@@ -136,8 +138,8 @@ pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     let mut whole = Trace::default();
     let kept =
         RunRecord::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
-    let RunRecord { run, study, gains, seen: RunFigures { metrics, drawing, tube } } = kept;
-    let designed_by = origin(folder)?.designed_by;
+    let RunRecord { run, study, gains, seen, designed_by } = kept;
+    let RunFigures { metrics, drawing, tube } = seen;
     let (divergence, abort) = (None, None);
     let done = Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort };
     Ok((done, whole))
@@ -151,22 +153,17 @@ pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Op
         return None;
     }
     let is = |name: &str, path: &Path| {
-        let found = files::open(path).ok().and_then(|mut file| sha256(&mut file).ok());
-        found.is_some() && found.as_ref() == files.get(name)
+        belongs(path, files.get(name).map(String::as_str), &run.command).is_ok()
     };
-    let inputs = study.inputs.iter().map(|(name, path)| (Path::new(INPUTS).join(name), path));
-    let mut named = 0;
-    for (name, path) in inputs {
-        if !is(&name.display().to_string(), path) {
-            return None;
-        }
-        named += 1;
-    }
+    let input = |name: &Path| Path::new(INPUTS).join(name).display().to_string();
+    let mut inputs = study.inputs.iter();
     let recorded = files.keys().filter(|name| Path::new(name).starts_with(INPUTS)).count();
-    let text = sha256(&mut study.text.as_bytes()).ok();
-    let same = named == recorded && text.is_some() && text.as_ref() == files.get("study.toml");
     let gains = folder.join(GAINS);
-    if !same || !is(GAINS, &gains) {
+    let same = files.get("study.toml") == Some(&study.sha256)
+        && study.inputs.len() == recorded
+        && inputs.all(|(name, path)| is(&input(name.as_ref()), path))
+        && is(GAINS, &gains);
+    if !same {
         return None;
     }
     Gains::from_json(&files::read(&gains).ok()?).ok()

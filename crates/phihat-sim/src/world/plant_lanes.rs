@@ -242,7 +242,9 @@ impl PlantLanes {
             (0..=last).for_each(|k| self.stages[k] = stage(k).0);
         }
         if self.varies {
-            self.shapes = shapes(&plants.map(Some));
+            for (i, shape) in self.shapes.iter_mut().flatten().enumerate() {
+                *shape = ShapeLanes::of(&plants.map(|plant| plant.forces.shapes.as_ref()?.get(i)));
+            }
         }
         for (i, joint) in self.joints.iter_mut().enumerate() {
             self.q[i] = Lanes::from(plants.map(|plant| plant.q[i]));

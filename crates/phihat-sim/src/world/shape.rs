@@ -78,10 +78,15 @@ impl Shape {
         }
     }
 
+    /// Whether the torque varies with the rotor's angle.
+    pub(super) fn waves(&self) -> bool {
+        self.ripple > 0.0 || self.cogging > 0.0
+    }
+
     /// Torque that acts \[N·m\].
     pub(super) fn torque(&self, told: f64, t: f64, q: f64, dq: f64) -> f64 {
         let mut tau = self.gain * (1.0 + self.drift * t) * self.fault_gain * told;
-        if self.ripple > 0.0 || self.cogging > 0.0 {
+        if self.waves() {
             let wave = libm::sin(self.per_turn * q);
             tau = tau * (1.0 + self.ripple * wave) + self.cogging * wave;
         }

@@ -32,11 +32,11 @@ impl ShapeLanes {
         let lanes = |of: fn(&Shape) -> f64| {
             Lanes::from(shapes.map(|shape| of(shape.unwrap_or(&Shape::PERFECT))))
         };
-        let waves = shapes.iter().flatten().any(|s| s.ripple > 0.0 || s.cogging > 0.0);
+        let waves = shapes.iter().flatten().any(|shape| shape.waves());
         let wave = || Wave {
             per_turn: lanes(|s| s.per_turn),
-            ripple: lanes(|s| if s.ripple > 0.0 || s.cogging > 0.0 { s.ripple } else { 0.0 }),
-            cogging: lanes(|s| if s.ripple > 0.0 || s.cogging > 0.0 { s.cogging } else { 0.0 }),
+            ripple: lanes(|s| if s.waves() { s.ripple } else { 0.0 }),
+            cogging: lanes(|s| if s.waves() { s.cogging } else { 0.0 }),
         };
         Self {
             gain: lanes(|s| s.gain),
