@@ -19,7 +19,7 @@ use crate::terminal::Page;
 ///
 /// Every law is tuned from several random starts under each cap on its noise, in drawn worlds; other worlds choose among its
 /// tunings, and others again judge, once. One law under two names says what chance does. Writes journal.jsonl, fronts.json and
-/// report.html to out/STUDY/fronts/. The whole takes weeks on two cores: an interrupted one goes on where it was, and shards may run
+/// report.html to out/STUDY/fronts/. The whole takes days on two cores: an interrupted one goes on where it was, and shards may run
 /// anywhere.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
@@ -72,10 +72,10 @@ struct HowMuch {
     /// Caps on the rms of the torque above 50 Hz, over the torque limit [default: 0.0005,0.001,0.002,0.005,0.01].
     #[arg(long, value_name = "SHARE", value_delimiter = ',')]
     caps: Vec<f64>,
-    /// Searches of each law at each cap [default: 10].
+    /// Searches of each law, each under all caps [default: 10].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     restarts: Option<u16>,
-    /// Evaluations of a search for each free scalar and one more [default: 200].
+    /// Evaluations of a search for each free scalar and one more; under every cap but the loosest a quarter [default: 200].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     per_scalar: Option<u32>,
     /// Worlds to train in, to choose by, to be judged in [default: 20,20,50].
@@ -134,7 +134,7 @@ impl FrontsVerb {
                 println!("{document:#}");
             } else {
                 println!(
-                    "{searches} searches, {runs} runs or more, {:.1} hours simulated",
+                    "{searches} searches, some {runs} runs, {:.1} hours simulated",
                     seconds / 3600.0
                 );
             }

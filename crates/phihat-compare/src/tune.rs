@@ -128,7 +128,7 @@ pub(crate) fn tune_widening_from(
 }
 
 /// Which values lie at an end of their range.
-fn ends(scalars: &[Scalar], values: &[f64]) -> Vec<AtEnd> {
+pub(crate) fn ends(scalars: &[Scalar], values: &[f64]) -> Vec<AtEnd> {
     let at = |(scalar, value): (&Scalar, &f64)| {
         let place = place(scalar, *value);
         let upper = place >= 1.0 - AT_END;

@@ -2,16 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::protocol::{CAPS, PER_SCALAR, SPLITS};
+use crate::protocol::{CAPS, FOLLOWING, PER_SCALAR, SPLITS};
 
 /// How much is done.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrontsExtent {
-    /// Caps on noise above 50 Hz, over the torque limit: one tuning each.
+    /// Caps on noise above 50 Hz, over the torque limit: one tuning each, all of one search.
     pub caps: Vec<f64>,
-    /// Searches of each law at each cap, the first from its default values, the others from random ones.
+    /// Searches of each law, the first from its default values, the others from random ones.
     pub restarts: u64,
-    /// Evaluations of a search for each free scalar and one more.
+    /// Evaluations of a search for each free scalar and one more under the loosest cap; under every other a quarter as many, from the best
+    /// of all before.
     pub per_scalar: usize,
     /// How often ends of ranges that are hit may give way tenfold.
     pub widenings: usize,
@@ -50,8 +51,9 @@ impl FrontsExtent {
         }
     }
 
-    /// Evaluations of one search of a law with so many free scalars, if no range gives way.
+    /// Evaluations of one search of a law with so many free scalars, under all caps, if no range gives way.
     pub fn evaluations(&self, scalars: usize) -> usize {
-        if scalars == 0 { 1 } else { self.per_scalar * (scalars + 1) }
+        let following = self.per_scalar.div_ceil(FOLLOWING) * self.caps.len().saturating_sub(1);
+        if scalars == 0 { 1 } else { (self.per_scalar + following) * (scalars + 1) }
     }
 }

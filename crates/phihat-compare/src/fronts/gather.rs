@@ -4,7 +4,7 @@ use phihat_campaign::Ended;
 use phihat_session::Dice;
 
 use super::extent::FrontsExtent;
-use super::job::{Done, Job, Law};
+use super::job::{Done, Job, Law, Searched};
 use super::record::{
     AtCap, Chosen, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
 };
@@ -43,7 +43,10 @@ pub(super) fn fronts(
         points.extend(caps.iter().map(empty));
     }
     for (job, ended) in jobs.iter().zip(done) {
-        points[job.law * caps.len() + job.cap].restarts.push(restart(job.restart, ended));
+        let own = points[job.law * caps.len()..].iter_mut().take(caps.len());
+        for (point, restart) in own.zip(restarts(job.restart, ended, caps.len())) {
+            point.restarts.push(restart);
+        }
     }
     for point in &mut points {
         point.chosen = chosen(point);
@@ -85,10 +88,11 @@ fn record(arm: &ArmCase, law: &Law) -> LawRecord {
     }
 }
 
-fn restart(restart: u64, ended: Ended<Done>) -> Restart {
-    let none = |failed: String| Restart {
+/// What came of a search, one per cap.
+fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
+    let none = |failed: &str| Restart {
         restart,
-        failed: Some(failed),
+        failed: Some(failed.to_owned()),
         values: Vec::new(),
         train: None,
         validation: None,
@@ -98,21 +102,24 @@ fn restart(restart: u64, ended: Ended<Done>) -> Restart {
         at_end: Vec::new(),
         test: Vec::new(),
     };
+    let of = |found: Searched| Restart {
+        restart,
+        failed: None,
+        values: found.values,
+        train: Some(found.train),
+        validation: Some(found.validation),
+        evaluations: found.evaluations,
+        history: found.history,
+        widened: found.widened,
+        at_end: found.at_end,
+        test: found.test,
+    };
     match ended {
-        Ended::With(Done::Searched(found)) => Restart {
-            restart,
-            failed: None,
-            values: found.values,
-            train: Some(found.train),
-            validation: Some(found.validation),
-            evaluations: found.evaluations,
-            history: found.history,
-            widened: found.rounds.saturating_sub(1),
-            at_end: found.at_end,
-            test: found.test,
-        },
-        Ended::With(Done::Refused(why)) => none(why),
-        Ended::Panicked(why) => none(format!("the program panicked, which is a bug: {why}")),
+        Ended::With(Done::Searched(found)) => found.into_iter().map(of).collect(),
+        Ended::With(Done::Refused(why)) => vec![none(&why); caps],
+        Ended::Panicked(why) => {
+            vec![none(&format!("the program panicked, which is a bug: {why}")); caps]
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::plan::with_edition;
 use crate::protocol::{Assessor, Split, Tried, draw};
 
 /// Raised when the same search would come out otherwise: journals of before are then done again.
-const EDITION: &str = "fronts 2";
+const EDITION: &str = "fronts 3";
 
 /// Of these, the first that a tier has is held against itself under a second name: laws of few scalars whose searches end well.
 const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "computed-torque-integral"];
@@ -49,28 +49,27 @@ impl FrontsPlan {
         Ok(Self { arms, laws: laws(only)?, extent })
     }
 
-    /// Its searches: every law at every cap as often as it is begun anew; laws of all kinds in turn.
+    /// Its searches: every law as often as it is begun anew; laws of all kinds in turn.
     fn jobs(&self) -> Vec<Job> {
-        let (caps, laws) = (self.extent.caps.len(), self.laws.len());
         let restarts = |law: usize| {
             let designed = self.laws[law].entry.scalars.is_empty();
             if designed { 1 } else { self.extent.restarts }
         };
-        let most = 0..self.extent.restarts;
-        most.flat_map(|restart| (0..caps).map(move |cap| (restart, cap)))
-            .flat_map(|(restart, cap)| (0..laws).map(move |law| Job { law, cap, restart }))
+        (0..self.extent.restarts)
+            .flat_map(|restart| (0..self.laws.len()).map(move |law| Job { law, restart }))
             .filter(|job| job.restart < restarts(job.law))
             .collect()
     }
 
-    /// Searches, and runs of the simulator that they take at least.
+    /// Searches, and runs of the simulator that they take where all margins are tried and no range gives way.
     pub fn size(&self) -> (usize, u64) {
         let [train, validation, test] = self.extent.worlds.map(u64::from);
+        let caps = self.extent.caps.len() as u64;
         let jobs = self.jobs();
         let runs = |job: &Job| {
             let scalars = self.arms[0].free(self.laws[job.law].entry).0.len();
             // A world, and the two trials of its margin.
-            3 * train * self.extent.evaluations(scalars) as u64 + 3 * (train + validation) + test
+            3 * train * self.extent.evaluations(scalars) as u64 + caps * (3 * validation + test)
         };
         (jobs.len(), jobs.iter().map(runs).sum())
     }
@@ -105,9 +104,8 @@ impl FrontsPlan {
     }
 
     fn search(&self, job: &Job) -> Done {
-        let how = (self.extent.caps[job.cap], job.restart);
-        match self.extent.search(&self.arms[0], self.laws[job.law], how) {
-            Ok(searched) => Done::Searched(Box::new(searched)),
+        match self.extent.search(&self.arms[0], self.laws[job.law], job.restart) {
+            Ok(searched) => Done::Searched(searched),
             Err(why) => Done::Refused(why.to_string()),
         }
     }
@@ -117,7 +115,7 @@ impl FrontsPlan {
         let (law, extent) = (self.laws[job.law], &self.extent);
         let how = format!(
             "{:?} {} {} {} {} {:?} {:?} {}",
-            extent.caps[job.cap],
+            extent.caps,
             job.restart,
             law.stream,
             extent.per_scalar,
@@ -152,7 +150,7 @@ impl FrontsPlan {
                 tried.push((law.entry, point.cap, restart.values.clone()));
             }
         }
-        let assessor = Assessor::new(arm, &worlds, self.extent.span, (1.0, false))?;
+        let assessor = Assessor::new(arm, &worlds, self.extent.span, None)?;
         let id = |(entry, _, values): &(&Entry, f64, Vec<f64>)| {
             let (values, worlds) =
                 (format!("{values:?}"), format!("{worlds:?} {:?}", self.extent.span));

@@ -86,9 +86,9 @@ pub struct Restart {
     pub train: Option<Assessed>,
     /// In the validation worlds.
     pub validation: Option<Assessed>,
-    /// Evaluations.
+    /// Evaluations of the search, under all caps.
     pub evaluations: usize,
-    /// The least cost after so many evaluations, where it fell.
+    /// The least cost after so many of them, where it fell.
     pub history: Vec<(usize, f64)>,
     /// How often ranges gave way.
     pub widened: usize,

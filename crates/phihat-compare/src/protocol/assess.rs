@@ -17,10 +17,13 @@ use crate::error::CompareError;
 use crate::judge::{Bars, judge};
 use crate::run_outcome::{Figures, RunOutcome};
 use crate::trial::{Trial, TrialError, run_many};
-use crate::tune::{Widened, tune_widening_from};
+use crate::tune::{AtEnd, ends, tune_widening_from};
 
 /// Evaluations of one search, for each of a law's free scalars and one more.
 pub const PER_SCALAR: usize = 200;
+
+/// Under every cap but the loosest a search has this part of its evaluations: it begins where the looser ones have led.
+pub const FOLLOWING: usize = 4;
 
 /// Errors below this \[rad\] are alike: a microradian is less than an encoder of 22 bits sees.
 const LEAST: f64 = 1e-6;
@@ -34,18 +37,60 @@ pub struct Tried {
     pub noise: f64,
 }
 
-/// Where candidates are tried, and under which cap.
+/// Where candidates are tried.
 #[derive(Debug, Clone)]
 pub struct Assessor<'a> {
     arm: &'a ArmCase,
     /// Each world with the masses of the model that laws are handed there: as it is, and with what a margin asks for.
     worlds: Vec<(f64, Study, Vec<Study>)>,
-    cap: f64,
+    /// The largest noise of a run whose margin is tried.
+    loosest: f64,
+}
+
+/// A candidate and what came of it over all worlds, under no cap yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assayed {
+    /// Values of the law's scalars and of what is free in what it is handed.
+    pub values: Vec<f64>,
+    /// The geometric mean of its errors, and what is broken of all constraints but the cap on noise.
+    uncapped: Assessed,
+    /// Noise in each world whose end it reached.
+    noise: Vec<f64>,
+}
+
+impl Assayed {
+    /// Under a cap on noise above 50 Hz over the torque limit: the geometric mean of its errors \[rad\], and as violation the sum over
+    /// worlds of
+    ///
+    /// - 1 for each run that did not follow, and for each trial of the margin that did not, or that was not run because the world itself
+    ///   was not held,
+    /// - what the noise is beyond its cap, over the cap,
+    /// - what the share of samples at a torque limit is beyond 2 %, over 2 %.
+    pub fn at(&self, cap: f64) -> Assessed {
+        self.noise.iter().fold(self.uncapped, |all, noise| all.within(*noise, cap))
+    }
+}
+
+/// The best of a search under one of its caps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    /// The candidate.
+    pub values: Vec<f64>,
+    /// Under this cap.
+    pub assessed: Assessed,
+    /// Candidates that were tried, under all caps.
+    pub evaluations: usize,
+    /// The least cost under this cap after so many of them, where it fell.
+    pub history: Vec<(usize, f64)>,
+    /// How often ranges gave way while this cap was searched.
+    pub widened: usize,
+    /// Ends of ranges that the values are at all the same.
+    pub at_end: Vec<AtEnd>,
 }
 
 impl<'a> Assessor<'a> {
-    /// For drawn worlds of a length \[s\] whose score begins at `span.1`, a cap on noise above 50 Hz over the torque limit, and with or
-    /// without the trials of the margin.
+    /// For drawn worlds of a length \[s\] whose score begins at `span.1`; `margin`: with its trials, for runs whose noise above 50 Hz
+    /// over the torque limit is no more than this.
     ///
     /// # Errors
     ///
@@ -54,15 +99,16 @@ impl<'a> Assessor<'a> {
         arm: &'a ArmCase,
         drawn: &[Drawn],
         span: (f64, f64),
-        (cap, margin): (f64, bool),
+        margin: Option<f64>,
     ) -> Result<Self, CompareError> {
-        let harder = if margin { &Harder::TRIALS[..] } else { &[] };
+        let harder = if margin.is_some() { &Harder::TRIALS[..] } else { &[] };
         let world = |drawn: &Drawn| {
             let plain = arm.in_drawn(drawn, Harder::NOT, span)?;
             let trials = harder.iter().map(|harder| arm.in_drawn(drawn, *harder, span));
             Ok((drawn.model_masses, plain, trials.collect::<Result<_, CompareError>>()?))
         };
-        Ok(Self { arm, worlds: drawn.iter().map(world).collect::<Result<_, CompareError>>()?, cap })
+        let worlds = drawn.iter().map(world).collect::<Result<_, CompareError>>()?;
+        Ok(Self { arm, worlds, loosest: margin.unwrap_or(f64::INFINITY) })
     }
 
     /// What a candidate measures, one per world; `None` where it did not follow. `values`: of the law's own scalars, and behind them
@@ -82,50 +128,97 @@ impl<'a> Assessor<'a> {
             .collect()
     }
 
-    /// The candidate over all worlds: the geometric mean of its errors \[rad\], and as violation the sum over worlds of
-    ///
-    /// - 1 for each run that did not follow, and for each trial of the margin that did not,
-    /// - what the noise is beyond its cap, over the cap,
-    /// - what the share of samples at a torque limit is beyond 2 %, over 2 %.
-    pub fn assess(&self, entry: &Entry, values: &[f64]) -> Assessed {
-        let (mut logs, mut all) = (0.0, Assessed { error: 0.0, violation: 0.0 });
-        let every = self.worlds.iter().flat_map(|(masses, study, trials)| {
-            std::iter::once(study).chain(trials).map(|study| (*masses, study))
-        });
-        let mut runs = self.runs(entry, values, &every.collect::<Vec<_>>()).into_iter();
-        for (_, _, trials) in &self.worlds {
-            match runs.next().flatten() {
+    /// The candidate over all worlds. What a margin asks for is tried where the world itself was held: whoever does not follow in a
+    /// world, or is louder there than any cap, has not borne more either.
+    pub fn assay(&self, entry: &Entry, values: &[f64]) -> Assayed {
+        let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
+        let plain = self.runs(entry, values, &plain.collect::<Vec<_>>());
+        let held: Vec<bool> = plain.iter().map(|run| self.held(run.as_ref())).collect();
+        let tried = self.worlds.iter().zip(&held).filter(|(_, held)| **held);
+        let trials = tried.flat_map(|((masses, _, trials), _)| trials.iter().map(|t| (*masses, t)));
+        let mut trials = self.runs(entry, values, &trials.collect::<Vec<_>>()).into_iter();
+        let (mut logs, mut noise) = (0.0, Vec::new());
+        let mut all = Assessed { error: 0.0, violation: 0.0 };
+        for ((run, held), (_, _, harder)) in plain.into_iter().zip(held).zip(&self.worlds) {
+            match run {
                 Some((outcome, Some(figures))) => {
                     logs += figures.error_rms_rad.max(LEAST).ln();
-                    all = all
-                        .provided(outcome.followed())
-                        .within(figures.noise_above_50_hz.unwrap_or(f64::NAN), self.cap)
-                        .within(figures.saturated, LIMITED);
+                    all = all.provided(outcome.followed()).within(figures.saturated, LIMITED);
+                    noise.push(figures.noise_above_50_hz.unwrap_or(f64::NAN));
                 }
                 // Ended early, or refused: worse than any run that reached its end.
                 _ => all = all.within(HALTED, 1.0),
             }
-            for bears in runs.by_ref().take(trials.len()) {
-                all = all.provided(bears.is_some_and(|(outcome, _)| outcome.followed()));
+            for _ in harder {
+                let borne = held.then(|| trials.next().flatten()).flatten();
+                all = all.provided(borne.is_some_and(|(outcome, _)| outcome.followed()));
             }
         }
-        Assessed { error: (logs / self.worlds.len().max(1) as f64).exp(), ..all }
+        let error = (logs / self.worlds.len().max(1) as f64).exp();
+        Assayed { values: values.to_vec(), uncapped: Assessed { error, ..all }, noise }
     }
 
-    /// The best of one search in the order of [`Assessed::cost`]: CMA-ES over the law's own scalars and [`Entry::choices`], from a start
-    /// inside their ranges, `per_scalar (d + 1)` evaluations for `d` of them, and as many again each time that an end of a range was hit and gave way, `widenings` times at
-    /// most. `seed` decides what the search draws.
+    /// Whether a run followed, no louder than the loosest cap.
+    fn held(&self, run: Option<&(RunOutcome, Option<Figures>)>) -> bool {
+        run.is_some_and(|(outcome, figures)| {
+            let noise = figures.as_ref().and_then(|figures| figures.noise_above_50_hz);
+            outcome.followed() && noise.is_some_and(|noise| noise <= self.loosest)
+        })
+    }
+
+    /// One search under several caps, from the loosest to the tightest: CMA-ES over the law's own scalars and [`Entry::choices`] in the
+    /// order of [`Assessed::cost`], under each cap from the best of all that was tried before. The loosest has `per_scalar (d + 1)`
+    /// evaluations for `d` free scalars, every other one [a quarter](FOLLOWING) as many; and as many again each time that an end of a
+    /// range was hit and gave way, `widenings` times at most. `starts`: where it may begin, inside the ranges. `seed` decides what the
+    /// search draws.
+    ///
+    /// The answer, in the order of the caps, is the best of everything that was tried: none of a looser cap is worse than one of a tighter.
     pub fn search(
         &self,
         entry: &Entry,
-        start: &[f64],
+        starts: &[Vec<f64>],
+        caps: &[f64],
         (per_scalar, widenings): (usize, usize),
         seed: u64,
-    ) -> Widened {
-        let (scalars, wide) = self.arm.free(entry);
-        let runs = per_scalar * (scalars.len() + 1);
-        let cost = |values: &[f64]| self.assess(entry, values).cost();
-        tune_widening_from((&scalars, wide), start, (runs, widenings), seed, cost)
+    ) -> Vec<Best> {
+        let (mut scalars, wide) = self.arm.free(entry);
+        let mut tried: Vec<Assayed> =
+            starts.iter().map(|values| self.assay(entry, values)).collect();
+        let mut order: Vec<usize> = (0..caps.len()).collect();
+        order.sort_by(|a, b| caps[*b].total_cmp(&caps[*a]));
+        let mut widened = vec![0; caps.len()];
+        for (place, seed) in order.into_iter().zip(seed..) {
+            let cap = caps[place];
+            let share = if tried.len() > starts.len() { FOLLOWING } else { 1 };
+            let runs = per_scalar.div_ceil(share) * (scalars.len() + 1);
+            let Some(start) = best(&tried, cap).map(|best| best.values.clone()) else { break };
+            let cost = |values: &[f64]| {
+                if let Some(known) = tried.iter().find(|one| one.values == values) {
+                    return known.at(cap).cost();
+                }
+                let one = self.assay(entry, values);
+                let cost = one.at(cap).cost();
+                tried.push(one);
+                cost
+            };
+            let found = tune_widening_from((&scalars, wide), &start, (runs, widenings), seed, cost);
+            for (scalar, [low, high]) in scalars.iter_mut().zip(found.ranges) {
+                (scalar.low, scalar.high) = (low, high);
+            }
+            widened[place] = found.rounds - 1;
+        }
+        let answer = |(cap, widened): (&f64, usize)| {
+            let best = best(&tried, *cap)?;
+            Some(Best {
+                values: best.values.clone(),
+                assessed: best.at(*cap),
+                evaluations: tried.len(),
+                history: falls(tried.iter().map(|one| one.at(*cap).cost())),
+                widened,
+                at_end: ends(&scalars[..wide], &best.values),
+            })
+        };
+        caps.iter().zip(widened).filter_map(answer).collect()
     }
 
     /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law refuses these values.
@@ -169,6 +262,22 @@ fn sensing<'a>(study: &'a Study, entry: &Entry, chosen: &Chosen) -> Cow<'a, Stud
     Cow::Owned(study)
 }
 
+/// The first of those with the least cost under a cap.
+fn best(tried: &[Assayed], cap: f64) -> Option<&Assayed> {
+    tried.iter().min_by(|a, b| a.at(cap).cost().total_cmp(&b.at(cap).cost()))
+}
+
+/// Where the least so far fell: how many evaluations it took, and to what.
+fn falls(history: impl Iterator<Item = f64>) -> Vec<(usize, f64)> {
+    let mut least = f64::INFINITY;
+    let mut fell = |(count, cost): (usize, f64)| {
+        let falls = cost < least;
+        least = least.min(cost);
+        falls.then_some((count, cost))
+    };
+    (1..).zip(history).filter_map(&mut fell).collect()
+}
+
 /// What a run that ended early counts as, beside 1 for one that did not follow.
 const HALTED: f64 = 100.0;
 
@@ -185,7 +294,7 @@ pub fn random_start(scalars: &[Scalar], restart: u64, stream: u64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{ArmCase, Assessor, random_start};
+    use super::{ArmCase, Assessor, falls, random_start};
     use crate::protocol::worlds::{Split, draw};
     use crate::sure::Sure as _;
     use phihat_rivals::rival;
@@ -198,18 +307,21 @@ mod tests {
     fn what_breaks_a_constraint_is_behind_all_that_do_not() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
         let worlds = draw(5, Split::Train, 2);
-        let of =
-            |cap: f64, margin: bool| Assessor::new(&arm, &worlds, (1.6, 1.0), (cap, margin)).sure();
+        let of = |margin: Option<f64>| Assessor::new(&arm, &worlds, (1.6, 1.0), margin).sure();
         let pd = rival("pd-gravity").sure();
-        let assessor = of(1.0, true);
-        let soft = assessor.assess(pd, &[15.0, 1.0]);
+        let assessor = of(Some(1.0));
+        let assess = |entry, values: &[f64]| assessor.assay(entry, values).at(1.0);
+        let soft = assess(pd, &[15.0, 1.0]);
         assert!(soft.feasible() && soft.error > 1e-3 && soft.error < 0.3, "{soft:?}");
-        let stiff = assessor.assess(pd, &[200.0, 3.0]);
+        let stiff = assess(pd, &[200.0, 3.0]);
         assert!(!stiff.feasible() && stiff.cost() > soft.cost(), "{stiff:?}");
-        let quiet = of(1e-9, false).assess(pd, &[15.0, 1.0]);
+        let quiet = of(None).assay(pd, &[15.0, 1.0]).at(1e-9);
         assert!(quiet.violation > 10.0 && (quiet.error - soft.error).abs() < 1e-12, "{quiet:?}");
+        // Louder than the loosest cap: its margin is not tried, and counts as not borne.
+        let loud = of(Some(1e-9)).assay(pd, &[15.0, 1.0]).at(1.0);
+        assert!(loud.violation >= 4.0 && (loud.error - soft.error).abs() < 1e-12, "{loud:?}");
         let power = rival("finite-time").sure();
-        let refused = assessor.assess(power, &[10.0, 40.0, 1.5, 0.1, 0.01]);
+        let refused = assess(power, &[10.0, 40.0, 1.5, 0.1, 0.01]);
         assert!(refused.violation >= 2.0 * 99.0, "{refused:?}");
     }
 
@@ -219,15 +331,16 @@ mod tests {
     fn choices_reach_the_law_and_its_sensors() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
         let worlds = draw(5, Split::Train, 2);
-        let assessor = Assessor::new(&arm, &worlds, (1.3, 1.0), (1.0, false)).sure();
+        let assessor = Assessor::new(&arm, &worlds, (1.3, 1.0), None).sure();
+        let assess = |entry, values: &[f64]| assessor.assay(entry, values).at(1.0);
         for (id, free) in [("pd-gravity", 1), ("time-delay", 2), ("adrc", 3), ("proposed-1", 3)] {
             let entry = rival(id).sure();
             let (scalars, wide) = arm.free(entry);
             assert_eq!(scalars.len(), entry.scalars.len() + free, "{id}");
             assert_eq!(wide, entry.scalars.len() + usize::from(free == 3), "{id}");
             let default: Vec<f64> = scalars.iter().map(|scalar| scalar.default).collect();
-            let plain = assessor.assess(entry, &default[..entry.scalars.len()]);
-            assert_eq!(assessor.assess(entry, &default), plain, "{id}");
+            let plain = assess(entry, &default[..entry.scalars.len()]);
+            assert_eq!(assess(entry, &default), plain, "{id}");
             for place in entry.scalars.len()..scalars.len() {
                 let mut other = default.clone();
                 let scalar = &scalars[place];
@@ -238,34 +351,45 @@ mod tests {
                 if scalar.name == "torque_fed" {
                     other[place] = 1.0 / scalar.default;
                 }
-                let found = assessor.assess(entry, &other);
+                let found = assess(entry, &other);
                 assert!(found != plain && found.error < 1.0, "{id} {}: {found:?}", scalar.name);
             }
-            let short = assessor.assess(entry, &default[..entry.scalars.len() - 1]);
+            let short = assess(entry, &default[..entry.scalars.len() - 1]);
             let long: Vec<f64> = default.iter().copied().chain([1.0]).collect();
-            for refused in [short, assessor.assess(entry, &long)] {
+            for refused in [short, assess(entry, &long)] {
                 assert!(refused.violation >= 2.0 * 99.0, "{id}: {refused:?}");
             }
         }
     }
 
-    /// One law, two restarts: what the search finds keeps its constraints, is no worse than where it began, and a restart is repeatable.
+    /// One law, two caps: what the search finds keeps its constraints, is no worse than where it began nor, under the looser cap, than
+    /// under the tighter; the loosest comes first whatever the order of the caps, and a restart is repeatable.
     #[test]
     fn a_search_begins_anywhere_and_ends_no_worse() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
-        let assessor =
-            Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), (0.05, false)).sure();
+        let assessor = Assessor::new(&arm, &draw(5, Split::Train, 1), (1.3, 1.0), None).sure();
         let pd = rival("pd-gravity").sure();
         let free = arm.free(pd).0;
         let start = |restart: u64, stream: u64| random_start(&free, restart, stream);
         assert_eq!(start(0, 1), [20.0, 1.0, 100.0]);
         assert!(start(1, 1) != start(2, 1) && start(1, 1) != start(1, 2));
-        let search = || assessor.search(pd, &start(1, 1), (5, 0), 1);
-        let found = search();
-        let tuned = &found.tuned;
-        assert_eq!(tuned.history.len(), 20);
-        assert!(tuned.cost <= tuned.history[0] && tuned.cost < 1.0, "{found:?}");
-        assert_eq!(found, search());
-        assert!(assessor.measured(pd, &tuned.values)[0].is_some());
+        let search = |caps: &[f64]| assessor.search(pd, &[start(1, 1)], caps, (5, 0), 1);
+        let found = search(&[0.01, 0.05]);
+        let [tight, loose] = &found[..] else { panic!("{found:?}") };
+        for best in [tight, loose] {
+            let falls: Vec<f64> = best.history.iter().map(|fell| fell.1).collect();
+            assert!(falls.is_sorted_by(|a, b| a > b) && best.history[0].0 == 1, "{best:?}");
+            assert!((falls[falls.len() - 1] - best.assessed.cost()).abs() < 1e-15);
+            assert!(best.history.iter().all(|fell| fell.0 <= 20 + 8));
+            assert!(assessor.measured(pd, &best.values)[0].is_some());
+        }
+        assert!(loose.assessed.cost() <= tight.assessed.cost() && loose.assessed.cost() < 1.0);
+        assert!(found.iter().eq(search(&[0.05, 0.01]).iter().rev()));
+    }
+
+    #[test]
+    fn only_what_falls_is_kept() {
+        let falls = falls([3.0, 4.0, 2.0, 2.0, 2.5, 1.0].into_iter());
+        assert_eq!(falls, [(1, 3.0), (3, 2.0), (6, 1.0)]);
     }
 }
