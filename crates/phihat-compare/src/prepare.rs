@@ -12,7 +12,7 @@ use crate::error::CompareError;
 use crate::extent::Extent;
 use crate::judge::{Bars, judge};
 use crate::row::TuningRecord;
-use crate::trial::{TrialError, run};
+use crate::trial::{TrialError, built, run_many};
 use crate::tune::{Widened, tune_widening};
 use crate::world::TRAINING;
 use phihat_session::share;
@@ -125,7 +125,7 @@ fn draw(id: &str, scalar: &Scalar, k: usize) -> f64 {
     (low * (high / low).powf(place)).clamp(scalar.low, scalar.high)
 }
 
-/// Mean cost over the motions.
+/// Mean cost over the motions, which run side by side.
 fn train(
     arm: &ArmCase,
     entry: &Entry,
@@ -133,13 +133,23 @@ fn train(
     studies: &[Study],
 ) -> Result<Trained, TrialError> {
     let bars = Bars { error_bound: &arm.error_bound, limits: &arm.limits, bound: None };
+    let mut each: Vec<Result<Trained, TrialError>> = Vec::new();
+    each.resize_with(studies.len(), || Ok(Trained { cost: 0.0, kept: true }));
+    let made = |_: usize, study: &Study| built(arm, entry, values, study);
+    run_many(entry, &arm.units, studies.iter(), made, |place, study, trial| {
+        each[place] = trial.map(|trial| {
+            let (outcome, figures) = judge(study, &trial.outcome, trial.broken, &bars);
+            let cost = cost(study, &outcome, figures.as_ref());
+            let kept = outcome.followed()
+                && figures.is_some_and(|f| f.error_over_spec <= 1.0 && f.noise <= NOISE_CAP);
+            Trained { cost, kept }
+        });
+    });
     let mut sum = Trained { cost: 0.0, kept: true };
-    for study in studies {
-        let trial = run(arm, entry, values, study)?;
-        let (outcome, figures) = judge(study, &trial.outcome, trial.broken, &bars);
-        sum.cost += cost(study, &outcome, figures.as_ref()) / studies.len() as f64;
-        sum.kept &= outcome.followed()
-            && figures.is_some_and(|f| f.error_over_spec <= 1.0 && f.noise <= NOISE_CAP);
+    for trained in each {
+        let Trained { cost, kept } = trained?;
+        sum.cost += cost / studies.len() as f64;
+        sum.kept &= kept;
     }
     Ok(sum)
 }

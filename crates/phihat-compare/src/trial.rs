@@ -41,11 +41,25 @@ pub(crate) fn run(
     values: &[f64],
     study: &Study,
 ) -> Result<Trial, TrialError> {
+    let (rival, supply) = built(arm, entry, values, study)?;
+    run_with(entry, rival, &supply, (study, &arm.units))
+}
+
+/// A rival for a study, with what it is handed.
+///
+/// # Errors
+///
+/// [`TrialError`]: the rival does not apply to this arm or task.
+pub(crate) fn built(
+    arm: &ArmCase,
+    entry: &Entry,
+    values: &[f64],
+    study: &Study,
+) -> Result<(Box<dyn Running>, Supply), TrialError> {
     let period = study.control.period_ns as f64 * 1e-9;
     let tuning = Tuning::new(values, &arm.units, period)?;
     let supply = arm.supply(entry, study)?;
-    let rival = entry.build(&tuning, &supply)?;
-    run_with(entry, rival, &supply, (study, &arm.units))
+    Ok((entry.build(&tuning, &supply)?, supply))
 }
 
 /// Runs a law that is built; what it was handed, the study, and the units of its arm.
