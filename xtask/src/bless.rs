@@ -56,6 +56,21 @@ pub(crate) fn comparison(root: &Path) -> Result<(), String> {
     copy(&root.join("out/compare/report.html"), &root.join("docs/comparison/report.html"))
 }
 
+/// The laws of the fronts that are kept: those that were best in the comparison, and ours.
+const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,computed-torque-integral,\
+    momentum-observer,proposed-1,proposed-positions-1,proposed-positions-2,proposed-positions-designed";
+
+/// A part of the fronts on the planar arm, and the page kept. What was interrupted goes on where it was.
+pub(crate) fn fronts(root: &Path) -> Result<(), String> {
+    let verb = ["phihat", "fronts", "studies/table1.toml", "--only", FRONTS];
+    let caps = ["--caps", "0.001,0.002,0.005,0.01"];
+    let much = ["--restarts", "5", "--per-scalar", "24", "--worlds", "8,8,40"];
+    cargo(root, &[&verb[..], &caps, &much].concat())?;
+    let kept = root.join("docs/fronts");
+    fs::create_dir_all(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
+    copy(&root.join("out/table1/fronts/report.html"), &kept.join("report.html"))
+}
+
 /// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.
 pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     let kept = format!("{KEPT}/reproduction.json");

@@ -52,6 +52,7 @@ const USAGE: &str = "usage:
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
+  cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (an hour; resumes)
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
                                that differ; all of it is kept in docs/laws.md (half an hour; resumes)
@@ -84,6 +85,7 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
+        Some((verb, _)) if verb == "fronts" => bless::fronts(&shell::root()),
         Some((verb, rest)) if verb == "screenshots" => screenshots::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),
