@@ -64,7 +64,7 @@ const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-obser
 pub(crate) fn fronts(root: &Path) -> Result<(), String> {
     let verb = ["phihat", "fronts", "studies/table1.toml", "--only", FRONTS];
     let caps = ["--caps", "0.001,0.002,0.005,0.01"];
-    let much = ["--restarts", "5", "--per-scalar", "24", "--worlds", "8,8,40"];
+    let much = ["--restarts", "10", "--per-scalar", "24", "--worlds", "8,8,40"];
     cargo(root, &[&verb[..], &caps, &much].concat())?;
     let kept = root.join("docs/fronts");
     fs::create_dir_all(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
