@@ -66,9 +66,7 @@ pub(crate) fn fronts(root: &Path) -> Result<(), String> {
     let caps = ["--caps", "0.001,0.002,0.005,0.01"];
     let much = ["--restarts", "10", "--per-scalar", "24", "--worlds", "8,8,40"];
     cargo(root, &[&verb[..], &caps, &much].concat())?;
-    let kept = root.join("docs/fronts");
-    fs::create_dir_all(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
-    copy(&root.join("out/table1/fronts/report.html"), &kept.join("report.html"))
+    copy(&root.join("out/table1/fronts/report.html"), &root.join("docs/fronts/report.html"))
 }
 
 /// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.

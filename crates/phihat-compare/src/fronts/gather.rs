@@ -43,7 +43,7 @@ pub(super) fn fronts(
         points.extend(caps.iter().map(empty));
     }
     for (job, ended) in jobs.iter().zip(done) {
-        let own = points[job.law * caps.len()..].iter_mut().take(caps.len());
+        let own = points[job.law * caps.len()..].iter_mut();
         for (point, restart) in own.zip(restarts(job.restart, ended, caps.len())) {
             point.restarts.push(restart);
         }

@@ -37,6 +37,18 @@ pub struct Tried {
     pub noise: f64,
 }
 
+/// How a run ended, and its figures where it has some.
+type Ran = (RunOutcome, Option<Figures>);
+
+impl Tried {
+    /// Of a run; `None` where it did not follow.
+    fn of((outcome, figures): &Ran) -> Option<Self> {
+        let figures = figures.as_ref().filter(|_| outcome.followed())?;
+        let error_rms_rad = figures.error_rms_rad.max(LEAST);
+        Some(Self { error_rms_rad, noise: figures.noise_above_50_hz? })
+    }
+}
+
 /// Where candidates are tried.
 #[derive(Debug, Clone)]
 pub struct Assessor<'a> {
@@ -114,26 +126,15 @@ impl<'a> Assessor<'a> {
     /// What a candidate measures, one per world; `None` where it did not follow. `values`: of the law's own scalars, and behind them
     /// of [`Entry::choices`] or nothing.
     pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
-        let tried = |(outcome, figures): (RunOutcome, Option<Figures>)| {
-            let figures = figures.filter(|_| outcome.followed())?;
-            Some(Tried {
-                error_rms_rad: figures.error_rms_rad.max(LEAST),
-                noise: figures.noise_above_50_hz?,
-            })
-        };
-        let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
-        self.runs(entry, values, &plain.collect::<Vec<_>>())
-            .into_iter()
-            .map(|run| tried(run?))
-            .collect()
+        self.plain(entry, values).iter().map(|run| Tried::of(run.as_ref()?)).collect()
     }
 
     /// The candidate over all worlds. What a margin asks for is tried where the world itself was held: whoever does not follow in a
     /// world, or is louder there than any cap, has not borne more either.
     pub fn assay(&self, entry: &Entry, values: &[f64]) -> Assayed {
-        let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
-        let plain = self.runs(entry, values, &plain.collect::<Vec<_>>());
-        let held: Vec<bool> = plain.iter().map(|run| self.held(run.as_ref())).collect();
+        let plain = self.plain(entry, values);
+        let held = |run: &Ran| Tried::of(run).is_some_and(|tried| tried.noise <= self.loosest);
+        let held: Vec<bool> = plain.iter().map(|run| run.as_ref().is_some_and(held)).collect();
         let tried = self.worlds.iter().zip(&held).filter(|(_, held)| **held);
         let trials = tried.flat_map(|((masses, _, trials), _)| trials.iter().map(|t| (*masses, t)));
         let mut trials = self.runs(entry, values, &trials.collect::<Vec<_>>()).into_iter();
@@ -158,14 +159,6 @@ impl<'a> Assessor<'a> {
         Assayed { values: values.to_vec(), uncapped: Assessed { error, ..all }, noise }
     }
 
-    /// Whether a run followed, no louder than the loosest cap.
-    fn held(&self, run: Option<&(RunOutcome, Option<Figures>)>) -> bool {
-        run.is_some_and(|(outcome, figures)| {
-            let noise = figures.as_ref().and_then(|figures| figures.noise_above_50_hz);
-            outcome.followed() && noise.is_some_and(|noise| noise <= self.loosest)
-        })
-    }
-
     /// One search under several caps, from the loosest to the tightest: CMA-ES over the law's own scalars and [`Entry::choices`] in the
     /// order of [`Assessed::cost`], under each cap from the best of all that was tried before. The loosest has `per_scalar (d + 1)`
     /// evaluations for `d` free scalars, every other one [a quarter](FOLLOWING) as many; and as many again each time that an end of a
@@ -187,9 +180,9 @@ impl<'a> Assessor<'a> {
         let mut order: Vec<usize> = (0..caps.len()).collect();
         order.sort_by(|a, b| caps[*b].total_cmp(&caps[*a]));
         let mut widened = vec![0; caps.len()];
-        for (place, seed) in order.into_iter().zip(seed..) {
+        for (nth, place) in order.into_iter().enumerate() {
             let cap = caps[place];
-            let share = if tried.len() > starts.len() { FOLLOWING } else { 1 };
+            let (share, seed) = (if nth == 0 { 1 } else { FOLLOWING }, seed + nth as u64);
             let runs = per_scalar.div_ceil(share) * (scalars.len() + 1);
             let Some(start) = best(&tried, cap).map(|best| best.values.clone()) else { break };
             let cost = |values: &[f64]| {
@@ -221,13 +214,14 @@ impl<'a> Assessor<'a> {
         caps.iter().zip(widened).filter_map(answer).collect()
     }
 
+    /// Runs in the worlds as they are.
+    fn plain(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Ran>> {
+        let plain = self.worlds.iter().map(|(masses, study, _)| (*masses, study));
+        self.runs(entry, values, &plain.collect::<Vec<_>>())
+    }
+
     /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law refuses these values.
-    fn runs(
-        &self,
-        entry: &Entry,
-        values: &[f64],
-        studies: &[(f64, &Study)],
-    ) -> Vec<Option<(RunOutcome, Option<Figures>)>> {
+    fn runs(&self, entry: &Entry, values: &[f64], studies: &[(f64, &Study)]) -> Vec<Option<Ran>> {
         let units = &self.arm.units;
         let mut all = vec![None; studies.len()];
         let (values, choices) = values.split_at(entry.scalars.len().min(values.len()));
