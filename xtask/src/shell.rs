@@ -25,7 +25,7 @@ pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
 
 /// All that can be built in: one set of features for everything that is checked, so that nothing is compiled for each of them.
 pub(crate) const EVERYTHING: [&str; 2] =
-    ["--features", "phihat-cli/mcap,phihat-cli/parquet,phihat-cli/png,phihat-cli/studio"];
+    ["--features", "phihat-cli/mcap,phihat-cli/png,phihat-cli/studio"];
 
 /// A program of the workspace as its tests have it, with all features: an example of a package, or a binary.
 pub(crate) fn tested(root: &Path, package: &str, name: &str) -> Result<PathBuf, String> {

@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::first_motion::{First, announced, verdict};
 use crate::ros2::{Ros, counted};
-use crate::run::{document, show, write_layout};
+use crate::run::{TraceFile, document, show, write_layout};
 use crate::shown::Shown;
 use crate::terminal::Page;
 
@@ -58,6 +58,8 @@ pub(crate) struct Drive {
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    trace: TraceFile,
     /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -139,6 +141,7 @@ impl Drive {
             study: self.study.clone(),
             gains: self.gains.clone(),
             out: self.out.clone(),
+            trace: self.trace.kind(),
             log: self.mcap.clone(),
             ..RunOptions::default()
         };

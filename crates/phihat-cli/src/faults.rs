@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use comfy_table::CellAlignment;
 use phihat_campaign::faults::{FaultsAnswer, FaultsOptions, Summary};
+use phihat_session::TraceKind;
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -43,6 +44,9 @@ pub(crate) struct Faults {
     /// Keep study, trace and report of every run; for 20 runs at most.
     #[arg(long)]
     trace: bool,
+    /// With --trace: as a text, trace.csv, in place of trace.parquet.
+    #[arg(long, requires = "trace")]
+    csv: bool,
     /// Do every run again, whatever the journal holds.
     #[arg(long)]
     fresh: bool,
@@ -67,7 +71,7 @@ impl Faults {
             seeds: self.seeds,
             quick: self.quick,
             only: self.only.clone(),
-            trace: self.trace,
+            trace: self.trace.then(|| TraceKind::csv(self.csv)),
             fresh: self.fresh,
             threads: self.threads,
             out: self.out.clone(),

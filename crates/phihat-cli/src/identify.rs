@@ -13,8 +13,8 @@ use crate::table;
 
 /// Find inertia and unknown torque of each joint in records of a real arm.
 ///
-/// A record is a table (CSV) with a row per sample and joint: `t_s`, `joint`, `q_rad`, `tau_nm`, the torque that acted from
-/// this sample to the next; other columns are left alone, so the trace of a run serves too. Each joint has to move with two
+/// A record is a table (CSV or Parquet) with a row per sample and joint: `t_s`, `joint`, `q_rad`, `tau_nm`, the torque that acted
+/// from this sample to the next; other columns are left alone, so the trace of a run, or its folder, serves too. Each joint has to move with two
 /// sines at least, of different frequencies, and differently from the others. Several records, in other postures and with
 /// other loads, are taken together: what is found holds for all of them.
 ///
@@ -22,9 +22,9 @@ use crate::table;
 /// Prints a table, and the `[[joint]]` sections of a study.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
-                        phihat identify out/first/trace.csv --from 1")]
+                        phihat identify out/first --from 1")]
 pub(crate) struct Identify {
-    /// The records (CSV).
+    /// The records: CSV, Parquet, or folders of runs.
     #[arg(required = true)]
     records: Vec<PathBuf>,
     /// Seconds left out at the beginning of each record.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_session::report_again;
+use phihat_session::{report_again, trace_at};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -16,9 +16,9 @@ use crate::terminal::Page;
 /// not of one run are refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
-                        phihat report out/first/trace.csv")]
+                        phihat report out/first")]
 pub(crate) struct Report {
-    /// The trace (CSV) of an earlier run.
+    /// The trace of an earlier run (Parquet or CSV), or its folder.
     trace: PathBuf,
     /// The page to write [default: report.html beside the trace].
     #[arg(long, value_name = "FILE")]
@@ -32,8 +32,9 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        let page = self.out.clone().unwrap_or_else(|| self.trace.with_file_name("report.html"));
-        let kept = report_again(&self.trace, &page)?;
+        let trace = trace_at(&self.trace);
+        let page = self.out.clone().unwrap_or_else(|| trace.with_file_name("report.html"));
+        let kept = report_again(&trace, &page)?;
         if self.json {
             println!("{}", json!({ "report": page, "metrics": kept.seen.metrics }));
         } else {

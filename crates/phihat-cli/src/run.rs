@@ -6,7 +6,9 @@ use std::time::UNIX_EPOCH;
 
 use clap::Args;
 use phihat_report::limits_acted;
-use phihat_session::{Done, RunOptions, SessionError, files, log_layout, short_hash, stopped};
+use phihat_session::{
+    Done, RunOptions, SessionError, TraceKind, files, log_layout, short_hash, stopped, trace_at,
+};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -24,6 +26,8 @@ struct RunArguments {
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    trace: TraceFile,
     /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -52,9 +56,23 @@ struct Which {
     uncertified: bool,
 }
 
+/// Which kind of file has the trace.
+#[derive(Debug, Args)]
+pub(crate) struct TraceFile {
+    /// Write the trace as a text, trace.csv, in place of trace.parquet: several times larger, and slower.
+    #[arg(long)]
+    csv: bool,
+}
+
+impl TraceFile {
+    pub(crate) fn kind(&self) -> TraceKind {
+        TraceKind::csv(self.csv)
+    }
+}
+
 /// Take a study through gains, the closed loop and a report.
 ///
-/// Writes report.html, static figures, trace.csv, metrics.json, gains.json, run.json and copies of the study and of the
+/// Writes report.html, static figures, trace.parquet, metrics.json, gains.json, run.json and copies of the study and of the
 /// files it names to out/STUDY/. Gains that were designed for it there are not designed once more while study, files and
 /// program are the same.
 #[derive(Debug, Args)]
@@ -68,7 +86,7 @@ pub(crate) struct Run {
 
 /// Run a study's closed loop: trace and metrics, no report.
 ///
-/// Writes trace.csv, metrics.json, gains.json, run.json and copies of the study and of the files it names to out/STUDY/.
+/// Writes trace.parquet, metrics.json, gains.json, run.json and copies of the study and of the files it names to out/STUDY/.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat simulate studies/first.toml --json")]
 pub(crate) struct Simulate {
@@ -100,6 +118,7 @@ impl RunArguments {
             uncertified: self.which.uncertified,
             program: build(),
             fresh: self.which.fresh,
+            trace: self.trace.kind(),
             log: self.mcap.clone(),
         };
         let (session, folder) = match options.open() {
@@ -204,6 +223,6 @@ pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
     }
     match report {
         Some(page) => println!("report: {}", page.display()),
-        None => println!("trace: {}", folder.join("trace.csv").display()),
+        None => println!("trace: {}", trace_at(folder).display()),
     }
 }

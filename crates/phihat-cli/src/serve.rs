@@ -11,11 +11,12 @@ use phihat_session::{ServeOptions, ServeWatch, ServedMotion};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::run::TraceFile;
 
 /// Serve a study's world as a Franka, to any program made for one.
 ///
 /// A client of libfranka (protocol 5: 0.9; protocol 10: 0.18 and later) connects, and tells the study's arm its torques. Each motion begins
-/// the study's world anew, at its start, and leaves trace.csv, metrics.json, run.json and report.html in out/STUDY/ when it ends. The robot
+/// the study's world anew, at its start, and leaves trace.parquet, metrics.json, run.json and report.html in out/STUDY/ when it ends. The robot
 /// stops as one does: on a torque that jumps, on a joint that is too fast, on commands that stay away, by the study's
 /// profile and the arm's own limits. In lock-step, the next state comes when the command for the last one came: the
 /// same torques give the same trace, bit for bit, however slow the client is.
@@ -45,6 +46,8 @@ pub(crate) struct Serve {
     /// Folder for the results [default: out/STUDY].
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    trace: TraceFile,
     /// Print a JSON document per line: where it listens, who comes, how each motion ended.
     #[arg(long)]
     json: bool,
@@ -74,6 +77,7 @@ impl Serve {
             out: self.out.clone(),
             listen: self.listen,
             port: self.port,
+            trace: self.trace.kind(),
             pace,
             cycles: self.cycles,
         };

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_campaign::{JOURNAL, Journal, results_of};
 use phihat_rivals::Entry;
-use phihat_session::{Watch, files, threads};
+use phihat_session::{TraceKind, Watch, files, threads};
 
 use crate::error::CompareError;
 use crate::extent::Extent;
@@ -74,13 +74,18 @@ impl CompareOptions {
         Ok(CompareAnswer { comparison, folder, page })
     }
 
-    /// Repeats one run (`ARM/RIVAL/WORLD/default|tuned/SEED`) and keeps its study, trace and report. It needs its rival's
+    /// Repeats one run (`ARM/RIVAL/WORLD/default|tuned/SEED`) and keeps its study, trace (as this kind of file) and report. It needs its rival's
     /// gains on its arm, and those alone: what the journal does not hold of them is done first.
     ///
     /// # Errors
     ///
     /// [`CompareError`]: there is no such run, or it cannot begin.
-    pub fn repeat(&self, name: &str, watch: &mut dyn Watch) -> Result<Repeated, CompareError> {
+    pub fn repeat(
+        &self,
+        name: &str,
+        kind: TraceKind,
+        watch: &mut dyn Watch,
+    ) -> Result<Repeated, CompareError> {
         if !(self.only.is_empty() && self.worlds.is_empty()) {
             return Err(CompareError::OneRun);
         }
@@ -98,10 +103,11 @@ impl CompareOptions {
             return Err(refuse());
         }
         let folder = self.folder()?;
-        let mut journal = self.journal(&folder, &repeat::results(&folder, name), watch)?;
+        let mut journal = self.journal(&folder, &repeat::results(&folder, name, kind), watch)?;
         let comparison = self.runs(&plan, &mut journal, watch)?;
-        let command = format!("{} --trace {name}", self.command());
-        repeat::keep(&plan, &comparison, name, &folder, &command)
+        let csv = if kind == TraceKind::Csv { " --csv" } else { "" };
+        let command = format!("{} --trace {name}{csv}", self.command());
+        repeat::keep(&plan, &comparison, (name, kind), &folder, &command)
     }
 
     fn extent(&self) -> Extent {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use phihat_report::Drawing;
+use phihat_session::TraceKind;
 use phihat_session::disk::Whole;
 use phihat_sim::{Metrics, Outcome};
 use serde_json::json;
@@ -17,6 +18,8 @@ use crate::record::Comparison;
 pub struct Repeated {
     /// Where its files are.
     pub folder: PathBuf,
+    /// Its trace.
+    pub trace: PathBuf,
     /// Why it ended before its time.
     pub ended: Option<String>,
     /// Its figures.
@@ -24,22 +27,22 @@ pub struct Repeated {
 }
 
 /// What a run leaves, in the order in which it is written.
-pub(crate) fn results(folder: &Path, name: &str) -> [PathBuf; 4] {
+pub(crate) fn results(folder: &Path, name: &str, kind: TraceKind) -> [PathBuf; 4] {
     let folder = folder.join("runs").join(name);
-    ["study.toml", "metrics.json", "trace.csv", "report.html"].map(|name| folder.join(name))
+    ["study.toml", "metrics.json", kind.file(), "report.html"].map(|name| folder.join(name))
 }
 
 /// Runs it, and writes study, trace, metrics and report to `FOLDER/runs/NAME/`.
 pub(crate) fn keep(
     plan: &Plan,
     comparison: &Comparison,
-    name: &str,
+    (name, kind): (&str, TraceKind),
     folder: &Path,
     command: &str,
 ) -> Result<Repeated, CompareError> {
     let (study, outcome) = plan.repeat(comparison, name)?;
     let metrics = Metrics::of(&outcome.trace, &study);
-    let results = results(folder, name);
+    let results = results(folder, name, kind);
     let folder = folder.join("runs").join(name);
     let ended = ended(&outcome);
     let page = trial_page(&Trial {
@@ -55,17 +58,22 @@ pub(crate) fn keep(
     let figures = format!("{:#}\n", json!(metrics));
     let mut whole = Whole::in_locked_folder();
     // Nothing says of these files which run they are of: no older one may stand beside a new one.
-    for path in &results {
+    let traces = TraceKind::ALL.map(|kind| folder.join(kind.file()));
+    for path in results.iter().chain(traces.iter().filter(|trace| !results.contains(trace))) {
         whole.remove(path.clone());
     }
     let [text, data, trace, html] = &results;
     let added = whole
         .add(text, study.text.as_bytes())
         .and_then(|_| whole.add(data, figures.as_bytes()))
-        .and_then(|_| whole.add_with(trace, |file| outcome.trace.write_csv(file)))
+        .and_then(|_| match kind {
+            TraceKind::Parquet => whole.add_with(trace, |file| outcome.trace.write_parquet(file)),
+            TraceKind::Csv => whole.add_with(trace, |file| outcome.trace.write_csv(file)),
+        })
         .and_then(|_| whole.add(html, page.as_bytes()));
     added.and_then(|_| whole.commit())?;
-    Ok(Repeated { folder, ended, metrics })
+    let trace = trace.clone();
+    Ok(Repeated { folder, trace, ended, metrics })
 }
 
 /// The scalars that the run had: name, value, unit.

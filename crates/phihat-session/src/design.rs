@@ -21,6 +21,7 @@ use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 use crate::error::SessionError;
 use crate::files;
 use crate::rotor::smallest_rotor;
+use crate::run_record::trace_at;
 
 /// Reads a study.
 ///
@@ -210,7 +211,8 @@ fn estimated(
         }
         PhiSource::Trace(file) => {
             let seen = Observed::of(&recorded(study, file)?, study.spec.settle);
-            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = trace_at(file);
+            let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let source = format!("recorded in {name}, times {}", study.design.phi_margin);
             made(study, &|joint, inertia| {
                 let seen = seen.phi(joint, inertia).times(study.design.phi_margin);
@@ -340,8 +342,8 @@ pub(crate) fn trace_of_phi(study: &Study) -> Result<(), SessionError> {
 
 /// A recorded trace of the study's arm.
 fn recorded(study: &Study, file: &Path) -> Result<Trace, SessionError> {
-    let trace =
-        Trace::read_csv(files::open(file)?, study).map_err(|e| SessionError::at(file, e))?;
+    let file = &trace_at(file);
+    let trace = Trace::read(files::open(file)?, study).map_err(|e| SessionError::at(file, e))?;
     if let Some((t, joint, column)) = trace.not_finite() {
         let why = format!(
             "{column} of joint {joint} at {t} s is no number: nothing is designed from such a run"

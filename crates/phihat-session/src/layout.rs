@@ -7,10 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// The file that is moved to its place last and removed first: the record is whole where it is.
 pub(crate) const RUN: &str = "run.json";
-/// The recorded signals of a run, by this name in its folder.
-pub const TRACE: &str = "trace.csv";
-/// What every record has beside it.
-pub(crate) const FILES: [&str; 3] = ["study.toml", "metrics.json", TRACE];
+/// What every record has beside it and its trace.
+pub(crate) const FILES: [&str; 2] = ["study.toml", "metrics.json"];
 /// The gains of a run, where phihat's law drove it.
 pub(crate) const GAINS: &str = "gains.json";
 /// The form of the law, where another controller drove the run.
@@ -19,8 +17,34 @@ pub(crate) const OUTSIDE: &str = "outside";
 pub(crate) const INPUTS: &str = "inputs";
 /// What drove a run that was not simulated in one go: link, checks before the start, losses, timing.
 pub(crate) const DRIVE: &str = "drive.json";
-/// What a record may have.
-pub(crate) const PARQUET: &str = "trace.parquet";
+
+/// Which kind of file a record has its trace in: one of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TraceKind {
+    /// Typed, compressed, quick.
+    #[default]
+    Parquet,
+    /// A text, for whoever reads nothing else.
+    Csv,
+}
+
+impl TraceKind {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Parquet, Self::Csv];
+
+    /// CSV, if that is asked for.
+    pub fn csv(asked: bool) -> Self {
+        if asked { Self::Csv } else { Self::Parquet }
+    }
+
+    /// The file's name in the folder of its record.
+    pub fn file(self) -> &'static str {
+        match self {
+            Self::Parquet => "trace.parquet",
+            Self::Csv => "trace.csv",
+        }
+    }
+}
 
 /// What `run.json` says.
 #[derive(Serialize, Deserialize)]

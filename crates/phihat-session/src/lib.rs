@@ -82,7 +82,7 @@ pub use first_motion::{
 };
 pub use hash::{sha256, share, short_hash};
 pub use identify::{IdentifiedJoint, IdentifyOptions, identify, identify_moving};
-pub use layout::TRACE;
+pub use layout::TraceKind;
 pub use limits::beside_limits;
 pub use log::LOGS;
 pub use log_layout::log_layout;
@@ -91,7 +91,7 @@ pub use outside::OutsideRun;
 pub use page::write_report;
 pub use record::Done;
 pub use referred::referred;
-pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};
+pub use run_record::{RunRecord, are_of_a_run, recorded, report_again, trace_at};
 pub use served::{Serve, ServeOptions, ServeWatch, ServedMotion};
 pub use session::{RunOptions, Session};
 pub use typed_phi::typed_phi_holds;

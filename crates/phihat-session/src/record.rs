@@ -6,14 +6,14 @@ use std::{fs, io};
 
 use phihat_design::Gains;
 use phihat_report::{Drawing, Record, RunInfo, TubeRun};
-use phihat_sim::{Abort, Divergence, Metrics, Trace, TraceWriter};
+use phihat_sim::{Abort, Divergence, Metrics, ParquetTrace, Trace, TraceError, TraceWriter};
 use phihat_study::Study;
 use serde_json::json;
 
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{DRIVE, GAINS, INPUTS, Origin, PARQUET, RUN, TRACE};
+use crate::layout::{DRIVE, GAINS, INPUTS, Origin, RUN, TraceKind};
 use crate::log::Log;
 use crate::observer::figures;
 use crate::page::{add_page, remove_page};
@@ -46,41 +46,28 @@ pub(crate) struct TraceFiles {
     whole: Whole,
     /// Where they are prepared.
     pub(crate) prepared: Vec<PathBuf>,
-    csv: TraceWriter<Piece>,
-    csv_path: PathBuf,
-    #[cfg(feature = "parquet")]
-    parquet: Box<phihat_sim::ParquetTrace<Piece>>,
-    #[cfg(feature = "parquet")]
-    parquet_path: PathBuf,
+    kind: TraceKind,
+    path: PathBuf,
+    file: TraceFile,
     log: Option<Box<Log>>,
 }
 
+enum TraceFile {
+    Parquet(Box<ParquetTrace<Piece>>),
+    Csv(TraceWriter<Piece>),
+}
+
 impl TraceFiles {
-    pub(crate) fn begin(folder: &Path) -> Result<Self, DiskError> {
-        let (mut whole, mut prepared) = (Whole::in_locked_folder(), Vec::new());
-        let mut begin = |path: &Path| {
-            let piece = whole.begin(path)?;
-            prepared.push(piece.prepared_at().to_owned());
-            Ok(piece)
+    pub(crate) fn begin(folder: &Path, kind: TraceKind) -> Result<Self, DiskError> {
+        let mut whole = Whole::in_locked_folder();
+        let path = folder.join(kind.file());
+        let piece = whole.begin(&path)?;
+        let prepared = vec![piece.prepared_at().to_owned()];
+        let file = match kind {
+            TraceKind::Parquet => TraceFile::Parquet(Box::new(ParquetTrace::new(piece))),
+            TraceKind::Csv => TraceFile::Csv(TraceWriter::new(piece)),
         };
-        let csv_path = folder.join(TRACE);
-        let csv = TraceWriter::new(begin(&csv_path)?);
-        #[cfg(feature = "parquet")]
-        let parquet_path = folder.join(PARQUET);
-        #[cfg(feature = "parquet")]
-        let parquet = phihat_sim::ParquetTrace::new(begin(&parquet_path)?)
-            .map_err(|why| DiskError::untouched(&parquet_path, why))?;
-        Ok(Self {
-            whole,
-            prepared,
-            csv,
-            csv_path,
-            #[cfg(feature = "parquet")]
-            parquet: Box::new(parquet),
-            #[cfg(feature = "parquet")]
-            parquet_path,
-            log: None,
-        })
+        Ok(Self { whole, prepared, kind, path, file, log: None })
     }
 
     /// The same with a log beside the record.
@@ -97,9 +84,12 @@ impl TraceFiles {
     }
 
     pub(crate) fn block(&mut self, trace: &Trace) -> Result<(), DiskError> {
-        self.csv.block(trace).map_err(|why| DiskError::untouched(&self.csv_path, why))?;
-        #[cfg(feature = "parquet")]
-        self.parquet.block(trace).map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
+        let told = |why: TraceError| DiskError::untouched(&self.path, why);
+        match &mut self.file {
+            TraceFile::Parquet(file) => file.block(trace).map_err(TraceError::from),
+            TraceFile::Csv(file) => file.block(trace),
+        }
+        .map_err(told)?;
         self.log.iter_mut().try_for_each(|log| log.block(trace))
     }
 
@@ -108,20 +98,18 @@ impl TraceFiles {
         if let Some(log) = self.log {
             log.end()?;
         }
+        let piece = match self.file {
+            TraceFile::Parquet(file) => file.finish().map_err(TraceError::from),
+            TraceFile::Csv(file) => file.finish(),
+        };
+        let piece = piece.map_err(|why| DiskError::untouched(&self.path, why))?;
         let mut whole = self.whole;
-        let mut files = BTreeMap::new();
-        let csv = self.csv.finish().map_err(|why| DiskError::untouched(&self.csv_path, why))?;
-        files.insert(TRACE.to_owned(), whole.end(csv)?);
-        #[cfg(feature = "parquet")]
-        {
-            let done = self.parquet.finish();
-            let done = done.map_err(|why| DiskError::untouched(&self.parquet_path, why))?;
-            files.insert(PARQUET.to_owned(), whole.end(done)?);
+        let sum = whole.end(piece)?;
+        // One of another kind that an older run left would stand beside a trace that is not its own.
+        for other in TraceKind::ALL.into_iter().filter(|kind| *kind != self.kind) {
+            whole.remove(self.path.with_file_name(other.file()));
         }
-        // One that an older run left would stand beside a trace that is not its own.
-        #[cfg(not(feature = "parquet"))]
-        whole.remove(self.csv_path.with_file_name(PARQUET));
-        Ok((whole, files))
+        Ok((whole, BTreeMap::from([(self.kind.file().to_owned(), sum)])))
     }
 }
 
@@ -144,9 +132,9 @@ impl Done {
     /// # Errors
     ///
     /// [`SessionError`], naming the file that cannot be written, or that another process is at work there.
-    pub fn write(&self, trace: &Trace, folder: &Path) -> Result<(), SessionError> {
+    pub fn write(&self, trace: &Trace, folder: &Path, kind: TraceKind) -> Result<(), SessionError> {
         let _held = Lock::take(folder)?;
-        let mut files = TraceFiles::begin(folder)?;
+        let mut files = TraceFiles::begin(folder, kind)?;
         files.block(trace)?;
         self.leave(files, folder, None, None)
     }

@@ -1,6 +1,6 @@
 //! The record of an earlier run, read back: its files are of one run, or it is refused.
 
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use crate::disk::{Lock, folder_of};
 use crate::hash::sha256;
@@ -11,7 +11,7 @@ use phihat_study::Study;
 
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TRACE};
+use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TraceKind};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
 use crate::page::write_page;
 use crate::record::Done;
@@ -47,12 +47,12 @@ impl RunRecord {
     /// Whether a file can be the trace of a record: by its name, and that it is there.
     pub(crate) fn is_named(trace: &Path) -> Result<(), SessionError> {
         files::open(trace)?;
-        if trace.file_name().is_some_and(|name| name == TRACE) {
+        if TraceKind::ALL.iter().any(|kind| trace.ends_with(kind.file())) {
             return Ok(());
         }
         Err(SessionError::at(
             trace,
-            "is not the trace of a run; `phihat run` leaves a trace.csv beside its run.json",
+            "is not the trace of a run; `phihat run` leaves a trace.parquet, or with --csv a trace.csv, beside its run.json",
         ))
     }
 
@@ -74,9 +74,11 @@ impl RunRecord {
         let folder = folder_of(trace);
         let Origin { run, designed_by, files } = origin(folder)?;
         let again = format!("make the record again: {}", run.command);
-        let more = files.keys().map(String::as_str).filter(|name| !FILES.contains(name));
+        let own = trace.file_name().and_then(|name| name.to_str());
+        let more = files.keys().map(String::as_str);
+        let more = more.filter(|name| !FILES.contains(name) && Some(*name) != own);
         let ours = (run.form != OUTSIDE && !files.contains_key(GAINS)).then_some(GAINS);
-        for name in FILES.iter().copied().chain(ours).chain(more) {
+        for name in FILES.iter().copied().chain(own).chain(ours).chain(more) {
             if !inside(Path::new(name)) {
                 let why = format!("names {name:?}, which is no file of a record");
                 return Err(SessionError::at(&folder.join(RUN), why));
@@ -99,7 +101,7 @@ impl RunRecord {
             settle(&mut study, gains);
         }
         let mut seen = RunObserver::new(&study, gains.as_ref());
-        Trace::read_csv_in(files::open(trace)?, &study, block, |block| {
+        Trace::read_in(files::open(trace)?, &study, block, |block| {
             seen.block(block);
             each(block);
         })
@@ -137,7 +139,7 @@ impl RunRecord {
 pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     let mut whole = Trace::default();
     let kept =
-        RunRecord::read_in(&folder.join(TRACE), usize::MAX, |block| whole = std::mem::take(block))?;
+        RunRecord::read_in(&trace_of(folder), usize::MAX, |block| whole = std::mem::take(block))?;
     let RunRecord { run, study, gains, seen, designed_by } = kept;
     let RunFigures { metrics, drawing, tube } = seen;
     let (divergence, abort) = (None, None);
@@ -169,12 +171,29 @@ pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Op
     Gains::from_json(&files::read(&gains).ok()?).ok()
 }
 
-/// Makes the page of a record again, from its files alone; says where it is, and what the record is.
+/// The trace that a path stands for: of a run's folder, the one in it.
+pub fn trace_at(path: &Path) -> PathBuf {
+    if path.is_dir() { trace_of(path) } else { path.to_owned() }
+}
+
+/// The trace in a run's folder, of whichever kind the run left; without a record, the one that is there.
+pub(crate) fn trace_of(folder: &Path) -> PathBuf {
+    let named = origin(folder).ok().and_then(|Origin { files, .. }| {
+        // Where both are named, Parquet is of a time in which it did not have all columns.
+        let mut kinds = TraceKind::ALL.into_iter().rev();
+        kinds.find(|kind| files.contains_key(kind.file()))
+    });
+    let there = || TraceKind::ALL.into_iter().find(|kind| folder.join(kind.file()).exists());
+    folder.join(named.or_else(there).unwrap_or_default().file())
+}
+
+/// Makes the page of a record again, from its files alone, its trace or its folder; says what the record is.
 ///
 /// # Errors
 ///
 /// [`SessionError`]: the files are not of one run, or the page cannot be written.
 pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
+    let trace = &trace_at(trace);
     let folder = folder_of(trace);
     RunRecord::is_named(trace)?;
     // Nobody may put another run there between reading it and writing its page.

@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use crate::design;
 use crate::error::SessionError;
+use crate::layout::TraceKind;
 use crate::outside::OutsideRun;
 use crate::page::write_report;
 use crate::record::Done;
@@ -30,6 +31,8 @@ pub struct ServeOptions {
     pub listen: IpAddr,
     /// Port that is listened on; 0: any that is free.
     pub port: u16,
+    /// Which kind of file has the trace of a motion.
+    pub trace: TraceKind,
     /// Who makes time go on.
     pub pace: Pace,
     /// Cycles of motion after which serving ends; `None`: never.
@@ -71,6 +74,7 @@ struct ServedWorld {
     study: Box<Study>,
     path: PathBuf,
     folder: PathBuf,
+    trace: TraceKind,
     command: String,
     /// The world of the motion; `None`: it was taken for its record.
     run: Option<OutsideRun>,
@@ -105,7 +109,7 @@ impl ServeOptions {
         let folder = self.out.clone().unwrap_or_else(default);
         let model = description(&study)?;
         let side = RobotSide::new(rules(&study), model);
-        let world = ServedWorld::new(study, &self.study, folder, self.cycles)?;
+        let world = ServedWorld::new(study, &self.study, (folder, self.trace), self.cycles)?;
         let host = Host::listen(self.listen, self.port, self.pace, side);
         Ok(Serve { host: host.map_err(SessionError::other)?, world })
     }
@@ -233,7 +237,7 @@ impl ServedWorld {
     fn new(
         study: Box<Study>,
         path: &Path,
-        folder: PathBuf,
+        (folder, trace): (PathBuf, TraceKind),
         cycles: Option<u64>,
     ) -> Result<Self, SessionError> {
         let command = format!("phihat serve {} --fci", path.display());
@@ -251,6 +255,7 @@ impl ServedWorld {
             study,
             path,
             folder,
+            trace,
             command,
             run,
             robot,
@@ -305,10 +310,10 @@ impl ServedWorld {
     fn ended(&mut self, ending: Ending, packets: Packets) {
         self.done = self.left == Some(0);
         let (run, cycles) = (self.run.take().filter(|_| self.stepped > 0), self.stepped);
-        let folder = self.folder.clone();
+        let (folder, trace) = (self.folder.clone(), self.trace);
         let write = move || {
             let mut motion = ServedMotion { ending, cycles, packets, record: None };
-            motion.record = run.map(|run| record(run, ending, &folder)).transpose()?;
+            motion.record = run.map(|run| record(run, ending, (&folder, trace))).transpose()?;
             Ok(motion)
         };
         self.writing = Some(std::thread::spawn(write));
@@ -319,7 +324,7 @@ impl ServedWorld {
 fn record(
     run: OutsideRun,
     ending: Ending,
-    folder: &Path,
+    (folder, kind): (&Path, TraceKind),
 ) -> Result<(Box<Done>, PathBuf), SessionError> {
     let t = run.run.t();
     let interface = run.study().interface.profile.name.clone();
@@ -334,7 +339,7 @@ fn record(
         ending => vec![format!("the motion ended at t = {t} s: {ending}")],
     };
     let (done, trace) = run.stop(abort, more);
-    done.write(&trace, folder)?;
+    done.write(&trace, folder, kind)?;
     let page = write_report(&done.record(), &folder.join("report.html"))?;
     Ok((Box::new(done), page))
 }

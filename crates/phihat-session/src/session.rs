@@ -15,6 +15,7 @@ use crate::design::{self, Advice};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
 use crate::files::read_gains;
+use crate::layout::TraceKind;
 use crate::log::Log;
 use crate::observer::{RunFigures, RunObserver, settle};
 use crate::record::{Done, TraceFiles};
@@ -38,6 +39,8 @@ pub struct RunOptions {
     pub program: Option<String>,
     /// Designs once more, whatever the folder holds.
     pub fresh: bool,
+    /// Which kind of file has the trace.
+    pub trace: TraceKind,
     /// A log of the run for ROS tools and viewers (MCAP), beside the record; see [`LOGS`](crate::LOGS).
     pub log: Option<PathBuf>,
 }
@@ -75,6 +78,7 @@ impl RunOptions {
         if session.designs {
             session.designed_by.clone_from(&self.program);
         }
+        session.trace = self.trace;
         session.log.clone_from(&self.log);
         Ok((session, folder))
     }
@@ -110,6 +114,8 @@ pub struct Session {
     pub(crate) simulation: Box<Simulation>,
     pub(crate) command: String,
     pub(crate) warnings: Vec<String>,
+    /// Which kind of file has the trace.
+    pub(crate) trace: TraceKind,
     /// Where a log is asked for.
     pub(crate) log: Option<PathBuf>,
     /// Whether the gains are those that the design makes for this study.
@@ -186,8 +192,25 @@ impl Session {
         warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;
         let simulation = Box::new(simulation);
-        let (gains, log, designed_by) = (*chosen, None, None);
-        Ok(Self { study, gains, simulation, command, warnings, log, designs, before, designed_by })
+        let (gains, trace, log, designed_by) = (*chosen, TraceKind::default(), None, None);
+        Ok(Self {
+            study,
+            gains,
+            simulation,
+            command,
+            warnings,
+            trace,
+            log,
+            designs,
+            before,
+            designed_by,
+        })
+    }
+
+    /// The same with its trace in a file of this kind.
+    #[must_use]
+    pub fn recorded_as(self, trace: TraceKind) -> Self {
+        Self { trace, ..self }
     }
 
     /// Whether the gains are those that an earlier run of the same study left, designed by the same build of the program.
@@ -246,7 +269,7 @@ impl Session {
 
     /// The files of the record on their way, in a folder that is locked.
     pub(crate) fn files(&self, folder: &Path) -> Result<TraceFiles, SessionError> {
-        let files = TraceFiles::begin(folder)?;
+        let files = TraceFiles::begin(folder, self.trace)?;
         match &self.log {
             Some(log) => files.logged(log, &self.study, &self.gains),
             None => Ok(files),

@@ -12,8 +12,7 @@ use crate::design;
 use crate::drawn_worlds::{DrawnRuns, runs};
 use crate::error::SessionError;
 use crate::files::read_gains;
-use crate::layout::TRACE;
-use crate::run_record::RunRecord;
+use crate::run_record::{RunRecord, trace_of};
 
 /// What is to be checked.
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +118,7 @@ fn in_own_units(verified: &mut Verified, gains: &Gains) {
 
 /// A record whose files, figures and tube hold.
 fn whole(folder: &Path) -> Result<(Box<RunRecord>, PathBuf), SessionError> {
-    let trace = folder.join(TRACE);
+    let trace = trace_of(folder);
     let kept = Box::new(RunRecord::read(&trace)?);
     kept.figures_hold(folder)?;
     match kept.seen.tube.as_ref().filter(|tube| tube.broken().is_some()) {

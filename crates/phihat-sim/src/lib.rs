@@ -58,6 +58,7 @@
 
 mod apart;
 mod batch;
+mod columnar;
 mod control;
 mod curve;
 mod demand;
@@ -82,14 +83,15 @@ mod survival;
 mod tip;
 mod trace;
 mod trace_csv;
+mod trace_file;
 #[cfg(feature = "mcap")]
 mod trace_mcap;
-#[cfg(feature = "parquet")]
 mod trace_parquet;
 mod world;
 
 pub use apart::{Sensed, WorldSide};
 pub use batch::Batch;
+pub use columnar::{Kind, ParquetError, ParquetTable, Texts, Values};
 pub use control::ControlSide;
 pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};
@@ -109,9 +111,9 @@ pub use stepped::Stepped;
 pub use survival::{Survival, Surviving};
 pub use tip::{TipMetrics, error_for_tip};
 pub use trace::{JointTrace, Supervision, Trace};
-pub use trace_csv::{BLOCK, TraceError, TraceWriter};
+pub use trace_csv::TraceWriter;
+pub use trace_file::{BLOCK, Place, TraceError, is_parquet};
 #[cfg(feature = "mcap")]
 pub use trace_mcap::McapTrace;
-#[cfg(feature = "parquet")]
 pub use trace_parquet::ParquetTrace;
 pub use world::{Abort, COULOMB_VELOCITY, Friction, StopReason, derive_substeps};

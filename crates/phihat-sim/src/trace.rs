@@ -1,5 +1,7 @@
 //! The record of a run: every signal of every joint at every control sample.
 
+use core::ops::Range;
+
 use phihat::{Command, Events, Fault, Measurement, Mode, Reference, Report};
 
 /// Signals of one joint, one entry per sample; all vectors have the same length.
@@ -87,10 +89,10 @@ pub struct JointTrace {
 /// let sum: f64 = (from..trace.len()).map(|k| (joint.phi[k] - joint.phi_hat[k]).powi(2)).sum();
 /// assert!((sum / (trace.len() - from) as f64).sqrt() < 0.5); // N·m, rms
 ///
-/// // As CSV and back: the same bits.
+/// // As Parquet and back: the same bits; so it is as CSV.
 /// let mut file = Vec::new();
-/// trace.write_csv(&mut file)?;
-/// assert!(Trace::read_csv(file.as_slice(), &study)? == trace);
+/// trace.write_parquet(&mut file)?;
+/// assert!(Trace::read(std::io::Cursor::new(file), &study)? == trace);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -209,6 +211,28 @@ impl Trace {
             fault.clear();
             brake.clear();
         }
+    }
+
+    /// Adds some samples of another trace of the same arm.
+    pub(crate) fn append(&mut self, other: &Self, samples: Range<usize>) {
+        self.period_ns = other.period_ns;
+        self.t_ns.extend_from_slice(&other.t_ns[samples.clone()]);
+        self.joints.resize_with(other.joints.len(), JointTrace::default);
+        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
+            joint.name.clone_from(&other.name);
+            for column in &COLUMNS {
+                let values = &(column.get)(other)[samples.clone()];
+                (column.get_mut)(joint).extend_from_slice(values);
+            }
+            joint.saturated.extend_from_slice(&other.saturated[samples.clone()]);
+            joint.rate_limited.extend_from_slice(&other.rate_limited[samples.clone()]);
+        }
+        let Some(other) = &other.supervision else { return };
+        let Supervision { mode, events, fault, brake } = self.supervision.get_or_insert_default();
+        mode.extend_from_slice(&other.mode[samples.clone()]);
+        events.extend_from_slice(&other.events[samples.clone()]);
+        fault.extend_from_slice(&other.fault[samples.clone()]);
+        brake.extend_from_slice(&other.brake[samples]);
     }
 
     /// Closes one joint's sample. `acted`: acceleration at its start, mean torque, and `φ`.

@@ -1,117 +1,282 @@
 //! The trace as Parquet: the rows and columns of the CSV file, typed and compressed.
 
-use std::io::Write;
-use std::sync::Arc;
+use core::ops::Range;
+use std::io::{self, Read, Seek, Write};
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::{Type, TypePtr};
+use phihat_study::Study;
 
-use crate::trace::{COLUMNS, JointTrace, Trace};
+use crate::columnar::{Kind, ParquetTable, Stored, TableWriter, Texts, Values};
+use crate::recorder::Recorder;
+use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
+use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, signals};
 
-/// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample
-/// and joint, one row group per block.
-#[expect(missing_debug_implementations, reason = "the package's writer has none")]
-pub struct ParquetTrace<W: Write + Send> {
-    file: SerializedFileWriter<W>,
+/// Rows that are looked at together.
+const ROWS: usize = 1024;
+
+/// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample and joint, and
+/// `mode, events, fault, brake` where there is a supervisor. A row group has 4096 samples, in whatever blocks they come.
+#[derive(Debug)]
+pub struct ParquetTrace<W: Write> {
+    file: TableWriter<W>,
+    begun: bool,
+    /// Samples of a row group that is not full.
+    held: Trace,
 }
 
-impl<W: Write + Send> ParquetTrace<W> {
+impl<W: Write> ParquetTrace<W> {
     /// A writer before its first block.
-    ///
-    /// # Errors
-    ///
-    /// The writer's.
-    pub fn new(writer: W) -> Result<Self, ParquetError> {
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        Ok(Self { file: SerializedFileWriter::new(writer, schema()?, Arc::new(properties))? })
+    pub fn new(writer: W) -> Self {
+        Self { file: TableWriter::new(writer), begun: false, held: Trace::default() }
     }
 
     /// Writes the next samples.
     ///
     /// # Errors
     ///
-    /// The writer's.
-    pub fn block(&mut self, trace: &Trace) -> Result<(), ParquetError> {
-        let mut rows = self.file.next_row_group()?;
-        let t_ns: Vec<i64> = trace.rows(|_, k| i64::try_from(trace.t_ns[k]).unwrap_or(i64::MAX));
-        column::<Int64Type, _>(&mut rows, &t_ns)?;
-        let names: Vec<ByteArray> =
-            trace.joints.iter().map(|j| ByteArray::from(j.name.as_str())).collect();
-        let repeated: Vec<ByteArray> = (0..trace.len()).flat_map(|_| names.clone()).collect();
-        column::<ByteArrayType, _>(&mut rows, &repeated)?;
-        for signal in &COLUMNS {
-            column::<DoubleType, _>(&mut rows, &trace.rows(|j, k| (signal.get)(j)[k]))?;
+    /// The writer's; a time is beyond 292 years.
+    pub fn block(&mut self, trace: &Trace) -> io::Result<()> {
+        self.begin(trace)?;
+        let mut at = 0;
+        while at < trace.len() {
+            let end = trace.len().min(at + BLOCK - self.held.len());
+            if self.held.is_empty() && end - at == BLOCK {
+                group(&mut self.file, trace, at..end)?;
+            } else {
+                self.held.append(trace, at..end);
+            }
+            if self.held.len() == BLOCK {
+                group(&mut self.file, &self.held, 0..BLOCK)?;
+                self.held.clear();
+            }
+            at = end;
         }
-        column::<BoolType, _>(&mut rows, &trace.rows(|j, k| j.saturated[k]))?;
-        column::<BoolType, _>(&mut rows, &trace.rows(|j, k| j.rate_limited[k]))?;
-        rows.close()?;
         Ok(())
     }
 
-    /// Closes the file; the writer, back.
+    /// Writes what is still held back and closes the file; the writer, back.
     ///
     /// # Errors
     ///
     /// The writer's.
-    pub fn finish(self) -> Result<W, ParquetError> {
-        self.file.into_inner()
+    pub fn finish(mut self) -> io::Result<W> {
+        self.begin(&Trace::default())?;
+        if !self.held.is_empty() {
+            group(&mut self.file, &self.held, 0..self.held.len())?;
+        }
+        self.file.finish()
+    }
+
+    fn begin(&mut self, trace: &Trace) -> io::Result<()> {
+        if self.begun {
+            return Ok(());
+        }
+        self.begun = true;
+        let first = [("t_ns", Stored::Integers), ("joint", Stored::Texts)];
+        let all = first.into_iter().chain(signals(trace.supervision.is_some()).map(stored));
+        self.file.begin(all.collect())
+    }
+}
+
+/// What a column holds, by its name.
+fn stored(name: &'static str) -> (&'static str, Stored) {
+    let [mode, events, fault, brake] = SUPERVISION;
+    let stored = if FLAGS.contains(&name) || name == brake {
+        Stored::Flags
+    } else if [mode, events, fault].contains(&name) {
+        Stored::Texts
+    } else {
+        Stored::Numbers
+    };
+    (name, stored)
+}
+
+/// Writes some samples as one row group.
+fn group<W: Write>(
+    file: &mut TableWriter<W>,
+    trace: &Trace,
+    samples: Range<usize>,
+) -> io::Result<()> {
+    let n = trace.joints.len();
+    let t_ns: Result<Vec<i64>, _> =
+        trace.t_ns[samples.clone()].iter().map(|t_ns| i64::try_from(*t_ns)).collect();
+    let t_ns = t_ns.map_err(|_| io::Error::other("a time is beyond 292 years"))?;
+    file.group(samples.len() * n)?;
+    file.integers(t_ns.iter().flat_map(|t_ns| std::iter::repeat_n(*t_ns, n)))?;
+    let names: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let (words, of) = different(names.iter().copied());
+    file.texts(&words, &of.repeat(samples.len()))?;
+    for column in &COLUMNS {
+        let columns: Vec<&[f64]> =
+            trace.joints.iter().map(|joint| (column.get)(joint).as_slice()).collect();
+        file.numbers(samples.clone().flat_map(|k| columns.iter().map(move |column| column[k])))?;
+    }
+    let flags: [fn(&JointTrace) -> &Vec<bool>; 2] =
+        [|joint| &joint.saturated, |joint| &joint.rate_limited];
+    for flag in flags {
+        file.flags(samples.clone().flat_map(|k| trace.joints.iter().map(move |j| flag(j)[k])))?;
+    }
+    let Some(supervision) = &trace.supervision else { return Ok(()) };
+    let told: Vec<_> = samples.clone().map(|k| supervision.words(k)).collect();
+    supervised(file, told.iter().map(|(mode, ..)| *mode), n)?;
+    supervised(file, told.iter().map(|(_, events, _)| events.as_str()), n)?;
+    supervised(file, told.iter().map(|(.., fault)| *fault), n)?;
+    let brakes = &supervision.brake[samples];
+    file.flags(brakes.iter().flat_map(|brake| std::iter::repeat_n(*brake, n)))
+}
+
+/// Writes a text per sample, for every joint of it.
+fn supervised<'a, W: Write>(
+    file: &mut TableWriter<W>,
+    texts: impl Iterator<Item = &'a str>,
+    joints: usize,
+) -> io::Result<()> {
+    let (words, of) = different(texts);
+    let rows: Vec<u32> =
+        of.into_iter().flat_map(|word| std::iter::repeat_n(word, joints)).collect();
+    file.texts(&words, &rows)
+}
+
+/// The different texts, in the order in which they come, and of each which one it is.
+fn different<'a>(texts: impl Iterator<Item = &'a str>) -> (Vec<&'a str>, Vec<u32>) {
+    let (mut words, mut of): (Vec<&str>, Vec<u32>) = (Vec::new(), Vec::new());
+    for text in texts {
+        let last = of.last().copied().filter(|last| words[*last as usize] == text);
+        let at =
+            last.map_or_else(|| words.iter().position(|word| *word == text), |l| Some(l as usize));
+        let at = at.unwrap_or(words.len());
+        if at == words.len() {
+            words.push(text);
+        }
+        of.push(u32::try_from(at).unwrap_or(u32::MAX));
+    }
+    (words, of)
+}
+
+impl<W: Write> Recorder for ParquetTrace<W> {
+    type Error = io::Error;
+
+    fn room(&self, _: usize) -> usize {
+        BLOCK
+    }
+
+    fn take(&mut self, block: &mut Trace) -> io::Result<()> {
+        self.block(block)
     }
 }
 
 impl Trace {
-    /// Writes the trace as Parquet, in one row group; see [`ParquetTrace`].
+    /// Writes the trace as Parquet; see [`ParquetTrace`].
     ///
     /// # Errors
     ///
     /// The writer's.
-    pub fn write_parquet(&self, writer: impl Write + Send) -> Result<(), ParquetError> {
-        let mut file = ParquetTrace::new(writer)?;
+    pub fn write_parquet(&self, writer: impl Write) -> io::Result<()> {
+        let mut file = ParquetTrace::new(writer);
         file.block(self)?;
         file.finish().map(drop)
     }
 
-    /// One value per row, in the order of the rows.
-    fn rows<T>(&self, value: impl Fn(&JointTrace, usize) -> T) -> Vec<T> {
-        let mut rows = Vec::with_capacity(self.len() * self.joints.len());
-        for k in 0..self.len() {
-            rows.extend(self.joints.iter().map(|joint| value(joint, k)));
+    /// Reads what [`Self::write_parquet`] wrote of a study's arm, in blocks of at most so many samples, in their order: its joints, in their
+    /// order, at its period, one sample at least. The columns may stand in any order, and beside others; who wrote them does not matter.
+    ///
+    /// # Errors
+    ///
+    /// [`TraceError`], naming the row, from 1, and the column; what was handed over before is not to be used.
+    pub fn read_parquet_in(
+        file: impl Read + Seek,
+        study: &Study,
+        block: usize,
+        mut each: impl FnMut(&mut Self),
+    ) -> Result<(), TraceError> {
+        let mut table = ParquetTable::open(file)?;
+        let supervised = table.place(SUPERVISION[0]).is_some();
+        let mut places = Vec::new();
+        for (column, kind) in wanted(supervised) {
+            let there = table.place(column);
+            let there =
+                there.filter(|at| table.columns().nth(*at).is_some_and(|c| c.1 == Some(kind)));
+            places.push(there.ok_or(TraceError::Column { column, expected: kind.name() })?);
         }
-        rows
+        let (mut trace, mut turn) = (Self::of(study, supervised), Turn::of(study));
+        table.read(&places, ROWS, |first, values| {
+            let rows = Rows::of(first, values)?;
+            for row in 0..rows.t_ns.len() {
+                if turn.next == 0 && trace.len() >= block {
+                    each(&mut trace);
+                    trace.clear();
+                }
+                rows.append(row, &mut turn, &mut trace)?;
+            }
+            Ok::<(), TraceError>(())
+        })?;
+        turn.ended(Place::Row(table.rows()))?;
+        each(&mut trace);
+        Ok(())
     }
 }
 
-fn schema() -> Result<TypePtr, ParquetError> {
-    let field = |name: &str, physical: Physical, logical: Option<LogicalType>| {
-        Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::REQUIRED)
-            .with_logical_type(logical)
-            .build()
-            .map(Arc::new)
-    };
-    let mut fields = vec![
-        field("t_ns", Physical::INT64, None)?,
-        field("joint", Physical::BYTE_ARRAY, Some(LogicalType::String))?,
-    ];
-    for signal in &COLUMNS {
-        fields.push(field(signal.name, Physical::DOUBLE, None)?);
-    }
-    for flag in ["saturated", "rate_limited"] {
-        fields.push(field(flag, Physical::BOOLEAN, None)?);
-    }
-    Ok(Arc::new(Type::group_type_builder("trace").with_fields(fields).build()?))
+/// The columns of a trace and what they hold.
+fn wanted(supervised: bool) -> impl Iterator<Item = (&'static str, Kind)> {
+    let first = [("t_ns", Kind::Integers), ("joint", Kind::Texts)];
+    first.into_iter().chain(signals(supervised).map(|name| match stored(name).1 {
+        Stored::Numbers => (name, Kind::Numbers),
+        Stored::Flags => (name, Kind::Flags),
+        Stored::Texts => (name, Kind::Texts),
+        Stored::Integers => (name, Kind::Integers),
+    }))
 }
 
-fn column<T: DataType, W: Write + Send>(
-    rows: &mut SerializedRowGroupWriter<'_, W>,
-    values: &[T::T],
-) -> Result<(), ParquetError> {
-    let Some(mut writer) = rows.next_column()? else {
-        return Err(ParquetError::General("the schema has fewer columns".to_owned()));
-    };
-    writer.typed::<T>().write_batch(values, None, None)?;
-    writer.close()
+/// Some rows of the file, by column.
+struct Rows<'a> {
+    first: u64,
+    t_ns: &'a [i64],
+    joint: &'a Texts,
+    numbers: Vec<&'a [f64]>,
+    flags: Vec<&'a [bool]>,
+    words: Vec<&'a Texts>,
+}
+
+impl<'a> Rows<'a> {
+    fn of(first: u64, values: &'a [Values]) -> Result<Self, TraceError> {
+        let [Values::Integers(t_ns), Values::Texts(joint), signals @ ..] = values else {
+            return Err(TraceError::Column { column: "t_ns", expected: Kind::Integers.name() });
+        };
+        let mut rows =
+            Self { first, t_ns, joint, numbers: Vec::new(), flags: Vec::new(), words: Vec::new() };
+        for signal in signals {
+            match signal {
+                Values::Numbers(values) => rows.numbers.push(values),
+                Values::Flags(values) => rows.flags.push(values),
+                Values::Texts(values) => rows.words.push(values),
+                Values::Integers(_) => {}
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Adds a row to the trace, if it is the next one.
+    fn append(&self, row: usize, turn: &mut Turn, trace: &mut Trace) -> Result<(), TraceError> {
+        let place = Place::Row(self.first + row as u64 + 1);
+        let t_ns = u64::try_from(self.t_ns[row]).map_err(|_| TraceError::Field {
+            place,
+            column: "t_ns",
+            value: self.t_ns[row].to_string(),
+            expected: "no time is negative",
+        })?;
+        let at = turn.row(place, self.joint.get(row), t_ns)?;
+        let joint = &mut trace.joints[at];
+        for (column, values) in COLUMNS.iter().zip(&self.numbers) {
+            (column.get_mut)(joint).push(values[row]);
+        }
+        joint.saturated.push(self.flags[0][row]);
+        joint.rate_limited.push(self.flags[1][row]);
+        if at == 0 {
+            trace.t_ns.push(t_ns);
+            if let Some(supervision) = &mut trace.supervision {
+                let words = [0, 1, 2].map(|word: usize| self.words[word].get(row));
+                Supervision::append(supervision, place, words, self.flags[2][row])?;
+            }
+        }
+        Ok(())
+    }
 }

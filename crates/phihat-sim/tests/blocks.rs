@@ -6,7 +6,8 @@ use std::convert::Infallible;
 use crate::support::{gains, rod_study, run};
 use allocation_counter::measure;
 use phihat_sim::{
-    Ended, Measured, Metrics, Outcome, Simulation, Survival, Surviving, Trace, TraceWriter,
+    BLOCK, Ended, Measured, Metrics, Outcome, ParquetTrace, Simulation, Survival, Surviving, Trace,
+    TraceWriter,
 };
 use phihat_study::Study;
 
@@ -63,25 +64,47 @@ fn blocks_are_the_whole_run_to_the_last_bit() {
 
 #[test]
 fn memory_does_not_grow_with_the_run() {
-    let peak = |seconds: u32, block: usize| {
-        let study =
-            rod_study(&format!("duration_s = {seconds}.0"), &WORLD.replace("90.0", "900.0"));
-        let used = measure(|| {
+    let csv = |seconds, block| {
+        peak((seconds, block), || {
             let mut file = TraceWriter::new(std::io::sink());
-            let mut measured = Measured::new(&study);
-            in_blocks(&study, block, |trace| {
-                file.block(trace).unwrap();
-                measured.block(trace);
-            });
-            assert_eq!(measured.metrics().samples, u64::from(seconds) * 1000);
-        });
-        used.bytes_max
+            move |trace: &Trace| file.block(trace).unwrap()
+        })
     };
-    let (short, long) = (peak(2, 512), peak(40, 512));
+    let (short, long) = (csv(2, 512), csv(40, 512));
     // The study's text is a character longer.
     assert!(long.abs_diff(short) < 100, "{short} and {long} bytes");
     assert!(long < 500_000, "{long} bytes");
-    assert!(peak(40, usize::MAX) > 4_000_000, "a whole run is counted");
+    assert!(csv(40, usize::MAX) > 4_000_000, "a whole run is counted");
+}
+
+/// Most memory of a run that is handed over in blocks.
+fn peak<W: FnMut(&Trace)>((seconds, block): (u32, usize), writer: impl Fn() -> W) -> u64 {
+    let study = rod_study(&format!("duration_s = {seconds}.0"), &WORLD.replace("90.0", "900.0"));
+    let used = measure(|| {
+        let (mut write, mut measured) = (writer(), Measured::new(&study));
+        in_blocks(&study, block, |trace| {
+            write(trace);
+            measured.block(trace);
+        });
+        assert_eq!(measured.metrics().samples, u64::from(seconds) * 1000);
+    });
+    used.bytes_max
+}
+
+/// Parquet has its directory at the end, of which a row group takes some two kilobytes; 4096 samples of a joint are 500.
+#[test]
+fn memory_of_parquet_grows_by_its_directory_alone() {
+    let parquet = |seconds, block| {
+        peak((seconds, block), || {
+            let mut file = ParquetTrace::new(std::io::sink());
+            move |trace: &Trace| file.block(trace).unwrap()
+        })
+    };
+    let (short, long) = (parquet(8, 512), parquet(80, 512));
+    let groups = (80 - 8) * 1000 / BLOCK as u64 + 1;
+    assert!(long.saturating_sub(short) < 3_000 * groups, "{short} and {long} bytes");
+    assert!(long < 1_500_000, "{long} bytes");
+    assert!(parquet(80, usize::MAX) > 8_000_000, "a whole run is counted");
 }
 
 /// A world in which everything of a survival's figures is there, that ends at its time, diverges, or is stopped.

@@ -164,7 +164,7 @@ pub(crate) static DESIGN: Section = Section {
             unit: "",
             shape: Shape::Text,
             need: Need::Optional("no recorded trace"),
-            doc: "A trace.csv of this arm, relative to the study, for `phi_from` and `inertia_from`.",
+            doc: "A trace of this arm (Parquet or CSV), or the folder of a run, relative to the study, for `phi_from` and `inertia_from`.",
         },
         Key {
             name: "settling_time_s",

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_session::{Session, Watch, files, threads};
+use phihat_session::{Session, TraceKind, Watch, files, threads};
 
 use super::case::Case;
 use super::matrix::{Extent, FaultsError, Matrix};
@@ -28,8 +28,8 @@ pub struct FaultsOptions {
     pub quick: bool,
     /// Only runs whose name (`ARM/mORDER/FAULT/SEVERITY/SEED`) contains this.
     pub only: Option<String>,
-    /// Keeps study, trace and report of every run; for 20 runs at most.
-    pub trace: bool,
+    /// Keeps study, trace (as this kind of file) and report of every run; for 20 runs at most.
+    pub trace: Option<TraceKind>,
     /// Does every run again, whatever the journal holds.
     pub fresh: bool,
     /// Runs at a time; `None`: one per core.
@@ -46,7 +46,7 @@ impl Default for FaultsOptions {
             seeds: 3,
             quick: false,
             only: None,
-            trace: false,
+            trace: None,
             fresh: false,
             threads: None,
             out: None,
@@ -90,7 +90,7 @@ impl FaultsOptions {
             let session = Session::new(Box::new(study.clone()), path, None, false)?;
             Ok(session.into_gains())
         })?;
-        if self.trace && matrix.cases.len() > TRACES_MAX {
+        if self.trace.is_some() && matrix.cases.len() > TRACES_MAX {
             return Err(FaultsError::TooManyTraces(matrix.cases.len(), TRACES_MAX));
         }
         let [path, data, page] =
@@ -107,9 +107,9 @@ impl FaultsOptions {
             (data, (text + "\n").into_bytes()),
             (page.clone(), html.into_bytes()),
         ])?;
-        if self.trace {
+        if let Some(kind) = self.trace {
             for case in &matrix.cases {
-                keep(&matrix, case, &folder)?;
+                keep(&matrix, case, &folder, kind)?;
             }
         }
         Ok(FaultsAnswer { summary, folder, page })
@@ -164,12 +164,12 @@ impl FaultsOptions {
 }
 
 /// Repeats a run with everything it leaves: study, gains, trace, report.
-fn keep(matrix: &Matrix, case: &Case, folder: &Path) -> Result<(), FaultsError> {
+fn keep(matrix: &Matrix, case: &Case, folder: &Path, kind: TraceKind) -> Result<(), FaultsError> {
     let folder = folder.join("runs").join(matrix.name(case).to_string());
     let study = matrix.study(case)?;
     let gains = folder.join("gains.json");
     let given = Some((matrix.gains(case).clone(), gains.as_path()));
     let session = Session::new(study, &folder.join("study.toml"), given, true)?;
-    session.simulate(&folder, Some(&folder.join("report.html")), &mut ())?;
+    session.recorded_as(kind).simulate(&folder, Some(&folder.join("report.html")), &mut ())?;
     Ok(())
 }

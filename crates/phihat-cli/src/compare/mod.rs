@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_compare::{CompareAnswer, CompareOptions, Comparison, Repeated, RunOutcome, losses};
+use phihat_session::TraceKind;
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -52,6 +53,9 @@ pub(crate) struct Compare {
     /// Repeat this one run (ARM/RIVAL/WORLD/default|tuned/SEED) and keep its study, trace and report.
     #[arg(long, value_name = "RUN")]
     trace: Option<String>,
+    /// With --trace: as a text, trace.csv, in place of trace.parquet.
+    #[arg(long, requires = "trace")]
+    csv: bool,
     /// Do everything again, whatever the journal holds.
     #[arg(long)]
     fresh: bool,
@@ -93,7 +97,7 @@ impl Compare {
         };
         let mut shown = Shown::resumable(BAR, self.fresh);
         if let Some(name) = &self.trace {
-            let run = options.repeat(name, &mut shown)?;
+            let run = options.repeat(name, TraceKind::csv(self.csv), &mut shown)?;
             self.tell_run(&run);
             self.page.show(&run.folder.join("report.html"));
             return Ok(ExitCode::SUCCESS);
@@ -121,7 +125,7 @@ impl Compare {
         if let Some(why) = &run.ended {
             println!("{why}");
         }
-        println!("trace: {}", file("trace.csv").display());
+        println!("trace: {}", run.trace.display());
         println!("report: {}", file("report.html").display());
     }
 

@@ -14,7 +14,7 @@ use super::plan::described;
 use crate::error::SessionError;
 use crate::files;
 use crate::identify::{IdentifiedJoint, IdentifyOptions, identify_moving};
-use crate::layout::TRACE;
+use crate::run_record::trace_of;
 
 /// Samples that were lost in a row, at most, that a line is drawn over.
 const LOST_MOST: usize = 20;
@@ -74,8 +74,8 @@ pub fn first_measured(
     folder: &Path,
     options: &IdentifyOptions,
 ) -> Result<FirstMeasured, SessionError> {
-    let path = folder.join(TRACE);
-    let read = Trace::read_csv(files::open(&path)?, study);
+    let path = trace_of(folder);
+    let read = Trace::read(files::open(&path)?, study);
     let trace = read.map_err(|e| SessionError::at(&path, e))?;
     let q: Vec<f64> =
         trace.joints.iter().filter_map(|joint| joint.q_desired.first().copied()).collect();

@@ -17,7 +17,7 @@ use recording::read;
 /// What an identification is told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifyOptions {
-    /// Records (CSV) of the same joints: in other postures, with other loads. What is found holds for all of them.
+    /// Records (CSV, Parquet, or folders of runs) of the same joints: in other postures, with other loads. What is found holds for all of them.
     pub records: Vec<PathBuf>,
     /// Seconds that are left out at the beginning of each.
     pub from: f64,

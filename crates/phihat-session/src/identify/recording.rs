@@ -1,11 +1,14 @@
 //! A record of a real arm: a table of positions and torques.
 
+use std::io::{Read, Seek};
 use std::path::Path;
 
 use phihat_design::RecordedJoint;
+use phihat_sim::{BLOCK, Kind, ParquetError, ParquetTable, Place, TraceError, Values, is_parquet};
 
 use crate::error::SessionError;
 use crate::files;
+use crate::run_record::trace_at;
 
 /// A step between samples may differ by this share from the middle one.
 const JITTER: f64 = 0.2;
@@ -21,53 +24,22 @@ pub(super) struct Recording {
 }
 
 /// Reads a record from `from` \[s\] after its first sample on: one row per sample and joint, columns by name in any order,
-/// others left alone.
+/// others left alone; a table as CSV or Parquet, or the folder of a run.
 ///
 /// # Errors
 ///
-/// [`SessionError::File`], with line, column, value and what would be valid.
+/// [`SessionError::File`], with line or row, column, value and what would be valid.
 pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
+    let path = &trace_at(path);
     let refuse = |why: String| SessionError::at(path, why);
-    let mut csv = csv::Reader::from_reader(files::open(path)?);
-    let header = csv.headers().map_err(|e| refuse(e.to_string()))?.clone();
-    let place = |names: &[&str]| {
-        let found = header.iter().position(|column| names.contains(&column.trim()));
-        found.ok_or_else(|| {
-            let all = COLUMNS.map(|names| names.join(" or ")).join(", ");
-            refuse(format!("line 1: there is no column {}; needed: {all}", names.join(" or ")))
-        })
-    };
-    let [t, name, q, tau] = COLUMNS.map(place);
-    let places = [t?, name?, q?, tau?];
-    let (mut times, mut joints): (Vec<f64>, Vec<RecordedJoint>) = (Vec::new(), Vec::new());
-    let mut first = None;
-    for row in csv.records() {
-        let row = row.map_err(|e| refuse(e.to_string()))?;
-        let line = row.position().map_or(0, csv::Position::line);
-        let text = |column: usize| row.get(places[column]).unwrap_or("").trim();
-        let number = |column: usize| {
-            let value: Option<f64> = text(column).parse().ok();
-            value.filter(|x| x.is_finite()).ok_or_else(|| {
-                let (name, found) = (COLUMNS[column][0], text(column));
-                refuse(format!("line {line}: {name} is {found:?}; it must be a finite number"))
-            })
-        };
-        let (t, q, tau) = (number(0)?, number(2)?, number(3)?);
-        let begun = *first.get_or_insert(t);
-        if t - begun < from {
-            continue;
-        }
-        let at = joints.iter().position(|joint| joint.name == text(1)).unwrap_or(joints.len());
-        if at == joints.len() {
-            let name = text(1).to_owned();
-            joints.push(RecordedJoint { name, q: Vec::new(), tau: Vec::new() });
-        }
-        if at == 0 {
-            times.push(t);
-        }
-        joints[at].q.push(q);
-        joints[at].tau.push(tau);
-    }
+    let mut file = files::open(path)?;
+    let mut rows = Rows { from, first: None, times: Vec::new(), joints: Vec::new() };
+    let parquet = is_parquet(&mut file).map_err(TraceError::from);
+    let read = parquet.and_then(|parquet| {
+        if parquet { of_parquet(file, &mut rows) } else { of_csv(file, &mut rows) }
+    });
+    read.map_err(|e| refuse(e.to_string()))?;
+    let Rows { times, joints, .. } = rows;
     let Some(joint) = joints.iter().find(|joint| joint.q.len() != times.len()) else {
         let period_ns = period(path, &times)?;
         return Ok(Recording { period_ns, joints });
@@ -76,6 +48,122 @@ pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
     let most = &joints[0].name;
     let rows = format!("joint {name} has {found} rows and joint {most} has {expected}");
     Err(refuse(format!("{rows}: each sample needs a row of every joint")))
+}
+
+/// What was read so far.
+struct Rows {
+    from: f64,
+    first: Option<f64>,
+    times: Vec<f64>,
+    joints: Vec<RecordedJoint>,
+}
+
+impl Rows {
+    fn add(&mut self, name: &str, [t, q, tau]: [f64; 3]) {
+        let begun = *self.first.get_or_insert(t);
+        if t - begun < self.from {
+            return;
+        }
+        let joints = &mut self.joints;
+        let at = joints.iter().position(|joint| joint.name == name).unwrap_or(joints.len());
+        if at == joints.len() {
+            let name = name.to_owned();
+            joints.push(RecordedJoint { name, q: Vec::new(), tau: Vec::new() });
+        }
+        if at == 0 {
+            self.times.push(t);
+        }
+        self.joints[at].q.push(q);
+        self.joints[at].tau.push(tau);
+    }
+}
+
+/// The columns, for messages.
+fn needed() -> String {
+    COLUMNS.map(|names| names.join(" or ")).join(", ")
+}
+
+fn finite(
+    place: Place,
+    column: usize,
+    value: Option<f64>,
+    found: impl FnOnce() -> String,
+) -> Result<f64, TraceError> {
+    value.filter(|x| x.is_finite()).ok_or_else(|| TraceError::Field {
+        place,
+        column: COLUMNS[column][0],
+        value: found(),
+        expected: "it must be a finite number",
+    })
+}
+
+fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
+    let mut csv = csv::Reader::from_reader(file);
+    let header = csv.headers()?.clone();
+    let place = |names: &[&str]| {
+        let found = header.iter().position(|column| names.contains(&column.trim()));
+        found.ok_or_else(|| {
+            let reason = format!("there is no column {}; needed: {}", names.join(" or "), needed());
+            TraceError::Rows { place: Place::Line(1), reason }
+        })
+    };
+    let [t, name, q, tau] = COLUMNS.map(place);
+    let places = [t?, name?, q?, tau?];
+    for row in csv.records() {
+        let row = row?;
+        let place = Place::Line(row.position().map_or(0, csv::Position::line));
+        let text = |column: usize| row.get(places[column]).unwrap_or("").trim();
+        let number = |column: usize| {
+            finite(place, column, text(column).parse().ok(), || text(column).to_owned())
+        };
+        rows.add(text(1), [number(0)?, number(2)?, number(3)?]);
+    }
+    Ok(())
+}
+
+/// Times in whole nanoseconds, as traces have them.
+const NANOSECONDS: &str = "t_ns";
+
+fn of_parquet(file: impl Read + Seek, rows: &mut Rows) -> Result<(), TraceError> {
+    let mut table = ParquetTable::open(file)?;
+    let kind = |at: &usize| table.columns().nth(*at).and_then(|(_, kind)| kind);
+    let is_number = |at: &usize| matches!(kind(at), Some(Kind::Numbers | Kind::Integers));
+    let nanoseconds = table.place(NANOSECONDS).filter(is_number);
+    let place = |names: &[&str]| {
+        let found = names.iter().find_map(|name| table.place(name));
+        let text = names[0] == COLUMNS[1][0];
+        found.filter(|at| if text { kind(at) == Some(Kind::Texts) } else { is_number(at) })
+    };
+    let lacking = |column: usize| ParquetError::Column {
+        column: COLUMNS[column].join(" or "),
+        reason: format!("is not there, or holds something else; needed: {}", needed()),
+    };
+    let places = [
+        place(COLUMNS[0]).or(nanoseconds).ok_or_else(|| lacking(0))?,
+        place(COLUMNS[1]).ok_or_else(|| lacking(1))?,
+        place(COLUMNS[2]).ok_or_else(|| lacking(2))?,
+        place(COLUMNS[3]).ok_or_else(|| lacking(3))?,
+    ];
+    let unit = if Some(places[0]) == nanoseconds { 1e9 } else { 1.0 };
+    table.read(&places, BLOCK, |first, columns| {
+        let [t, name, q, tau] = columns else { return Ok(()) };
+        let Values::Texts(names) = name else { return Ok(()) };
+        let number = |values: &Values, row: usize| match values {
+            Values::Numbers(values) => values.get(row).copied(),
+            Values::Integers(values) => values.get(row).map(|value| *value as f64),
+            _ => None,
+        };
+        for row in 0..names.rows().len() {
+            let place = Place::Row(first + row as u64 + 1);
+            let number = |column: usize, values| {
+                let value = number(values, row);
+                finite(place, column, value, || value.map_or(String::new(), |x| x.to_string()))
+            };
+            let [t, q, tau] = [number(0, t)? / unit, number(2, q)?, number(3, tau)?];
+            rows.add(names.get(row), [t, q, tau]);
+        }
+        Ok::<(), TraceError>(())
+    })
 }
 
 /// Time between samples \[ns\].

@@ -1,0 +1,115 @@
+//! Values of a column.
+
+use std::collections::HashMap;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Floating-point numbers.
+    Numbers,
+    /// Whole numbers.
+    Integers,
+    /// True or false.
+    Flags,
+    /// Texts.
+    Texts,
+}
+
+impl Kind {
+    /// As it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Numbers => "numbers",
+            Self::Integers => "whole numbers",
+            Self::Flags => "flags",
+            Self::Texts => "texts",
+        }
+    }
+}
+
+/// Some rows of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Floating-point numbers; what is null is no number (NaN).
+    Numbers(Vec<f64>),
+    /// Whole numbers.
+    Integers(Vec<i64>),
+    /// True or false.
+    Flags(Vec<bool>),
+    /// Texts; what is null is empty.
+    Texts(Texts),
+}
+
+/// Texts of which few are different.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Texts {
+    words: Vec<String>,
+    known: HashMap<String, u32>,
+    rows: Vec<u32>,
+}
+
+impl Texts {
+    /// The text of a row; of one that is not there, none.
+    pub fn get(&self, row: usize) -> &str {
+        let word = self.rows.get(row).and_then(|at| self.words.get(*at as usize));
+        word.map_or("", String::as_str)
+    }
+
+    /// The different ones, in the order in which they came.
+    pub fn words(&self) -> &[String] {
+        &self.words
+    }
+
+    /// Of each row, which of [`words`](Self::words) it is.
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
+    pub(super) fn word(&mut self, text: &str) -> u32 {
+        if let Some(at) = self.known.get(text) {
+            return *at;
+        }
+        let at = u32::try_from(self.words.len()).unwrap_or(u32::MAX);
+        self.words.push(text.to_owned());
+        self.known.insert(text.to_owned(), at);
+        at
+    }
+
+    pub(super) fn push(&mut self, word: u32, count: usize) {
+        self.rows.extend(std::iter::repeat_n(word, count));
+    }
+}
+
+impl Values {
+    pub(super) fn new(kind: Kind) -> Self {
+        match kind {
+            Kind::Numbers => Self::Numbers(Vec::new()),
+            Kind::Integers => Self::Integers(Vec::new()),
+            Kind::Flags => Self::Flags(Vec::new()),
+            Kind::Texts => Self::Texts(Texts::default()),
+        }
+    }
+
+    /// The rows go; words that are known stay.
+    pub(super) fn clear(&mut self) {
+        match self {
+            Self::Numbers(values) => values.clear(),
+            Self::Integers(values) => values.clear(),
+            Self::Flags(values) => values.clear(),
+            Self::Texts(texts) => texts.rows.clear(),
+        }
+    }
+
+    /// Adds rows that have no value; whether that can be.
+    pub(super) fn nulls(&mut self, count: usize) -> bool {
+        match self {
+            Self::Numbers(values) => values.extend(std::iter::repeat_n(f64::NAN, count)),
+            Self::Texts(texts) => {
+                let none = texts.word("");
+                texts.push(none, count);
+            }
+            Self::Integers(_) | Self::Flags(_) => return false,
+        }
+        true
+    }
+}
