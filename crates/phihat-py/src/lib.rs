@@ -25,6 +25,7 @@ mod sample;
 mod study;
 mod supervisor;
 mod sweep;
+mod table;
 mod worlds;
 
 use pyo3::prelude::*;
@@ -58,6 +59,8 @@ mod _phihat {
     use super::supervisor::Supervisor;
     #[pymodule_export]
     use super::sweep::{merge, sweep, sweep_folder};
+    #[pymodule_export]
+    use super::table::{parquet_columns, trace_file};
     #[pymodule_export]
     use super::version;
     #[pymodule_export]

@@ -10,7 +10,7 @@ use phihat_drive::{
     Adds, CheckName, Clock, DriveError, DriveOptions, Facts, Link, LinkFault, Prepared, Readiness,
     Standing, Stops, Tells, Wait, prepare_on,
 };
-use phihat_session::{Leave, RunOptions, Watch};
+use phihat_session::{Leave, RunOptions, TraceKind, Watch};
 use phihat_sim::Sample;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -30,6 +30,7 @@ pub(crate) struct DriveAsked {
     reference: Option<PathBuf>,
     out: Option<PathBuf>,
     log: Option<PathBuf>,
+    csv: bool,
     accept: Vec<String>,
     link: Declared,
 }
@@ -51,9 +52,10 @@ pub(crate) fn drive(
     py: Python<'_>,
     asked: DriveAsked,
 ) -> PyResult<(Trace, Bound<'_, PyAny>, bool, PathBuf)> {
-    let DriveAsked { study, gains, reference, out, log, accept, link } = asked;
+    let DriveAsked { study, gains, reference, out, log, csv, accept, link } = asked;
     let accept = accept.iter().map(|word| check(py, word)).collect::<PyResult<_>>()?;
-    let run = RunOptions { study, gains, out, log, ..RunOptions::default() };
+    let run =
+        RunOptions { study, gains, out, log, trace: TraceKind::csv(csv), ..RunOptions::default() };
     let options = DriveOptions { run, accept, reference, ..DriveOptions::default() };
     let raised = Raised::default();
     let link = Box::new(OwnLink::new(py, link, &raised)?);

@@ -8,7 +8,7 @@ use phihat_campaign::faults::FaultsOptions;
 use phihat_compare::CompareOptions;
 use phihat_design::Outcome;
 use phihat_paper::ReproduceOptions;
-use phihat_session::{Advice, Done, Session, SessionError, Tried, budget, designed_for};
+use phihat_session::{Advice, Done, Session, SessionError, TraceKind, Tried, budget, designed_for};
 use phihat_sim::JointTrace;
 use pyo3::prelude::*;
 
@@ -262,8 +262,10 @@ impl Trace {
         py.detach(|| phihat_report::page(&self.done.record()))
     }
     /// Writes study, gains, origin, metrics and trace into a folder.
-    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| self.done.write(&self.trace, &folder)).map_err(|e| failure::session(py, &e))
+    fn write(&self, py: Python<'_>, folder: PathBuf, csv: bool) -> PyResult<()> {
+        let kind = TraceKind::csv(csv);
+        let written = py.detach(|| self.done.write(&self.trace, &folder, kind));
+        written.map_err(|e| failure::session(py, &e))
     }
     /// Writes the report's page, and its figures beside it.
     fn write_report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {

@@ -102,7 +102,7 @@ class Served:
         number = os.getpid() % 65_000
         self.address = f"127.{1 + number // 250}.{1 + number % 250}.1"
         command = [str(PROGRAM), "serve", str(study), "--fci", "--json", "--listen", self.address]
-        command += ["--out", str(folder / "out"), "--patience-ms", str(patience_ms)]
+        command += ["--csv", "--out", str(folder / "out"), "--patience-ms", str(patience_ms)]
         if cycles is not None:
             command += ["--cycles", str(cycles)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

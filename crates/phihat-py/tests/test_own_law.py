@@ -131,7 +131,7 @@ def test_a_record_without_gains_is_read_back_and_has_a_page(tmp_path: Path) -> N
     again = phihat.read_run(tmp_path)
     assert np.array_equal(again["e"], trace["e"])
     assert again.metrics == trace.metrics and again.run["form"] == "outside"
-    page = phihat.report(tmp_path / "trace.csv").read_text()
+    page = phihat.report(tmp_path / "trace.parquet").read_text()
     assert "another controller" in page and "No certificate backs these figures" in page
     # Gains do not vanish from a record of phihat's own law without a word.
     phihat.simulate(STUDY).save(tmp_path)

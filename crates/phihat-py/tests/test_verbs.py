@@ -182,8 +182,10 @@ def test_report_and_folder(tmp_path: Path, trace: phihat.Trace) -> None:
     trace.report(tmp_path / "page.html")
     assert "<html" in (tmp_path / "page.html").read_text() and list((tmp_path / "figures").glob("*.svg"))
     trace.save(tmp_path / "run")
-    page = phihat.report(tmp_path / "run" / "trace.csv")
+    page = phihat.report(tmp_path / "run" / "trace.parquet")
     assert page.read_text() == (tmp_path / "page.html").read_text()
+    page.unlink()
+    assert phihat.report(tmp_path / "run") == page and page.is_file()
 
 
 def test_the_module_says_what_it_runs() -> None:

@@ -69,6 +69,7 @@ def drive(
     accept: Sequence[str] = (),
     out: str | os.PathLike[str] | None = None,
     log: str | os.PathLike[str] | None = None,
+    csv: bool = False,
 ) -> Driven:
     """Drive a robot that Python code talks to: the checks, the loop and the record of ``phihat drive``.
 
@@ -85,6 +86,7 @@ def drive(
             rehearsal.
         out: folder for the record; ``out/STUDY`` unless given.
         log: a log for ROS tools and viewers (MCAP), where this package was built with them.
+        csv: the trace of the record as a text, ``trace.csv``, in place of ``trace.parquet``.
 
     Raises:
         Error: a check does not pass, or study, gains or folder cannot be used.
@@ -97,6 +99,6 @@ def drive(
         "period": float(link.period),
         "adds_gravity": bool(getattr(link, "adds_gravity", False)),
     }
-    asked = {"study": study, "gains": gains, "reference": reference, "out": out, "log": log}
+    asked = {"study": study, "gains": gains, "reference": reference, "out": out, "log": log, "csv": csv}
     trace, document, good, folder = _phihat.drive({**asked, "accept": list(accept), "link": own})
     return Driven(Trace(trace), document, good, Path(folder))

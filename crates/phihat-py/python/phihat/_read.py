@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _phihat
 from ._errors import Error
 
 _UNITS = ("_rad_s2", "_rad_s", "_rad", "_nm")
@@ -31,22 +32,15 @@ def read_trace(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     checked against the record's other files: :func:`read_run` does that.
 
     Args:
-        path: ``trace.csv``, ``trace.parquet`` (``pip install 'phihat[parquet]'``), or the folder of a run.
+        path: ``trace.parquet`` or ``trace.csv``, or the folder of a run. Parquet of other programs is read as well, where it has ``t_ns``,
+            ``joint`` and columns of the trace's names, not compressed or by SNAPPY.
 
     Raises:
-        Error: the file is missing or no trace, with the line.
+        Error: the file is missing or no trace, with line or column.
     """
-    place = Path(path)
-    if place.is_dir():
-        kinds = [place / name for name in ("trace.parquet", "trace.csv")]
-        there = [kind for kind in kinds if kind.exists()]
-        if not there:
-            raise Error(f"{place}: no trace.csv and no trace.parquet", field="path", value=str(path))
-        place = there[0] if len(there) == 1 or _arrow_is_there() else place / "trace.csv"
-    try:
-        columns = _parquet(place) if place.suffix == ".parquet" else _csv(place)
-    except OSError as why:
-        raise Error(f"{place}: {why.strerror or why}", field="path", value=str(path)) from why
+    file, is_parquet = _phihat.trace_file(os.fspath(path))
+    place = Path(file)
+    columns = _parquet(place) if is_parquet else _csv(place)
     return _by_joint(place, columns)
 
 
@@ -102,17 +96,17 @@ def _typed(place: Path, name: str, fields: tuple[str, ...], first: int) -> NDArr
 
 
 def _parquet(place: Path) -> dict[str, NDArray[Any]]:
-    try:
-        from pyarrow import ArrowInvalid, parquet
-    except ImportError as why:
-        raise Error("pyarrow is missing: pip install 'phihat[parquet]'") from why
-    if not place.exists():
-        raise Error(f"{place}: no such file", field="path", value=str(place))
-    try:
-        table = parquet.read_table(place)
-    except ArrowInvalid as why:
-        raise Error(f"{place}: no Parquet file: {why}", field="path", value=str(place)) from why
-    return {name: table[name].to_numpy() for name in table.column_names}
+    columns: dict[str, NDArray[Any]] = {}
+    for name, values in _phihat.parquet_columns(os.fspath(place)).items():
+        if isinstance(values, tuple):
+            words, rows = values
+            columns[name] = np.array(words, dtype=np.str_)[rows] if words else np.array([], dtype=np.str_)
+        else:
+            columns[name] = values
+    for name in ("t_ns", "joint"):
+        if name not in columns:
+            raise Error(f"{place}: there is no column {name}, which a trace has", field="path", value=str(place))
+    return columns
 
 
 def _by_joint(place: Path, columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
@@ -143,9 +137,3 @@ def _joints(joints: NDArray[Any]) -> int:
         return 0
     again = np.flatnonzero(joints[1:] == joints[0])
     return int(again[0]) + 1 if len(again) else len(joints)
-
-
-def _arrow_is_there() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("pyarrow") is not None

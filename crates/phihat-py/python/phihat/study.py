@@ -64,7 +64,7 @@ def read_run(folder: str | os.PathLike[str]) -> Trace:
     """Read the record of a run, as ``phihat run`` and :meth:`Trace.save` leave it.
 
     Args:
-        folder: where ``run.json`` and ``trace.csv`` are.
+        folder: where ``run.json`` and the trace are.
 
     Raises:
         Error: a file is missing, or is not the one that the run left.
@@ -179,13 +179,14 @@ def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
 
 
 def report(trace: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:
-    """Make the report of a recorded ``trace.csv`` again; returns its path.
+    """Make the report of a recorded trace again, named by its file or the folder of its run; returns the page's path.
 
     Raises:
         Error: the files beside the trace are not of one run, or the page cannot be written.
     """
-    page = Path(path) if path is not None else Path(trace).with_name("report.html")
-    _phihat.report(os.fspath(trace), os.fspath(page))
+    file, _ = _phihat.trace_file(os.fspath(trace))
+    page = Path(path) if path is not None else Path(file).with_name("report.html")
+    _phihat.report(file, os.fspath(page))
     return page
 
 

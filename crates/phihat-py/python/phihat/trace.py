@@ -176,9 +176,14 @@ class Trace:
             pyplot.close(figure)
         return figure
 
-    def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write study, gains, origin, metrics and ``trace.csv`` into a folder, as ``phihat simulate`` does."""
-        self._record.write(os.fspath(folder))
+    def save(self, folder: str | os.PathLike[str], *, csv: bool = False) -> None:
+        """Write study, gains, origin, metrics and ``trace.parquet`` into a folder, as ``phihat simulate`` does.
+
+        Args:
+            folder: made where it is not there; an older record in it is replaced.
+            csv: the trace as a text, ``trace.csv``, in place of ``trace.parquet``: several times larger, and slower.
+        """
+        self._record.write(os.fspath(folder), csv)
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the report, one self-contained HTML page, and its figures into ``figures/`` beside it."""

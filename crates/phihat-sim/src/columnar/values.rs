@@ -100,6 +100,23 @@ impl Values {
         }
     }
 
+    /// Adds rows of the same column, as [`ParquetTable::read`](crate::ParquetTable::read) hands them over one after the other.
+    pub fn append(&mut self, more: &Self) {
+        match (self, more) {
+            (Self::Numbers(values), Self::Numbers(more)) => values.extend_from_slice(more),
+            (Self::Integers(values), Self::Integers(more)) => values.extend_from_slice(more),
+            (Self::Flags(values), Self::Flags(more)) => values.extend_from_slice(more),
+            (Self::Texts(texts), Self::Texts(more)) => {
+                // Words are never forgotten: those that were known before stand first.
+                for word in more.words.get(texts.words.len()..).unwrap_or_default() {
+                    texts.word(word);
+                }
+                texts.rows.extend_from_slice(&more.rows);
+            }
+            _ => {}
+        }
+    }
+
     /// Adds rows that have no value; whether that can be.
     pub(super) fn nulls(&mut self, count: usize) -> bool {
         match self {
