@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 pub use choices::Choices;
 pub use drawn::drawn;
 pub use interface::fci;
-pub use mutate::mutated;
-pub use readers::{gains, journal, reference_csv, robot_file, study, trace, urdf};
+pub use mutate::{mutated, overwritten};
+pub use readers::{gains, journal, reference_csv, robot_file, study, trace, trace_parquet, urdf};
 pub use samples::{law, supervisor};
 
 /// The project's folder.

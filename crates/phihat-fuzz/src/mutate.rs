@@ -51,6 +51,31 @@ pub fn mutated(seeds: &[Vec<u8>], recipe: &[u8]) -> Vec<u8> {
     text
 }
 
+/// What stands in place of bytes: sizes that are none, and the smallest steps.
+const BYTES: [u8; 8] = [0, 1, 0x15, 0x7f, 0x80, 0xf9, 0xfe, 0xff];
+
+/// A document made of a good one by a recipe, in which nothing moves: for documents that say where things are.
+#[must_use]
+pub fn overwritten(seeds: &[Vec<u8>], recipe: &[u8]) -> Vec<u8> {
+    let mut recipe = Choices::of(recipe);
+    let mut bytes = seeds[recipe.below(seeds.len())].clone();
+    while !recipe.is_empty() {
+        // Documents say what they are at their end.
+        let near = bytes.len().min([bytes.len(), 2048, 512][recipe.byte_or_0() % 3]);
+        let at = bytes.len() - near + recipe.below(near);
+        let count = 1 + [0, 0, 3, 7][recipe.byte_or_0() % 4];
+        let kind = recipe.byte_or_0();
+        for byte in bytes.iter_mut().skip(at).take(count) {
+            *byte = match kind % 3 {
+                0 => u8::try_from(recipe.byte_or_0()).unwrap_or(0),
+                1 => BYTES[(kind / 3) % BYTES.len()],
+                _ => *byte ^ (1 << ((kind / 3) % 8)),
+            };
+        }
+    }
+    bytes
+}
+
 fn edit(text: &mut Vec<u8>, seeds: &[Vec<u8>], recipe: &mut Choices<'_>) {
     let at = recipe.below(text.len() + 1);
     match recipe.byte_or_0() % 9 {

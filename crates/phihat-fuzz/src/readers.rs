@@ -1,6 +1,7 @@
 //! Readers of documents: no bytes make them panic, and what they accept is what they give back.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use phihat_campaign::Journal;
 use phihat_certificate::Gains;
 use phihat_model::{Robot, Workspace};
-use phihat_sim::Trace;
+use phihat_sim::{ParquetError, ParquetTable, Trace, Values};
 use phihat_study::Study;
 
 use crate::project;
@@ -112,16 +113,65 @@ pub fn gains(bytes: &[u8]) {
     }
 }
 
+/// Studies whose arms the kept traces are of.
+static STUDIES: LazyLock<Vec<Study>> = LazyLock::new(|| {
+    let read = |name: &str| Study::read(&project().join("studies").join(name)).ok();
+    ["panda.toml", "payload_drop.toml"].into_iter().filter_map(read).collect()
+});
+
+/// A recorded trace as Parquet, and whatever table the bytes are of.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn trace_parquet(bytes: &[u8]) {
+    assert_eq!(STUDIES.len(), 2);
+    for study in STUDIES.iter() {
+        match Trace::read(Cursor::new(bytes), study) {
+            Ok(trace) => {
+                let mut file = Vec::new();
+                assert!(trace.write_parquet(&mut file).is_ok());
+                let again = Trace::read(Cursor::new(&file), study);
+                let mut twice = Vec::new();
+                let written = again.is_ok_and(|again| again.write_parquet(&mut twice).is_ok());
+                assert!(written && file == twice, "does not read back");
+            }
+            Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
+        }
+    }
+    table(bytes);
+}
+
+/// Every column of a table that is read.
+fn table(bytes: &[u8]) {
+    let Ok(mut table) = ParquetTable::open(Cursor::new(bytes)) else { return };
+    let (all, places): (Vec<_>, Vec<usize>) =
+        (table.columns().map(|(_, kind)| kind).collect(), (0..table.columns().count()).collect());
+    for (place, kind) in places.into_iter().zip(all) {
+        let mut rows = 0;
+        let read = table.read(&[place], 1000, |first, values| {
+            assert_eq!(first, rows);
+            rows += match &values[0] {
+                Values::Numbers(values) => values.len(),
+                Values::Integers(values) => values.len(),
+                Values::Flags(values) => values.len(),
+                Values::Texts(texts) => texts.rows().len(),
+            } as u64;
+            Ok::<(), ParquetError>(())
+        });
+        match read {
+            Ok(()) => assert!(kind.is_some() && rows == table.rows()),
+            Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
+        }
+    }
+}
+
 /// A recorded trace.
 ///
 /// # Panics
 ///
 /// A promise is broken.
 pub fn trace(bytes: &[u8]) {
-    static STUDIES: LazyLock<Vec<Study>> = LazyLock::new(|| {
-        let read = |name: &str| Study::read(&project().join("studies").join(name)).ok();
-        ["panda.toml", "payload_drop.toml"].into_iter().filter_map(read).collect()
-    });
     assert_eq!(STUDIES.len(), 2);
     for study in STUDIES.iter() {
         match Trace::read_csv(bytes, study) {

@@ -6,7 +6,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use phihat_fuzz::{drawn, kept, mutated, seeds};
+use phihat_fuzz::{drawn, kept, mutated, overwritten, seeds};
 
 /// Nothing that is this small may take longer.
 const SLOWEST: Duration = Duration::from_secs(10);
@@ -52,6 +52,18 @@ macro_rules! target {
             many(stringify!($name), 512, phihat_fuzz::$name, <[u8]>::to_vec);
         }
     };
+}
+
+/// A file that says where things are is soon refused once they have moved: bytes are changed in their places too.
+#[test]
+fn trace_parquet() {
+    let (name, target) = ("trace_parquet", phihat_fuzz::trace_parquet);
+    let seeds = seeds(name, "crates/phihat-fuzz/corpus/trace_parquet", ".parquet");
+    for seed in &seeds {
+        tried(name, target, seed);
+    }
+    many(name, 96, target, |recipe| mutated(&seeds, recipe));
+    many(name, 24, target, |recipe| overwritten(&seeds, recipe));
 }
 
 target!(study, "studies", ".toml");
