@@ -22,9 +22,9 @@ fn the_page_of_blocks_is_the_page_of_the_whole() {
     assert!(trace.len() > phihat_sim::BLOCK && done.tube.is_some());
     let figures = fs::read_to_string(folder.join("out/metrics.json")).unwrap();
     assert_eq!(format!("{:#}\n", json!(done.figures())), figures);
-    let mut csv = Vec::new();
-    trace.write_csv(&mut csv).unwrap();
-    assert!(fs::read(folder.join("out/trace.csv")).unwrap() == csv, "the traces differ");
+    let mut file = Vec::new();
+    trace.write_parquet(&mut file).unwrap();
+    assert!(fs::read(folder.join("out/trace.parquet")).unwrap() == file, "the traces differ");
     let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
     let whole = phihat_report::page(&done.record());
     assert!(page == whole, "the pages differ: {} and {} bytes", page.len(), whole.len());
@@ -39,7 +39,7 @@ fn a_run_that_is_stopped_leaves_what_was_there() {
     let before = files_of(&folder.join("out"));
     let line = long.lines().find(|line| line.starts_with("duration_s")).unwrap();
     fs::write(folder.join("first.toml"), long.replace(line, "duration_s = 3600.0")).unwrap();
-    let stopped = interrupted(&folder, &["run", "first.toml", "--out", "out"], "out/trace.csv");
+    let stopped = interrupted(&folder, &["run", "first.toml", "--out", "out"], "out/trace.parquet");
     assert_eq!(stopped.code, 130, "{}", stopped.err);
     assert!(stopped.err.contains("nothing was written"), "{}", stopped.err);
     assert!(files_of(&folder.join("out")) == before, "{}", stopped.err);

@@ -3,6 +3,8 @@
 use std::fs;
 
 use crate::support::{folder, json, phihat};
+use phihat_sim::Trace;
+use phihat_study::Study;
 
 const SMALL: [&str; 9] = [
     "compare",
@@ -50,7 +52,14 @@ fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_aga
     let again = phihat(&folder, &words);
     assert_eq!(again.code, 0, "{}{}", again.out, again.err);
     // The trace has the error that the comparison has: worst joint, after the settling time.
-    let trace = String::from_utf8(kept("whole", &format!("runs/{name}/trace.csv"))).unwrap();
+    let run = folder.join("whole/runs").join(name);
+    let study = Study::read(&run.join("study.toml")).unwrap();
+    let read = |file: &str| Trace::read(fs::File::open(run.join(file)).unwrap(), &study).unwrap();
+    let trace = read("trace.parquet");
+    assert_eq!(phihat(&folder, &[&words[..], &["--csv"]].concat()).code, 0);
+    assert!(read("trace.csv") == trace && !run.join("trace.parquet").exists());
+    assert_eq!(phihat(&folder, &words).code, 0);
+    assert!(read("trace.parquet") == trace && !run.join("trace.csv").exists());
     let largest = largest_error(&trace, 2.0);
     let all: serde_json::Value = serde_json::from_slice(&kept("whole", "compare.json")).unwrap();
     let row = all["rows"].as_array().unwrap().iter().find(|row| row["rival"] == "pd").unwrap();
@@ -63,15 +72,10 @@ fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_aga
 }
 
 /// Largest |e| of any joint from a time on.
-fn largest_error(csv: &str, from: f64) -> f64 {
-    let mut lines = csv.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let place = |wanted: &str| names.iter().position(|name| *name == wanted).unwrap();
-    let (time, error) = (place("t_s"), place("e_rad"));
-    let number = |text: &str| text.parse::<f64>().unwrap();
-    let cells = lines.map(|line| line.split(',').collect::<Vec<_>>());
-    let scored = cells.filter(|cells| number(cells[time]) >= from);
-    scored.fold(0.0, |most: f64, cells| most.max(number(cells[error]).abs()))
+fn largest_error(trace: &Trace, from: f64) -> f64 {
+    let from = trace.index_at(from);
+    let all = trace.joints.iter().flat_map(|joint| &joint.e[from..]);
+    all.fold(0.0, |most, e| e.abs().max(most))
 }
 
 #[test]

@@ -121,10 +121,19 @@ fn knowledge_from_a_simulation_and_from_a_trace_is_named_in_the_certificate() {
     assert!(certificate["tube"].is_object(), "{}", certificate["unproved"]);
     let run = phihat(&folder, &["simulate", "simulated.toml"]);
     assert_eq!(run.code, 0, "{}{}", run.out, run.err);
-    let lines =
-        "phi_from = \"trace\"\ninertia_from = \"trace\"\ntrace = \"out/simulated/trace.csv\"";
+    let lines = "phi_from = \"trace\"\ninertia_from = \"trace\"\ntrace = \"out/simulated\"";
     fs::write(folder.join("traced.toml"), planar(lines)).unwrap();
     let answer = json(&folder, &["design", "traced.toml", "--json"]);
+    // The same of either kind, but for the study's and the trace's names.
+    assert_eq!(phihat(&folder, &["simulate", "simulated.toml", "--out", "text", "--csv"]).code, 0);
+    let text = lines.replace("out/simulated", "text/trace.csv");
+    fs::write(folder.join("traced.toml"), planar(&text)).unwrap();
+    let again = json(&folder, &["design", "traced.toml", "--json"]);
+    assert_eq!(again["gains"]["joints"], answer["gains"]["joints"]);
+    let source = |answer: &serde_json::Value| {
+        answer["gains"]["certificate"]["joints"][2]["phi"]["source"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(source(&again).replace("trace.csv", "trace.parquet"), source(&answer));
     assert_eq!(answer["outcome"], "designed", "{answer:#}");
     let certificate = &answer["gains"]["certificate"];
     assert_eq!(certificate["arm"]["basis"], "trace");

@@ -61,7 +61,7 @@ fn its_record_is_that_of_a_run_and_says_what_drove_it() {
         &folder,
         &["drive", "swing.toml", "--gains", "run/gains.json", "--out", "drive", "--json"],
     );
-    for name in ["trace.csv", "metrics.json", "gains.json", "study.toml"] {
+    for name in ["trace.parquet", "metrics.json", "gains.json", "study.toml"] {
         let [a, b] = ["run", "drive"].map(|at| fs::read(folder.join(at).join(name)).unwrap());
         assert!(a == b, "{name}");
     }
@@ -96,14 +96,14 @@ fn ctrl_c_is_a_safe_stop_that_leaves_a_record() {
     let long = supervised.replace("duration_s = 2.0", "duration_s = 3600.0");
     fs::write(folder.join("swing.toml"), long).unwrap();
     let line = ["drive", "swing.toml", "--gains", "gains.json", "--out", "out", "--json"];
-    let stopped = interrupted(&folder, &line, "out/trace.csv");
+    let stopped = interrupted(&folder, &line, "out/trace.parquet");
     assert_eq!(stopped.code, 1, "{}{}", stopped.out, stopped.err);
     let told: Value = serde_json::from_str(&stopped.out).unwrap();
     assert_eq!(told["drive"]["end"], "asked");
     let samples = told["drive"]["samples"].as_u64().unwrap();
     assert!((1..3_600_000).contains(&samples), "{samples}");
-    let trace = fs::read_to_string(folder.join("out/trace.csv")).unwrap();
-    assert_eq!(trace.lines().count() as u64, samples + 1);
-    assert!(trace.lines().last().unwrap().contains("safe-stop"));
+    let (_, trace) = phihat_session::recorded(&folder.join("out")).unwrap();
+    assert_eq!(trace.len() as u64, samples);
+    assert_eq!(trace.supervision.unwrap().mode.last(), Some(&phihat::Mode::SafeStop));
     assert_eq!(phihat(&folder, &["verify", "--run", "out"]).code, 0);
 }

@@ -30,7 +30,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 51] = [
+    let cases: [(&[&str], i32); 52] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -54,7 +54,8 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["export", "gains.json", "--format", "csv"], 0),
         (&["export", "gains.json", "--format", "csv", "--out", "gains.csv"], 0),
         (&["export", "good.toml", "--format", "csv"], 2),
-        (&["report", "out/good/trace.csv"], 0),
+        (&["report", "out/good/trace.parquet"], 0),
+        (&["report", "out/good"], 0),
         (&["report", "good.toml"], 2),
         (&["faults", "bad.toml"], 2),
         (&["sweep", "good.toml", "--vary", "duration_s=5,5.5", "--runs", "2", "--out", "swept"], 0),

@@ -86,13 +86,13 @@ fn a_run_is_repeated_with_its_trace_by_the_command_in_the_report() {
     let words: Vec<_> = command.split(' ').skip(1).collect();
     assert_eq!(phihat(&folder, &words).code, 0);
     let run = out.join("runs").join(name);
-    let trace = fs::read(run.join("trace.csv")).unwrap();
+    let trace = fs::read(run.join("trace.parquet")).unwrap();
     // The study left behind is the run: `phihat run` makes the same trace, bit for bit.
     let study = format!("out/planar3r/faults/runs/{name}/study.toml");
     let gains = format!("out/planar3r/faults/runs/{name}/gains.json");
     let again = phihat(&folder, &["simulate", &study, "--gains", &gains, "--out", "again"]);
     assert!(again.code < 2, "{}", again.err);
-    assert_eq!(fs::read(folder.join("again/trace.csv")).unwrap(), trace);
+    assert_eq!(fs::read(folder.join("again/trace.parquet")).unwrap(), trace);
 }
 
 #[test]

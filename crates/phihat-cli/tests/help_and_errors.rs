@@ -180,7 +180,7 @@ fn bad_inputs_give_one_error_and_leave_nothing() {
             vec![format!("order.toml:{}", line(&good, "inertia_kg_m2 =")), "-0.42".into()],
         ),
         (vec!["simulate", "studies"], vec!["studies".to_owned()]),
-        (vec!["report", "out/none/trace.csv"], vec!["out/none/trace.csv".to_owned()]),
+        (vec!["report", "out/none/trace.parquet"], vec!["out/none/trace.parquet".to_owned()]),
         (
             vec!["report", "studies/first.toml"],
             vec!["studies/first.toml: is not the trace of a run".to_owned()],

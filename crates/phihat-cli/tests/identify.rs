@@ -65,10 +65,10 @@ fn records_tell_what_their_joints_are() {
         fs::write(folder.join("arm.toml"), &text).unwrap();
         let run = phihat(&folder, &["run", "arm.toml"]);
         assert!(run.code == 0 && run.err.contains("do not push each other"), "{}", run.err);
-        let told = json(&folder, &["identify", "out/arm/trace.csv", "--from", "1", "--json"]);
+        let told = json(&folder, &["identify", "out/arm", "--from", "1", "--json"]);
         let read = Study::read(&folder.join("arm.toml")).unwrap();
-        let file = fs::File::open(folder.join("out/arm/trace.csv")).unwrap();
-        let observed = Observed::of(&Trace::read_csv(file, &read).unwrap(), 1.0);
+        let file = fs::File::open(folder.join("out/arm/trace.parquet")).unwrap();
+        let observed = Observed::of(&Trace::read(file, &read).unwrap(), 1.0);
         for (joint, (inertia, _)) in truth.iter().enumerate() {
             let found = &told["joints"][joint];
             let number = |key: &str| found[key].as_f64().unwrap();
@@ -92,11 +92,15 @@ fn a_record_becomes_a_design_that_holds() {
     let truth: Truth = [(0.6, 0.8), (0.2, 0.4)];
     fs::write(folder.join("arm.toml"), study(&truth, 3, "")).unwrap();
     assert_eq!(phihat(&folder, &["run", "arm.toml"]).code, 0);
-    let identify =
-        ["identify", "out/arm/trace.csv", "--from", "1", "--margin", "2", "--out", "joints.toml"];
-    let told = phihat(&folder, &identify);
-    assert!(told.code == 0 && told.out.contains("an estimate, not a proof"), "{}", told.out);
-    let joints = fs::read_to_string(folder.join("joints.toml")).unwrap();
+    let identified = |record: &str| {
+        let identify = ["identify", record, "--from", "1", "--margin", "2", "--out", "joints.toml"];
+        let told = phihat(&folder, &identify);
+        assert!(told.code == 0 && told.out.contains("an estimate, not a proof"), "{}", told.out);
+        fs::read_to_string(folder.join("joints.toml")).unwrap()
+    };
+    let joints = identified("out/arm/trace.parquet");
+    assert_eq!(phihat(&folder, &["simulate", "arm.toml", "--out", "text", "--csv"]).code, 0);
+    assert_eq!(identified("text/trace.csv"), joints, "of either kind");
     let again = |end: &str| {
         format!(
             "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_max_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
@@ -139,20 +143,20 @@ fn a_joint_that_slides_is_one_that_turns_with_other_units() {
         fs::write(folder.join(format!("{name}.toml")), text).unwrap();
         let run = phihat(&folder, &["run", &format!("{name}.toml")]);
         assert_eq!(run.code, 0, "{}", run.err);
-        let trace = fs::read_to_string(folder.join(format!("out/{name}/trace.csv"))).unwrap();
+        let trace = fs::read(folder.join(format!("out/{name}/trace.parquet"))).unwrap();
         (run.out, trace)
     };
     let ((turned, one), (slid, other)) = (run("turns", &turns), run("slides", &slides));
     assert!(one == other, "the numbers differ");
     assert!(!turned.contains("mm/s") && slid.contains("mm/s"), "{slid}");
-    let identify = ["identify", "out/slides/trace.csv", "--from", "1", "--slides", "first"];
+    let identify = ["identify", "out/slides/trace.parquet", "--from", "1", "--slides", "first"];
     let told = phihat(&folder, &identify).out;
     assert!(told.contains(" kg ") && told.contains(" N/s"), "{told}");
     let sections: Vec<&str> = told.lines().skip_while(|line| *line != "[[joint]]").collect();
     assert_eq!(sections[..3], ["[[joint]]", "name = \"first\"", "slides = true"]);
     assert_eq!(told.matches("slides = true").count(), 1, "{told}");
-    let unknown = ["identify", "out/slides/trace.csv", "--slides", "third"];
-    refused(&folder, &unknown, &["trace.csv", "\"third\"", "first, second"]);
+    let unknown = ["identify", "out/slides/trace.parquet", "--slides", "third"];
+    refused(&folder, &unknown, &["trace.parquet", "\"third\"", "first, second"]);
 }
 
 fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {

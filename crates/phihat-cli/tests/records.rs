@@ -34,23 +34,23 @@ fn refusal(folder: &Path, trace: &str) -> String {
 #[test]
 fn files_of_two_runs_are_no_record() {
     let folder = two_records("records-mixed");
-    for name in ["study.toml", "gains.json", "metrics.json", "trace.csv"] {
+    for name in ["study.toml", "gains.json", "metrics.json", "trace.parquet"] {
         let own = fs::read(folder.join("a").join(name)).unwrap();
         fs::copy(folder.join("b").join(name), folder.join("a").join(name)).unwrap();
-        let told = refusal(&folder, "a/trace.csv");
+        let told = refusal(&folder, "a/trace.parquet");
         let words = format!("a/{name}: is not the file that the run left: its SHA-256 is ");
         assert!(
             told.contains(&words) && told.contains("make the record again: phihat run a.toml"),
             "{told}"
         );
         fs::write(folder.join("a").join(name), own).unwrap();
-        assert_eq!(phihat(&folder, &["report", "a/trace.csv"]).code, 0, "whole again");
+        assert_eq!(phihat(&folder, &["report", "a/trace.parquet"]).code, 0, "whole again");
     }
     fs::remove_file(folder.join("a/metrics.json")).unwrap();
-    assert!(refusal(&folder, "a/trace.csv").contains("a/metrics.json: is missing"));
+    assert!(refusal(&folder, "a/trace.parquet").contains("a/metrics.json: is missing"));
     fs::remove_file(folder.join("b/run.json")).unwrap();
     assert!(
-        refusal(&folder, "b/trace.csv")
+        refusal(&folder, "b/trace.parquet")
             .contains("b/run.json: is missing: the files beside it are no whole record")
     );
     // What earlier versions left says nothing of its files.
@@ -58,10 +58,10 @@ fn files_of_two_runs_are_no_record() {
         fs::read_to_string(folder.join("a/run.json")).unwrap().replace("\"files\"", "\"filed\"");
     fs::write(folder.join("a/run.json"), old).unwrap();
     assert!(
-        refusal(&folder, "a/trace.csv").contains("a/run.json: is not what this version leaves")
+        refusal(&folder, "a/trace.parquet").contains("a/run.json: is not what this version leaves")
     );
-    fs::copy(folder.join("b/trace.csv"), folder.join("b/copy.csv")).unwrap();
-    assert!(refusal(&folder, "b/copy.csv").contains("is not the trace of a run"));
+    fs::copy(folder.join("b/trace.parquet"), folder.join("b/copy.parquet")).unwrap();
+    assert!(refusal(&folder, "b/copy.parquet").contains("is not the trace of a run"));
 }
 
 /// Puts another trace into a record, as if the run had left it.
@@ -83,13 +83,13 @@ fn from_a_trace(study: &str) -> String {
     format!("{start}{design}[reference]{reference}")
 }
 
-/// The record of an arm of two joints in `out`, a study that is designed from its trace, and the trace.
+/// The record of an arm of two joints in `out`, its trace as a text, a study that is designed from its trace, and the trace.
 fn two_joints(name: &str) -> (PathBuf, String) {
     let folder = folder(name);
     let two = small("two", 0.2, 4.0).replace("joint2 = 0.0, ", "");
     fs::write(folder.join("from.toml"), from_a_trace(&two)).unwrap();
     fs::write(folder.join("two.toml"), two).unwrap();
-    let run = phihat(&folder, &["run", "two.toml", "--out", "out"]);
+    let run = phihat(&folder, &["run", "two.toml", "--out", "out", "--csv"]);
     assert_eq!(run.code, 0, "{}", run.err);
     let trace = fs::read_to_string(folder.join("out/trace.csv")).unwrap();
     (folder, trace)
@@ -180,11 +180,42 @@ fn of_an_older_page_nothing_stays_and_of_the_users_files_all() {
     assert_eq!(phihat(&folder, &["simulate", "a.toml", "--out", "b"]).code, 0);
     let names: Vec<_> = files_of(&folder.join("b")).into_keys().collect();
     let whole =
-        [".phihat.lock", "gains.json", "metrics.json", "run.json", "study.toml", "trace.csv"];
-    let mut expected = whole.map(PathBuf::from).to_vec();
-    // A build with the feature leaves the trace twice.
-    expected.extend(cfg!(feature = "parquet").then(|| "trace.parquet".into()));
-    assert_eq!(names, expected);
+        [".phihat.lock", "gains.json", "metrics.json", "run.json", "study.toml", "trace.parquet"];
+    assert_eq!(names, whole.map(PathBuf::from));
+}
+
+#[test]
+fn a_record_has_one_trace_and_either_kind_is_read_by_all() {
+    let folder = two_records("records-kinds");
+    let record = |name: &str| {
+        let (done, trace) = phihat_session::recorded(&folder.join(name)).unwrap();
+        (done.figures(), trace)
+    };
+    let traces = || -> Vec<_> {
+        let all = files_of(&folder.join("a")).into_keys();
+        all.filter(|path| path.starts_with("trace.parquet") || path.starts_with("trace.csv"))
+            .collect()
+    };
+    let (page, first) = (fs::read(folder.join("a/report.html")).unwrap(), record("a"));
+    assert_eq!(traces(), [PathBuf::from("trace.parquet")]);
+    for (more, file) in [(&["--csv"][..], "trace.csv"), (&[], "trace.parquet")] {
+        let run = [&["run", "a.toml", "--out", "a"], more].concat();
+        assert_eq!(phihat(&folder, &run).code, 0);
+        assert_eq!(traces(), [PathBuf::from(file)]);
+        assert!(record("a") == first, "{file}");
+        for named in ["a".to_owned(), format!("a/{file}")] {
+            fs::remove_file(folder.join("a/report.html")).unwrap();
+            let made = phihat(&folder, &["report", &named]);
+            assert_eq!((made.code, made.out.as_str()), (0, "report: a/report.html\n"));
+            assert!(fs::read(folder.join("a/report.html")).unwrap() == page, "{named}");
+        }
+        assert_eq!(phihat(&folder, &["verify", "--run", "a"]).code, 0, "{file}");
+    }
+    // One that is not of the record is refused, wherever it came from.
+    fs::write(folder.join("a/trace.csv"), "t_s,joint\n").unwrap();
+    assert!(refusal(&folder, "a/trace.csv").contains("a/trace.csv: is not named in run.json"));
+    assert_eq!(phihat(&folder, &["report", "a"]).code, 0);
+    assert!(refusal(&folder, "studies").contains("studies/trace.parquet: cannot be read"));
 }
 
 #[test]
@@ -200,7 +231,7 @@ fn a_folder_at_work_is_left_as_it_is() {
     for words in [
         &["run", "b.toml", "--out", "a"][..],
         &["simulate", "b.toml", "--out", "a"],
-        &["report", "a/trace.csv"],
+        &["report", "a/trace.parquet"],
         &["reproduce", "--only", "table 2", "--out", "a"],
         &["faults", "arm.toml", "--quick", "--only", "push/2", "--out", "."],
         &["faults", "arm.toml", "--quick", "--only", "push/2", "--out", ".", "--fresh"],
@@ -239,7 +270,7 @@ fn a_journal_begun_afresh_is_emptied_and_a_held_one_is_not() {
 fn links_are_not_followed() {
     let folder = two_records("records-links");
     fs::write(folder.join("victim"), "precious").unwrap();
-    for name in ["trace.csv", "run.json", "study.toml", "report.html"] {
+    for name in ["trace.parquet", "trace.csv", "run.json", "study.toml", "report.html"] {
         for place in [format!("{name}.partial"), format!(".{name}.partial"), name.to_owned()] {
             let _ = fs::remove_file(folder.join("a").join(&place));
             std::os::unix::fs::symlink("../victim", folder.join("a").join(place)).unwrap();
@@ -247,7 +278,8 @@ fn links_are_not_followed() {
     }
     assert_eq!(phihat(&folder, &["run", "b.toml", "--out", "a"]).code, 0);
     assert_eq!(fs::read_to_string(folder.join("victim")).unwrap(), "precious");
-    assert!(!folder.join("a/trace.csv").is_symlink());
+    assert!(!folder.join("a/trace.parquet").is_symlink());
+    assert!(fs::symlink_metadata(folder.join("a/trace.csv")).is_err(), "of another kind");
     std::os::unix::fs::symlink("victim", folder.join("gains.json.partial")).unwrap();
     assert!(folder.join("a/.phihat.lock").is_file());
     fs::remove_file(folder.join("a/.phihat.lock")).unwrap();
@@ -269,7 +301,7 @@ fn files_have_the_mode_of_any_other_file() {
     let folder = two_records("records-mode");
     fs::write(folder.join("plain"), "").unwrap();
     let mode = |path: &str| fs::metadata(folder.join(path)).unwrap().permissions().mode();
-    for name in ["a/trace.csv", "a/run.json", "a/report.html", "a/figures/error.svg"] {
+    for name in ["a/trace.parquet", "a/run.json", "a/report.html", "a/figures/error.svg"] {
         assert_eq!(mode(name), mode("plain"), "{name}");
     }
 }
@@ -297,13 +329,13 @@ fn a_record_holds_what_its_study_names_and_can_be_moved() {
     let page = fs::read(folder.join("out/report.html")).unwrap();
     fs::remove_dir_all(folder.join("arms")).unwrap();
     fs::rename(folder.join("out"), folder.join("moved")).unwrap();
-    let again = phihat(&folder, &["report", "moved/trace.csv"]);
+    let again = phihat(&folder, &["report", "moved/trace.parquet"]);
     assert_eq!(again.code, 0, "{}", again.err);
     assert!(fs::read(folder.join("moved/report.html")).unwrap() == page, "another page");
     let urdf = folder.join("moved/inputs/below/planar3r.urdf");
     let text = fs::read_to_string(&urdf).unwrap();
     fs::write(&urdf, text.replacen("mass value=\"", "mass value=\"1", 1)).unwrap();
-    let told = refusal(&folder, "moved/trace.csv");
+    let told = refusal(&folder, "moved/trace.parquet");
     assert!(
         told.contains("inputs/below/planar3r.urdf: is not the file that the run left"),
         "{told}"
@@ -326,7 +358,7 @@ fn a_record_may_name_no_file_outside_of_it() {
     let sum = sha256(&mut fs::read(folder.join("b.toml")).unwrap().as_slice()).unwrap();
     let run = run.replacen("\"files\": {", &format!("\"files\": {{ \"../b.toml\": \"{sum}\","), 1);
     fs::write(folder.join("a/run.json"), run).unwrap();
-    let told = refusal(&folder, "a/trace.csv");
+    let told = refusal(&folder, "a/trace.parquet");
     assert!(told.contains("names \"../b.toml\", which is no file of a record"), "{told}");
 }
 

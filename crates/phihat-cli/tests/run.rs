@@ -6,7 +6,7 @@ use std::fs;
 use crate::support::{folder, json, phihat};
 
 const FILES: [&str; 6] =
-    ["study.toml", "gains.json", "run.json", "metrics.json", "trace.csv", "report.html"];
+    ["study.toml", "gains.json", "run.json", "metrics.json", "trace.parquet", "report.html"];
 
 #[test]
 fn a_run_leaves_its_whole_record() {
@@ -37,7 +37,7 @@ fn same_study_same_bytes_and_the_report_can_be_made_again() {
     }
     let before = read("one", "report.html");
     fs::remove_file(folder.join("one/report.html")).unwrap();
-    let answer = json(&folder, &["report", "one/trace.csv", "--json"]);
+    let answer = json(&folder, &["report", "one/trace.parquet", "--json"]);
     assert_eq!(answer["report"], "one/report.html");
     assert!(read("one", "report.html") == before, "the report made again differs");
 }
@@ -113,7 +113,7 @@ fn gains_can_come_from_a_file_and_are_bound_to_their_robot() {
     assert_eq!(phihat(&folder, &["simulate", "studies/first.toml"]).code, 0);
     let given = ["simulate", "studies/first.toml", "--gains", "out/first/gains.json", "--out", "b"];
     assert_eq!(phihat(&folder, &given).code, 0);
-    let trace = |out: &str| fs::read(folder.join(out).join("trace.csv")).unwrap();
+    let trace = |out: &str| fs::read(folder.join(out).join("trace.parquet")).unwrap();
     assert!(trace("out/first") == trace("b"));
     let wrong = ["simulate", "studies/panda_hand.toml", "--gains", "out/first/gains.json"];
     let answer = phihat(&folder, &wrong);
@@ -162,7 +162,7 @@ fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
     let answer = phihat(&folder, &["run", "wild.toml", "--uncertified"]);
     assert_eq!(answer.code, 1, "{}\n{}", answer.out, answer.err);
     assert!(answer.out.contains("DIVERGED at t ="), "{}", answer.out);
-    assert!(folder.join("out/wild/trace.csv").is_file());
+    assert!(folder.join("out/wild/trace.parquet").is_file());
     let page = fs::read_to_string(folder.join("out/wild/report.html")).unwrap();
     assert!(page.contains("diverged") && page.contains("uncertified"));
 }

@@ -134,14 +134,14 @@ fn play(client: &mut Client, torques: &[[f64; 7]]) -> Vec<[f64; 7]> {
 fn the_served_world_is_the_simulated_one_to_the_last_bit() {
     let folder = folder("served");
     fs::write(folder.join("study.toml"), STUDY).unwrap();
-    let simulated = phihat(&folder, &["simulate", "study.toml", "--out", "simulated"]);
+    let simulated = phihat(&folder, &["simulate", "study.toml", "--csv", "--out", "simulated"]);
     assert_eq!(simulated.code, 0, "{}{}", simulated.out, simulated.err);
     let names = ["q_rad", "dq_rad_s", "tau_applied_nm", "q_measured_rad", "q_desired_rad", "e_rad"];
     let simulated = columns(&folder.join("simulated/trace.csv"), &names);
     let torques = &columns(&folder.join("simulated/trace.csv"), &["tau_command_nm"])[0];
     assert_eq!(torques.len(), 400);
     for (protocol, out) in Protocol::ALL.into_iter().zip(["v5", "v10"]) {
-        let arguments = ["--out", out, "--patience-ms", "60000", "--cycles", "400"];
+        let arguments = ["--csv", "--out", out, "--patience-ms", "60000", "--cycles", "400"];
         let mut served = Served::study(&folder, &arguments);
         let mut client = Client::connect(&served.address, protocol).unwrap();
         let seen = play(&mut client, torques);
@@ -167,8 +167,7 @@ fn the_served_world_is_the_simulated_one_to_the_last_bit() {
             serde_json::from_str(&fs::read_to_string(folder.join(out).join("run.json")).unwrap())
                 .unwrap();
         assert_eq!((&run["form"], &run["seed"]), (&"outside".into(), &3.into()));
-        let trace = format!("{out}/trace.csv");
-        assert_eq!(phihat(&folder, &["report", &trace]).code, 0);
+        assert_eq!(phihat(&folder, &["report", out]).code, 0);
     }
 }
 

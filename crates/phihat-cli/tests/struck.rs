@@ -137,12 +137,12 @@ fn is_partial(name: &str) -> bool {
     name.ends_with(".partial")
 }
 
-/// A run over the record of another study, which had another page.
+/// A run over the record of another study, which had another page and a trace of the other kind.
 fn run_over_an_older(name: &str) -> Case<'static> {
     let folder = folder(name);
     fs::write(folder.join("old.toml"), small("old", 0.3, 5.0)).unwrap();
     fs::write(folder.join("new.toml"), small("new", 0.2, 4.0)).unwrap();
-    let old = phihat(&folder, &["run", "old.toml", "--out", "out"]);
+    let old = phihat(&folder, &["run", "old.toml", "--out", "out", "--csv"]);
     assert_eq!(old.code, 0, "{}", old.err);
     fs::write(folder.join("out/figures/bode.svg"), "of an older certificate").unwrap();
     let before = files_of(&folder.join("out"));
@@ -178,7 +178,7 @@ fn a_design_leaves_the_older_gains_or_the_new_ones() {
     println!("design: {counts:?} operations struck");
     assert!(counts[0] >= 6 && counts[1] == counts[0], "{counts:?}");
     // The gains are not those of the run any more: its record is none.
-    let refused = phihat(&case.folder, &["report", "out/trace.csv"]);
+    let refused = phihat(&case.folder, &["report", "out"]);
     assert_eq!(refused.code, 2);
     assert!(
         refused.err.contains("out/gains.json: is not the file that the run left"),
@@ -289,7 +289,7 @@ fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
         count[state] += 1;
         about *= if state == 0 { 1.15 } else { 0.87 };
         if state == 2 || kill % 10 == 0 {
-            let code = phihat(&case.folder, &["report", "out/trace.csv"]).code;
+            let code = phihat(&case.folder, &["report", "out"]).code;
             assert_eq!(code == 0, state < 2, "kill {kill}");
         }
     }

@@ -91,7 +91,7 @@ fn quiet_is_quiet_but_for_what_is_wrong_and_what_was_asked_for() {
         &["--quiet", "verify", "--run", "out/first"],
         &["robots", "-q"],
         &["check", "studies/first.toml", "-q"],
-        &["report", "out/first/trace.csv", "-q"],
+        &["report", "out/first/trace.parquet", "-q"],
     ] {
         let answer = with(&folder, arguments, &[]);
         assert_eq!(
@@ -123,9 +123,10 @@ fn a_page_is_opened_where_that_is_asked_for() {
     assert_eq!(run(&["run", "studies/first.toml"], &path).code, 0);
     assert!(!seen.exists(), "nobody asked");
     let page = "out/first/report.html";
-    for arguments in
-        [&["report", "out/first/trace.csv", "--open"][..], &["run", "studies/first.toml", "--open"]]
-    {
+    for arguments in [
+        &["report", "out/first/trace.parquet", "--open"][..],
+        &["run", "studies/first.toml", "--open"],
+    ] {
         let opened = run(arguments, &path);
         assert_eq!((opened.code, opened.err.as_str()), (0, ""));
         // The browser is not waited for.
@@ -139,7 +140,7 @@ fn a_page_is_opened_where_that_is_asked_for() {
         std::fs::remove_file(&seen).unwrap();
     }
     let nowhere = folder.join("studies").display().to_string();
-    let told = run(&["report", "out/first/trace.csv", "--open"], &nowhere);
+    let told = run(&["report", "out/first/trace.parquet", "--open"], &nowhere);
     assert!(
         told.code == 0 && told.err.starts_with("warning: out/first/report.html"),
         "{}",

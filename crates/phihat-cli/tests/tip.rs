@@ -1,7 +1,6 @@
 //! The tip in millimetres, from the specification to the run. Wrong if a run took the tip further off than its tube says, if what is
 //! measured were not the distance between the two tips, or if a specification in millimetres were not kept or not told.
 
-use std::collections::BTreeMap;
 use std::fs;
 
 use crate::support::{folder, json, phihat};
@@ -35,18 +34,9 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     let turned = tip["angle_steady_max_rad"].as_f64().unwrap();
     assert!(turned > 0.0 && turned <= tube["tip"]["angle_max_rad"].as_f64().unwrap());
     // All axes of a planar arm are parallel: the tip turns by the sum of the joints' errors.
-    let trace = fs::read_to_string(folder.join("out/arm/trace.csv")).unwrap();
-    let mut lines = trace.lines();
-    let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let column = |name: &str| heads.iter().position(|head| *head == name).unwrap();
-    let (t, e) = (column("t_s"), column("e_rad"));
-    let mut sums: BTreeMap<String, f64> = BTreeMap::new();
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        *sums.entry(cells[t].to_owned()).or_default() += cells[e].parse::<f64>().unwrap();
-    }
-    let steady = sums.iter().filter(|(t, _)| t.parse::<f64>().unwrap() >= 1.0);
-    let most = steady.map(|(_, sum)| sum.abs()).fold(0.0, f64::max);
+    let (_, trace) = phihat_session::recorded(&folder.join("out/arm")).unwrap();
+    let sum = |k: usize| trace.joints.iter().map(|joint| joint.e[k]).sum::<f64>().abs();
+    let most = (trace.index_at(1.0)..trace.len()).map(sum).fold(0.0, f64::max);
     assert!((turned - most).abs() < 1e-6 * most + 1e-12, "{turned} {most}");
     // For people.
     let plain = phihat(&folder, &["run", "arm.toml", "--gains", file]);

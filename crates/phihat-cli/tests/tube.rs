@@ -61,7 +61,7 @@ fn promise_and_measurement_stand_side_by_side() {
     let page = fs::read_to_string(folder.join("out/swing/report.html")).unwrap();
     assert!(page.contains("Tube and measurement") && page.contains("\"tube\":[["));
     fs::remove_file(folder.join("out/swing/report.html")).unwrap();
-    assert_eq!(phihat(&folder, &["report", "out/swing/trace.csv"]).code, 0);
+    assert_eq!(phihat(&folder, &["report", "out/swing/trace.parquet"]).code, 0);
     let again = fs::read_to_string(folder.join("out/swing/report.html")).unwrap();
     assert!(again == page, "the report made again differs");
 }

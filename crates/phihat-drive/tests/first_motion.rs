@@ -15,7 +15,7 @@ use phihat_fci::{Event, Pace};
 use phihat_model::{Body, Workspace};
 use phihat_session::{
     FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, Leave, RunOptions,
-    ServeOptions, ServeWatch, ServedMotion, first_measured,
+    ServeOptions, ServeWatch, ServedMotion, TraceKind, first_measured,
 };
 use phihat_sim::{Motion, Trace};
 use phihat_study::Study;
@@ -94,8 +94,8 @@ fn held(found: &FirstMeasured, truth: &[f64], dry: &[f64], what: &str) -> f64 {
 
 /// That nobody was told more than the cap, or went further than the amplitude and what the supervisor bears.
 fn within(first: &FirstStudy, told: &FirstMotion, out: &Path) {
-    let file = fs::File::open(out.join("trace.csv")).unwrap();
-    let trace = Trace::read_csv(file, &first.study).unwrap();
+    let file = fs::File::open(out.join("trace.parquet")).unwrap();
+    let trace = Trace::read(file, &first.study).unwrap();
     for (joint, cap) in trace.joints.iter().zip(&first.torque) {
         let most = joint.tau_command.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
         assert!(most <= *cap, "{}: {most} of {cap} N·m", joint.name);
@@ -185,8 +185,8 @@ fn a_drive_that_does_what_it_likes_stops_near() {
         let study = written(&folder, "arm.toml", &text);
         let told = FirstMotion::default();
         let (driven, _, found) = driven(&options(&study, On::Sim, told));
-        let file = fs::File::open(study.with_extension("driven").join("trace.csv")).unwrap();
-        let trace = Trace::read_csv(
+        let file = fs::File::open(study.with_extension("driven").join("trace.parquet")).unwrap();
+        let trace = Trace::read(
             file,
             &prepare(&options(&study, On::Sim, told)).unwrap().first.unwrap().study,
         )
@@ -291,6 +291,7 @@ fn a_franka_that_is_not_what_the_study_says_is_measured() {
             out: Some(robot.with_extension("served")),
             listen: Ipv4Addr::LOCALHOST.into(),
             port: 0,
+            trace: TraceKind::default(),
             pace: Pace::LockStep { patience: Duration::from_mins(1) },
             cycles: None,
         };

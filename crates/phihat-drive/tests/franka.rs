@@ -12,7 +12,7 @@ use std::time::Duration;
 use crate::support::{PANDA, folder};
 use phihat_drive::{CheckName, DriveError, DriveOptions, Driven, End, On, State, prepare};
 use phihat_fci::{Ending, Event, Pace, Protocol};
-use phihat_session::{Leave, RunOptions, ServeOptions, ServeWatch, ServedMotion};
+use phihat_session::{Leave, RunOptions, ServeOptions, ServeWatch, ServedMotion, TraceKind};
 use phihat_sim::Trace;
 
 /// A Panda whose torque is told as it is demanded: what the wire can tell, the simulation tells its law too.
@@ -54,6 +54,7 @@ fn serve(study: &Path, cycles: u64) -> (String, JoinHandle<Vec<Ending>>) {
         out: Some(study.with_extension("served")),
         listen: Ipv4Addr::LOCALHOST.into(),
         port: 0,
+        trace: TraceKind::default(),
         pace: Pace::LockStep { patience: Duration::from_mins(1) },
         cycles: Some(cycles),
     };
@@ -100,8 +101,8 @@ fn simulated(study: &Path) -> Trace {
 
 /// The record that a study left in a folder beside it.
 fn record(study: &Path, folder: &str) -> Trace {
-    let file = fs::File::open(study.with_extension(folder).join("trace.csv")).unwrap();
-    Trace::read_csv(file, &phihat_session::read(study).unwrap()).unwrap()
+    let file = fs::File::open(study.with_extension(folder).join("trace.parquet")).unwrap();
+    Trace::read(file, &phihat_session::read(study).unwrap()).unwrap()
 }
 
 #[test]

@@ -46,8 +46,8 @@ fn the_file_is_what_is_driven() {
         let leave = Leave { folder: &folder.join("out"), page: None };
         let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
         assert_eq!((driven.tally.end, driven.tally.cycles), (End::Complete, 1500));
-        let file = fs::File::open(folder.join("out/trace.csv")).unwrap();
-        let trace = Trace::read_csv(file, &study).unwrap();
+        let file = fs::File::open(folder.join("out/trace.parquet")).unwrap();
+        let trace = Trace::read(file, &study).unwrap();
         // At a sample of the file; a supervised arm begins a few samples later.
         let at = |joint: usize| trace.joints[joint].q_desired[750];
         assert!((at(0) - 0.5).abs() < 1e-4 && (at(1) - 1.2).abs() < 1e-4, "{} {}", at(0), at(1));

@@ -20,14 +20,14 @@ fn same(study: &Path, on: On) -> u64 {
         ..RunOptions::default()
     };
     let (done, trace) = run.open().unwrap().0.run(|_| ());
-    let mut csv = Vec::new();
-    trace.write_csv(&mut csv).unwrap();
+    let mut file = Vec::new();
+    trace.write_parquet(&mut file).unwrap();
     let options =
         DriveOptions { run, on, accept: CheckName::ALL.to_vec(), ..DriveOptions::default() };
     let leave = Leave { folder: &out, page: None };
     let driven = prepare(&options).unwrap().drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
     let name = study.display();
-    assert!(fs::read(out.join("trace.csv")).unwrap() == csv, "{name}: the traces differ");
+    assert!(fs::read(out.join("trace.parquet")).unwrap() == file, "{name}: the traces differ");
     let figures = |figures| format!("{figures:#}");
     assert_eq!(figures(driven.done.figures()), figures(done.figures()), "{name}");
     assert_eq!(driven.done.verdict(), done.verdict(), "{name}");
@@ -37,7 +37,7 @@ fn same(study: &Path, on: On) -> u64 {
     let over = matches!(driven.tally.end, End::Over | End::Fault(_));
     assert_eq!(over, end == "fault", "{name}: {:?}", driven.tally.end);
     // And it reads back as a record.
-    let read = RunRecord::read(&out.join("trace.csv")).unwrap();
+    let read = RunRecord::read(&out.join("trace.parquet")).unwrap();
     assert_eq!(json!(read.seen.metrics), json!(done.metrics), "{name}");
     driven.tally.lost
 }
@@ -148,14 +148,14 @@ fn a_link_of_ones_own_is_driven_too() {
     let study = session.study().clone();
     let (_, world) = sides(&study);
     let (_, trace) = session.run(|_| ());
-    let mut csv = Vec::new();
-    trace.write_csv(&mut csv).unwrap();
+    let mut file = Vec::new();
+    trace.write_parquet(&mut file).unwrap();
     let accept = vec![CheckName::Certificate, CheckName::Window];
     let options = DriveOptions { run, accept, ..DriveOptions::default() };
     let prepared = prepare_on(&options, Box::new(SimLink::lock_step(&study, world))).unwrap();
     assert!(!prepared.is_refused(), "{:?}", prepared.checks);
     let leave = Leave { folder: &out, page: None };
     let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
-    assert!(fs::read(out.join("trace.csv")).unwrap() == csv);
+    assert!(fs::read(out.join("trace.parquet")).unwrap() == file);
     assert_eq!(driven.document["on"], "over the simulated arm");
 }

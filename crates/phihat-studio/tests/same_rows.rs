@@ -1,6 +1,6 @@
 //! A studio's run against `phihat run`. Wrong if its rows were another run's in a single bit, or if a saved run were not repeated.
 
-use phihat_session::RunOptions;
+use phihat_session::{RunOptions, TraceKind};
 use phihat_sim::{Row, Trace};
 use phihat_studio::{Begin, Beside, Live, StudioOptions};
 use serde_json::json;
@@ -212,7 +212,7 @@ fn what_was_recorded_is_played_and_nothing_is_done_to_it() {
     let out = folder.join("out");
     let options = RunOptions { study: folder.join("arm.toml"), ..RunOptions::default() };
     let (done, trace) = options.open().unwrap().0.run(|_| ());
-    done.write(&trace, &out).unwrap();
+    done.write(&trace, &out, TraceKind::default()).unwrap();
     let place = serve(&folder, StudioOptions { replay: Some(out), ..StudioOptions::default() });
     let length = document(&place.get("/state"))["record_s"].as_f64().unwrap();
     assert!((length - 0.999).abs() < 1e-9, "{length}");
