@@ -20,8 +20,8 @@ use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::error::SessionError;
 use crate::files;
+use crate::origin::trace_at;
 use crate::rotor::smallest_rotor;
-use crate::run_record::trace_at;
 
 /// Reads a study.
 ///

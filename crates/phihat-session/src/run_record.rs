@@ -1,6 +1,6 @@
 //! The record of an earlier run, read back: its files are of one run, or it is refused.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
 use crate::disk::{Lock, folder_of};
 use crate::hash::sha256;
@@ -13,6 +13,7 @@ use crate::error::SessionError;
 use crate::files;
 use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TraceKind};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
+use crate::origin::{origin, trace_at, trace_of};
 use crate::page::write_page;
 use crate::record::Done;
 
@@ -171,22 +172,6 @@ pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Op
     Gains::from_json(&files::read(&gains).ok()?).ok()
 }
 
-/// The trace that a path stands for: of a run's folder, the one in it.
-pub fn trace_at(path: &Path) -> PathBuf {
-    if path.is_dir() { trace_of(path) } else { path.to_owned() }
-}
-
-/// The trace in a run's folder, of whichever kind the run left; without a record, the one that is there.
-pub(crate) fn trace_of(folder: &Path) -> PathBuf {
-    let named = origin(folder).ok().and_then(|Origin { files, .. }| {
-        // Where both are named, Parquet is of a time in which it did not have all columns.
-        let mut kinds = TraceKind::ALL.into_iter().rev();
-        kinds.find(|kind| files.contains_key(kind.file()))
-    });
-    let there = || TraceKind::ALL.into_iter().find(|kind| folder.join(kind.file()).exists());
-    folder.join(named.or_else(there).unwrap_or_default().file())
-}
-
 /// Makes the page of a record again, from its files alone, its trace or its folder; says what the record is.
 ///
 /// # Errors
@@ -210,21 +195,6 @@ pub fn are_of_a_run(gains: &Path, text: &str) -> bool {
     let Ok(Origin { files, .. }) = origin(folder_of(gains)) else { return false };
     let named = gains.file_name().and_then(|name| files.get(name.to_str()?));
     named.is_some_and(|sum| sha256(&mut text.as_bytes()).is_ok_and(|new| new != *sum))
-}
-
-fn origin(folder: &Path) -> Result<Origin, SessionError> {
-    let path = folder.join(RUN);
-    if !path.is_file() {
-        let why = "is missing: the files beside it are no whole record; run the study again";
-        return Err(SessionError::at(&path, why));
-    }
-    let text = files::read(&path)?;
-    serde_json::from_str(&text).map_err(|e| {
-        SessionError::at(
-            &path,
-            format!("is not what this version leaves: {e}; run the study again"),
-        )
-    })
 }
 
 /// Whether a name is that of a file in the record's folder, or below it.

@@ -12,7 +12,8 @@ use crate::design;
 use crate::drawn_worlds::{DrawnRuns, runs};
 use crate::error::SessionError;
 use crate::files::read_gains;
-use crate::run_record::{RunRecord, trace_of};
+use crate::origin::trace_of;
+use crate::run_record::RunRecord;
 
 /// What is to be checked.
 #[derive(Debug, Clone, Copy)]

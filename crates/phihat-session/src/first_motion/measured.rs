@@ -14,7 +14,7 @@ use super::plan::described;
 use crate::error::SessionError;
 use crate::files;
 use crate::identify::{IdentifiedJoint, IdentifyOptions, identify_moving};
-use crate::run_record::trace_of;
+use crate::origin::trace_of;
 
 /// Samples that were lost in a row, at most, that a line is drawn over.
 const LOST_MOST: usize = 20;

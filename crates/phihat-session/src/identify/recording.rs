@@ -8,7 +8,7 @@ use phihat_sim::{BLOCK, Kind, ParquetError, ParquetTable, Place, TraceError, Val
 
 use crate::error::SessionError;
 use crate::files;
-use crate::run_record::trace_at;
+use crate::origin::trace_at;
 
 /// A step between samples may differ by this share from the middle one.
 const JITTER: f64 = 0.2;

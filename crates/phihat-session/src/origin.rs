@@ -1,0 +1,39 @@
+//! Where a record says what it is of, and which of its files has the trace.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::SessionError;
+use crate::files;
+use crate::layout::{Origin, RUN, TraceKind};
+
+/// The trace that a path stands for: of a run's folder, the one in it.
+pub fn trace_at(path: &Path) -> PathBuf {
+    if path.is_dir() { trace_of(path) } else { path.to_owned() }
+}
+
+/// The trace in a run's folder, of whichever kind the run left; without a record, the one that is there.
+pub(crate) fn trace_of(folder: &Path) -> PathBuf {
+    let named = origin(folder).ok().and_then(|Origin { files, .. }| {
+        // Where both are named, Parquet is of a time in which it did not have all columns.
+        let mut kinds = TraceKind::ALL.into_iter().rev();
+        kinds.find(|kind| files.contains_key(kind.file()))
+    });
+    let there = || TraceKind::ALL.into_iter().find(|kind| folder.join(kind.file()).exists());
+    folder.join(named.or_else(there).unwrap_or_default().file())
+}
+
+/// What a record says of itself.
+pub(crate) fn origin(folder: &Path) -> Result<Origin, SessionError> {
+    let path = folder.join(RUN);
+    if !path.is_file() {
+        let why = "is missing: the files beside it are no whole record; run the study again";
+        return Err(SessionError::at(&path, why));
+    }
+    let text = files::read(&path)?;
+    serde_json::from_str(&text).map_err(|e| {
+        SessionError::at(
+            &path,
+            format!("is not what this version leaves: {e}; run the study again"),
+        )
+    })
+}
