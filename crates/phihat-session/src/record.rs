@@ -54,7 +54,7 @@ pub(crate) struct TraceFiles {
 
 enum TraceFile {
     Parquet(Box<ParquetTrace<Piece>>),
-    Csv(TraceWriter<Piece>),
+    Csv(Box<TraceWriter<Piece>>),
 }
 
 impl TraceFiles {
@@ -65,7 +65,7 @@ impl TraceFiles {
         let prepared = vec![piece.prepared_at().to_owned()];
         let file = match kind {
             TraceKind::Parquet => TraceFile::Parquet(Box::new(ParquetTrace::new(piece))),
-            TraceKind::Csv => TraceFile::Csv(TraceWriter::new(piece)),
+            TraceKind::Csv => TraceFile::Csv(Box::new(TraceWriter::new(piece))),
         };
         Ok(Self { whole, prepared, kind, path, file, log: None })
     }

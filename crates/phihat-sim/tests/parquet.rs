@@ -8,11 +8,11 @@ use std::sync::Arc;
 use crate::support::{read, rod_study};
 use allocation_counter::measure;
 use parquet::basic::{Compression, Encoding};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::properties::{WriterProperties, WriterVersion};
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::file::writer::SerializedFileWriter;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::record::RowAccessor;
 use parquet::schema::parser::parse_message_type;
 use phihat::{Events, Fault, Mode};
@@ -256,32 +256,42 @@ fn by_others(trace: &Trace, properties: WriterProperties) -> Vec<u8> {
     let schema = Arc::new(parse_message_type(&text).unwrap());
     let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties)).unwrap();
     let mut joints = trace.joints.clone();
-    let (n, samples) = (joints.len(), trace.len());
+    let n = joints.len();
+    let rows = || (0..trace.len() * n).map(|at| (at / n, at % n));
     let mut group = file.next_row_group().unwrap();
-    macro_rules! column {
-        ($kind:ty, $value:expr) => {{
-            let value = $value;
-            let values: Vec<_> = (0..samples * n).map(|at| value(at / n, at % n)).collect();
-            let mut column = group.next_column().unwrap().unwrap();
-            let levels = vec![1; values.len()];
-            column.typed::<$kind>().write_batch(&values, Some(&levels), None).unwrap();
-            column.close().unwrap();
-        }};
-    }
-    let mut column = group.next_column().unwrap().unwrap();
-    column.typed::<ByteArrayType>().write_batch(&[], Some(&vec![0; samples * n]), None).unwrap();
-    column.close().unwrap();
-    column!(Int64Type, |k: usize, _| i64::try_from(trace.t_ns[k]).unwrap());
-    column!(ByteArrayType, |_, i: usize| ByteArray::from(trace.joints[i].name.as_str()));
+    let none: Vec<ByteArray> = Vec::new();
+    put::<ByteArrayType>(&mut group, &none, rows().count());
+    let t_ns: Vec<i64> = rows().map(|(k, _)| i64::try_from(trace.t_ns[k]).unwrap()).collect();
+    put::<Int64Type>(&mut group, &t_ns, t_ns.len());
+    let names: Vec<ByteArray> =
+        rows().map(|(_, i)| ByteArray::from(trace.joints[i].name.as_str())).collect();
+    put::<ByteArrayType>(&mut group, &names, names.len());
     for at in 0..NUMBERS.len() {
         let numbers: Vec<Vec<f64>> =
             joints.iter_mut().map(|joint| columns(joint)[at].clone()).collect();
-        column!(DoubleType, |k: usize, i: usize| numbers[i][k]);
+        let numbers: Vec<f64> = rows().map(|(k, i)| numbers[i][k]).collect();
+        put::<DoubleType>(&mut group, &numbers, numbers.len());
     }
-    column!(BoolType, |k: usize, i: usize| trace.joints[i].saturated[k]);
-    column!(BoolType, |k: usize, i: usize| trace.joints[i].rate_limited[k]);
+    let flags: [fn(&JointTrace) -> &Vec<bool>; 2] =
+        [|joint| &joint.saturated, |joint| &joint.rate_limited];
+    for flags in flags {
+        let flags: Vec<bool> = rows().map(|(k, i)| flags(&trace.joints[i])[k]).collect();
+        put::<BoolType>(&mut group, &flags, flags.len());
+    }
     group.close().unwrap();
     file.into_inner().unwrap()
+}
+
+/// Writes the next column; rows without a value are null.
+fn put<T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, Vec<u8>>,
+    values: &[T::T],
+    rows: usize,
+) {
+    let mut column = group.next_column().unwrap().unwrap();
+    let levels = vec![i16::from(!values.is_empty()); rows];
+    column.typed::<T>().write_batch(values, Some(&levels), None).unwrap();
+    column.close().unwrap();
 }
 
 #[test]
