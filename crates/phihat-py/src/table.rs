@@ -1,6 +1,6 @@
 //! Traces as they are in their file, column by column.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use numpy::IntoPyArray;
 use phihat_session::{SessionError, files, trace_at};
@@ -42,7 +42,7 @@ pub(crate) fn parquet_columns(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'
     Ok(columns)
 }
 
-fn whole(path: &PathBuf) -> Result<Vec<(String, Values)>, SessionError> {
+fn whole(path: &Path) -> Result<Vec<(String, Values)>, SessionError> {
     let told = |why: ParquetError| SessionError::at(path, why);
     let mut table = ParquetTable::open(files::open(path)?).map_err(told)?;
     let named: Vec<(usize, String)> = table

@@ -13,7 +13,7 @@ pub const FIGURES_BLOCK: usize = 64;
 /// |---|---|---|
 /// | [`Trace`] | every signal of every sample | grows with the run |
 /// | [`Measured`](crate::Measured), [`Surviving`](crate::Surviving) | figures alone | a block |
-/// | [`TraceWriter`](crate::TraceWriter) | a file | a block |
+/// | [`ParquetTrace`](crate::ParquetTrace), [`TraceWriter`](crate::TraceWriter) | a file | a block |
 /// | a pair of recorders, the second one of figures | what both keep | both |
 ///
 /// Whichever is chosen, a figure is the same to the last bit.
