@@ -156,7 +156,8 @@ class Elsewhere(InPlant):
 def test_what_a_link_raises_is_raised_once_the_record_is_written(tmp_path: Path) -> None:
     study = written(tmp_path)
     with pytest.raises(RuntimeError, match="the bus is gone"):
-        phihat.drive(study, Raises(study), accept=GONE_PAST, out=tmp_path / "out")
+        phihat.drive(study, Raises(study), accept=GONE_PAST, out=tmp_path / "out", csv=True)
+    assert [path.name for path in (tmp_path / "out").glob("trace.*")] == ["trace.csv"]
     assert len(phihat.read_run(tmp_path / "out").t) == 300
 
 
