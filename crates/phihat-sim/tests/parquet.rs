@@ -395,4 +395,15 @@ fn a_file_that_claims_much_gets_little() {
         }
     }
     assert!(tried > 5000, "{tried}");
+    // A megabyte of empty structures, a byte each, as columns, row groups, and columns of one.
+    for head in [&[0x29, 0xfc][..], &[0x49, 0xfc], &[0x49, 0x1c, 0x19, 0xfc]] {
+        let mut claims = b"PAR1".to_vec();
+        claims.extend([head, &[0xc0, 0x84, 0x3d]].concat());
+        claims.resize(claims.len() + 1_000_000, 0);
+        let size = u32::try_from(claims.len() - 4).unwrap();
+        claims.extend(size.to_le_bytes());
+        claims.extend(b"PAR1");
+        let used = measure(|| assert!(Trace::read(Cursor::new(&claims), &study).is_err()));
+        assert!(used.bytes_max < 3_000_000, "{head:?}: {}", used.bytes_max);
+    }
 }

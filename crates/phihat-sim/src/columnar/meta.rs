@@ -3,6 +3,9 @@
 use super::thrift::{BINARY, BOOL_TRUE, Broken, I32, In, Out, STRUCT};
 use super::{SNAPPY, encoding, page_type, physical};
 
+/// Columns and groups of columns, at most.
+const ELEMENTS: usize = 10_000;
+
 /// A column's place in the footer's schema.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Element {
@@ -49,10 +52,10 @@ impl Footer {
             match id {
                 2 => inside.list(STRUCT, |inside| {
                     footer.schema.push(element(inside)?);
-                    Ok(())
+                    fine(footer.schema.len() <= ELEMENTS)
                 })?,
                 4 => inside.list(STRUCT, |inside| {
-                    footer.groups.push(group(inside)?);
+                    footer.groups.push(group(inside, footer.schema.len())?);
                     Ok(())
                 })?,
                 _ => return Ok(false),
@@ -111,19 +114,25 @@ impl Element {
     }
 }
 
-fn group(inside: &mut In<'_>) -> Result<RowGroup, Broken> {
+/// An empty structure is a byte: what cannot be is told before there are many of it.
+fn fine(so: bool) -> Result<(), Broken> {
+    if so { Ok(()) } else { Err(Broken::Malformed) }
+}
+
+fn group(inside: &mut In<'_>, elements: usize) -> Result<RowGroup, Broken> {
     let mut group = RowGroup::default();
     inside.fields(|inside, id, _| {
         match id {
             1 => inside.list(STRUCT, |inside| {
                 group.columns.push(chunk(inside)?);
-                Ok(())
+                fine(group.columns.len() <= elements)
             })?,
             3 => group.rows = inside.integer()?,
             _ => return Ok(false),
         }
         Ok(true)
     })?;
+    fine(!group.columns.is_empty())?;
     Ok(group)
 }
 
@@ -157,6 +166,7 @@ fn chunk(inside: &mut In<'_>) -> Result<ColumnChunk, Broken> {
         }
         Ok(true)
     })?;
+    fine(chunk.data_at > 0)?;
     Ok(chunk)
 }
 
