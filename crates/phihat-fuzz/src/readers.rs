@@ -1,11 +1,11 @@
 //! Readers of documents: no bytes make them panic, and what they accept is what they give back.
 
 use std::fs;
-use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use bytes::Bytes;
 use phihat_campaign::Journal;
 use phihat_certificate::Gains;
 use phihat_model::{Robot, Workspace};
@@ -127,11 +127,11 @@ static STUDIES: LazyLock<Vec<Study>> = LazyLock::new(|| {
 pub fn trace_parquet(bytes: &[u8]) {
     assert_eq!(STUDIES.len(), 2);
     for study in STUDIES.iter() {
-        match Trace::read(Cursor::new(bytes), study) {
+        match Trace::read(Bytes::copy_from_slice(bytes), study) {
             Ok(trace) => {
                 let mut file = Vec::new();
                 assert!(trace.write_parquet(&mut file).is_ok());
-                let again = Trace::read(Cursor::new(&file), study);
+                let again = Trace::read(Bytes::from(file.clone()), study);
                 let mut twice = Vec::new();
                 let written = again.is_ok_and(|again| again.write_parquet(&mut twice).is_ok());
                 assert!(written && file == twice, "does not read back");
@@ -144,7 +144,7 @@ pub fn trace_parquet(bytes: &[u8]) {
 
 /// Every column of a table that is read.
 fn table(bytes: &[u8]) {
-    let Ok(mut table) = ParquetTable::open(Cursor::new(bytes)) else { return };
+    let Ok(table) = ParquetTable::open(Bytes::copy_from_slice(bytes)) else { return };
     let (all, places): (Vec<_>, Vec<usize>) =
         (table.columns().map(|(_, kind)| kind).collect(), (0..table.columns().count()).collect());
     for (place, kind) in places.into_iter().zip(all) {

@@ -14,8 +14,8 @@ use crate::failure;
 #[pyfunction]
 pub(crate) fn trace_file(py: Python<'_>, path: PathBuf) -> PyResult<(PathBuf, bool)> {
     let file = trace_at(&path);
-    let opened = files::open(&file).and_then(|mut opened| {
-        let parquet = is_parquet(&mut opened);
+    let opened = files::open(&file).and_then(|opened| {
+        let parquet = is_parquet(&opened);
         parquet.map_err(|why| SessionError::at(&file, why))
     });
     let parquet = opened.map_err(|why| failure::session(py, &why))?;
@@ -44,7 +44,7 @@ pub(crate) fn parquet_columns(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'
 
 fn whole(path: &Path) -> Result<Vec<(String, Values)>, SessionError> {
     let told = |why: ParquetError| SessionError::at(path, why);
-    let mut table = ParquetTable::open(files::open(path)?).map_err(told)?;
+    let table = ParquetTable::open(files::open(path)?).map_err(told)?;
     let named: Vec<(usize, String)> = table
         .columns()
         .enumerate()

@@ -1,7 +1,6 @@
 //! Output files, through the one way to the disk; what goes wrong there is told to people.
 
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use crate::disk::{Lock, Whole, folder_of, takes_files};
@@ -84,9 +83,8 @@ pub fn read(path: &Path) -> Result<String, SessionError> {
 /// # Errors
 ///
 /// [`SessionError::File`]
-pub fn open(path: &Path) -> Result<BufReader<File>, SessionError> {
-    let file = input::open(path);
-    file.map(BufReader::new).map_err(|e| SessionError::at(path, format!("cannot be read: {e}")))
+pub fn open(path: &Path) -> Result<File, SessionError> {
+    input::open(path).map_err(|e| SessionError::at(path, format!("cannot be read: {e}")))
 }
 
 /// Reads gains from their file.

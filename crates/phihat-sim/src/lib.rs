@@ -91,7 +91,7 @@ mod world;
 
 pub use apart::{Sensed, WorldSide};
 pub use batch::Batch;
-pub use columnar::{Kind, ParquetError, ParquetTable, Texts, Values};
+pub use columnar::{ChunkReader, Kind, ParquetError, ParquetTable, Texts, Values};
 pub use control::ControlSide;
 pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};

@@ -92,7 +92,7 @@ pub struct JointTrace {
 /// // As Parquet and back: the same bits; so it is as CSV.
 /// let mut file = Vec::new();
 /// trace.write_parquet(&mut file)?;
-/// assert!(Trace::read(std::io::Cursor::new(file), &study)? == trace);
+/// assert!(Trace::read(bytes::Bytes::from(file), &study)? == trace);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,13 +1,13 @@
 //! What files of a trace have in common, whichever kind they are of: columns, the order of rows, and why one is refused.
 
 use core::fmt;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io;
 
 use phihat::{Events, Fault, Mode};
 use phihat_study::Study;
 use thiserror::Error;
 
-use crate::columnar::{MAGIC, ParquetError};
+use crate::columnar::{ChunkReader, ParquetError, begins_as_parquet};
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 
 /// Samples that are written or read at once where a run may be long.
@@ -90,7 +90,7 @@ impl Trace {
     /// # Errors
     ///
     /// [`TraceError`], naming place and column.
-    pub fn read(file: impl Read + Seek, study: &Study) -> Result<Self, TraceError> {
+    pub fn read(file: impl ChunkReader + 'static, study: &Study) -> Result<Self, TraceError> {
         let mut whole = Self::default();
         Self::read_in(file, study, usize::MAX, |block| whole = std::mem::take(block))?;
         Ok(whole)
@@ -102,15 +102,15 @@ impl Trace {
     ///
     /// [`TraceError`], naming place and column; what was handed over before is not to be used.
     pub fn read_in(
-        mut file: impl Read + Seek,
+        file: impl ChunkReader + 'static,
         study: &Study,
         block: usize,
         each: impl FnMut(&mut Self),
     ) -> Result<(), TraceError> {
-        if is_parquet(&mut file)? {
+        if is_parquet(&file)? {
             return Self::read_parquet_in(file, study, block, each);
         }
-        Self::read_csv_in(file, study, block, each)
+        Self::read_csv_in(file.get_read(0).map_err(io::Error::other)?, study, block, each)
     }
 
     /// A trace of a study's arm before its first sample.
@@ -125,16 +125,13 @@ impl Trace {
     }
 }
 
-/// Whether a file begins as Parquet does; what is read next is its beginning.
+/// Whether a file begins as Parquet does.
 ///
 /// # Errors
 ///
 /// The file's.
-pub fn is_parquet(file: &mut (impl Read + Seek)) -> io::Result<bool> {
-    let mut head = Vec::new();
-    file.take(MAGIC.len() as u64).read_to_end(&mut head)?;
-    file.seek(SeekFrom::Start(0))?;
-    Ok(head == MAGIC)
+pub fn is_parquet(file: &impl ChunkReader) -> io::Result<bool> {
+    begins_as_parquet(file).map_err(io::Error::other)
 }
 
 /// The columns of a supervised run.

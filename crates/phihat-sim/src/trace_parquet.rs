@@ -1,11 +1,12 @@
 //! The trace as Parquet: the rows and columns of the CSV file, typed and compressed.
 
 use core::ops::Range;
-use std::io::{self, Read, Seek, Write};
+use std::io::{self, Write};
 
+use parquet::data_type::ByteArray;
 use phihat_study::Study;
 
-use crate::columnar::{Kind, ParquetTable, Stored, TableWriter, Texts, Values};
+use crate::columnar::{ChunkReader, Kind, ParquetTable, Stored, TableWriter, Texts, Values};
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, signals};
@@ -15,18 +16,23 @@ const ROWS: usize = 1024;
 
 /// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample and joint, and
 /// `mode, events, fault, brake` where there is a supervisor. A row group has 4096 samples, in whatever blocks they come.
-#[derive(Debug)]
-pub struct ParquetTrace<W: Write> {
-    file: TableWriter<W>,
-    begun: bool,
+#[expect(missing_debug_implementations, reason = "the package's writer has none")]
+pub struct ParquetTrace<W: Write + Send> {
+    file: Begun<W>,
     /// Samples of a row group that is not full.
     held: Trace,
 }
 
-impl<W: Write> ParquetTrace<W> {
+/// A file of which the first block says which columns it has.
+enum Begun<W: Write + Send> {
+    Not(Option<W>),
+    Yes(TableWriter<W>),
+}
+
+impl<W: Write + Send> ParquetTrace<W> {
     /// A writer before its first block.
     pub fn new(writer: W) -> Self {
-        Self { file: TableWriter::new(writer), begun: false, held: Trace::default() }
+        Self { file: Begun::Not(Some(writer)), held: Trace::default() }
     }
 
     /// Writes the next samples.
@@ -35,17 +41,17 @@ impl<W: Write> ParquetTrace<W> {
     ///
     /// The writer's; a time is beyond 292 years.
     pub fn block(&mut self, trace: &Trace) -> io::Result<()> {
-        self.begin(trace)?;
+        let file = self.file.begin(trace)?;
         let mut at = 0;
         while at < trace.len() {
             let end = trace.len().min(at + BLOCK - self.held.len());
             if self.held.is_empty() && end - at == BLOCK {
-                group(&mut self.file, trace, at..end)?;
+                group(file, trace, at..end)?;
             } else {
                 self.held.append(trace, at..end);
             }
             if self.held.len() == BLOCK {
-                group(&mut self.file, &self.held, 0..BLOCK)?;
+                group(file, &self.held, 0..BLOCK)?;
                 self.held.clear();
             }
             at = end;
@@ -59,22 +65,35 @@ impl<W: Write> ParquetTrace<W> {
     ///
     /// The writer's.
     pub fn finish(mut self) -> io::Result<W> {
-        self.begin(&Trace::default())?;
+        let file = self.file.begin(&Trace::default())?;
         if !self.held.is_empty() {
-            group(&mut self.file, &self.held, 0..self.held.len())?;
+            group(file, &self.held, 0..self.held.len())?;
         }
-        self.file.finish()
+        match self.file {
+            Begun::Yes(file) => file.finish(),
+            Begun::Not(_) => Err(unfinished()),
+        }
     }
+}
 
-    fn begin(&mut self, trace: &Trace) -> io::Result<()> {
-        if self.begun {
-            return Ok(());
+impl<W: Write + Send> Begun<W> {
+    /// The file, begun with a trace's columns where it was not.
+    fn begin(&mut self, trace: &Trace) -> io::Result<&mut TableWriter<W>> {
+        if let Self::Not(writer) = self {
+            let writer = writer.take().ok_or_else(unfinished)?;
+            let first = [("t_ns", Stored::Integers), ("joint", Stored::Texts)];
+            let all = first.into_iter().chain(signals(trace.supervision.is_some()).map(stored));
+            *self = Self::Yes(TableWriter::begin(writer, &all.collect::<Vec<_>>())?);
         }
-        self.begun = true;
-        let first = [("t_ns", Stored::Integers), ("joint", Stored::Texts)];
-        let all = first.into_iter().chain(signals(trace.supervision.is_some()).map(stored));
-        self.file.begin(all.collect())
+        match self {
+            Self::Yes(file) => Ok(file),
+            Self::Not(_) => Err(unfinished()),
+        }
     }
+}
+
+fn unfinished() -> io::Error {
+    io::Error::other("its beginning could not be written")
 }
 
 /// What a column holds, by its name.
@@ -91,7 +110,7 @@ fn stored(name: &'static str) -> (&'static str, Stored) {
 }
 
 /// Writes some samples as one row group.
-fn group<W: Write>(
+fn group<W: Write + Send>(
     file: &mut TableWriter<W>,
     trace: &Trace,
     samples: Range<usize>,
@@ -100,59 +119,44 @@ fn group<W: Write>(
     let t_ns: Result<Vec<i64>, _> =
         trace.t_ns[samples.clone()].iter().map(|t_ns| i64::try_from(*t_ns)).collect();
     let t_ns = t_ns.map_err(|_| io::Error::other("a time is beyond 292 years"))?;
-    file.group(samples.len() * n)?;
-    file.integers(t_ns.iter().flat_map(|t_ns| std::iter::repeat_n(*t_ns, n)))?;
-    let names: Vec<&str> = trace.joints.iter().map(|joint| joint.name.as_str()).collect();
-    let (words, of) = different(names.iter().copied());
-    file.texts(&words, &of.repeat(samples.len()))?;
-    for column in &COLUMNS {
-        let columns: Vec<&[f64]> =
-            trace.joints.iter().map(|joint| (column.get)(joint).as_slice()).collect();
-        file.numbers(samples.clone().flat_map(|k| columns.iter().map(move |column| column[k])))?;
-    }
-    let flags: [fn(&JointTrace) -> &Vec<bool>; 2] =
-        [|joint| &joint.saturated, |joint| &joint.rate_limited];
-    for flag in flags {
-        file.flags(samples.clone().flat_map(|k| trace.joints.iter().map(move |j| flag(j)[k])))?;
-    }
-    let Some(supervision) = &trace.supervision else { return Ok(()) };
-    let told: Vec<_> = samples.clone().map(|k| supervision.words(k)).collect();
-    supervised(file, told.iter().map(|(mode, ..)| *mode), n)?;
-    supervised(file, told.iter().map(|(_, events, _)| events.as_str()), n)?;
-    supervised(file, told.iter().map(|(.., fault)| *fault), n)?;
-    let brakes = &supervision.brake[samples];
-    file.flags(brakes.iter().flat_map(|brake| std::iter::repeat_n(*brake, n)))
-}
-
-/// Writes a text per sample, for every joint of it.
-fn supervised<'a, W: Write>(
-    file: &mut TableWriter<W>,
-    texts: impl Iterator<Item = &'a str>,
-    joints: usize,
-) -> io::Result<()> {
-    let (words, of) = different(texts);
-    let rows: Vec<u32> =
-        of.into_iter().flat_map(|word| std::iter::repeat_n(word, joints)).collect();
-    file.texts(&words, &rows)
-}
-
-/// The different texts, in the order in which they come, and of each which one it is.
-fn different<'a>(texts: impl Iterator<Item = &'a str>) -> (Vec<&'a str>, Vec<u32>) {
-    let (mut words, mut of): (Vec<&str>, Vec<u32>) = (Vec::new(), Vec::new());
-    for text in texts {
-        let last = of.last().copied().filter(|last| words[*last as usize] == text);
-        let at =
-            last.map_or_else(|| words.iter().position(|word| *word == text), |l| Some(l as usize));
-        let at = at.unwrap_or(words.len());
-        if at == words.len() {
-            words.push(text);
+    let names: Vec<ByteArray> = trace.joints.iter().map(|joint| text(&joint.name)).collect();
+    file.group(|group| {
+        group.integers(&spread(t_ns.into_iter(), n))?;
+        group.texts(&samples.clone().flat_map(|_| names.iter().cloned()).collect::<Vec<_>>())?;
+        for column in &COLUMNS {
+            group.numbers(&rows(trace, &samples, column.get))?;
         }
-        of.push(u32::try_from(at).unwrap_or(u32::MAX));
-    }
-    (words, of)
+        group.flags(&rows(trace, &samples, |joint| &joint.saturated))?;
+        group.flags(&rows(trace, &samples, |joint| &joint.rate_limited))?;
+        let Some(supervision) = &trace.supervision else { return Ok(()) };
+        let told: Vec<_> = samples.clone().map(|k| supervision.words(k)).collect();
+        group.texts(&spread(told.iter().map(|(mode, ..)| text(mode)), n))?;
+        group.texts(&spread(told.iter().map(|(_, events, _)| text(events)), n))?;
+        group.texts(&spread(told.iter().map(|(.., fault)| text(fault)), n))?;
+        group.flags(&spread(supervision.brake[samples].iter().copied(), n))
+    })
 }
 
-impl<W: Write> Recorder for ParquetTrace<W> {
+fn text(text: &str) -> ByteArray {
+    text.to_owned().into_bytes().into()
+}
+
+/// A value of each sample, for every joint of it.
+fn spread<T: Clone>(values: impl Iterator<Item = T>, joints: usize) -> Vec<T> {
+    values.flat_map(|value| std::iter::repeat_n(value, joints)).collect()
+}
+
+/// The values of a signal in the order of the rows.
+fn rows<T: Copy>(
+    trace: &Trace,
+    samples: &Range<usize>,
+    signal: fn(&JointTrace) -> &Vec<T>,
+) -> Vec<T> {
+    let columns: Vec<&[T]> = trace.joints.iter().map(|joint| signal(joint).as_slice()).collect();
+    samples.clone().flat_map(|k| columns.iter().map(move |column| column[k])).collect()
+}
+
+impl<W: Write + Send> Recorder for ParquetTrace<W> {
     type Error = io::Error;
 
     fn room(&self, _: usize) -> usize {
@@ -170,7 +174,7 @@ impl Trace {
     /// # Errors
     ///
     /// The writer's.
-    pub fn write_parquet(&self, writer: impl Write) -> io::Result<()> {
+    pub fn write_parquet(&self, writer: impl Write + Send) -> io::Result<()> {
         let mut file = ParquetTrace::new(writer);
         file.block(self)?;
         file.finish().map(drop)
@@ -183,12 +187,12 @@ impl Trace {
     ///
     /// [`TraceError`], naming the row, from 1, and the column; what was handed over before is not to be used.
     pub fn read_parquet_in(
-        file: impl Read + Seek,
+        file: impl ChunkReader + 'static,
         study: &Study,
         block: usize,
         mut each: impl FnMut(&mut Self),
     ) -> Result<(), TraceError> {
-        let mut table = ParquetTable::open(file)?;
+        let table = ParquetTable::open(file)?;
         let supervised = table.place(SUPERVISION[0]).is_some();
         let mut places = Vec::new();
         for (column, kind) in wanted(supervised) {

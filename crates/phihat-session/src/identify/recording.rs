@@ -1,6 +1,6 @@
 //! A record of a real arm: a table of positions and torques.
 
-use std::io::{Read, Seek};
+use std::fs::File;
 use std::path::Path;
 
 use phihat_design::RecordedJoint;
@@ -32,9 +32,9 @@ pub(super) struct Recording {
 pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
     let path = &trace_at(path);
     let refuse = |why: String| SessionError::at(path, why);
-    let mut file = files::open(path)?;
+    let file = files::open(path)?;
     let mut rows = Rows { from, first: None, times: Vec::new(), joints: Vec::new() };
-    let parquet = is_parquet(&mut file).map_err(TraceError::from);
+    let parquet = is_parquet(&file).map_err(TraceError::from);
     let read = parquet.and_then(|parquet| {
         if parquet { of_parquet(file, &mut rows) } else { of_csv(file, &mut rows) }
     });
@@ -97,7 +97,7 @@ fn finite(
     })
 }
 
-fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
+fn of_csv(file: File, rows: &mut Rows) -> Result<(), TraceError> {
     let mut csv = csv::Reader::from_reader(file);
     let header = csv.headers()?.clone();
     let place = |names: &[&str]| {
@@ -124,8 +124,8 @@ fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
 /// Times in whole nanoseconds, as traces have them.
 const NANOSECONDS: &str = "t_ns";
 
-fn of_parquet(file: impl Read + Seek, rows: &mut Rows) -> Result<(), TraceError> {
-    let mut table = ParquetTable::open(file)?;
+fn of_parquet(file: File, rows: &mut Rows) -> Result<(), TraceError> {
+    let table = ParquetTable::open(file)?;
     let kind = |at: &usize| table.columns().nth(*at).and_then(|(_, kind)| kind);
     let is_number = |at: &usize| matches!(kind(at), Some(Kind::Numbers | Kind::Integers));
     let nanoseconds = table.place(NANOSECONDS).filter(is_number);

@@ -65,7 +65,15 @@ impl Texts {
         &self.rows
     }
 
-    pub(super) fn word(&mut self, text: &str) -> u32 {
+    pub(super) fn push(&mut self, text: &str) {
+        let last = self.rows.last().copied();
+        let same =
+            last.filter(|last| self.words.get(*last as usize).is_some_and(|word| word == text));
+        let word = same.unwrap_or_else(|| self.word(text));
+        self.rows.push(word);
+    }
+
+    fn word(&mut self, text: &str) -> u32 {
         if let Some(at) = self.known.get(text) {
             return *at;
         }
@@ -73,10 +81,6 @@ impl Texts {
         self.words.push(text.to_owned());
         self.known.insert(text.to_owned(), at);
         at
-    }
-
-    pub(super) fn push(&mut self, word: u32, count: usize) {
-        self.rows.extend(std::iter::repeat_n(word, count));
     }
 }
 
@@ -115,18 +119,5 @@ impl Values {
             }
             _ => {}
         }
-    }
-
-    /// Adds rows that have no value; whether that can be.
-    pub(super) fn nulls(&mut self, count: usize) -> bool {
-        match self {
-            Self::Numbers(values) => values.extend(std::iter::repeat_n(f64::NAN, count)),
-            Self::Texts(texts) => {
-                let none = texts.word("");
-                texts.push(none, count);
-            }
-            Self::Integers(_) | Self::Flags(_) => return false,
-        }
-        true
     }
 }

@@ -1,11 +1,15 @@
 //! A Parquet file, written one row group at a time.
 
 use std::io::{self, Write};
+use std::sync::Arc;
 
-use snap::raw::{Encoder, max_compress_len};
-
-use super::meta::{ColumnChunk, Element, Footer, PageHead, RowGroup};
-use super::{MAGIC, SNAPPY, encoding, hybrid, page_type, physical};
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical};
+use parquet::column::writer::ColumnWriterImpl;
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::errors::ParquetError as Package;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::{Type, TypePtr};
 
 /// Who wrote a file.
 const WRITER: &str = concat!("phihat version ", env!("CARGO_PKG_VERSION"));
@@ -20,201 +24,117 @@ pub(crate) enum Stored {
 }
 
 impl Stored {
-    fn physical(self) -> i64 {
+    fn physical(self) -> (Physical, Option<LogicalType>) {
         match self {
-            Self::Integers => physical::INT64,
-            Self::Numbers => physical::DOUBLE,
-            Self::Flags => physical::BOOLEAN,
-            Self::Texts => physical::BYTE_ARRAY,
+            Self::Integers => (Physical::INT64, None),
+            Self::Numbers => (Physical::DOUBLE, None),
+            Self::Flags => (Physical::BOOLEAN, None),
+            Self::Texts => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         }
     }
 }
 
-/// A file on its way: its columns, then row groups with each of them in turn.
-#[derive(Debug)]
-pub(crate) struct TableWriter<W: Write> {
-    out: W,
-    at: u64,
-    columns: Vec<(&'static str, Stored)>,
-    footer: Footer,
-    /// Of the page that is made: as it is, and compressed.
-    plain: Vec<u8>,
-    packed: Vec<u8>,
+/// A file on its way: its columns are known, and row groups come one after the other.
+pub(crate) struct TableWriter<W: Write + Send> {
+    file: SerializedFileWriter<W>,
 }
 
-impl<W: Write> TableWriter<W> {
-    pub(crate) fn new(out: W) -> Self {
-        let (plain, packed) = (Vec::new(), Vec::new());
-        let (columns, footer) = (Vec::new(), Footer::default());
-        Self { out, at: 0, columns, footer, plain, packed }
+impl<W: Write + Send> TableWriter<W> {
+    /// Begins a file.
+    pub(crate) fn begin(out: W, columns: &[(&str, Stored)]) -> io::Result<Self> {
+        let schema = schema(columns).map_err(io::Error::other)?;
+        let properties = Arc::new(properties(columns));
+        let file = SerializedFileWriter::new(out, schema, properties).map_err(io::Error::other)?;
+        Ok(Self { file })
     }
 
-    /// Begins the file.
-    pub(crate) fn begin(&mut self, columns: Vec<(&'static str, Stored)>) -> io::Result<()> {
-        let children = signed(columns.len());
-        let root = Element { name: "trace".to_owned(), children, ..Element::default() };
-        let column = |(name, stored): &(&'static str, Stored)| Element {
-            name: (*name).to_owned(),
-            physical: Some(stored.physical()),
-            ..Element::default()
-        };
-        self.footer.schema = std::iter::once(root).chain(columns.iter().map(column)).collect();
-        self.columns = columns;
-        self.put_plain(&MAGIC)
-    }
-
-    /// Begins a row group of so many rows.
-    pub(crate) fn group(&mut self, rows: usize) -> io::Result<()> {
-        self.whole()?;
-        let columns = Vec::with_capacity(self.columns.len());
-        self.footer.groups.push(RowGroup { rows: signed(rows), columns });
-        Ok(())
-    }
-
-    /// Whether the row group that was begun has all its columns.
-    fn whole(&self) -> io::Result<()> {
-        let last = self.footer.groups.last();
-        if last.is_some_and(|group| group.columns.len() != self.columns.len()) {
-            return Err(io::Error::other("a row group lacks columns"));
-        }
-        Ok(())
-    }
-
-    /// The next column: whole numbers as they are.
-    pub(crate) fn integers(&mut self, values: impl Iterator<Item = i64>) -> io::Result<()> {
-        self.plain.clear();
-        values.for_each(|value| self.plain.extend_from_slice(&value.to_le_bytes()));
-        self.column(Stored::Integers, encoding::PLAIN, None)
-    }
-
-    /// The next column: numbers, their bytes apart, so that those which hardly change stand together.
-    pub(crate) fn numbers(&mut self, values: impl Iterator<Item = f64>) -> io::Result<()> {
-        let rows = self.rows();
-        self.plain.clear();
-        self.plain.resize(8 * rows, 0);
-        let mut planes = self.plain.chunks_exact_mut(rows.max(1));
-        let mut planes: [&mut [u8]; 8] =
-            core::array::from_fn(|_| planes.next().unwrap_or_default());
-        for (row, value) in values.take(rows).enumerate() {
-            for (plane, byte) in planes.iter_mut().zip(value.to_le_bytes()) {
-                plane[row] = byte;
-            }
-        }
-        self.column(Stored::Numbers, encoding::BYTE_STREAM_SPLIT, None)
-    }
-
-    /// The next column: flags, a bit each.
-    pub(crate) fn flags(&mut self, values: impl Iterator<Item = bool>) -> io::Result<()> {
-        self.plain.clear();
-        self.plain.resize(self.rows().div_ceil(8), 0);
-        for (row, _) in values.enumerate().filter(|(_, value)| *value) {
-            if let Some(byte) = self.plain.get_mut(row / 8) {
-                *byte |= 1 << (row % 8);
-            }
-        }
-        self.column(Stored::Flags, encoding::PLAIN, None)
-    }
-
-    /// The next column: of each row, which of these texts it has.
-    pub(crate) fn texts(&mut self, words: &[&str], rows: &[u32]) -> io::Result<()> {
-        self.plain.clear();
-        for word in words {
-            let length = u32::try_from(word.len()).map_err(io::Error::other)?;
-            self.plain.extend_from_slice(&length.to_le_bytes());
-            self.plain.extend_from_slice(word.as_bytes());
-        }
-        let values = signed(words.len());
-        let before = self.page(page_type::DICTIONARY, (values, encoding::PLAIN))?;
-        let most = u32::try_from(words.len()).map_or(u32::MAX, |count| count.saturating_sub(1));
-        let width = (u32::BITS - most.leading_zeros()).max(1).to_le_bytes()[0];
-        self.plain.clear();
-        self.plain.push(width);
-        hybrid::write(&mut self.plain, rows, width);
-        self.column(Stored::Texts, encoding::RLE_DICTIONARY, Some(before))
+    /// Writes a row group, column by column.
+    pub(crate) fn group(
+        &mut self,
+        each: impl FnOnce(&mut GroupWriter<'_, W>) -> Result<(), Package>,
+    ) -> io::Result<()> {
+        let written = self.file.next_row_group().and_then(|rows| {
+            let mut group = GroupWriter { rows };
+            each(&mut group)?;
+            group.rows.close()
+        });
+        written.map(drop).map_err(io::Error::other)
     }
 
     /// Writes the end of the file; the writer, back.
-    pub(crate) fn finish(mut self) -> io::Result<W> {
-        self.whole()?;
-        let mut footer = self.footer.write(WRITER);
-        let size = u32::try_from(footer.len()).map_err(io::Error::other)?;
-        footer.extend_from_slice(&size.to_le_bytes());
-        footer.extend_from_slice(&MAGIC);
-        self.put_plain(&footer)?;
-        Ok(self.out)
+    pub(crate) fn finish(self) -> io::Result<W> {
+        self.file.into_inner().map_err(io::Error::other)
+    }
+}
+
+/// A row group on its way.
+pub(crate) struct GroupWriter<'a, W: Write + Send> {
+    rows: SerializedRowGroupWriter<'a, W>,
+}
+
+impl<W: Write + Send> GroupWriter<'_, W> {
+    /// The next column: whole numbers.
+    pub(crate) fn integers(&mut self, values: &[i64]) -> Result<(), Package> {
+        self.column::<Int64Type>(values)
     }
 
-    /// Rows of the group that was begun.
-    fn rows(&self) -> usize {
-        self.footer.groups.last().map_or(0, |group| usize::try_from(group.rows).unwrap_or(0))
+    /// The next column: numbers.
+    pub(crate) fn numbers(&mut self, values: &[f64]) -> Result<(), Package> {
+        self.column::<DoubleType>(values)
     }
 
-    /// Writes the next column's only page of data, after its dictionary.
-    fn column(
-        &mut self,
-        stored: Stored,
-        encoding: i64,
-        dictionary: Option<PageAt>,
-    ) -> io::Result<()> {
-        let rows = self.footer.groups.last().map_or(0, |group| group.rows);
-        let data = self.page(page_type::DATA, (rows, encoding))?;
-        let group = self.footer.groups.last_mut();
-        let group = group.ok_or_else(|| io::Error::other("no row group was begun"))?;
-        let Some((name, _)) =
-            self.columns.get(group.columns.len()).filter(|(_, next)| *next == stored)
-        else {
-            return Err(io::Error::other("a row group has another column there"));
+    /// The next column: flags.
+    pub(crate) fn flags(&mut self, values: &[bool]) -> Result<(), Package> {
+        self.column::<BoolType>(values)
+    }
+
+    /// The next column: texts.
+    pub(crate) fn texts(&mut self, values: &[ByteArray]) -> Result<(), Package> {
+        self.column::<ByteArrayType>(values)
+    }
+
+    fn column<T: DataType>(&mut self, values: &[T::T]) -> Result<(), Package> {
+        let Some(mut column) = self.rows.next_column()? else {
+            return Err(Package::General("a row group has more columns than the file".to_owned()));
         };
-        let before = dictionary.unwrap_or(PageAt { at: data.at, size: 0, plain_size: 0 });
-        group.columns.push(ColumnChunk {
-            physical: stored.physical(),
-            codec: SNAPPY,
-            data_at: data.at,
-            dictionary_at: dictionary.map(|page| page.at),
-            size: before.size + data.size,
-            plain_size: before.plain_size + data.plain_size,
-            values: rows,
-            name,
-            elsewhere: false,
-        });
-        Ok(())
-    }
-
-    /// Writes a page with its head, compressed.
-    fn page(&mut self, kind: i64, (values, encoding): (i64, i64)) -> io::Result<PageAt> {
-        let most = max_compress_len(self.plain.len());
-        if self.packed.len() < most {
-            self.packed.resize(most, 0);
-        }
-        let packed = Encoder::new().compress(&self.plain, &mut self.packed);
-        let packed = packed.map_err(io::Error::other)?;
-        let (size, plain_size) = (signed(packed), signed(self.plain.len()));
-        let head = PageHead { kind, plain_size, size, values, encoding, ..PageHead::default() };
-        let head = head.write();
-        let at = i64::try_from(self.at).map_err(io::Error::other)?;
-        self.out.write_all(&head)?;
-        self.out.write_all(self.packed.get(..packed).unwrap_or_default())?;
-        self.at += (head.len() + packed) as u64;
-        let head = signed(head.len());
-        Ok(PageAt { at, size: head + size, plain_size: head + plain_size })
-    }
-
-    fn put_plain(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.out.write_all(bytes)?;
-        self.at += bytes.len() as u64;
-        Ok(())
+        let typed: &mut ColumnWriterImpl<'_, T> = column.typed::<T>();
+        typed.write_batch(values, None, None)?;
+        column.close()
     }
 }
 
-/// A page that was written, its head included.
-#[derive(Debug, Clone, Copy)]
-struct PageAt {
-    at: i64,
-    size: i64,
-    plain_size: i64,
+fn schema(columns: &[(&str, Stored)]) -> Result<TypePtr, Package> {
+    let field = |(name, stored): &(&str, Stored)| {
+        let (physical, logical) = stored.physical();
+        Type::primitive_type_builder(name, physical)
+            .with_repetition(Repetition::REQUIRED)
+            .with_logical_type(logical)
+            .build()
+            .map(Arc::new)
+    };
+    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
+    Ok(Arc::new(Type::group_type_builder("trace").with_fields(fields).build()?))
 }
 
-/// A count as the format has it.
-fn signed(count: usize) -> i64 {
-    i64::try_from(count).unwrap_or(i64::MAX)
+/// Numbers have their bytes apart, so that those which hardly change stand together; texts are few, and in a dictionary. There are no
+/// statistics: nobody looks for rows of a trace by their values.
+fn properties(columns: &[(&str, Stored)]) -> WriterProperties {
+    let mut properties = WriterProperties::builder()
+        .set_created_by(WRITER.to_owned())
+        .set_compression(Compression::SNAPPY)
+        .set_statistics_enabled(EnabledStatistics::None)
+        .set_offset_index_disabled(true)
+        .set_data_page_row_count_limit(usize::MAX)
+        .set_dictionary_enabled(false);
+    for (name, stored) in columns {
+        let path = || (*name).into();
+        properties = match stored {
+            Stored::Integers | Stored::Flags => {
+                properties.set_column_encoding(path(), Encoding::PLAIN)
+            }
+            Stored::Numbers => properties.set_column_encoding(path(), Encoding::BYTE_STREAM_SPLIT),
+            Stored::Texts => properties.set_column_dictionary_enabled(path(), true),
+        };
+    }
+    properties.build()
 }
