@@ -188,8 +188,13 @@ fn overview(fronts: &Fronts) -> String {
     let bands = bands.filter(|(_, band)| band.pairs > 0);
     let bands: Vec<String> =
         bands.map(|(cap, band)| format!("{} %: {:.2}", 100.0 * cap, band.factor)).collect();
-    let told = "medians in the test worlds; one law under two names differs by up to a factor, at a cap of";
-    format!("{table}\n{told} {}", bands.join(", "))
+    let told = if bands.is_empty() {
+        String::new()
+    } else {
+        let bands = bands.join(", ");
+        format!("; one law under two names differs by up to a factor, at a cap of {bands}")
+    };
+    format!("{table}\nmedians in the test worlds{told}")
 }
 
 fn row(fronts: &Fronts, point: &AtCap) -> [String; 6] {

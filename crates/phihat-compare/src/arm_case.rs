@@ -38,6 +38,8 @@ pub struct ArmCase {
     pub(crate) error_bound: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
+    /// What this project's designs are told: the study, or the hardest of the worlds that are drawn.
+    pub(crate) told: Study,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
     designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
 }
@@ -97,6 +99,7 @@ impl ArmCase {
             eigenvalues: [plain.low, plain.high],
             error_bound,
             limits,
+            told: study.clone(),
             designed: OnceLock::new(),
             designed_positions: OnceLock::new(),
             study,
@@ -107,10 +110,10 @@ impl ArmCase {
         self.units.len()
     }
 
-    /// The gains that this project's design gives for the study's specification, or why there are none; designed
+    /// The gains that this project's design gives for what it is told, or why there are none; designed
     /// when first asked for.
     pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
-        self.designed.get_or_init(|| ProposedLaw::designed(&self.study).map_err(Arc::new))
+        self.designed.get_or_init(|| ProposedLaw::designed(&self.told).map_err(Arc::new))
     }
 
     /// The paper's law with the values of a row, where the row's law is the paper's under whatever name; that from positions is
@@ -134,7 +137,7 @@ impl ArmCase {
     /// The same with the gains that this project's design gives, for a law that asks for them.
     pub(crate) fn completed(&self, entry: &Entry, mut supply: Supply) -> Supply {
         if entry.needs.designed && entry.needs.preview {
-            let found = || designed_positions(&self.study, &self.limits).map_err(Arc::new);
+            let found = || designed_positions(&self.told, &self.limits).map_err(Arc::new);
             let designed = self.designed_positions.get_or_init(found).clone();
             supply.designed_positions =
                 designed.map_err(|why| Refusal::NotApplicable(why.to_string()));

@@ -8,6 +8,7 @@ use phihat_report::kit::{MILLI, Page};
 use super::plot::{Curve, Place, critical_difference, curves};
 use super::record::{AtCap, Chosen, Fronts, LawRecord, Restart};
 use super::tier::Tier;
+use crate::protocol::hardest;
 use crate::statistics::{Placebo, Spread, Standing};
 
 /// The self-contained page; `command` made it.
@@ -15,6 +16,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
     let title = format!("Fronts at equal noise: {}", line(&fronts.arm.robot));
     let extent = &fronts.extent;
     let [train, validation, test] = extent.worlds;
+    let (delay, bits) = hardest(1);
     let main = html! {
         header {
             h1 { (title) }
@@ -33,6 +35,10 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              that it was tuned in; where it does not follow in a world, or is louder there than every cap, it has not borne more either. The validation worlds choose among the searches; the test worlds are looked at once. Better or worse: \
              beyond the band of one law under two names, by more than 10 %, and with p < .05 corrected (Holm) for every question of this \
              page. A run that did not follow counts as 1 rad." }
+        @if fronts.laws.iter().any(|law| law.designed) {
+            p { "Designed gains are not tuned: their design is told the hardest loop that can be drawn, " (delay) " samples of delay and encoders of "
+                (bits.iter().flatten().copied().min().unwrap_or_default()) " bits." }
+        }
         p { "Made by " code { (line(command)) } "." }
         h2 { "Not claimed" }
         p { "That a law can do no better: these are the best tunings that were found. Worlds are drawn at random from ranges; what lies \

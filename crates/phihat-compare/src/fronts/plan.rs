@@ -14,7 +14,7 @@ use super::tier::Tier;
 use crate::arm_case::ArmCase;
 use crate::error::CompareError;
 use crate::plan::with_edition;
-use crate::protocol::{Assessor, Split, Tried, draw};
+use crate::protocol::{Assessor, Split, Tried, draw, hardest};
 
 /// Raised when the same search would come out otherwise: journals of before are then done again.
 const EDITION: &str = "fronts 3";
@@ -45,7 +45,8 @@ impl FrontsPlan {
         extent: FrontsExtent,
     ) -> Result<Self, CompareError> {
         let studies = std::iter::once(study).chain(held_out.map(PathBuf::as_path));
-        let arms = studies.map(ArmCase::read).collect::<Result<_, _>>()?;
+        let told = |path| ArmCase::read(path).map(ArmCase::told_of_drawn);
+        let arms = studies.map(told).collect::<Result<_, _>>()?;
         Ok(Self { arms, laws: laws(only)?, extent })
     }
 
@@ -127,7 +128,11 @@ impl FrontsPlan {
         let scalars = format!("{:?}", self.arms[0].free(law.entry));
         let version = env!("CARGO_PKG_VERSION");
         let (sum, name) = (&self.arms[0].study.sha256, &self.arms[0].name);
-        let parts = [EDITION, version, sum, name, law.entry.card.id, &scalars, &how];
+        let mut parts = vec![EDITION, version, sum, name, law.entry.card.id, &scalars, &how];
+        let told = format!("told {:?}", hardest(self.arms[0].joints()));
+        if law.entry.needs.designed {
+            parts.push(&told);
+        }
         short_hash(&with_edition(&parts, law.entry.edition))
     }
 

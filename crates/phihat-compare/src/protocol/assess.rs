@@ -381,6 +381,20 @@ mod tests {
         assert!(found.iter().eq(search(&[0.05, 0.01]).iter().rev()));
     }
 
+    /// Gains that are designed for the hardest loop that can be drawn keep every constraint in drawn worlds; those for the study's own loop,
+    /// which is easier, do not.
+    #[test]
+    fn a_design_that_is_told_of_the_worlds_bears_them() {
+        let arm = || ArmCase::from_text(TEXT, "table1.toml").sure();
+        let worlds = draw(1, Split::Train, 4);
+        let designed = rival("proposed-positions-designed").sure();
+        let feasible = |arm: &ArmCase| {
+            let assessor = Assessor::new(arm, &worlds, (1.6, 1.0), Some(0.005)).sure();
+            assessor.assay(designed, &[]).at(0.005).feasible()
+        };
+        assert!(feasible(&arm().told_of_drawn()) && !feasible(&arm()));
+    }
+
     #[test]
     fn only_what_falls_is_kept() {
         let falls = falls([3.0, 4.0, 2.0, 2.0, 2.5, 1.0].into_iter());

@@ -13,4 +13,5 @@ pub use assess::{Assayed, Assessor, Best, FOLLOWING, PER_SCALAR, Tried, random_s
 pub use feasible::{Assessed, CAPS, better};
 pub use margin::{Harder, LOUDER};
 pub use noise::{NOISE_FROM_HZ, noise_above};
+pub(crate) use worlds::hardest;
 pub use worlds::{Drawn, SPLITS, Split, draw};

@@ -94,6 +94,12 @@ fn one(seed: u64, split: Split, number: u32) -> Drawn {
     }
 }
 
+/// The longest delay \[samples\] and the coarsest encoders \[bit\] that are drawn, for so many joints.
+pub(crate) fn hardest(joints: usize) -> (u32, Option<Vec<u32>>) {
+    let bits = BITS.iter().copied().min().unwrap_or(1);
+    (u32::try_from(DELAY).unwrap_or(u32::MAX), Some(vec![bits; joints]))
+}
+
 impl ArmCase {
     /// The arm in a drawn world, made harder or not, as a study of its own that `phihat run` would read. The robot's own limits of
     /// torque rate are on, where its description has them. `span`: length, and where the scored part begins \[s\].
@@ -112,6 +118,13 @@ impl ArmCase {
         let Some(needed) = self.too_stiff(&study) else { return Ok(study) };
         set(&mut table, &["world", "substeps"], i64::from(needed).into());
         self.parse(&table)
+    }
+
+    /// The same, with designs for the hardest loop that can be drawn: its longest delay and its coarsest encoder. Laws with scalars learn
+    /// of those in the training worlds; a design has to be told.
+    pub(crate) fn told_of_drawn(mut self) -> Self {
+        (self.told.control.delay_samples, self.told.sensor.encoder_bits) = hardest(self.joints());
+        self
     }
 
     fn drawn_table(&self, drawn: &Drawn, harder: Harder, (duration, settle): Span) -> Table {
