@@ -60,13 +60,21 @@ pub(crate) fn comparison(root: &Path) -> Result<(), String> {
 const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,computed-torque-integral,\
     momentum-observer,proposed-1,proposed-positions-1,proposed-positions-2,proposed-positions-designed";
 
-/// A part of the fronts on the planar arm, and the page kept. What was interrupted goes on where it was.
+/// A part of the fronts on the planar arm and on the Panda, what was chosen on one tried on the other, and the pages kept. What was
+/// interrupted goes on where it was.
 pub(crate) fn fronts(root: &Path) -> Result<(), String> {
-    let verb = ["phihat", "fronts", "studies/table1.toml", "--only", FRONTS];
-    let caps = ["--caps", "0.001,0.002,0.005,0.01"];
     let much = ["--restarts", "10", "--per-scalar", "24", "--worlds", "8,8,40"];
-    cargo(root, &[&verb[..], &caps, &much].concat())?;
-    copy(&root.join("out/table1/fronts/report.html"), &root.join("docs/fronts/report.html"))
+    let arms =
+        [("table1", "table1_panda", "report.html"), ("table1_panda", "table1", "panda.html")];
+    for (arm, other, page) in arms {
+        let [study, held_out] = [arm, other].map(|name| format!("studies/{name}.toml"));
+        let verb = ["phihat", "fronts", &study, "--held-out", &held_out, "--only", FRONTS];
+        let caps = ["--caps", "0.001,0.002,0.005,0.01"];
+        cargo(root, &[&verb[..], &caps, &much].concat())?;
+        let made = root.join(format!("out/{arm}/fronts/report.html"));
+        copy(&made, &root.join("docs/fronts").join(page))?;
+    }
+    Ok(())
 }
 
 /// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.

@@ -52,7 +52,7 @@ const USAGE: &str = "usage:
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
-  cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (an hour; resumes)
+  cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (three hours; resumes)
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
                                that differ; all of it is kept in docs/laws.md (half an hour; resumes)
