@@ -1,10 +1,13 @@
 //! A record of a real arm: a table of positions and torques.
 
 use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 use phihat_design::RecordedJoint;
-use phihat_sim::{BLOCK, Kind, ParquetError, ParquetTable, Place, TraceError, Values, is_parquet};
+use phihat_sim::{
+    BLOCK, ChunkReader, Kind, ParquetError, ParquetTable, Place, TraceError, Values, is_parquet,
+};
 
 use crate::error::SessionError;
 use crate::files;
@@ -36,7 +39,10 @@ pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
     let mut rows = Rows { from, first: None, times: Vec::new(), joints: Vec::new() };
     let parquet = is_parquet(&file).map_err(TraceError::from);
     let read = parquet.and_then(|parquet| {
-        if parquet { of_parquet(file, &mut rows) } else { of_csv(file, &mut rows) }
+        if parquet {
+            return of_parquet(file, &mut rows);
+        }
+        of_csv(file.get_read(0).map_err(io::Error::other)?, &mut rows)
     });
     read.map_err(|e| refuse(e.to_string()))?;
     let Rows { times, joints, .. } = rows;
@@ -97,7 +103,7 @@ fn finite(
     })
 }
 
-fn of_csv(file: File, rows: &mut Rows) -> Result<(), TraceError> {
+fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
     let mut csv = csv::Reader::from_reader(file);
     let header = csv.headers()?.clone();
     let place = |names: &[&str]| {
