@@ -207,20 +207,54 @@ impl<'a> Course<'a> {
 
     /// The sums of a launch at sample `s`, up to sample `end`.
     pub(super) fn kernel(&self, s: usize, end: usize, scale: &Scale) -> Kernel {
+        let mut kernel = self.none(s, end);
+        self.launch((s, end), (scale, &mut kernel.left), |t, sums, packs| {
+            if t > s && ((t - s).is_multiple_of(self.bin) || t == end) {
+                sums.drain(packs, &mut kernel.sums);
+            }
+        });
+        kernel
+    }
+
+    /// In place of sums the largest single response in a bin, its end counted to both neighbours: of inputs that act at sample 0
+    /// alone, up to sample `end`.
+    pub(super) fn at_start(&self, end: usize, scale: &Scale) -> Kernel {
+        let mut kernel = self.none(0, end);
+        let size = kernel.rows * kernel.inputs;
+        kernel.sums.resize(kernel.lags * size, 0.0);
+        let mut own: Vec<f32> = Vec::with_capacity(size);
+        self.launch((0, end), (scale, &mut kernel.left), |t, sums, packs| {
+            own.clear();
+            sums.drain(packs, &mut own);
+            let (bin, edge) = (t / self.bin, t.is_multiple_of(self.bin));
+            let last = bin.min(kernel.lags - 1);
+            for of_bin in bin.saturating_sub(usize::from(edge))..=last {
+                let most = kernel.sums[of_bin * size..][..size].iter_mut();
+                most.zip(&own).for_each(|(most, own)| *most = most.max(*own));
+            }
+        });
+        kernel
+    }
+
+    fn none(&self, s: usize, end: usize) -> Kernel {
         let inputs = self.inputs();
         let (rows, count) = (inputs.rows(), inputs.count());
         let lags = (end - s).div_ceil(self.bin);
-        let mut kernel = Kernel {
-            lags,
-            sums: Vec::with_capacity(lags * rows * count),
-            inputs: count,
-            rows,
-            left: vec![0.0; count],
-            end,
-        };
+        let sums = Vec::with_capacity(lags * rows * count);
+        Kernel { lags, sums, inputs: count, rows, left: vec![0.0; count], end }
+    }
+
+    /// Takes a launch at sample `s` to sample `end`, and tells of every sample; what is left goes to `left`.
+    fn launch(
+        &self,
+        (s, end): (usize, usize),
+        (scale, left): (&Scale, &mut [f64]),
+        mut each: impl FnMut(usize, &mut Sums, &Packs),
+    ) {
         let mut packs = self.launched(s);
         let mut sums = Sums::new(self, &packs);
         sums.add_commands(&packs);
+        each(s, &mut sums, &packs);
         for t in s + 1..=end {
             sums.add_states(&packs, self.jacobian(t));
             if t < end {
@@ -229,14 +263,11 @@ impl<'a> Course<'a> {
                 }
                 sums.add_commands(&packs);
             }
-            if (t - s).is_multiple_of(self.bin) || t == end {
-                sums.drain(&packs, &mut kernel.sums);
-            }
+            each(t, &mut sums, &packs);
         }
         if end < self.intervals.len() {
-            self.left(&mut packs, scale, &mut kernel.left);
+            self.left(&mut packs, scale, left);
         }
-        kernel
     }
 
     /// Largest scaled state of every input.

@@ -86,7 +86,7 @@ pub(super) fn sliced(
         looks: whole(LOOK / scene.period, 1),
         length,
     };
-    let first = course.kernel(0, length.min(samples + bin), &scale);
+    let first = course.at_start(length.min(samples + bin), &scale);
     let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
     let swept = swept(sweeps, &groups, threads);
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
