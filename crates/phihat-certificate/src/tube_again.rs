@@ -71,6 +71,7 @@ impl Certificate {
             velocity_filter_hz: self.joints.first().and_then(|j| j.model.velocity_filter_hz),
             reference,
             payload: Some(&study.design.payload),
+            slices: claimed.slices,
             coulomb: (low, high),
             bin_s: claimed.bin_s,
         };

@@ -27,7 +27,7 @@ pub struct Tube {
     pub duration_s: f64,
     /// When the steady part begins \[s\].
     pub settle_s: f64,
-    /// Into how many slices of mass the payloads were divided.
+    /// Into how many slices, of mass and of where its centre is, the payloads were divided.
     pub slices: u32,
     /// The payloads.
     pub payload: PayloadSet,

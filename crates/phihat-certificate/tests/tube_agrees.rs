@@ -32,6 +32,7 @@ fn both(text: &str) -> (Tube, Tube) {
         velocity_filter_hz: study.sensor.velocity_filter_hz,
         reference: &whole.feeding(&fed),
         payload: Some(&study.design.payload),
+        slices: first.slices,
         coulomb: (low, high),
         bin_s: first.bin_s,
     };

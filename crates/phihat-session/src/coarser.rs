@@ -22,10 +22,10 @@ const BITS_MIN: u32 = 1;
 /// [`SimError`]: the arm cannot follow the reference.
 pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder>, SimError> {
     let settle = gains.certificate.as_ref().and_then(|certificate| {
-        certificate.tube.as_ref()?;
-        Some(certificate.settle.as_ref()?.settle_s)
+        let parts = certificate.tube.as_ref()?.slices;
+        Some((certificate.settle.as_ref()?.settle_s, parts))
     });
-    let (Some(settle), Some(bits)) = (settle, &study.sensor.encoder_bits) else {
+    let (Some((settle, parts)), Some(bits)) = (settle, &study.sensor.encoder_bits) else {
         return Ok(Vec::new());
     };
     let mut own = without_rate_limits(study);
@@ -37,7 +37,7 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
     let period = study.control.period_ns as f64 * 1e-9;
     let fewer = |by: u32| bits.iter().map(|bits| bits.saturating_sub(by).max(BITS_MIN)).collect();
     let encoders: Vec<Vec<u32>> = FEWER.map(fewer).collect();
-    let tubes = tubes_behind(&own, gains, &desired, &encoders)
+    let tubes = tubes_behind(&own, gains, (&desired, parts), &encoders)
         .unwrap_or_else(|why| vec![Err(why); encoders.len()]);
     let one = |(bits_fewer, tube): (u32, Result<Tube, TubeRefusal>)| {
         let (tube, refused) = match tube {

@@ -1,7 +1,7 @@
 //! What the tube of gains says of a specification.
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_design::tube::{Desired, TubeRefusal, tube};
+use phihat_design::tube::{Desired, TubeRefusal, tube_in_parts};
 use phihat_design::{Gains, Settle, Tube};
 use phihat_study::Study;
 
@@ -18,14 +18,15 @@ pub(crate) enum Judged {
 }
 
 /// Puts tube, settling time and what is not proved into the gains' certificate. Where that refuses a claim there is no tube.
-pub(crate) fn judge(study: &Study, gains: &mut Gains, desired: &Desired) -> Judged {
+/// The payload is in so many slices at least.
+pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desired, u32)) -> Judged {
     let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
     let found = if let Some(why) = refused {
         Err((format!("a claim does not hold: {why}"), true))
     } else {
         let mut own = study.clone();
         match gains.complete(&mut own) {
-            Ok(()) => tube(&own, gains, desired)
+            Ok(()) => tube_in_parts(&own, gains, (desired, parts))
                 .map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. }))),
             Err(why) => Err((why.to_string(), false)),
         }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
+use phihat_design::tube::{Desired, PARTS};
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
@@ -12,10 +13,13 @@ use crate::error::SessionError;
 use crate::judged::{Judged, judge};
 use crate::told::Told;
 
+/// Slices of the payload where those of [`PARTS`] do not do.
+const FINER: u32 = 6;
+
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;
 
-/// After so many in a row that gain nothing, it ends.
+/// After so many in a row that gain nothing, it ends; where finer slices are to come, after one.
 const STUCK: u32 = 2;
 
 /// The encoder's share of the torque step that a study allows: where a search begins, and its ends. What else turns the torque has
@@ -32,7 +36,7 @@ const ROOM: f64 = 0.97;
 /// A tube that uses less of the specification than this leaves room for less noise.
 const ENOUGH: f64 = 0.85;
 
-/// Designs for a study until the tube keeps the specification.
+/// Designs for a study until the tube keeps the specification; where no tube does, once more with the payload in finer slices.
 ///
 /// # Errors
 ///
@@ -43,60 +47,101 @@ pub(crate) fn by_positions(
     path: &Path,
 ) -> Result<Outcome, SessionError> {
     let motion = Told::of(study).map_err(|e| SessionError::at(path, e))?;
-    let told = |gains: &Gains| motion.to(gains).map_err(|e| SessionError::at(path, e));
     // For the search alone: the certificate of an arm with a description says nothing of φ.
     let phi = |joint: usize, inertia: f64| {
         let along = phi_along(demand, joint, inertia);
         let PhiSource::Typed { rate, jump } = &study.design.phi else { return along };
         Phi { rate_nm_s: rate[joint], jump_nm: jump[joint], ..along }
     };
-    let refused = |e| SessionError::at(path, e);
-    let mut search = PositionSearch::new(study, arm, &phi).map_err(refused)?;
-    let mut shares = vec![FIRST; study.robot.joints.len()];
-    let mut best: Option<(Rank, Gains)> = None;
-    let mut stuck = 0;
-    // Where a limit can act there is no tube, and no figure to go by.
-    let unlimited = without_rate_limits(study);
-    for round in 0..ROUNDS {
-        let Some((mut gains, _)) = search.laws(&shares) else { break };
-        search.certify(&mut gains).map_err(refused)?;
-        let desired = told(&gains)?;
-        let judged = judge(&unlimited, &mut gains, &desired);
-        let loudest = shares.iter().copied().largest();
-        let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
-        let (rank, next) = next(study, &gains, &judged, (&shares, loudest));
-        let rank = Rank { armed, ..rank };
-        let better = best.as_ref().is_none_or(|(before, _)| rank.beats(before, 0.0));
-        let kept = best.as_ref().is_some_and(|(before, _)| before.kept());
-        stuck = if best.as_ref().is_none_or(|(before, _)| rank.beats(before, 0.005)) {
-            0
-        } else {
-            stuck + 1
-        };
-        if better {
-            best = Some((rank, gains));
-        }
-        // What keeps the specification and could be quieter is tried once more, not for ever.
-        if (kept && !better) || stuck == STUCK || round + 1 == ROUNDS {
-            break;
-        }
-        let Some(next) = next else { break };
-        let moved = next.iter().zip(&shares).any(|(a, b)| (a / b - 1.0).abs() > 0.02);
-        if !moved {
-            break;
-        }
-        shares = next;
+    let search = PositionSearch::new(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
+    let mut rounds = Rounds { study, path, motion: &motion, search };
+    let mut best = rounds.sought(vec![FIRST; study.robot.joints.len()], PARTS)?;
+    let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
+    if let Some(coarse) = asked.filter(|_| divisible(study)) {
+        let finer = rounds.sought(coarse.shares.clone(), FINER)?;
+        // Finer slices bound the same laws by less.
+        best = finer.filter(|finer| finer.rank.armed).or(best);
     }
     // Laws of which a claim is refused do not arm.
-    let best = best.filter(|(rank, _)| rank.armed);
-    let Some((rank, mut gains)) = best else { return Ok(Outcome::Infeasible(search.refused())) };
+    let best = best.filter(|best| best.rank.armed);
+    let Some(Best { rank, mut gains, parts, .. }) = best else {
+        return Ok(Outcome::Infeasible(rounds.search.refused()));
+    };
     // A tube whose steps are within the limits is that of the loop with them.
-    let free = rank.loudest <= 1.0 || (0..shares.len()).all(|i| study.limits(i).1.is_none());
+    let free = rank.loudest <= 1.0 || (0..gains.joints.len()).all(|i| study.limits(i).1.is_none());
     if !free {
-        let desired = told(&gains)?;
-        judge(study, &mut gains, &desired);
+        let desired = rounds.told(&gains)?;
+        judge(study, &mut gains, (&desired, parts));
     }
     Ok(Outcome::Designed(Box::new(gains)))
+}
+
+/// Whether the payload can be divided.
+fn divisible(study: &Study) -> bool {
+    let set = &study.design.payload;
+    let wide = |(low, high): (f64, f64)| high > low;
+    set.mass.1 > 0.0 && (wide(set.mass) || set.com.into_iter().any(wide))
+}
+
+/// The best gains so far, and what they were looked for with.
+struct Best {
+    rank: Rank,
+    gains: Gains,
+    shares: Vec<f64>,
+    parts: u32,
+}
+
+/// What every round needs.
+struct Rounds<'a> {
+    study: &'a Study,
+    path: &'a Path,
+    motion: &'a Told<'a>,
+    search: PositionSearch<'a>,
+}
+
+impl Rounds<'_> {
+    fn told(&self, gains: &Gains) -> Result<Desired, SessionError> {
+        self.motion.to(gains).map_err(|e| SessionError::at(self.path, e))
+    }
+
+    /// The best gains from these shares on, their tubes with the payload in so many slices.
+    fn sought(&mut self, first: Vec<f64>, parts: u32) -> Result<Option<Best>, SessionError> {
+        let mut shares = first;
+        let mut best: Option<Best> = None;
+        let mut stuck = 0;
+        let patience = if parts < FINER && divisible(self.study) { 1 } else { STUCK };
+        // Where a limit can act there is no tube, and no figure to go by.
+        let unlimited = without_rate_limits(self.study);
+        for round in 0..ROUNDS {
+            let Some((mut gains, _)) = self.search.laws(&shares) else { break };
+            let certified = self.search.certify(&mut gains);
+            certified.map_err(|e| SessionError::at(self.path, e))?;
+            let desired = self.told(&gains)?;
+            let judged = judge(&unlimited, &mut gains, (&desired, parts));
+            let loudest = shares.iter().copied().largest();
+            let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
+            let (rank, next) = next(self.study, &gains, &judged, (&shares, loudest));
+            let rank = Rank { armed, ..rank };
+            let better = best.as_ref().is_none_or(|before| rank.beats(&before.rank, 0.0));
+            let kept = best.as_ref().is_some_and(|before| before.rank.kept());
+            let gained = best.as_ref().is_none_or(|before| rank.beats(&before.rank, 0.005));
+            stuck = if gained { 0 } else { stuck + 1 };
+            if better {
+                best = Some(Best { rank, gains, shares: shares.clone(), parts });
+            }
+            // What keeps the specification and could be quieter is tried once more, not for ever.
+            if (kept && !better) || stuck == patience || round + 1 == ROUNDS {
+                break;
+            }
+            let Some(next) = next else { break };
+            let moved = next.iter().zip(&shares).any(|(a, b)| (a / b - 1.0).abs() > 0.02);
+            if !moved {
+                break;
+            }
+            shares = next;
+        }
+        Ok(best)
+    }
 }
 
 /// The study without limits of torque rate.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_design::tube::Desired;
+use phihat_design::tube::{Desired, PARTS};
 use phihat_design::{ArmBasis, Gains, JointRecord, Outcome};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
@@ -54,7 +54,7 @@ pub(crate) fn within_spec(
         if let Outcome::Designed(gains) = &mut outcome
             && described(gains)
         {
-            judge(study, gains, &desired);
+            judge(study, gains, (&desired, PARTS));
         }
         Ok(outcome)
     };
@@ -69,7 +69,7 @@ pub(crate) fn within_spec(
             Ok(Outcome::Designed(gains)) if !described(&gains) => return alone(),
             Ok(Outcome::Designed(gains)) if found.seen(&gains) => found.again.take(),
             Ok(Outcome::Designed(mut gains)) => {
-                let judged = judge(study, &mut gains, &desired);
+                let judged = judge(study, &mut gains, (&desired, PARTS));
                 found.judged(gains, judged)
             }
             Ok(_) => found.refused(),

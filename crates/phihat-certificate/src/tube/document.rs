@@ -8,7 +8,7 @@ use super::dense::{count, inverse};
 use super::inputs::Inputs;
 use super::law::Loop;
 use super::nominal::Nominal;
-use super::scope::{Adds, Dry, PayloadSlice, Refusal, counted, smooth};
+use super::scope::{Adds, Dry, FINE, PayloadSlice, Refusal, counted, smooth};
 use super::setting::Setting;
 use super::sweep::{Sweep, Swept};
 use crate::JointRecord;
@@ -25,6 +25,9 @@ const ROUNDING: f64 = 1e-8;
 /// Most slices of the mass that are tried.
 const SLICES_MAX: u32 = 8;
 
+/// Where the claim took more slices than this, the mass is in [`FINE`] to begin with.
+const FEW: u32 = 2;
+
 /// Derives the tube of a study.
 ///
 /// # Errors
@@ -36,21 +39,24 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     let study = inputs.study;
     let period = study.control.period_ns as f64 * 1e-9;
     let set = inputs.payload.filter(|set| set.mass.1 > 0.0);
-    let hand = set.map(|set| (set.frame.as_str(), set.com.map(|(a, b)| 0.5 * (a + b))));
-    let chain = Chain::new(&study.robot, study.world.gravity, hand).map_err(|e| match e {
-        NotAChain::Tree => Refusal::Branches,
-        NotAChain::Frame => Refusal::PayloadFrame,
-    })?;
+    let chain = |slice: Option<&PayloadSlice>| {
+        let hand = slice.map(|slice| (slice.frame.as_str(), slice.centre));
+        Chain::new(&study.robot, study.world.gravity, hand).map_err(|e| match e {
+            NotAChain::Tree => Refusal::Branches,
+            NotAChain::Frame => Refusal::PayloadFrame,
+        })
+    };
     let filter = inputs.velocity_filter_hz;
     let laws = inputs.joints.iter().enumerate();
     let loops: Vec<Loop> = laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect();
     let drives: Vec<f64> = loops.iter().filter_map(Loop::drive_rate).collect();
     let adds = Adds::of(study);
-    let dry = dry(inputs, &chain, period);
+    let dry = dry(inputs, &chain(None)?, period);
     let one = |slice: Option<&PayloadSlice>, progress: &dyn Fn(f64)| -> Result<Half, Refusal> {
         let run = Nominal::run(inputs, &loops, slice, (&dry, &adds))?;
         let smooth = smooth(study);
         let of_loops = (&loops[..], &drives[..]);
+        let chain = chain(slice)?;
         let arm = (&chain, slice, &smooth[..]);
         let setting = Setting::new(inputs, arm, (&run, &dry, &adds), of_loops);
         Ok(Half::new(inputs, &run, &Sweep::new(setting).run(progress)?))
@@ -58,7 +64,8 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     let Some(set) = set else {
         return Ok(tube(inputs, &[one(None, &progress)?]));
     };
-    let mut parts = if set.mass.1 > set.mass.0 { 2 } else { 1 };
+    let first = if inputs.slices > FEW { FINE } else { 2 };
+    let mut parts = if set.mass.1 > set.mass.0 { first } else { 1 };
     loop {
         let slices = PayloadSlice::all(set, parts);
         match together(&slices, &one, progress) {

@@ -55,6 +55,8 @@ pub struct Inputs<'a> {
     pub reference: &'a Reference,
     /// What the arm may carry.
     pub payload: Option<&'a PayloadSet>,
+    /// Into how many slices a claim divided it, for a hint of how finely to begin.
+    pub slices: u32,
     /// Least and greatest level of dry friction \[N·m\] per joint.
     pub coulomb: (&'a [f64], &'a [f64]),
     /// Wanted length of a bin \[s\]: it becomes whole samples, one at least.

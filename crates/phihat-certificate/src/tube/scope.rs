@@ -188,7 +188,28 @@ impl Dry {
     }
 }
 
-/// A payload set whose mass is one part of the whole.
+/// Parts of the mass from which on the box of centres is divided too.
+pub(super) const FINE: u32 = 4;
+
+/// Both halves of a box across its widest side; the box itself, where it is a point.
+fn across(com: [(f64, f64); 3]) -> Vec<[(f64, f64); 3]> {
+    let width = |axis: &usize| com[*axis].1 - com[*axis].0;
+    let widest = (1..3).fold(0, |best, axis| if width(&axis) > width(&best) { axis } else { best });
+    if width(&widest) <= 0.0 {
+        return vec![com];
+    }
+    let (low, high) = com[widest];
+    let middle = 0.5 * (low + high);
+    [(low, middle), (middle, high)]
+        .map(|half| {
+            let mut part = com;
+            part[widest] = half;
+            part
+        })
+        .to_vec()
+}
+
+/// A payload set whose mass, and box of centres, are parts of the whole.
 #[derive(Debug, Clone)]
 pub(super) struct PayloadSlice {
     pub(super) frame: String,
@@ -200,17 +221,19 @@ pub(super) struct PayloadSlice {
 }
 
 impl PayloadSlice {
+    /// So many equal parts of the mass; from [`FINE`] of them on, the centres' box is halved across its widest side too.
     pub(super) fn all(set: &PayloadSet, parts: u32) -> Vec<Self> {
         let (low, high) = set.mass;
         let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(parts);
-        let one = |i: u32| Self {
+        let boxes = if parts >= FINE { across(set.com) } else { vec![set.com] };
+        let one = |i: u32, com: &[(f64, f64); 3]| Self {
             frame: set.frame.clone(),
             mass: (at(i), if i + 1 == parts { high } else { at(i + 1) }),
-            centre: set.com.map(|(a, b)| 0.5 * (a + b)),
-            reach: set.com.map(|(a, b)| 0.5 * (b - a)),
+            centre: com.map(|(a, b)| 0.5 * (a + b)),
+            reach: com.map(|(a, b)| 0.5 * (b - a)),
             gyration: set.gyration,
         };
-        (0..parts).map(one).collect()
+        (0..parts).flat_map(|i| boxes.iter().map(move |com| one(i, com))).collect()
     }
 
     pub(super) fn middle(&self) -> f64 {

@@ -7,7 +7,7 @@ use phihat_study::{PayloadSet, Study, StudyError};
 use crate::dice::Dice;
 
 use super::number::{Ball, Number, Tangent};
-use super::scope::{Dry, PayloadSlice, Refusal, Smooth, counted, smooth};
+use super::scope::{Dry, FINE, PayloadSlice, Refusal, Smooth, counted, smooth};
 
 impl Dice {
     fn ball(&mut self) -> Ball {
@@ -125,14 +125,22 @@ fn close(own: f64, want: f64) -> bool {
 #[test]
 fn a_payload_is_in_its_slices_and_its_moments_in_their_range() {
     let (set, near) = (payloads(), close);
-    let parts = PayloadSlice::all(&set, 4);
-    for (k, part) in parts.iter().enumerate() {
-        let low = 1.0 + 0.5 * k as f64;
-        assert!(near(part.mass.0, low) && near(part.mass.1, low + 0.5));
-        assert!(near(part.middle(), low + 0.25) && part.frame == "tool");
-        assert!(part.centre.iter().zip([1.0, 0.5, 0.5]).all(|(own, want)| near(*own, want)));
-        assert!(part.reach.iter().zip([2.0, 0.5, 0.0]).all(|(own, want)| near(*own, want)));
+    for (count, boxes) in [(1, 1), (2, 1), (3, 1), (FINE, 2), (8, 2)] {
+        let parts = PayloadSlice::all(&set, count);
+        assert_eq!(parts.len(), boxes * count as usize);
+        let width = 2.0 / f64::from(count);
+        for (k, part) in parts.iter().enumerate() {
+            let low = 1.0 + width * (k / boxes) as f64;
+            assert!(near(part.mass.0, low) && near(part.mass.1, low + width));
+            assert!(near(part.middle(), low + 0.5 * width) && part.frame == "tool");
+            // Its widest side, from −1 to 3, is halved.
+            let x = if boxes == 1 { (1.0, 2.0) } else { (2.0 * (k % 2) as f64, 1.0) };
+            assert!(part.centre.iter().zip([x.0, 0.5, 0.5]).all(|(own, want)| near(*own, want)));
+            assert!(part.reach.iter().zip([x.1, 0.5, 0.0]).all(|(own, want)| near(*own, want)));
+        }
     }
+    let point = PayloadSet { com: [(0.1, 0.1); 3], ..payloads() };
+    assert_eq!(PayloadSlice::all(&point, FINE).len(), FINE as usize);
     let whole = &PayloadSlice::all(&set, 1)[0];
     // x² + g², …; xy + g², …, per kilogram.
     let spread = [4.25, 0.5, 0.25, 1.25, 0.25, 0.25];

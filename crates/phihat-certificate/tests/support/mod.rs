@@ -97,6 +97,7 @@ impl Case {
             velocity_filter_hz: self.filter,
             reference: &self.reference,
             payload: self.payload.as_ref(),
+            slices: 1,
             coulomb: (&self.coulomb.0, &self.coulomb.1),
             bin_s: 0.01,
         })

@@ -1,6 +1,6 @@
 //! The payload as numbers that inverse dynamics is linear in.
 
-use phihat_certificate::extremes::{larger, smaller};
+use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use phihat_model::Model;
 
 use super::refusal::TubeRefusal;
@@ -10,6 +10,9 @@ use phihat_study::PayloadSet;
 /// Offset of a centre of mass by which first moments are told apart \[m\].
 const OFFSET: f64 = 0.1;
 
+/// At which distance from an axis a payload's mass is compared with its centre when a slice is divided \[m\]: that of a wrist.
+const LEVER: f64 = 0.2;
+
 /// One parameter of the payload: what it adds is `(plus − minus) · scale` per unit.
 pub(super) struct Direction {
     pub(super) plus: Model,
@@ -17,38 +20,93 @@ pub(super) struct Direction {
     pub(super) scale: f64,
 }
 
-/// A slice of the payload's masses, measured from its middle.
+/// A slice of the payloads, in mass and in where its centre is, measured from its middle.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Slice {
     /// Smallest and largest mass \[kg\].
     pub(super) mass: (f64, f64),
-    /// Half widths of the centre of mass's box \[m\].
+    /// Middle of its box of centres of mass, from that of the whole \[m\].
+    pub(super) off: [f64; 3],
+    /// Half widths of its box \[m\].
     pub(super) half: [f64; 3],
     /// Half ranges of the inertia about the box's middle, `xx, xy, xz, yy, yz, zz` \[kg·m²\].
     pub(super) inertia: [f64; 6],
 }
 
 impl Slice {
-    /// Slices of a part of a set's masses, `count` of them.
-    pub(super) fn of(set: &PayloadSet, (low, high): (f64, f64), count: u32) -> Vec<Self> {
+    /// All payloads of a set.
+    fn whole(set: &PayloadSet) -> Self {
+        Self::new(set.mass, ([0.0; 3], half(set)), set.gyration)
+    }
+
+    fn new(mass: (f64, f64), (off, half): ([f64; 3], [f64; 3]), gyration: f64) -> Self {
+        let second = |a: usize, b: usize| mass.1 * (half[a] * half[b] + gyration * gyration);
+        let diagonal = |a: usize, b: usize| 0.5 * (second(a, a) + second(b, b));
+        let inertia = [
+            diagonal(1, 2),
+            second(0, 1),
+            second(0, 2),
+            diagonal(0, 2),
+            second(1, 2),
+            diagonal(0, 1),
+        ];
+        Self { mass, off, half, inertia }
+    }
+
+    /// So many slices that are a set together, if it can be divided: halves of its mass, then halves of whatever leaves most unknown.
+    pub(super) fn all(set: &PayloadSet, count: u32) -> Vec<Self> {
+        let whole = Self::whole(set);
+        let mut all =
+            if count > 1 && set.mass.1 > set.mass.0 { whole.by_mass(set, 2) } else { vec![whole] };
+        while all.len() < count as usize {
+            let widest = |slice: &Self| slice.unknown().into_iter().largest();
+            let most = (0..all.len()).max_by(|i, j| widest(&all[*i]).total_cmp(&widest(&all[*j])));
+            let Some(most) = most.filter(|most| widest(&all[*most]) > 0.0) else { break };
+            let slice = all.remove(most);
+            all.extend(slice.halves(set));
+        }
+        all
+    }
+
+    /// What mass and each coordinate of its centre leave unknown of a momentum, for a turn about an axis [`LEVER`] away.
+    fn unknown(&self) -> [f64; 4] {
+        let [x, y, z] = self.half.map(|half| 2.0 * half * self.mass.1);
+        [0.5 * (self.mass.1 - self.mass.0) * LEVER, x, y, z]
+    }
+
+    /// Two slices in place of one.
+    fn halves(&self, set: &PayloadSet) -> Vec<Self> {
+        let unknown = self.unknown();
+        let most = unknown.into_iter().largest();
+        match (1..4).find(|i| unknown[*i] >= most) {
+            Some(axis) => self.by_centre(set, axis - 1),
+            None => self.by_mass(set, 2),
+        }
+    }
+
+    /// Parts of equal mass.
+    pub(super) fn by_mass(&self, set: &PayloadSet, count: u32) -> Vec<Self> {
+        let (low, high) = self.mass;
         let width = (high - low) / f64::from(count);
-        let half = half(set);
-        let slice = |i: u32| {
-            let mass = (low + f64::from(i) * width, low + f64::from(i + 1) * width);
-            let second =
-                |a: usize, b: usize| mass.1 * (half[a] * half[b] + set.gyration * set.gyration);
-            let diagonal = |a: usize, b: usize| 0.5 * (second(a, a) + second(b, b));
-            let inertia = [
-                diagonal(1, 2),
-                second(0, 1),
-                second(0, 2),
-                diagonal(0, 2),
-                second(1, 2),
-                diagonal(0, 1),
-            ];
-            Self { mass, half, inertia }
+        let end = |i: u32| if i == count { high } else { low + f64::from(i) * width };
+        let part = |i: u32| Self::new((end(i), end(i + 1)), (self.off, self.half), set.gyration);
+        (0..count).map(part).collect()
+    }
+
+    /// Its heaviest payloads, so much of the mass.
+    pub(super) fn heaviest(&self, set: &PayloadSet, width: f64) -> Self {
+        Self::new((self.mass.1 - width, self.mass.1), (self.off, self.half), set.gyration)
+    }
+
+    /// Both halves of a coordinate of the centre of mass.
+    fn by_centre(&self, set: &PayloadSet, axis: usize) -> Vec<Self> {
+        let part = |side: f64| {
+            let (mut off, mut half) = (self.off, self.half);
+            half[axis] *= 0.5;
+            off[axis] += side * half[axis];
+            Self::new(self.mass, (off, half), set.gyration)
         };
-        (0..count).map(slice).collect()
+        vec![part(-1.0), part(1.0)]
     }
 
     fn middle(&self) -> f64 {
@@ -63,7 +121,7 @@ impl Slice {
     /// The model with some mass of the slice, all else in the middle.
     fn with(&self, scene: &Scene<'_>, mass: f64) -> Result<Model, TubeRefusal> {
         let [xx, _, _, yy, _, zz] = self.inertia;
-        scene.loaded(mass, [0.0; 3], [xx, 0.0, 0.0, yy, 0.0, zz])
+        scene.loaded(mass, self.off, [xx, 0.0, 0.0, yy, 0.0, zz])
     }
 
     /// The models with the smallest and the largest mass of the slice.
@@ -77,7 +135,7 @@ impl Slice {
         scene: &Scene<'_>,
     ) -> Result<Vec<Option<Direction>>, TubeRefusal> {
         let body = |mass: f64, off: [f64; 3], inertia: [f64; 6]| scene.loaded(mass, off, inertia);
-        let still = [0.0; 3];
+        let still = self.off;
         let none = [0.0; 6];
         let mut all = Vec::with_capacity(10);
         all.push((self.mass.1 > self.mass.0).then_some(()).map(|()| {
@@ -140,5 +198,73 @@ impl Slice {
             }
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use phihat_study::PayloadSet;
+
+    use super::Slice;
+
+    fn set(mass: (f64, f64), com: [(f64, f64); 3]) -> PayloadSet {
+        PayloadSet { frame: "tool".to_owned(), mass, com, gyration: 0.02 }
+    }
+
+    /// Where a slice's box lies, of a set whose box has its middle there.
+    fn range(slice: &Slice, middle: [f64; 3], axis: usize) -> (f64, f64) {
+        let at = middle[axis] + slice.off[axis];
+        (at - slice.half[axis], at + slice.half[axis])
+    }
+
+    #[test]
+    fn every_payload_is_in_a_slice_and_slices_share_no_more_than_sides() {
+        let com = [(-0.02, 0.06), (0.01, 0.01), (0.0, 0.05)];
+        let middle = com.map(|(a, b)| 0.5 * (a + b));
+        for mass in [(0.0, 1.0), (0.3, 2.0), (1.5, 1.5)] {
+            let set = set(mass, com);
+            for count in 1..=14 {
+                let all = Slice::all(&set, count);
+                assert_eq!(all.len(), count as usize);
+                let width = |(low, high): (f64, f64)| if high > low { high - low } else { 1.0 };
+                let volume = |slice: &Slice| {
+                    width(slice.mass)
+                        * (0..3).map(|i| width(range(slice, middle, i))).product::<f64>()
+                };
+                let whole = width(mass) * com.into_iter().map(width).product::<f64>();
+                let sum: f64 = all.iter().map(volume).sum();
+                assert!((sum / whole - 1.0).abs() < 1e-12, "{count}: {sum} of {whole}");
+                // On a grid, ends among it: the slices that hold a point.
+                let point =
+                    |(low, high): (f64, f64), k: u32| low + (high - low) * f64::from(k) / 6.0;
+                for k in 0..7_u32.pow(3) {
+                    let m = point(mass, k % 7);
+                    let c = [point(com[0], k / 7 % 7), com[1].0, point(com[2], k / 49)];
+                    let near =
+                        |(low, high): (f64, f64), x: f64| x >= low - 1e-15 && x <= high + 1e-15;
+                    let held = all.iter().filter(|slice| {
+                        near(slice.mass, m) && (0..3).all(|i| near(range(slice, middle, i), c[i]))
+                    });
+                    assert!(held.count() > 0, "{count}: {m} kg at {c:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mass_is_halved_first_and_what_has_no_width_never() {
+        let wide = set((0.0, 1.0), [(0.0, 0.0), (0.0, 0.0), (0.0, 0.5)]);
+        let two = Slice::all(&wide, 2);
+        assert_eq!([two[0].mass, two[1].mass], [(0.0, 0.5), (0.5, 1.0)]);
+        assert!(two.iter().all(|slice| (slice.half[2] - 0.25).abs() < 1e-15));
+        // Then the heavier half, across its wide box.
+        let three = Slice::all(&wide, 3);
+        assert!(
+            three[1..].iter().all(|s| s.mass == (0.5, 1.0) && (s.half[2] - 0.125).abs() < 1e-15)
+        );
+        let known = set((1.0, 1.0), [(0.1, 0.1), (0.0, 0.0), (0.0, 0.0)]);
+        assert_eq!(Slice::all(&known, 6).len(), 1);
+        let heavier = set((0.0, 1.0), [(0.1, 0.1), (0.0, 0.0), (0.0, 0.0)]);
+        assert!(Slice::all(&heavier, 4).iter().all(|s| (s.mass.1 - s.mass.0 - 0.25).abs() < 1e-15));
     }
 }

@@ -7,7 +7,7 @@ use phihat_study::Study;
 use super::desired::Desired;
 use super::envelope::{Envelope, JointEnvelope};
 use super::refusal::TubeRefusal;
-use super::slices::{find, find_behind};
+use super::slices::{PARTS, find, find_behind};
 use super::tip::tip_along;
 use crate::sampled::TorqueNoise;
 
@@ -26,12 +26,27 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 ///
 /// [`TubeRefusal`].
 pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, TubeRefusal> {
-    let envelope = find(study, gains, desired)?;
+    tube_in_parts(study, gains, (desired, PARTS))
+}
+
+/// Finds the [`Tube`] as [`tube`] does, but with the payload in so many slices at least: the more, the narrower the tube, and the
+/// longer it takes.
+///
+/// # Errors
+///
+/// [`TubeRefusal`].
+pub fn tube_in_parts(
+    study: &Study,
+    gains: &Gains,
+    (desired, parts): (&Desired, u32),
+) -> Result<Tube, TubeRefusal> {
+    let envelope = find(study, gains, (desired, parts))?;
     let bits = study.sensor.encoder_bits.as_deref();
     Ok(document(study, gains, desired, (bits, &envelope)))
 }
 
-/// Finds the [`Tube`]s of a study under gains behind encoders of other resolutions \[bit\], in one pass.
+/// Finds the [`Tube`]s of a study under gains behind encoders of other resolutions \[bit\], in one pass, the payload in so many
+/// slices at least.
 ///
 /// # Errors
 ///
@@ -39,10 +54,10 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
 pub fn tubes_behind(
     study: &Study,
     gains: &Gains,
-    desired: &Desired,
+    (desired, parts): (&Desired, u32),
     encoders: &[Vec<u32>],
 ) -> Result<Vec<Result<Tube, TubeRefusal>>, TubeRefusal> {
-    let all = find_behind(study, gains, desired, encoders)?;
+    let all = find_behind(study, gains, (desired, parts), encoders)?;
     let one = |(bits, found): (&Vec<u32>, Result<Envelope, TubeRefusal>)| {
         Ok(document(study, gains, desired, (Some(bits), &found?)))
     };

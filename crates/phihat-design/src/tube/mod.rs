@@ -41,9 +41,9 @@ mod tip;
 mod twist;
 
 pub use desired::Desired;
-pub use document::{tube, tubes_behind};
+pub use document::{tube, tube_in_parts, tubes_behind};
 pub use envelope::{Envelope, JointEnvelope};
 pub use refusal::TubeRefusal;
 pub use scene::modelled;
-pub use slices::{find, find_behind};
+pub use slices::{PARTS, find, find_behind};
 pub use tip::tip_along;

@@ -52,7 +52,7 @@ pub(super) fn sliced(
     let nominal = Nominal::run(scene, &model)?;
     let intervals = intervals(scene, &nominal, &model, threads)?;
     let jacobians = match slice {
-        Some(_) => jacobians(scene, &nominal, &model),
+        Some(slice) => jacobians(scene, &nominal, (&model, &slice.off)),
         None => Vec::new(),
     };
     let bin = whole(BIN / scene.period, 1);

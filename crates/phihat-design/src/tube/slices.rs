@@ -1,4 +1,4 @@
-//! The tube over the whole payload: slices of its mass, halved until each of them closes.
+//! The tube over the whole payload: slices of it, their masses halved until each of them closes.
 
 use phihat_certificate::Gains;
 use phihat_study::{PayloadSet, Study};
@@ -14,15 +14,22 @@ use crate::parallel::{parallel, threads};
 /// The narrowest slice of the payload's mass that is tried, as a share of the interval.
 const NARROWEST: f64 = 1.0 / 8.0;
 
-/// Finds the tube of a study under gains.
+/// Slices of the payload where no more are asked for: halves of its mass.
+pub const PARTS: u32 = 2;
+
+/// Finds the tube of a study under gains, the payload in so many slices at least.
 ///
 /// # Errors
 ///
 /// [`TubeRefusal`].
-pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope, TubeRefusal> {
+pub fn find(
+    study: &Study,
+    gains: &Gains,
+    (desired, parts): (&Desired, u32),
+) -> Result<Envelope, TubeRefusal> {
     let scene = Scene::new(study, gains, desired)?;
     let own = misread(study, study.sensor.encoder_bits.as_deref());
-    let mut found = found(&scene, vec![own]);
+    let mut found = found(&scene, vec![own], parts);
     found.pop().unwrap_or_else(|| Err(no_mass()))
 }
 
@@ -34,11 +41,12 @@ pub fn find(study: &Study, gains: &Gains, desired: &Desired) -> Result<Envelope,
 pub fn find_behind(
     study: &Study,
     gains: &Gains,
-    desired: &Desired,
+    (desired, parts): (&Desired, u32),
     encoders: &[Vec<u32>],
 ) -> Result<Vec<Result<Envelope, TubeRefusal>>, TubeRefusal> {
     let scene = Scene::new(study, gains, desired)?;
-    Ok(found(&scene, encoders.iter().map(|bits| misread(study, Some(bits))).collect()))
+    let misreads = encoders.iter().map(|bits| misread(study, Some(bits))).collect();
+    Ok(found(&scene, misreads, parts))
 }
 
 fn no_mass() -> TubeRefusal {
@@ -57,14 +65,18 @@ struct Search {
 }
 
 /// The tubes over the whole payload, one per list of reading errors.
-fn found(scene: &Scene<'_>, misreads: Vec<Vec<f64>>) -> Vec<Result<Envelope, TubeRefusal>> {
+fn found(
+    scene: &Scene<'_>,
+    misreads: Vec<Vec<f64>>,
+    parts: u32,
+) -> Vec<Result<Envelope, TubeRefusal>> {
     let threads = threads();
     let Some(set) = &scene.payload else {
         let all: Vec<&[f64]> = misreads.iter().map(Vec::as_slice).collect();
         return sliced(scene, None, &all, threads)
             .unwrap_or_else(|why| vec![Err(why); misreads.len()]);
     };
-    let first = Slice::of(set, set.mass, if set.mass.1 > set.mass.0 { 2 } else { 1 });
+    let first = Slice::all(set, parts);
     let search = |misread| Search {
         misread,
         whole: None,
@@ -144,14 +156,13 @@ impl Search {
         }
         if !self.probed && width > 3.0 * NARROWEST {
             // Where the narrowest slice does not close, nothing around it will.
-            let top = slice.mass.1;
-            let narrow = Slice::of(set, (top - NARROWEST * whole, top), 1);
-            for one in sliced(scene, narrow.first(), &[&self.misread], threads())? {
+            let narrow = slice.heaviest(set, NARROWEST * whole);
+            for one in sliced(scene, Some(&narrow), &[&self.misread], threads())? {
                 one?;
             }
             self.probed = true;
         }
-        self.open.extend(Slice::of(set, slice.mass, 2));
+        self.open.extend(slice.by_mass(set, 2));
         Ok(())
     }
 

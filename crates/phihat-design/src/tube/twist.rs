@@ -6,13 +6,18 @@ use super::nominal::Nominal;
 use super::scene::{Scene, centre};
 
 /// Twist of the middle of the payload's box per joint velocity, in the frame's axes, at every sample.
-pub(super) fn jacobians(scene: &Scene<'_>, nominal: &Nominal, model: &Model) -> Vec<Vec<f64>> {
+pub(super) fn jacobians(
+    scene: &Scene<'_>,
+    nominal: &Nominal,
+    (model, off): (&Model, &[f64; 3]),
+) -> Vec<Vec<f64>> {
     let Some(set) = &scene.payload else { return Vec::new() };
     let Some(frame) = model.frame(&set.frame) else { return Vec::new() };
     let n = scene.n;
     let mut workspace = Workspace::new(model);
     let mut world = vec![0.0; 6 * n];
-    let c = centre(set);
+    let middle = centre(set);
+    let c: [f64; 3] = core::array::from_fn(|i| middle[i] + off[i]);
     (0..scene.samples)
         .map(|k| {
             model.jacobian(&mut workspace, &nominal.q[k * n..(k + 1) * n], frame, &mut world);

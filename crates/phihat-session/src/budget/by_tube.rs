@@ -2,7 +2,7 @@
 
 use phihat_design::Gains;
 use phihat_design::budget::{Cause, JointBudget, Part};
-use phihat_design::tube::tube;
+use phihat_design::tube::{PARTS, tube_in_parts};
 use phihat_model::JointKind;
 use phihat_sim::SimError;
 use phihat_study::{Held, Study};
@@ -27,9 +27,11 @@ pub(super) fn parts(study: &Study, gains: &Gains) -> Result<Option<Vec<JointBudg
     let certificate = gains.certificate.as_ref();
     let settle =
         certificate.and_then(|c| c.settle.as_ref()).map_or(study.spec.settle, |s| s.settle_s);
+    let slices = certificate.and_then(|c| c.tube.as_ref()).map_or(PARTS, |tube| tube.slices);
     let errors = |study: &Study| -> Result<Option<Vec<f64>>, SimError> {
         let desired = Told::of(study)?.to(gains)?;
-        let found = tube(study, gains, &desired).ok().map(|tube| tube.steady_from(settle));
+        let found = tube_in_parts(study, gains, (&desired, slices)).ok();
+        let found = found.map(|tube| tube.steady_from(settle));
         Ok(found.map(|tube| tube.joints.iter().map(|joint| joint.error_max_rad).collect()))
     };
     let Some(total) = errors(&all)? else { return Ok(None) };
