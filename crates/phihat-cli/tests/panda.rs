@@ -42,6 +42,31 @@ fn panda_tracks_within_half_a_milliradian() {
     }
 }
 
+/// A stricter error than two slices of the payload prove, under the same proof of the change of torque: the search goes on with finer ones.
+#[test]
+fn finer_slices_of_the_payload_prove_less_error() {
+    let folder = folder("panda-rate");
+    let study = std::fs::read_to_string(folder.join("studies/panda_rate.toml")).unwrap();
+    for hard_part in ["torque_step_max_nm = 1.0", "payload_max_kg = 1.0", "error_max_rad = 4e-4"] {
+        assert!(study.contains(hard_part), "the study must keep: {hard_part}");
+    }
+    let answer = json(&folder, &["run", "studies/panda_rate.toml", "--json"]);
+    for joint in answer["metrics"]["joints"].as_array().unwrap() {
+        assert!(joint["error_steady_max_rad"].as_f64().unwrap() <= 3e-4, "{joint}");
+        assert_eq!(joint["rate_limited_samples"], 0, "{joint}");
+    }
+    let tube = &answer["metrics"]["tube"];
+    assert!(tube["left"].is_null() && tube["no_promise"].is_null(), "{tube:#}");
+    let text = std::fs::read_to_string(folder.join("out/panda_rate/gains.json")).unwrap();
+    let gains: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let tube = &gains["certificate"]["tube"];
+    assert!(tube["slices"].as_u64().unwrap() > 2, "{}", tube["slices"]);
+    for joint in tube["joints"].as_array().unwrap() {
+        assert!(joint["error_max_rad"].as_f64().unwrap() <= 4e-4, "{joint}");
+        assert!(joint["torque_step_max_nm"].as_f64().unwrap() <= 1.0, "{joint}");
+    }
+}
+
 /// Without the proof that no torque changes by more than 1 N·m per sample: less error, proved and measured, and the robot's own limit
 /// does not act all the same, next to empty-handed and with all that the gains are for.
 #[test]
