@@ -113,7 +113,9 @@ impl ArmCase {
     /// The gains that this project's design gives for what it is told, or why there are none; designed
     /// when first asked for.
     pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
-        self.designed.get_or_init(|| ProposedLaw::designed(&self.told).map_err(Arc::new))
+        // Where no gains of the paper's law keep the specification in the hardest loop, they are those for the study's own.
+        let found = || ProposedLaw::designed(&self.told).or(ProposedLaw::designed(&self.study));
+        self.designed.get_or_init(|| found().map_err(Arc::new))
     }
 
     /// The paper's law with the values of a row, where the row's law is the paper's under whatever name; that from positions is

@@ -37,7 +37,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              page. A run that did not follow counts as 1 rad." }
         @if fronts.laws.iter().any(|law| law.designed) {
             p { "Designed gains are not tuned: their design is told the hardest loop that can be drawn, " (delay) " samples of delay and encoders of "
-                (bits.iter().flatten().copied().min().unwrap_or_default()) " bits." }
+                (bits.iter().flatten().copied().min().unwrap_or_default()) " bits; where the paper's law has no gains for that, the study's own loop." }
         }
         p { "Made by " code { (line(command)) } "." }
         h2 { "Not claimed" }
