@@ -48,7 +48,8 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Package>) -> Result<T, Reason> {
         Ok(Err(why)) => why.to_string(),
         Err(panic) => format!("is damaged ({})", words(panic.as_ref())),
     };
-    let told = why.chars().map(|c| if c.is_control() { ' ' } else { c });
+    let told = why.strip_prefix("Parquet error: ").unwrap_or(&why);
+    let told = told.chars().map(|c| if c.is_control() { ' ' } else { c });
     Err(Reason(told.take(CLIP).collect()))
 }
 

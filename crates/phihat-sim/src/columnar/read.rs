@@ -117,6 +117,9 @@ impl ParquetTable {
             let group = self.file.get_row_group(group)?;
             let packed = group.metadata().column(column).compression();
             if !matches!(packed, Compression::UNCOMPRESSED | Compression::SNAPPY) {
+                // A level, which some have, is in brackets.
+                let packed = packed.to_string();
+                let packed = packed.split('(').next().unwrap_or_default();
                 let reason = format!("is compressed by {packed}; SNAPPY or none is read");
                 return Err(Package::General(reason));
             }
