@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_design::prelude::FindCertificate as _;
-use phihat_design::tube::{Desired, PARTS, tube_in_parts};
+use phihat_design::tube::{Desired, FINER, PARTS, tube_in_parts};
 use phihat_design::{
     Arm, ArmError, Certificate, DesignError, Gains, GainsError, Outcome, PositionSearch, Settle,
     claims::Refutation, find_moving,
@@ -75,9 +75,6 @@ pub(crate) fn sketched(study: &Study, shares: &[f64], path: &Path) -> Result<Out
     }
     with_tube(study, gains, &arm)
 }
-
-/// Slices of the payload, where they are many.
-const FINER: u32 = 6;
 
 /// What is claimed of the arm as a whole.
 fn with_tube(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotTyped> {

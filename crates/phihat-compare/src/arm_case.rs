@@ -38,8 +38,8 @@ pub struct ArmCase {
     pub(crate) error_bound: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
-    /// What this project's designs are told: the study, or the hardest of the worlds that are drawn.
-    pub(crate) told: Study,
+    /// What this project's designs are told in place of the study, where its worlds are harder.
+    pub(crate) harder: Option<Study>,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
     designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
 }
@@ -99,7 +99,7 @@ impl ArmCase {
             eigenvalues: [plain.low, plain.high],
             error_bound,
             limits,
-            told: study.clone(),
+            harder: None,
             designed: OnceLock::new(),
             designed_positions: OnceLock::new(),
             study,
@@ -110,12 +110,13 @@ impl ArmCase {
         self.units.len()
     }
 
-    /// The gains that this project's design gives for what it is told, or why there are none; designed
-    /// when first asked for.
+    /// The gains that this project's design gives for the study's specification, or why there are none; designed
+    /// when first asked for. Where no gains keep it in a harder loop that the design is told of, they are those for the study's own.
     pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
-        // Where no gains of the paper's law keep the specification in the hardest loop, they are those for the study's own.
-        let found = || ProposedLaw::designed(&self.told).or(ProposedLaw::designed(&self.study));
-        self.designed.get_or_init(|| found().map_err(Arc::new))
+        self.designed.get_or_init(|| {
+            let harder = self.harder.as_ref().and_then(|told| ProposedLaw::designed(told).ok());
+            harder.map_or_else(|| ProposedLaw::designed(&self.study), Ok).map_err(Arc::new)
+        })
     }
 
     /// The paper's law with the values of a row, where the row's law is the paper's under whatever name; that from positions is
@@ -139,7 +140,8 @@ impl ArmCase {
     /// The same with the gains that this project's design gives, for a law that asks for them.
     pub(crate) fn completed(&self, entry: &Entry, mut supply: Supply) -> Supply {
         if entry.needs.designed && entry.needs.preview {
-            let found = || designed_positions(&self.told, &self.limits).map_err(Arc::new);
+            let told = self.harder.as_ref().unwrap_or(&self.study);
+            let found = || designed_positions(told, &self.limits).map_err(Arc::new);
             let designed = self.designed_positions.get_or_init(found).clone();
             supply.designed_positions =
                 designed.map_err(|why| Refusal::NotApplicable(why.to_string()));

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use phihat_campaign::Journal;
 use phihat_certificate::Gains;
 use phihat_model::{Robot, Workspace};
-use phihat_sim::{ParquetError, ParquetTable, Trace, Values};
+use phihat_sim::{ParquetError, ParquetTable, Trace, TraceError, Values};
 use phihat_study::Study;
 
 use crate::project;
@@ -125,21 +125,29 @@ static STUDIES: LazyLock<Vec<Study>> = LazyLock::new(|| {
 ///
 /// A promise is broken.
 pub fn trace_parquet(bytes: &[u8]) {
+    let read = |bytes: &[u8], study: &Study| Trace::read(Bytes::copy_from_slice(bytes), study);
+    recorded(bytes, read, |trace, file| trace.write_parquet(file).is_ok());
+    table(bytes);
+}
+
+/// A trace of each study's arm is refused with a reason, or is read and written again to bytes that read back the same.
+fn recorded(
+    bytes: &[u8],
+    read: impl Fn(&[u8], &Study) -> Result<Trace, TraceError>,
+    write: impl Fn(&Trace, &mut Vec<u8>) -> bool,
+) {
     assert_eq!(STUDIES.len(), 2);
     for study in STUDIES.iter() {
-        match Trace::read(Bytes::copy_from_slice(bytes), study) {
+        match read(bytes, study) {
             Ok(trace) => {
-                let mut file = Vec::new();
-                assert!(trace.write_parquet(&mut file).is_ok());
-                let again = Trace::read(Bytes::from(file.clone()), study);
-                let mut twice = Vec::new();
-                let written = again.is_ok_and(|again| again.write_parquet(&mut twice).is_ok());
+                let (mut file, mut twice) = (Vec::new(), Vec::new());
+                assert!(write(&trace, &mut file));
+                let written = read(&file, study).is_ok_and(|again| write(&again, &mut twice));
                 assert!(written && file == twice, "does not read back");
             }
             Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
         }
     }
-    table(bytes);
 }
 
 /// Every column of a table that is read.
@@ -172,20 +180,8 @@ fn table(bytes: &[u8]) {
 ///
 /// A promise is broken.
 pub fn trace(bytes: &[u8]) {
-    assert_eq!(STUDIES.len(), 2);
-    for study in STUDIES.iter() {
-        match Trace::read_csv(bytes, study) {
-            Ok(trace) => {
-                let mut text = Vec::new();
-                assert!(trace.write_csv(&mut text).is_ok());
-                let again = Trace::read_csv(&text[..], study);
-                let mut twice = Vec::new();
-                let written = again.is_ok_and(|again| again.write_csv(&mut twice).is_ok());
-                assert!(written && text == twice, "does not read back");
-            }
-            Err(why) => assert!(is_told(&why.to_string()), "{why:?}"),
-        }
-    }
+    let read = |bytes: &[u8], study: &Study| Trace::read_csv(bytes, study);
+    recorded(bytes, read, |trace, file| trace.write_csv(file).is_ok());
 }
 
 /// A file of these bytes in the system's folder for such.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_design::tube::{Desired, PARTS};
+use phihat_design::tube::{Desired, FINER, PARTS};
 use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
@@ -12,9 +12,6 @@ use crate::along::phi_along;
 use crate::error::SessionError;
 use crate::judged::{Judged, judge};
 use crate::told::Told;
-
-/// Slices of the payload where those of [`PARTS`] do not do.
-const FINER: u32 = 6;
 
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;

@@ -13,7 +13,7 @@ use crate::error::SessionError;
 use crate::files;
 use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TraceKind};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
-use crate::origin::{origin, trace_at, trace_of};
+use crate::origin::{origin, trace_of};
 use crate::page::write_page;
 use crate::record::Done;
 
@@ -172,13 +172,12 @@ pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Op
     Gains::from_json(&files::read(&gains).ok()?).ok()
 }
 
-/// Makes the page of a record again, from its files alone, its trace or its folder; says what the record is.
+/// Makes the page of a record again, from its files alone; says what the record is.
 ///
 /// # Errors
 ///
 /// [`SessionError`]: the files are not of one run, or the page cannot be written.
 pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
-    let trace = &trace_at(trace);
     let folder = folder_of(trace);
     RunRecord::is_named(trace)?;
     // Nobody may put another run there between reading it and writing its page.

@@ -125,7 +125,7 @@ impl Trace {
     }
 }
 
-/// Whether a file begins as Parquet does.
+/// Whether a file begins as Parquet does. It is not at its beginning after that: what reads on asks it for a reader.
 ///
 /// # Errors
 ///

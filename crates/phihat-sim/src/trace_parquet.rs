@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use parquet::data_type::ByteArray;
 use phihat_study::Study;
 
-use crate::columnar::{ChunkReader, Kind, ParquetTable, Stored, TableWriter, Texts, Values};
+use crate::columnar::{ChunkReader, Kind, ParquetTable, TableWriter, Texts, Values};
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, signals};
@@ -81,9 +81,8 @@ impl<W: Write + Send> Begun<W> {
     fn begin(&mut self, trace: &Trace) -> io::Result<&mut TableWriter<W>> {
         if let Self::Not(writer) = self {
             let writer = writer.take().ok_or_else(unfinished)?;
-            let first = [("t_ns", Stored::Integers), ("joint", Stored::Texts)];
-            let all = first.into_iter().chain(signals(trace.supervision.is_some()).map(stored));
-            *self = Self::Yes(TableWriter::begin(writer, &all.collect::<Vec<_>>())?);
+            let all: Vec<_> = columns(trace.supervision.is_some()).collect();
+            *self = Self::Yes(TableWriter::begin(writer, &all)?);
         }
         match self {
             Self::Yes(file) => Ok(file),
@@ -94,19 +93,6 @@ impl<W: Write + Send> Begun<W> {
 
 fn unfinished() -> io::Error {
     io::Error::other("its beginning could not be written")
-}
-
-/// What a column holds, by its name.
-fn stored(name: &'static str) -> (&'static str, Stored) {
-    let [mode, events, fault, brake] = SUPERVISION;
-    let stored = if FLAGS.contains(&name) || name == brake {
-        Stored::Flags
-    } else if [mode, events, fault].contains(&name) {
-        Stored::Texts
-    } else {
-        Stored::Numbers
-    };
-    (name, stored)
 }
 
 /// Writes some samples as one row group.
@@ -195,7 +181,7 @@ impl Trace {
         let table = ParquetTable::open(file)?;
         let supervised = table.place(SUPERVISION[0]).is_some();
         let mut places = Vec::new();
-        for (column, kind) in wanted(supervised) {
+        for (column, kind) in columns(supervised) {
             let there = table.place(column);
             let there =
                 there.filter(|at| table.columns().nth(*at).is_some_and(|c| c.1 == Some(kind)));
@@ -220,14 +206,20 @@ impl Trace {
 }
 
 /// The columns of a trace and what they hold.
-fn wanted(supervised: bool) -> impl Iterator<Item = (&'static str, Kind)> {
+fn columns(supervised: bool) -> impl Iterator<Item = (&'static str, Kind)> {
+    let [mode, events, fault, brake] = SUPERVISION;
+    let kind = move |name: &'static str| {
+        let kind = if FLAGS.contains(&name) || name == brake {
+            Kind::Flags
+        } else if [mode, events, fault].contains(&name) {
+            Kind::Texts
+        } else {
+            Kind::Numbers
+        };
+        (name, kind)
+    };
     let first = [("t_ns", Kind::Integers), ("joint", Kind::Texts)];
-    first.into_iter().chain(signals(supervised).map(|name| match stored(name).1 {
-        Stored::Numbers => (name, Kind::Numbers),
-        Stored::Flags => (name, Kind::Flags),
-        Stored::Texts => (name, Kind::Texts),
-        Stored::Integers => (name, Kind::Integers),
-    }))
+    first.into_iter().chain(signals(supervised).map(kind))
 }
 
 /// Some rows of the file, by column.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use phihat_sim::{Batch, Ended, Metrics, Simulation, Trace, derive_substeps};
 use phihat_study::Study;
 
-use crate::support::{gains, read, run};
+use crate::support::{columns, gains, read, run};
 
 /// A splitmix64 generator.
 struct Random(u64);
@@ -188,25 +188,7 @@ fn compare(studies: &[Study]) -> usize {
             let mut part = own.trace.clone();
             let cut = |column: &mut Vec<f64>| *column = column[from..from + block.len()].to_vec();
             for joint in &mut part.joints {
-                for column in [
-                    &mut joint.q,
-                    &mut joint.dq,
-                    &mut joint.ddq,
-                    &mut joint.q_desired,
-                    &mut joint.dq_desired,
-                    &mut joint.ddq_desired,
-                    &mut joint.e,
-                    &mut joint.e_integral,
-                    &mut joint.de,
-                    &mut joint.q_measured,
-                    &mut joint.dq_measured,
-                    &mut joint.tau_command,
-                    &mut joint.tau_applied,
-                    &mut joint.phi,
-                    &mut joint.phi_hat,
-                ] {
-                    cut(column);
-                }
+                columns(joint).into_iter().for_each(cut);
                 joint.saturated = joint.saturated[from..from + block.len()].to_vec();
                 joint.rate_limited = joint.rate_limited[from..from + block.len()].to_vec();
             }

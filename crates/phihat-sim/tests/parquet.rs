@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::support::{read, rod_study};
+use crate::support::{columns, read, rod_study};
 use allocation_counter::measure;
 use bytes::Bytes;
 use parquet::basic::{Compression, Encoding};
@@ -64,27 +64,6 @@ fn planar() -> Study {
          order = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n\
          [reference]\nkind = \"hold\"\nq_rad = [0.1, 0.2, 0.3]\n",
     )
-}
-
-/// The numeric columns of a joint.
-fn columns(joint: &mut JointTrace) -> [&mut Vec<f64>; 15] {
-    [
-        &mut joint.q,
-        &mut joint.dq,
-        &mut joint.ddq,
-        &mut joint.q_desired,
-        &mut joint.dq_desired,
-        &mut joint.ddq_desired,
-        &mut joint.e,
-        &mut joint.e_integral,
-        &mut joint.de,
-        &mut joint.q_measured,
-        &mut joint.dq_measured,
-        &mut joint.tau_command,
-        &mut joint.tau_applied,
-        &mut joint.phi,
-        &mut joint.phi_hat,
-    ]
 }
 
 /// A trace of a study's arm in which everything is drawn.

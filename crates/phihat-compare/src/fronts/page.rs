@@ -16,7 +16,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
     let title = format!("Fronts at equal noise: {}", line(&fronts.arm.robot));
     let extent = &fronts.extent;
     let [train, validation, test] = extent.worlds;
-    let (delay, bits) = hardest(1);
+    let (delay, bits) = hardest();
     let main = html! {
         header {
             h1 { (title) }
@@ -37,7 +37,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              page. A run that did not follow counts as 1 rad." }
         @if fronts.laws.iter().any(|law| law.designed) {
             p { "Designed gains are not tuned: their design is told the hardest loop that can be drawn, " (delay) " samples of delay and encoders of "
-                (bits.iter().flatten().copied().min().unwrap_or_default()) " bits; where the paper's law has no gains for that, the study's own loop." }
+                (bits) " bits; where the paper's law has no gains for that, the study's own loop." }
         }
         p { "Made by " code { (line(command)) } "." }
         h2 { "Not claimed" }

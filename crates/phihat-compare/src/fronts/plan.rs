@@ -129,7 +129,7 @@ impl FrontsPlan {
         let version = env!("CARGO_PKG_VERSION");
         let (sum, name) = (&self.arms[0].study.sha256, &self.arms[0].name);
         let mut parts = vec![EDITION, version, sum, name, law.entry.card.id, &scalars, &how];
-        let told = format!("told {:?}", hardest(self.arms[0].joints()));
+        let told = format!("told {:?}", hardest());
         if law.entry.needs.designed {
             parts.push(&told);
         }

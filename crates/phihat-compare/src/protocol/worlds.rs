@@ -94,10 +94,10 @@ fn one(seed: u64, split: Split, number: u32) -> Drawn {
     }
 }
 
-/// The longest delay \[samples\] and the coarsest encoders \[bit\] that are drawn, for so many joints.
-pub(crate) fn hardest(joints: usize) -> (u32, Option<Vec<u32>>) {
+/// The longest delay \[samples\] and the coarsest encoder \[bit\] that are drawn.
+pub(crate) fn hardest() -> (u32, u32) {
     let bits = BITS.iter().copied().min().unwrap_or(1);
-    (u32::try_from(DELAY).unwrap_or(u32::MAX), Some(vec![bits; joints]))
+    (u32::try_from(DELAY).unwrap_or(u32::MAX), bits)
 }
 
 impl ArmCase {
@@ -123,7 +123,11 @@ impl ArmCase {
     /// The same, with designs for the hardest loop that can be drawn: its longest delay and its coarsest encoder. Laws with scalars learn
     /// of those in the training worlds; a design has to be told.
     pub(crate) fn told_of_drawn(mut self) -> Self {
-        (self.told.control.delay_samples, self.told.sensor.encoder_bits) = hardest(self.joints());
+        let (delay, bits) = hardest();
+        let mut told = self.study.clone();
+        told.control.delay_samples = delay;
+        told.sensor.encoder_bits = Some(vec![bits; self.joints()]);
+        self.harder = Some(told);
         self
     }
 

@@ -45,5 +45,5 @@ pub use document::{tube, tube_in_parts, tubes_behind};
 pub use envelope::{Envelope, JointEnvelope};
 pub use refusal::TubeRefusal;
 pub use scene::modelled;
-pub use slices::{PARTS, find, find_behind};
+pub use slices::{FINER, PARTS, find, find_behind};
 pub use tip::tip_along;

@@ -17,6 +17,9 @@ const NARROWEST: f64 = 1.0 / 8.0;
 /// Slices of the payload where no more are asked for: halves of its mass.
 pub const PARTS: u32 = 2;
 
+/// Slices of the payload where [`PARTS`] do not do: halves of whatever leaves most unknown, mass or a coordinate of its centre.
+pub const FINER: u32 = 6;
+
 /// Finds the tube of a study under gains, the payload in so many slices at least.
 ///
 /// # Errors

@@ -14,7 +14,7 @@ pub use parquet::file::reader::ChunkReader;
 pub use read::ParquetTable;
 pub(crate) use read::begins_as_parquet;
 pub use values::{Kind, Texts, Values};
-pub(crate) use write::{Stored, TableWriter};
+pub(crate) use write::TableWriter;
 
 /// How a Parquet file begins and ends.
 const MAGIC: [u8; 4] = *b"PAR1";

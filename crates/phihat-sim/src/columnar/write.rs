@@ -11,26 +11,18 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
+use super::values::Kind;
+
 /// Who wrote a file.
 const WRITER: &str = concat!("phihat version ", env!("CARGO_PKG_VERSION"));
 
-/// What a column stores.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Stored {
-    Integers,
-    Numbers,
-    Flags,
-    Texts,
-}
-
-impl Stored {
-    fn physical(self) -> (Physical, Option<LogicalType>) {
-        match self {
-            Self::Integers => (Physical::INT64, None),
-            Self::Numbers => (Physical::DOUBLE, None),
-            Self::Flags => (Physical::BOOLEAN, None),
-            Self::Texts => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-        }
+/// How the format stores what a column holds.
+fn physical(kind: Kind) -> (Physical, Option<LogicalType>) {
+    match kind {
+        Kind::Integers => (Physical::INT64, None),
+        Kind::Numbers => (Physical::DOUBLE, None),
+        Kind::Flags => (Physical::BOOLEAN, None),
+        Kind::Texts => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
     }
 }
 
@@ -41,7 +33,7 @@ pub(crate) struct TableWriter<W: Write + Send> {
 
 impl<W: Write + Send> TableWriter<W> {
     /// Begins a file.
-    pub(crate) fn begin(out: W, columns: &[(&str, Stored)]) -> io::Result<Self> {
+    pub(crate) fn begin(out: W, columns: &[(&str, Kind)]) -> io::Result<Self> {
         let schema = schema(columns).map_err(io::Error::other)?;
         let properties = Arc::new(properties(columns));
         let file = SerializedFileWriter::new(out, schema, properties).map_err(io::Error::other)?;
@@ -103,9 +95,9 @@ impl<W: Write + Send> GroupWriter<'_, W> {
     }
 }
 
-fn schema(columns: &[(&str, Stored)]) -> Result<TypePtr, Package> {
-    let field = |(name, stored): &(&str, Stored)| {
-        let (physical, logical) = stored.physical();
+fn schema(columns: &[(&str, Kind)]) -> Result<TypePtr, Package> {
+    let field = |(name, kind): &(&str, Kind)| {
+        let (physical, logical) = physical(*kind);
         Type::primitive_type_builder(name, physical)
             .with_repetition(Repetition::REQUIRED)
             .with_logical_type(logical)
@@ -118,7 +110,7 @@ fn schema(columns: &[(&str, Stored)]) -> Result<TypePtr, Package> {
 
 /// Numbers have their bytes apart, so that those which hardly change stand together; texts are few, and in a dictionary. There are no
 /// statistics: nobody looks for rows of a trace by their values.
-fn properties(columns: &[(&str, Stored)]) -> WriterProperties {
+fn properties(columns: &[(&str, Kind)]) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_created_by(WRITER.to_owned())
         .set_compression(Compression::SNAPPY)
@@ -126,14 +118,12 @@ fn properties(columns: &[(&str, Stored)]) -> WriterProperties {
         .set_offset_index_disabled(true)
         .set_data_page_row_count_limit(usize::MAX)
         .set_dictionary_enabled(false);
-    for (name, stored) in columns {
+    for (name, kind) in columns {
         let path = || (*name).into();
-        properties = match stored {
-            Stored::Integers | Stored::Flags => {
-                properties.set_column_encoding(path(), Encoding::PLAIN)
-            }
-            Stored::Numbers => properties.set_column_encoding(path(), Encoding::BYTE_STREAM_SPLIT),
-            Stored::Texts => properties.set_column_dictionary_enabled(path(), true),
+        properties = match kind {
+            Kind::Integers | Kind::Flags => properties.set_column_encoding(path(), Encoding::PLAIN),
+            Kind::Numbers => properties.set_column_encoding(path(), Encoding::BYTE_STREAM_SPLIT),
+            Kind::Texts => properties.set_column_dictionary_enabled(path(), true),
         };
     }
     properties.build()

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use phihat::{JointDesign, JointGains};
-use phihat_sim::{Outcome, Simulation};
+use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::Study;
 
 /// Inertia of the rod about its hinge \[kg·m²\].
@@ -41,4 +41,25 @@ pub(crate) fn gains(study: &Study) -> Vec<JointGains<f64>> {
 /// Runs a study under [`gains`].
 pub(crate) fn run(study: &Study) -> Outcome {
     Simulation::new(study, &gains(study)).unwrap().run(|_| ())
+}
+
+/// The numeric columns of a joint.
+pub(crate) fn columns(joint: &mut JointTrace) -> [&mut Vec<f64>; 15] {
+    [
+        &mut joint.q,
+        &mut joint.dq,
+        &mut joint.ddq,
+        &mut joint.q_desired,
+        &mut joint.dq_desired,
+        &mut joint.ddq_desired,
+        &mut joint.e,
+        &mut joint.e_integral,
+        &mut joint.de,
+        &mut joint.q_measured,
+        &mut joint.dq_measured,
+        &mut joint.tau_command,
+        &mut joint.tau_applied,
+        &mut joint.phi,
+        &mut joint.phi_hat,
+    ]
 }
