@@ -68,6 +68,7 @@ mod contradiction;
 pub mod coupled;
 mod designer;
 pub mod export;
+mod lanes;
 mod limit;
 mod parallel;
 mod positions;

@@ -12,6 +12,9 @@ pub(crate) fn parallel<T: Send>(
     make: impl Fn(usize) -> T + Sync,
 ) -> Vec<T> {
     let share = list.len().div_ceil(threads).max(1);
+    if share >= list.len() {
+        return list.iter().map(|i| make(*i)).collect();
+    }
     let make = &make;
     std::thread::scope(|scope| {
         let parts: Vec<_> = list

@@ -103,10 +103,16 @@ pub(crate) fn found_for(
     advice: Advice,
 ) -> Result<Outcome, SessionError> {
     let for_tip = with_tip(study).map_err(|e| SessionError::at(path, e))?;
-    let study = &*for_tip;
-    if study.control.form_designed {
-        return either_form(study, arm, path, advice);
+    if for_tip.control.form_designed {
+        let (formed, outcome) = either_form(&for_tip, arm, path, advice)?;
+        return completed(&formed, arm, outcome, path);
     }
+    let outcome = sought(&for_tip, arm, path, advice)?;
+    completed(&for_tip, arm, outcome, path)
+}
+
+/// What the search of the study's own form finds.
+fn sought(study: &Study, arm: &Arm, path: &Path, advice: Advice) -> Result<Outcome, SessionError> {
     let demand = Demand::along(study).map_err(|e| SessionError::at(path, e))?;
     let moving = |phi: &dyn Fn(usize, f64) -> Phi, joint: usize, inertia: f64| {
         let motion = Some(motion_along(&demand, joint));
@@ -118,8 +124,7 @@ pub(crate) fn found_for(
     };
     // Arms that are known by intervals have no tube: the search by bounds serves them, whatever the law.
     if study.control.form == Form::Positions && study.design.inertia == InertiaSource::Robot {
-        let outcome = by_positions(study, (arm, &demand), path)?;
-        return completed(study, arm, outcome, path);
+        return by_positions(study, (arm, &demand), path);
     }
     let make = |asked: &Study| estimated(asked, path, &demand, &made);
     let mut outcome = crate::spec_search::within_spec(study, path, &make)?;
@@ -141,7 +146,7 @@ pub(crate) fn found_for(
             no.alternatives.extend(smallest_rotor(study, path)?);
         }
     }
-    completed(study, arm, outcome, path)
+    Ok(outcome)
 }
 
 /// The study with an error of its joints that keeps the bound on its tip, where it states one.
@@ -156,15 +161,15 @@ pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
     Ok(Cow::Owned(own))
 }
 
-/// Designs in both forms that serve the study, and takes the better one.
+/// Designs in both forms that serve the study, and takes the better one, with the study in its form.
 fn either_form(
     study: &Study,
     arm: &Arm,
     path: &Path,
     advice: Advice,
-) -> Result<Outcome, SessionError> {
+) -> Result<(Box<Study>, Outcome), SessionError> {
     let formed = |form: Form| {
-        let mut own = study.clone();
+        let mut own = Box::new(study.clone());
         own.control.form_designed = false;
         own.control.takes(form);
         own
@@ -173,18 +178,19 @@ fn either_form(
     let ours = study.design.method == DesignMethod::Ours;
     let known = study.design.inertia == InertiaSource::Robot && study.spec.error_bound.is_some();
     let ahead = study.control.delay_samples <= phihat_study::AHEAD_MAX;
-    if !(ours && known && ahead) {
-        return found_for(&observer, arm, path, advice);
+    if ours && known && ahead {
+        let positions = formed(Form::Positions);
+        if let Outcome::Designed(seen) = sought(&positions, arm, path, Advice::Clauses)? {
+            return Ok(match sought(&observer, arm, path, Advice::Clauses)? {
+                Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => {
+                    (observer, Outcome::Designed(fed))
+                }
+                _ => (positions, Outcome::Designed(seen)),
+            });
+        }
     }
-    let positions = formed(Form::Positions);
-    let Outcome::Designed(seen) = found_for(&positions, arm, path, Advice::Clauses)? else {
-        return found_for(&observer, arm, path, advice);
-    };
-    let other = match found_for(&observer, arm, path, Advice::Clauses)? {
-        Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => fed,
-        _ => seen,
-    };
-    Ok(Outcome::Designed(other))
+    let outcome = sought(&observer, arm, path, advice)?;
+    Ok((observer, outcome))
 }
 
 /// One search, by bounds of joint after joint.
@@ -232,14 +238,24 @@ fn completed(
     mut outcome: Outcome,
     path: &Path,
 ) -> Result<Outcome, SessionError> {
-    if let Outcome::Designed(gains) = &mut outcome {
-        let coupled = coupled_along(study, gains).map_err(|e| SessionError::at(path, e))?;
-        if let Some(certificate) = &mut gains.certificate {
-            certificate.coupled = coupled;
-        }
-        find_moving(gains, arm);
-        gains.coarser = coarser(study, gains).map_err(|e| SessionError::at(path, e))?;
+    let Outcome::Designed(gains) = &mut outcome else { return Ok(outcome) };
+    let mut moving = gains.clone();
+    let found = std::thread::scope(|side| {
+        // A search on one thread, beside what shares its work among all.
+        let side = side.spawn(|| find_moving(&mut moving, arm));
+        let found =
+            coupled_along(study, gains).map_err(|e| SessionError::at(path, e)).and_then(|one| {
+                Ok((one, coarser(study, gains).map_err(|e| SessionError::at(path, e))?))
+            });
+        side.join().unwrap_or_else(|why| std::panic::resume_unwind(why));
+        found
+    });
+    let (coupled, coarser) = found?;
+    if let Some(certificate) = &mut moving.certificate {
+        certificate.coupled = coupled;
     }
+    moving.coarser = coarser;
+    *gains = moving;
     Ok(outcome)
 }
 

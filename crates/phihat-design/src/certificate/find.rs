@@ -13,16 +13,31 @@ use crate::sampled::{
     InertiaWindow, LargestStep, LoopModel, Margins, ReadingError, ReferenceError, SampledPeaks,
     SampledVarying, TorqueNoise, VaryingWindow,
 };
-use phihat_certificate::{ContinuousLaw, PositionObserver};
+use phihat_certificate::ContinuousLaw;
+
+/// A law in a loop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Looped<'a> {
+    pub(super) record: &'a JointRecord,
+    pub(super) model: LoopModel,
+    /// Least and largest gain of the drive, where it is not 1.
+    pub(super) drive: Option<(f64, f64)>,
+}
+
+impl Looped<'_> {
+    /// Whether both have the same law, whatever its nominal inertia, in the same loop, with a drive of the same gain.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        UnitLaw::from(self.record) == UnitLaw::from(other.record)
+            && self.record.observer == other.record.observer
+            && self.model == other.model
+            && self.drive == other.drive
+    }
+}
 
 /// What is claimed whatever the nominal inertia: joints with the same law in the same loop share it.
 #[derive(Debug, Clone)]
 pub(super) struct Shared {
-    law: UnitLaw,
-    observer: Option<PositionObserver>,
     model: LoopModel,
-    /// Least and largest gain of the drive, where it is not 1.
-    drive: Option<(f64, f64)>,
     window: Option<InertiaWindow>,
     varying: Option<VaryingWindow>,
     sampled_varying: Option<SampledVarying>,
@@ -43,8 +58,8 @@ struct OverRange {
 impl Shared {
     /// About one law in one loop, over an arm's range.
     pub(super) fn find(
-        record: &JointRecord,
-        (model, drive, modelled): (LoopModel, Option<(f64, f64)>, Result<(), Refutation>),
+        Looped { record, model, .. }: Looped<'_>,
+        modelled: Result<(), Refutation>,
         (arm, margin): (&ArmInertia, f64),
         encoder: bool,
     ) -> Result<Self, Refutation> {
@@ -65,30 +80,16 @@ impl Shared {
             kept(over, &mut refused)
         });
         Ok(Self {
-            law: UnitLaw::from(record),
-            observer: record.observer.clone(),
             varying: if fed { varying() } else { None },
             sampled_varying: SampledVarying::find(record, &model, range)
                 .or_else(|_| SampledVarying::widest_within(record, &model, range))
                 .ok(),
             model,
-            drive,
             window,
             continuous,
             over,
             refused,
         })
-    }
-
-    /// Whether it is about this law, whatever its nominal inertia, in this loop, with a drive of this gain.
-    pub(super) fn is_of(
-        &self,
-        record: &JointRecord,
-        model: &LoopModel,
-        drive: Option<(f64, f64)>,
-    ) -> bool {
-        let same = UnitLaw::from(record) == self.law && record.observer == self.observer;
-        same && self.model == *model && self.drive == drive
     }
 }
 

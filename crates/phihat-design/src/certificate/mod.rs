@@ -18,11 +18,9 @@ pub use moving::find_moving;
 pub(crate) use scope::{as_modelled, missing};
 
 use crate::claims::Refutation;
+use crate::parallel::{parallel, threads};
 use crate::sampled::{LoopModel, TorqueNoise};
-use crate::{
-    ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi,
-    Settle,
-};
+use crate::{ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, NotCounted, Phi, Settle};
 
 pub(crate) use phihat_certificate::RATIOS;
 
@@ -59,34 +57,39 @@ impl FindCertificate for Certificate {
             Err(why) => (None, Some(why)),
         };
         let bits = study.sensor.encoder_bits.as_ref();
-        let mut known: Vec<find::Shared> = Vec::new();
-        let mut joint = |(i, record): (usize, &JointRecord)| {
-            let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
-            let drive = scope::gains(study, i);
-            let at = known.iter().position(|shared| shared.is_of(record, &model, drive));
-            let at = at.map_or_else(
-                || {
-                    let modelled = scope::unmodelled(study, i, (record, &model), &arm);
-                    let loop_ = (model, drive, modelled);
-                    known.push(find::Shared::find(record, loop_, (&arm, margin), bits.is_some())?);
-                    Ok(known.len() - 1)
-                },
-                Ok,
-            )?;
+        let laws: Vec<find::Looped<'_>> = gains
+            .joints
+            .iter()
+            .enumerate()
+            .map(|(i, record)| {
+                let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
+                find::Looped { record, model, drive: scope::gains(study, i) }
+            })
+            .collect();
+        // The first joint with each law, and which of them is like a joint.
+        let first = |i: &usize| (0..*i).all(|j| !laws[j].is_like(&laws[*i]));
+        let firsts: Vec<usize> = (0..laws.len()).filter(first).collect();
+        let known = parallel(&firsts, threads(), |i| {
+            let modelled = scope::unmodelled(study, i, (laws[i].record, &laws[i].model), &arm);
+            let found = find::Shared::find(laws[i], modelled, (&arm, margin), bits.is_some());
+            found.map_err(|why| why.on(&laws[i].record.name))
+        });
+        let known = known.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let joint = |(i, law): (usize, &find::Looped<'_>)| {
             let context = find::Context {
-                record,
+                record: law.record,
                 arm: &arm,
                 // The robot's own rules are limits like the study's.
                 limits: study.limits(i),
                 quantum: bits.and_then(|b| b.get(i)).map(|bits| TorqueNoise::quantum(*bits)),
                 duration: study.duration,
             };
-            context.claims(&known[at], phi.get(i).cloned().flatten())
+            let of = firsts.iter().zip(&known).find(|(first, _)| laws[**first].is_like(law));
+            let claims = of.map(|(_, of)| context.claims(of, phi.get(i).cloned().flatten()));
+            claims.transpose().map_err(|why| why.on(&law.record.name))
         };
-        let joint = |(i, record): (usize, &JointRecord)| {
-            joint((i, record)).map_err(|why| why.on(&record.name))
-        };
-        let joints = gains.joints.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
+        let joints = laws.iter().enumerate().filter_map(|one| joint(one).transpose());
+        let joints = joints.collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
         Ok(Self {
             arm,

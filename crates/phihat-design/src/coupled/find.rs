@@ -5,6 +5,7 @@ use phihat_certificate::{CoupledGains, FrozenPosture, JointRecord, LoopModel, Ma
 
 use super::at_posture::{Loops, inverse, sums};
 use super::linear::{OUTPUTS, Sums};
+use crate::parallel::{parallel, threads};
 
 /// How many matrices there are: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
 const KINDS: usize = 7;
@@ -42,8 +43,12 @@ impl FindCoupledGains for CoupledGains {
         let n = loops.len();
         let mut largest: Kinds = core::array::from_fn(|_| DMatrix::zeros(n, n));
         let mut rows = vec![[(0.0_f64, 0_usize); KINDS]; n];
-        for (at, posture) in postures.iter().enumerate() {
-            let here = at_posture(loops, &matrix(&posture.mass_matrix_kg_m2, n))?;
+        let all: Vec<usize> = (0..postures.len()).collect();
+        let found = parallel(&all, threads(), |at| {
+            at_posture(loops, &matrix(&postures[at].mass_matrix_kg_m2, n))
+        });
+        for (at, here) in found.into_iter().enumerate() {
+            let here = here?;
             for (kind, (most, here)) in largest.iter_mut().zip(&here).enumerate() {
                 for i in 0..n {
                     let row = here.row(i).max();

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{JointRecord, LoopModel};
 
+use crate::lanes::{Lane, WIDE};
 use crate::sampled::mean_of_line;
 use crate::sampled::sample::{Input, Sample};
 
@@ -35,7 +36,8 @@ pub(super) struct Horizon {
 /// The joints `i` with their laws and loops on one constant matrix `M`: `M q̈ = τ − d`.
 pub(super) struct Linear {
     a: DMatrix<f64>,
-    entries: Vec<(usize, usize, f64)>,
+    /// Columns of `a`, sparse.
+    columns: Vec<Vec<(usize, f64)>>,
     /// Output rows of each joint on the state.
     rows: Vec<Vec<[f64; OUTPUTS]>>,
     /// State after a unit torque impulse on each joint at an interval's start and at its end, sparse.
@@ -64,7 +66,7 @@ impl Linear {
             samples.iter().zip(&nominal).map(|(s, m)| s.scale() / m.sqrt()).collect();
         let mut own = Self {
             a: DMatrix::zeros(length, length),
-            entries: Vec::new(),
+            columns: Vec::new(),
             rows: vec![vec![[0.0; OUTPUTS]; length]; n],
             kicks: Vec::new(),
             readings: Vec::new(),
@@ -117,8 +119,7 @@ impl Linear {
             };
             own.kicks.push([kick(period), kick(0.0)]);
         }
-        let of = |(k, value): (usize, &f64)| (k % length, k / length, *value);
-        own.entries = own.a.iter().enumerate().map(of).filter(|e| e.2 != 0.0).collect();
+        own.columns = own.a.column_iter().map(|c| sparse(c.iter().copied())).collect();
         own
     }
 
@@ -155,7 +156,7 @@ impl Linear {
         (samples, horizon): (usize, &Horizon),
         mut visit: impl FnMut(usize, &Lines),
     ) -> Vec<Sums> {
-        let mut now = self.rows[i].clone();
+        let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
         let mut next = now.clone();
         let mut total = [0.0; OUTPUTS];
         let mut before: Vec<Lines> = self.direct.iter().map(|d| first(&d[i])).collect();
@@ -165,21 +166,22 @@ impl Linear {
         for _ in 0..samples {
             for (j, before) in before.iter_mut().enumerate() {
                 let mut lines = [0.0; 16];
-                add(&mut lines, 0, &now, &self.kicks[j][0]);
-                add(&mut lines, OUTPUTS, &now, &self.kicks[j][1]);
-                add(&mut lines, 2 * OUTPUTS, &now, &self.readings[j]);
+                let [start, end] = &self.kicks[j];
+                for (part, inputs) in [start, end, &self.readings[j]].into_iter().enumerate() {
+                    let own = along(&now, inputs);
+                    lines[part * OUTPUTS..(part + 1) * OUTPUTS].copy_from_slice(&own[..OUTPUTS]);
+                }
                 let raw = lines;
-                for k in (0..lines.len()).filter(|k| CHANGES.contains(&(k % OUTPUTS))) {
-                    lines[k] -= before[k];
+                for part in 0..3 {
+                    for o in CHANGES {
+                        lines[part * OUTPUTS + o] -= before[part * OUTPUTS + o];
+                    }
                 }
                 *before = raw;
                 visit(j, &lines);
             }
-            next.fill([0.0; OUTPUTS]);
-            for (row, column, value) in &self.entries {
-                for o in 0..OUTPUTS {
-                    next[*column][o] += value * now[*row][o];
-                }
+            for (next, column) in next.iter_mut().zip(&self.columns) {
+                *next = along(&now, column);
             }
             for (now, next) in now.iter().zip(&next) {
                 for o in 0..OUTPUTS {
@@ -196,9 +198,8 @@ impl Linear {
             (0..now.len()).map(|row| later(row).abs()).largest()
         };
         let last = |x: &[(usize, f64)], before: &[f64]| {
-            let mut lines = [0.0; 16];
-            add(&mut lines, 0, &now, x);
-            CHANGES.map(|o| (lines[o] - before[o]).abs())
+            let own = along(&now, x);
+            CHANGES.map(|o| (own[o] - before[o]).abs())
         };
         let tail = |size: f64, last: [f64; 2]| {
             let mut tail = total.map(|total| total * size * rest);
@@ -232,15 +233,25 @@ fn first(direct: &[f64; OUTPUTS]) -> Lines {
     lines
 }
 
-fn add(lines: &mut Lines, from: usize, rows: &[[f64; OUTPUTS]], x: &[(usize, f64)]) {
-    for (k, value) in x {
-        for o in 0..OUTPUTS {
-            lines[from + o] += value * rows[*k][o];
-        }
-    }
+/// [`OUTPUTS`] side by side.
+type Outputs = Lane<WIDE>;
+
+fn abreast(outputs: &[f64; OUTPUTS]) -> Outputs {
+    Lane::of(|o| outputs.get(o).copied().unwrap_or(0.0))
 }
 
-fn sparse(x: Vec<f64>) -> Vec<(usize, f64)> {
+/// Outputs of a state.
+fn along(rows: &[Outputs], x: &[(usize, f64)]) -> Outputs {
+    let mut sum = Outputs::ZERO;
+    for (k, value) in x {
+        for o in 0..WIDE {
+            sum[o] += value * rows[*k][o];
+        }
+    }
+    sum
+}
+
+fn sparse(x: impl IntoIterator<Item = f64>) -> Vec<(usize, f64)> {
     x.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect()
 }
 

@@ -6,6 +6,7 @@ mod candidate;
 pub(crate) mod error;
 pub(crate) mod infeasible;
 pub(crate) mod known;
+mod loops;
 pub(crate) mod nominal;
 pub(crate) mod outcome;
 mod paper;

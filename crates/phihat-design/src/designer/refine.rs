@@ -74,6 +74,6 @@ impl Search<'_> {
                 filter_hz = filter_hz.map(|hz| (hz * by.exp()).min(half));
             }
         }
-        self.candidates_of(Shape { w, order, ratio, filter_hz }, &[share]).pop()
+        self.loops.candidates_of(Shape { w, order, ratio, filter_hz }, &[share]).pop()
     }
 }

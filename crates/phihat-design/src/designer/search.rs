@@ -6,6 +6,7 @@ use phihat_study::Study;
 use super::candidate::{Candidate, Shape};
 use super::error::DesignError;
 use super::known::{Known, PhiOf};
+use super::loops::Loops;
 use super::nominal::shared_out;
 use super::verdict::{KEYS, Verdict};
 use crate::Certificate;
@@ -13,9 +14,10 @@ use crate::TradeOff;
 use crate::budget::loop_in_words;
 use crate::certificate::{Evidence, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
+use crate::parallel::{parallel, threads};
 use crate::prelude::*;
 use crate::quick::Quick;
-use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, TorqueNoise, least_modulus};
+use crate::sampled::{LoopModel, TorqueNoise};
 use crate::trade_off::{front, worth_measuring};
 use crate::{Arm, ArmInertia, Phi};
 use crate::{Gains, JointRecord};
@@ -62,8 +64,7 @@ pub(super) struct Search<'a> {
     pub(super) study: &'a Study,
     phi: PhiOf<'a>,
     known: Vec<Known>,
-    arm: ArmInertia,
-    models: Vec<LoopModel>,
+    pub(super) loops: Loops<'a>,
     quanta: Vec<f64>,
     /// In the order of the clauses.
     limits: [Option<Vec<f64>>; 5],
@@ -106,8 +107,7 @@ impl<'a> Search<'a> {
             study,
             phi,
             known: nominal.map(|(joint, nominal)| Known::of(phi, joint, *nominal)).collect(),
-            arm,
-            models,
+            loops: Loops { study, arm, models },
             quanta,
             limits: [
                 Some(error_bound),
@@ -141,7 +141,7 @@ impl<'a> Search<'a> {
     /// How fast a law may be on this arm, in ordinary words.
     pub(super) fn words(&self, fastest: Option<f64>) -> String {
         let looped = loop_in_words(self.study);
-        let ArmInertia { low, high, .. } = &self.arm;
+        let ArmInertia { low, high, .. } = &self.loops.arm;
         let range = high / low;
         match fastest {
             Some(w) if w > 0.95 * FINE.fastest() => format!(
@@ -161,7 +161,7 @@ impl<'a> Search<'a> {
     /// Rate of torque \[N·m/s\] that an encoder's step and the motion of the reference ask for together.
     fn rate(&self, change: f64, inertia: f64, phi: &Phi) -> f64 {
         let jerk = phi.motion.map_or(0.0, |motion| motion.jerk_rad_s3);
-        change / self.models[0].period_s + phi.rate_nm_s + inertia * jerk
+        change / self.loops.models[0].period_s + phi.rate_nm_s + inertia * jerk
     }
 
     /// Those of a grid that keep window and modulus margin, and how many laws were tried.
@@ -169,19 +169,18 @@ impl<'a> Search<'a> {
         let (first, factor, count) = grid.bandwidths;
         let bandwidths = (0..count).map(|power| first * factor.powf(f64::from(power)));
         let bandwidths: Vec<f64> = bandwidths.filter(|w| *w >= self.slowest).collect();
-        let (mut found, mut tried) = (Vec::new(), 0);
+        let mut shapes = Vec::new();
         for filter_hz in self.filters() {
             for &order in &self.study.design.orders {
                 for &w in &bandwidths {
-                    for &ratio in grid.ratios {
-                        tried += 1;
-                        let shape = Shape { w, order, ratio, filter_hz };
-                        found.extend(self.candidates_of(shape, &SHARES));
-                    }
+                    let ratios = grid.ratios.iter();
+                    shapes.extend(ratios.map(|&ratio| Shape { w, order, ratio, filter_hz }));
                 }
             }
         }
-        (found, tried)
+        let (loops, all) = (&self.loops, (0..shapes.len()).collect::<Vec<_>>());
+        let found = parallel(&all, threads(), |i| loops.candidates_of(shapes[i], &SHARES));
+        (found.into_iter().flatten().collect(), u32::try_from(shapes.len()).unwrap_or(u32::MAX))
     }
 
     /// Whether a law of a grid keeps every clause by the estimates of the search: its order. Ends at the first.
@@ -197,7 +196,7 @@ impl<'a> Search<'a> {
                 for filter_hz in self.filters() {
                     for &ratio in grid.ratios {
                         let shape = Shape { w, order, ratio, filter_hz };
-                        let mut all = self.candidates_of(shape, &SHARES).into_iter();
+                        let mut all = self.loops.candidates_of(shape, &SHARES).into_iter();
                         if all.any(|candidate| self.judge(&candidate).within()) {
                             return Some(order);
                         }
@@ -217,68 +216,24 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// One law at some shares between the smallest and the largest factor that put the arm into its window.
-    pub(super) fn candidates_of(&self, shape: Shape, shares: &[f64]) -> Vec<Candidate> {
-        let margin = self.study.design.window_margin;
-        let law = shape.law();
-        let (mut least, mut most) = (0.0_f64, f64::INFINITY);
-        for model in &self.models {
-            let Ok(window) = InertiaWindow::find(&law, &shape.in_loop(model)) else {
-                return Vec::new();
-            };
-            least = least.max(self.arm.high * margin / window.high);
-            most = most.min(self.arm.low / margin / window.low);
-        }
-        // A hair inside, so that rounding does not put the arm outside again.
-        let hair = 1.0 + 1e-9;
-        let (least, most) = (least * hair, most / hair);
-        if least > most {
-            return Vec::new();
-        }
-        let each = shares.iter().filter_map(|share| {
-            let scale = least * (most / least).powf(*share);
-            let gains = self.gains_over(&shape, &law, scale)?;
-            Some(Candidate { shape, scale, share: *share, gains })
-        });
-        each.collect()
-    }
-
-    /// Gains at the ends and in the middle of the arm's range; `None` without the modulus margin.
-    fn gains_over(&self, shape: &Shape, law: &JointRecord, scale: f64) -> Option<Quick> {
-        let (low, high) = (self.arm.low / scale, self.arm.high / scale);
-        let mut worst: Option<Quick> = None;
-        for model in &self.models {
-            let model = shape.in_loop(model);
-            let modulus = least_modulus(&OpenLoop::new(law, &model), (low, high));
-            if modulus < self.study.design.modulus_min {
-                return None;
-            }
-            for mu in [low, (low * high).sqrt(), high] {
-                let quick = Quick::at(law, &model, mu)?;
-                worst = Some(worst.map_or(quick, |worst| worst.worse(quick)));
-            }
-        }
-        worst
-    }
-
     /// Measures a candidate against every clause.
     pub(super) fn judge(&self, candidate: &Candidate) -> Verdict {
         let mut verdict = Verdict::default();
         let Quick { jump, ramp, reading, moved, change } = candidate.gains;
         let mut record = candidate.shape.law();
-        for (joint, nominal) in self.arm.nominal_kg_m2.iter().enumerate() {
+        for (joint, nominal) in self.loops.arm.nominal_kg_m2.iter().enumerate() {
             let inertia = nominal * candidate.scale;
             record.inertia_kg_m2 = inertia;
             let quantum = self.quanta[joint];
             let evidence = Evidence {
                 record: &record,
-                model: &self.models[0],
+                model: &self.loops.models[0],
                 jump,
                 ramp,
                 reading,
                 moved: moved.map(|gain| (gain, None)),
                 quantum,
-                low: self.arm.low / candidate.scale,
+                low: self.loops.arm.low / candidate.scale,
                 duration: self.study.duration,
             };
             let phi = self.known[joint].at(inertia);
@@ -310,7 +265,7 @@ impl<'a> Search<'a> {
         let mut gains = self.gains(candidate);
         let known = |(i, joint): (usize, &JointRecord)| Some((self.phi)(i, joint.inertia_kg_m2));
         let phi: Vec<_> = gains.joints.iter().enumerate().map(known).collect();
-        let arm = self.arm.scaled(candidate.scale);
+        let arm = self.loops.arm.scaled(candidate.scale);
         // What the loop model lacks takes no part in the search; the certificate then says that it refuses.
         let modelled = as_modelled(self.study);
         let study = modelled.as_ref().unwrap_or(self.study);
@@ -340,7 +295,7 @@ impl<'a> Search<'a> {
         let Candidate { shape, scale, .. } = candidate;
         let joint = |(name, nominal): (&str, &f64)| shape.record(name, nominal * scale);
         let designed = self.study.sensor.velocity_filter_designed;
-        let joints = names.zip(&self.arm.nominal_kg_m2).map(joint).collect();
+        let joints = names.zip(&self.loops.arm.nominal_kg_m2).map(joint).collect();
         let method = "phihat design: least torque noise that keeps the specification";
         let velocity_filter_hz = shape.filter_hz.filter(|_| designed);
         Gains { velocity_filter_hz, ..Gains::of(self.study, joints, method) }
@@ -349,7 +304,7 @@ impl<'a> Search<'a> {
     /// The front of error against torque noise, with the chosen law on it; empty without an encoder.
     pub(super) fn trade_off(&self, candidates: &[Candidate], chosen: &Candidate) -> Vec<TradeOff> {
         let heaviest = |(m, quantum): (&f64, &f64)| m * 0.5 * quantum;
-        let step = self.arm.nominal_kg_m2.iter().zip(&self.quanta).map(heaviest);
+        let step = self.loops.arm.nominal_kg_m2.iter().zip(&self.quanta).map(heaviest);
         let step = step.largest();
         if step <= 0.0 {
             return Vec::new();

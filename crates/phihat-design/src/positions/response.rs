@@ -1,6 +1,7 @@
 //! What a law from positions does at one inertia, by its responses: quick and a few per mille low, for a search.
 
 use crate::JointRecord;
+use crate::lanes::Lane;
 use crate::sampled::positions::Positions;
 use crate::sampled::{Drive, LoopModel, LoopParts};
 
@@ -47,38 +48,39 @@ pub(super) struct Played<'a, const W: usize> {
     drive: Option<Drive>,
     period: f64,
     mu: [f64; W],
+    per_mu: Lane<W>,
 }
 
 /// All that the loops remember: at most 5 states of the observer, 4 torques sent, 8 + 8 on their way.
 #[derive(Clone)]
 struct State<const W: usize> {
-    q: [f64; W],
-    v: [f64; W],
-    held: [[f64; W]; 5],
-    sent: [[f64; W]; 4],
-    line: [[f64; W]; 16],
-    mean: [f64; W],
-    end: [f64; W],
+    q: Lane<W>,
+    v: Lane<W>,
+    held: [Lane<W>; 5],
+    sent: [Lane<W>; 4],
+    line: [Lane<W>; 16],
+    mean: Lane<W>,
+    end: Lane<W>,
 }
 
 impl<const W: usize> State<W> {
     const REST: Self = Self {
-        q: [0.0; W],
-        v: [0.0; W],
-        held: [[0.0; W]; 5],
-        sent: [[0.0; W]; 4],
-        line: [[0.0; W]; 16],
-        mean: [0.0; W],
-        end: [0.0; W],
+        q: Lane::ZERO,
+        v: Lane::ZERO,
+        held: [Lane::ZERO; 5],
+        sent: [Lane::ZERO; 4],
+        line: [Lane::ZERO; 16],
+        mean: Lane::ZERO,
+        end: Lane::ZERO,
     };
 }
 
 /// What a sample shows: position, velocity, torque commanded; and 1 where a run has not yet died, 0 from then on.
 struct Shown<'a, const W: usize> {
-    q: &'a [f64; W],
-    v: &'a [f64; W],
-    u: &'a [f64; W],
-    alive: &'a [f64; W],
+    q: &'a Lane<W>,
+    v: &'a Lane<W>,
+    u: &'a Lane<W>,
+    alive: &'a Lane<W>,
 }
 
 impl<const W: usize> Shown<'_, W> {
@@ -92,12 +94,13 @@ impl<const W: usize> Shown<'_, W> {
 impl<'a, const W: usize> Played<'a, W> {
     pub(super) fn new(law: &'a Positions, model: &LoopModel, mu: [f64; W]) -> Self {
         let late = model.late() as usize;
-        Self { law, late, drive: model.drive(), period: model.period_s, mu }
+        let per_mu = Lane(mu.map(f64::recip));
+        Self { law, late, drive: model.drive(), period: model.period_s, mu, per_mu }
     }
 
     /// One sample: the torques commanded, by readings that are off.
     #[inline]
-    fn step(&self, x: &mut State<W>, off: &[f64; W]) -> [f64; W] {
+    fn step(&self, x: &mut State<W>, off: &Lane<W>) -> Lane<W> {
         let (n, t) = (self.law.length(), self.period);
         let mut reading = x.q;
         for c in 0..W {
@@ -112,7 +115,7 @@ impl<'a, const W: usize> Played<'a, W> {
             x.line.copy_within(1..self.late, 0);
             x.line[self.late - 1] = u;
         }
-        let mut double = [0.0; W];
+        let mut double = Lane::<W>::ZERO;
         x.mean = told;
         for c in 0..W {
             double[c] = 0.5 * t * t * told[c];
@@ -126,8 +129,8 @@ impl<'a, const W: usize> Played<'a, W> {
             }
         }
         for c in 0..W {
-            x.q[c] += t * x.v[c] + double[c] / self.mu[c];
-            x.v[c] += t * x.mean[c] / self.mu[c];
+            x.q[c] += t * x.v[c] + double[c] * self.per_mu[c];
+            x.v[c] += t * x.mean[c] * self.per_mu[c];
         }
         u
     }
@@ -136,18 +139,18 @@ impl<'a, const W: usize> Played<'a, W> {
     fn play(
         &self,
         mut x: State<W>,
-        first: [f64; W],
+        first: Lane<W>,
         mut show: impl FnMut(&Shown<'_, W>),
     ) -> Option<()> {
-        let (mut largest, mut quiet, mut alive) = ([[0.0_f64; W]; 2], [0.0; W], [1.0; W]);
-        let begun: [f64; W] = core::array::from_fn(|c| {
-            x.q[c].abs().max(x.v[c].abs() * self.period).max(first[c].abs())
-        });
+        let (mut largest, mut quiet, mut alive) =
+            ([Lane::<W>::ZERO; 2], Lane::<W>::ZERO, Lane([1.0; W]));
+        let begun =
+            Lane::<W>::of(|c| x.q[c].abs().max(x.v[c].abs() * self.period).max(first[c].abs()));
         let mut reading = first;
         for _ in 0..LONGEST {
             let (q, v) = (x.q, x.v);
             let u = self.step(&mut x, &reading);
-            reading = [0.0; W];
+            reading = Lane::ZERO;
             show(&Shown { q: &q, v: &v, u: &u, alive: &alive });
             let (mut grow, mut living) = (0.0, 0.0);
             for c in 0..W {
@@ -178,29 +181,29 @@ impl<'a, const W: usize> Played<'a, W> {
     /// Whether all of the loops forget.
     pub(super) fn forget(&self) -> bool {
         let mut pushed = State::REST;
-        pushed.v = self.mu.map(|mu| self.period / mu);
-        self.play(pushed, [0.0; W], |_| ()).is_some()
+        pushed.v = Lane(self.mu.map(|mu| self.period / mu));
+        self.play(pushed, Lane::ZERO, |_| ()).is_some()
     }
 }
 
 impl Played<'_, PLAYS> {
     /// The worst of the ratios; `None` where a loop does not forget.
     fn worst(&self) -> Option<Response> {
-        let (t, mut x, mut first) = (self.period, State::REST, [0.0; PLAYS]);
-        let mut unit = [1.0; PLAYS];
+        let (t, mut x, mut first) = (self.period, State::REST, Lane::<PLAYS>::ZERO);
+        let mut per_unit = Lane([1.0; PLAYS]);
         for c in 0..BESIDE {
             let mu = self.mu[c];
             (x.q[PUSH + c], x.v[PUSH + c]) = (-0.5 * t * t / mu, -t / mu);
             first[READING + c] = 1.0;
-            (x.q[KICK + c], unit[KICK + c]) = (1.0, mu);
+            (x.q[KICK + c], per_unit[KICK + c]) = (1.0, mu.recip());
         }
-        let zero = [0.0; PLAYS];
+        let zero = Lane::<PLAYS>::ZERO;
         let (mut size, mut sum, mut ramp) = ([zero; 2], [zero; 2], [zero; 2]);
         let (mut change, mut last) = (zero, zero);
         self.play(x, first, |shown| {
             for (i, values) in [shown.q, shown.v].into_iter().enumerate() {
                 for c in 0..PLAYS {
-                    size[i][c] += shown.of(c, values[c].abs() / unit[c]);
+                    size[i][c] += shown.of(c, values[c].abs() * per_unit[c]);
                     sum[i][c] += shown.of(c, values[c]);
                     ramp[i][c] += shown.of(c, t * sum[i][c].abs());
                 }
@@ -210,7 +213,7 @@ impl Played<'_, PLAYS> {
             }
             last = *shown.u;
         })?;
-        let of = |both: &[[f64; PLAYS]; 2], c: usize| both.map(|values| values[c]);
+        let of = |both: &[Lane<PLAYS>; 2], c: usize| both.map(|values| values[c]);
         let each = (0..BESIDE).map(|c| Response {
             jump: of(&size, PUSH + c),
             ramp: of(&ramp, PUSH + c),

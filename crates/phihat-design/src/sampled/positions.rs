@@ -1,8 +1,10 @@
 //! The law from positions per unit of `M̄`, for several runs side by side, and its transfer functions.
 
+use phihat::ORDER_MAX;
 use phihat_certificate::JointRecord;
 
 use super::polynomial::Polynomial;
+use crate::lanes::Lane;
 
 /// The law of one joint.
 #[derive(Debug, Clone)]
@@ -59,39 +61,62 @@ impl Positions {
     }
 
     /// The observer over the interval that ends at this sample, in which `acted` did, and with this error read at its end.
+    #[inline]
     pub(crate) fn see<const W: usize>(
         &self,
-        held: &mut [[f64; W]],
-        acted: &[f64; W],
-        reading: &[f64; W],
+        held: &mut [Lane<W>],
+        acted: &Lane<W>,
+        reading: &Lane<W>,
     ) {
-        let t = self.period;
-        let [e, rest @ ..] = held else { return };
-        let [velocity, phi, ..] = rest else { return };
-        for c in 0..W {
-            let push = acted[c] - phi[c];
-            e[c] += t * (velocity[c] + 0.5 * t * push);
-            velocity[c] += t * push;
-        }
-        for i in 2..held.len() - 1 {
-            let next = held[i + 1];
-            for c in 0..W {
-                held[i][c] += t * next[c];
-            }
-        }
-        let mut innovation = [0.0; W];
-        for c in 0..W {
-            innovation[c] = reading[c] - held[0][c];
-        }
-        for (value, gain) in held.iter_mut().zip(&self.correction) {
-            for c in 0..W {
-                value[c] += gain * innovation[c];
-            }
+        // Of a length that is known when compiled, all of it stays in registers.
+        match held.len() {
+            3 => self.see_all::<W, 3>(held, acted, reading),
+            4 => self.see_all::<W, 4>(held, acted, reading),
+            5 => self.see_all::<W, 5>(held, acted, reading),
+            _ => self.see_all::<W, { ORDER_MAX + 2 }>(held, acted, reading),
         }
     }
 
+    /// The same of `M` numbers.
+    #[inline]
+    fn see_all<const W: usize, const M: usize>(
+        &self,
+        held: &mut [Lane<W>],
+        acted: &Lane<W>,
+        reading: &Lane<W>,
+    ) {
+        let t = self.period;
+        let (Some(held), Some(gains)) =
+            (held.first_chunk_mut::<M>(), self.correction.first_chunk::<M>())
+        else {
+            return;
+        };
+        let mut all = *held;
+        for c in 0..W {
+            let push = acted[c] - all[2][c];
+            all[0][c] += t * (all[1][c] + 0.5 * t * push);
+            all[1][c] += t * push;
+        }
+        for i in 2..M - 1 {
+            for c in 0..W {
+                all[i][c] += t * all[i + 1][c];
+            }
+        }
+        let mut innovation = Lane::<W>::ZERO;
+        for c in 0..W {
+            innovation[c] = reading[c] - all[0][c];
+        }
+        for i in 0..M {
+            for c in 0..W {
+                all[i][c] += gains[i] * innovation[c];
+            }
+        }
+        *held = all;
+    }
+
     /// The torque it asks for; `sent` are the last ones, the newest first.
-    pub(crate) fn answer<const W: usize>(&self, held: &[[f64; W]], sent: &[[f64; W]]) -> [f64; W] {
+    #[inline]
+    pub(crate) fn answer<const W: usize>(&self, held: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
         let last = sent[0];
         let (own, coming) = (weighed(&self.row, held), weighed(&self.coming, sent));
         let mut asked = last;
@@ -164,12 +189,29 @@ impl Positions {
     }
 }
 
-/// `Σ weight x`, run by run.
-fn weighed<const W: usize>(weights: &[f64], x: &[[f64; W]]) -> [f64; W] {
-    let mut sum = [0.0; W];
-    for (weight, x) in weights.iter().zip(x) {
+/// `Σ weight x`, run by run; of lengths that are known when compiled, as laws have them, without a loop.
+#[inline]
+fn weighed<const W: usize>(weights: &[f64], x: &[Lane<W>]) -> Lane<W> {
+    match weights.len() {
+        0 => Lane::ZERO,
+        1 => weighed_all::<W, 1>(weights, x),
+        2 => weighed_all::<W, 2>(weights, x),
+        3 => weighed_all::<W, 3>(weights, x),
+        4 => weighed_all::<W, 4>(weights, x),
+        5 => weighed_all::<W, 5>(weights, x),
+        _ => weighed_all::<W, { ORDER_MAX + 2 }>(weights, x),
+    }
+}
+
+#[inline]
+fn weighed_all<const W: usize, const M: usize>(weights: &[f64], x: &[Lane<W>]) -> Lane<W> {
+    let mut sum = Lane::<W>::ZERO;
+    let (Some(weights), Some(x)) = (weights.first_chunk::<M>(), x.first_chunk::<M>()) else {
+        return sum;
+    };
+    for i in 0..M {
         for c in 0..W {
-            sum[c] += weight * x[c];
+            sum[c] += weights[i] * x[i][c];
         }
     }
     sum

@@ -10,6 +10,7 @@ use super::model::{Drive, LoopModel};
 use super::open_loop::literal_factors;
 use super::positions::Positions;
 use crate::JointRecord;
+use crate::lanes::Lane;
 
 /// The inputs of one sample.
 #[derive(Debug, Clone, Copy, Default)]
@@ -184,14 +185,14 @@ impl<'a> Sample<'a> {
         next: &mut [f64],
     ) -> f64 {
         let (first, sent) = (self.layout.memory, self.layout.sent);
-        let of = |from: usize, length: usize| -> Vec<[f64; 1]> {
-            x[from..from + length].iter().map(|value| [*value]).collect()
+        let of = |from: usize, length: usize| -> Vec<Lane<1>> {
+            x[from..from + length].iter().map(|value| Lane([*value])).collect()
         };
         let mut held = of(first, law.length());
         let acted = self.layout.mean_torque.map_or(0.0, |i| x[i]);
-        law.see(&mut held, &[acted], &[position - qd]);
-        let [u] = law.answer(&held, &of(sent, law.sent()));
-        for (into, [value]) in next[first..].iter_mut().zip(held) {
+        law.see(&mut held, &Lane([acted]), &Lane([position - qd]));
+        let Lane([u]) = law.answer(&held, &of(sent, law.sent()));
+        for (into, Lane([value])) in next[first..].iter_mut().zip(held) {
             *into = value;
         }
         next[sent] = u;

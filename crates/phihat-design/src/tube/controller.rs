@@ -1,6 +1,6 @@
 //! The control side of one sample, for the nominal run and for small deviations from it.
 
-use super::lanes::Lane;
+use crate::lanes::Lane;
 use crate::sampled::positions::Positions;
 use crate::sampled::{Drive, LoopModel, LoopParts, estimator_coefficients, literal_factors};
 use phihat::{Form, TorqueSource, VelocitySource};
@@ -28,6 +28,7 @@ impl SampledLaw {
 #[derive(Debug, Clone)]
 pub(super) struct SampledJoint {
     pub(super) inertia: f64,
+    per_inertia: f64,
     kp: f64,
     kd: f64,
     /// Length of the estimator's memory.
@@ -66,6 +67,7 @@ impl SampledJoint {
         };
         Self {
             inertia: record.inertia_kg_m2,
+            per_inertia: record.inertia_kg_m2.recip(),
             kp: record.kp_per_s2,
             kd: record.kd_per_s,
             order: positions.as_ref().map_or(m, Positions::length),
@@ -113,7 +115,7 @@ struct JointState<const W: usize> {
 
 impl<const W: usize> Control<W> {
     pub(super) fn new(law: &SampledLaw) -> Self {
-        let zero = [0.0; W];
+        let zero = Lane::ZERO;
         let joint = |joint: &SampledJoint| JointState {
             last_position: zero,
             last_velocity: zero,
@@ -140,7 +142,7 @@ impl<const W: usize> Control<W> {
     /// The same after torques that held the arm for long.
     pub(super) fn holding(mut self, held: &[f64]) -> Self {
         for (state, torque) in self.joints.iter_mut().zip(held) {
-            let torque = [*torque; W];
+            let torque = Lane([*torque; W]);
             (state.acted, state.told) = (torque, torque);
             state.line.fill(torque);
         }
@@ -177,10 +179,10 @@ impl<const W: usize> Control<W> {
             let message = state.sense(joint, law.period, k, (&position[i], &velocity[i]));
             let first = usize::from(law.starts_at_zero);
             self.command[i] = if k < first {
-                [0.0; W]
+                Lane::ZERO
             } else if k == first && law.takes_over {
                 state.take_over(joint, law.period, (reference(i), self.held[i]), &message);
-                [self.held[i]; W]
+                Lane([self.held[i]; W])
             } else {
                 state.law(joint, law.period, k == first, reference(i), &message)
             };
@@ -246,10 +248,11 @@ impl<const W: usize> JointState<W> {
         (position, velocity): (&Lane<W>, &Lane<W>),
     ) -> [Lane<W>; 3] {
         let mut sensed = *velocity;
+        let per_period = period.recip();
         if k > 0 {
             if joint.model.velocity == VelocitySource::Differenced {
                 for c in 0..W {
-                    sensed[c] = (position[c] - self.last_position[c]) / period;
+                    sensed[c] = (position[c] - self.last_position[c]) * per_period;
                 }
             }
             if let Some(share) = joint.filter {
@@ -267,9 +270,7 @@ impl<const W: usize> JointState<W> {
         if k == 0 {
             self.way.fill(fresh);
         }
-        let arrived = self.way.remove(0);
-        self.way.push(fresh);
-        arrived
+        told_on(&mut self.way, fresh)
     }
 
     fn law(
@@ -283,7 +284,7 @@ impl<const W: usize> JointState<W> {
         if let Some(law) = &joint.positions {
             return self.seen((joint, law), first, [q, dq, ddq], [position, velocity, acted]);
         }
-        let mut error: [Lane<W>; 2] = [[0.0; W]; 2];
+        let mut error: [Lane<W>; 2] = [Lane::ZERO; 2];
         for c in 0..W {
             error[0][c] = position[c] - q;
             error[1][c] = velocity[c] - dq;
@@ -294,7 +295,7 @@ impl<const W: usize> JointState<W> {
             }
             Form::Literal => self.integrated(joint, period, first, &error),
         };
-        let mut command = [0.0; W];
+        let mut command = Lane::<W>::ZERO;
         for c in 0..W {
             let wanted = ddq - joint.kd * error[1][c] - joint.kp * error[0][c];
             command[c] = joint.inertia * wanted + phi_hat[c];
@@ -348,26 +349,28 @@ impl<const W: usize> JointState<W> {
         [position, velocity, acted]: [&Lane<W>; 3],
     ) -> Lane<W> {
         let inertia = joint.inertia;
-        let error: Lane<W> = core::array::from_fn(|c| position[c] - q);
+        let error = Lane::<W>::of(|c| position[c] - q);
         if first {
             self.memory[0] = error;
-            self.memory[1] = core::array::from_fn(|c| velocity[c] - dq);
+            self.memory[1] = Lane::of(|c| velocity[c] - dq);
         } else {
             let fed = self.fed[law.ahead()];
-            let acted = core::array::from_fn(|c| acted[c] / inertia - fed);
+            let acted = Lane::of(|c| acted[c] * joint.per_inertia - fed);
             law.see(&mut self.memory, &acted, &error);
         }
         self.fed.rotate_right(1);
         self.fed[0] = ddq;
-        law.answer(&self.memory, &self.sent).map(|u| inertia * (u + ddq))
+        Lane(law.answer(&self.memory, &self.sent).map(|u| inertia * (u + ddq)))
     }
 
     /// What a law from positions remembers of the torque that is sent.
     fn send(&mut self, joint: &SampledJoint, command: &Lane<W>) {
         if joint.positions.is_some() {
-            self.sent.rotate_right(1);
+            for i in (1..self.sent.len()).rev() {
+                self.sent[i] = self.sent[i - 1];
+            }
             let fed = self.fed[0];
-            self.sent[0] = command.map(|torque| torque / joint.inertia - fed);
+            self.sent[0] = Lane(command.map(|torque| torque * joint.per_inertia - fed));
         }
     }
 
@@ -380,13 +383,13 @@ impl<const W: usize> JointState<W> {
         (velocity, acted): (&Lane<W>, &Lane<W>),
     ) -> Lane<W> {
         if !first {
-            let mut innovation = [0.0; W];
+            let mut innovation = Lane::<W>::ZERO;
             for c in 0..W {
                 innovation[c] = period * (acted[c] - self.memory[0][c])
                     - joint.inertia * (velocity[c] - self.law_velocity[c]);
             }
             for (j, gain) in joint.on_memory.iter().enumerate() {
-                let next = self.memory.get(j + 1).map_or([0.0; W], |next| *next);
+                let next = self.memory.get(j + 1).map_or(Lane::ZERO, |next| *next);
                 let own = &mut self.memory[j];
                 for c in 0..W {
                     own[c] += period * next[c] + gain * innovation[c];
@@ -404,7 +407,7 @@ impl<const W: usize> JointState<W> {
         first: bool,
         error: &[Lane<W>; 2],
     ) -> Lane<W> {
-        let mut total = [0.0; W];
+        let mut total = Lane::<W>::ZERO;
         let mut add = |factor: f64, x: &Lane<W>| {
             for c in 0..W {
                 total[c] -= joint.inertia * factor * x[c];
@@ -430,14 +433,12 @@ impl<const W: usize> JointState<W> {
         if self.line.is_empty() {
             return *command;
         }
-        let told = self.line.remove(0);
-        self.line.push(*command);
-        told
+        told_on(&mut self.line, *command)
     }
 
     fn drive(&mut self, joint: &SampledJoint, period: f64, told: &Lane<W>) -> (Lane<W>, Lane<W>) {
-        let Some(drive) = &joint.drive else { return (*told, [0.0; W]) };
-        let (mut mean, mut bulge) = (*told, [0.0; W]);
+        let Some(drive) = &joint.drive else { return (*told, Lane::ZERO) };
+        let (mut mean, mut bulge) = (*told, Lane::ZERO);
         for c in 0..W {
             let gap = self.gap[c] + self.told[c] - told[c];
             mean[c] += drive.mean * gap;
@@ -447,4 +448,16 @@ impl<const W: usize> JointState<W> {
         self.told = *told;
         (mean, bulge)
     }
+}
+
+/// What arrives at the end of a line that something new is put into.
+fn told_on<T: Copy>(line: &mut [T], new: T) -> T {
+    let told = line[0];
+    for i in 1..line.len() {
+        line[i - 1] = line[i];
+    }
+    if let Some(last) = line.last_mut() {
+        *last = new;
+    }
+    told
 }

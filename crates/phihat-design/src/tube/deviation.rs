@@ -1,9 +1,9 @@
 //! Linear runs around the nominal one, several at a time.
 
 use super::controller::{Control, Jet};
-use super::lanes::{Lane, add_product};
 use super::linear::Interval;
 use super::scene::Scene;
+use crate::lanes::{Lane, add_product};
 
 /// `W` deviations: `ε`, `w` and what the control side remembers of them.
 #[derive(Debug, Clone)]
@@ -25,13 +25,13 @@ fn nothing(_: usize) -> Jet {
 impl<const W: usize> Deviation<W> {
     pub(super) fn new(scene: &Scene<'_>) -> Self {
         let n = scene.n;
-        let zero = vec![[0.0; W]; n];
+        let zero = vec![Lane::ZERO; n];
         Self {
-            state: vec![[0.0; W]; 2 * n],
+            state: vec![Lane::ZERO; 2 * n],
             control: Control::new(&scene.law),
             sensed: [zero.clone(), zero.clone()],
             torque: zero,
-            next: vec![[0.0; W]; 2 * n],
+            next: vec![Lane::ZERO; 2 * n],
         }
     }
 
@@ -78,12 +78,12 @@ impl<const W: usize> Deviation<W> {
         }
         let [position, velocity] = &self.sensed;
         self.control.ask(&scene.law, at.0, nothing, (position, velocity));
-        self.move_on(scene, at.1, |_| [0.0; W]);
+        self.move_on(scene, at.1, |_| Lane::ZERO);
     }
 
     /// Goes on by one sample that nothing pushes.
     pub(super) fn step_free(&mut self, scene: &Scene<'_>, at: (usize, &Interval)) {
-        self.step(scene, at, |_| [0.0; W]);
+        self.step(scene, at, |_| Lane::ZERO);
     }
 
     /// Commands act, and the arm moves over the interval.
@@ -106,7 +106,7 @@ impl<const W: usize> Deviation<W> {
             add_product(&mut self.torque, by_e, &self.state[..n]);
             add_product(&mut self.torque, by_v, &self.state[n..]);
         }
-        self.next.fill([0.0; W]);
+        self.next.fill(Lane::ZERO);
         add_product(&mut self.next, &interval.step, &self.state);
         add_product(&mut self.next, &interval.held, &self.torque);
         if scene.law.bulges() {

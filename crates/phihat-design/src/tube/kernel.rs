@@ -3,9 +3,9 @@
 use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::deviation::Deviation;
-use super::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 use super::linear::Interval;
 use super::scene::Scene;
+use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
@@ -135,6 +135,12 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
+    /// All rows of a lag.
+    pub(super) fn of_lag(&self, lag: usize) -> &[f32] {
+        let size = self.rows * self.inputs;
+        &self.sums[lag * size..(lag + 1) * size]
+    }
+
     pub(super) fn lag(&self, lag: usize, row: usize) -> &[f32] {
         let at = (lag * self.rows + row) * self.inputs;
         &self.sums[at..at + self.inputs]
@@ -174,7 +180,7 @@ impl<'a> Course<'a> {
         let mut runs = Vec::with_capacity(places.len());
         for place in &places {
             let column = |i: usize, unit: bool| -> Lane<WIDE> {
-                core::array::from_fn(|c| f64::from(u8::from(unit && place.first + c == i)))
+                Lane::of(|c| f64::from(u8::from(unit && place.first + c == i)))
             };
             let mut run = Deviation::<WIDE>::new(scene);
             run.step_misread(scene, (s, interval), |i| {
@@ -274,7 +280,7 @@ impl<'a> Course<'a> {
     fn left(&self, packs: &mut Packs, scale: &Scale, left: &mut [f64]) {
         let inputs = self.inputs();
         for (run, place) in packs.runs.iter_mut().zip(&packs.places) {
-            let mut sizes: Lane<WIDE> = [0.0; WIDE];
+            let mut sizes: Lane<WIDE> = Lane::ZERO;
             run.each(|i, state| {
                 for c in 0..WIDE {
                     sizes[c] = larger(sizes[c], share_of(state[c].abs(), scale[i]));
@@ -282,7 +288,7 @@ impl<'a> Course<'a> {
             });
             let at = inputs.first(place.kind) + place.first;
             let unit = place.kind.per(self.scene.period);
-            for (left, size) in left[at..at + place.width].iter_mut().zip(sizes) {
+            for (left, size) in left[at..at + place.width].iter_mut().zip(*sizes) {
                 *left = larger(*left, unit * size);
             }
         }
@@ -301,7 +307,7 @@ impl<'a> Course<'a> {
             let mut now = vec![0.0_f64; length];
             for run in &mut packs.runs {
                 run.each(|i, state| {
-                    for value in state {
+                    for value in state.iter() {
                         now[i] = larger(now[i], value.abs());
                     }
                 });
@@ -341,14 +347,14 @@ impl<'a> Course<'a> {
         let rows = inputs.rows();
         let n = inputs.n;
         let mut most = vec![0.0_f64; rows];
-        let mut before: Vec<Vec<Lane<WIDE>>> = vec![vec![[0.0; WIDE]; n]; packs];
+        let mut before: Vec<Vec<Lane<WIDE>>> = vec![vec![Lane::ZERO; n]; packs];
         for t in from..to {
             let mut now = vec![0.0_f64; rows];
             for (run, before) in runs.iter_mut().zip(&mut before) {
                 for i in 0..2 * n {
                     now[i] += run.state[i].iter().map(|x| x.abs()).sum::<f64>();
                 }
-                let mut twist = [[0.0; WIDE]; 6];
+                let mut twist = [Lane::ZERO; 6];
                 add_product(&mut twist[..inputs.twist], self.jacobian(t), &run.state[n..]);
                 for (c, value) in twist[..inputs.twist].iter().enumerate() {
                     now[2 * n + c] += value.iter().map(|x| x.abs()).sum::<f64>();
@@ -407,10 +413,10 @@ impl Sums {
         Self {
             inputs,
             period: course.scene.period,
-            rows: vec![[0.0; WIDE]; inputs.rows() * count],
-            before: vec![vec![[0.0; WIDE]; inputs.n]; count],
+            rows: vec![Lane::ZERO; inputs.rows() * count],
+            before: vec![vec![Lane::ZERO; inputs.n]; count],
             torque: packs.places.iter().filter(|p| p.kind == Kind::TorqueAtEnd).count(),
-            twist: vec![[[0.0; WIDE]; 6]; count],
+            twist: vec![[Lane::ZERO; 6]; count],
         }
     }
 
@@ -424,7 +430,7 @@ impl Sums {
             return;
         }
         for (twist, run) in self.twist.iter_mut().zip(&packs.runs) {
-            *twist = [[0.0; WIDE]; 6];
+            *twist = [Lane::ZERO; 6];
             add_product(twist, jacobian, &run.state[n..]);
         }
         for (c, sums) in self.rows.chunks_exact_mut(count).skip(2 * n).take(6).enumerate() {
@@ -465,11 +471,11 @@ impl Sums {
                 let unit = place.kind.per(self.period);
                 let at = from + self.inputs.first(place.kind) + place.first;
                 if place.kind != Kind::TorqueAtStart {
-                    for (out, sum) in out[at..at + place.width].iter_mut().zip(&*sum) {
+                    for (out, sum) in out[at..at + place.width].iter_mut().zip(sum.iter()) {
                         *out = up(unit * sum);
                     }
                 }
-                *sum = [0.0; WIDE];
+                *sum = Lane::ZERO;
             }
         }
     }

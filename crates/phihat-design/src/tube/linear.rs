@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 use phihat_model::{Model, Scalar as _, Workspace};
 
-use super::lanes::{WIDE, Wide};
 use super::nominal::Nominal;
 use super::scene::Scene;
+use crate::lanes::{WIDE, Wide};
 
 /// Steps of the differences in position and velocity.
 const STEP: f64 = 1e-5;

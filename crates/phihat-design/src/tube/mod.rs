@@ -23,7 +23,6 @@ mod envelope;
 mod group;
 mod intervals;
 mod kernel;
-mod lanes;
 mod linear;
 mod moved;
 mod nominal;

@@ -6,6 +6,7 @@ use phihat_model::{Model, Workspace};
 use super::controller::Control;
 use super::refusal::TubeRefusal;
 use super::scene::{Scene, dry};
+use crate::lanes::Lane;
 
 /// Beyond this a nominal run has left every plausible state \[rad, rad/s\].
 const DIVERGED: f64 = 1e3;
@@ -51,7 +52,7 @@ impl Nominal {
             run.q.extend_from_slice(&q);
             run.dq.extend_from_slice(&dq);
             let sensed: (Vec<_>, Vec<_>) =
-                (q.iter().map(|q| [*q]).collect(), dq.iter().map(|v| [*v]).collect());
+                (q.iter().map(|q| Lane([*q])).collect(), dq.iter().map(|v| Lane([*v])).collect());
             let jet = |i: usize| {
                 let at = k * n + i;
                 [scene.desired.q[at], scene.desired.dq[at], scene.desired.ddq[at]]

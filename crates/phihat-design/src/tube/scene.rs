@@ -37,7 +37,8 @@ pub(super) struct AddedFriction {
 
 /// `v/√(v² + v_c²)`.
 pub(super) fn dry(v: f64) -> f64 {
-    v / v.hypot(COULOMB_VELOCITY)
+    let share = v / COULOMB_VELOCITY;
+    share / (1.0 + share * share).sqrt()
 }
 
 impl Friction {

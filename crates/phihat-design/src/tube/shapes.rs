@@ -3,9 +3,9 @@
 use super::basis::Direction;
 use super::deviation::Deviation;
 use super::kernel::Course;
-use super::lanes::WIDE;
 use super::linear::{Differences, middle};
 use super::nominal::Nominal;
+use crate::lanes::{Lane, WIDE};
 
 /// One linear run, recorded.
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ pub(super) fn shapes(
             }
         }
         for (pack, run) in runs.iter_mut().enumerate() {
-            let held = |i: usize| core::array::from_fn(|c| torque[i][pack * WIDE + c]);
+            let held = |i: usize| Lane::of(|c| torque[i][pack * WIDE + c]);
             run.step(scene, (k, interval), held);
         }
         for (d, shape) in shapes.iter_mut().enumerate() {

@@ -2,8 +2,8 @@
 
 use super::guess::Guess;
 use super::stretch::Stretch;
+use crate::lanes::{Lane, WIDE};
 use crate::tube::deviation::Deviation;
-use crate::tube::lanes::{Lane, WIDE};
 use crate::tube::scene::{Scene, dry};
 
 /// Runs of dry friction so far: a column for the middle, then one per level that is not known.
@@ -83,7 +83,7 @@ impl DryFriction {
     /// nominal run, and the sign itself per level.
     fn torque(&self, at: &Stretch<'_>, guess: &Guess, k: usize) -> Vec<Lane<WIDE>> {
         let (n, nominal) = (self.n, at.along.nominal);
-        let mut torque = vec![[0.0; WIDE]; self.runs.len() * n];
+        let mut torque = vec![Lane::ZERO; self.runs.len() * n];
         for (i, friction) in at.along.course.scene.friction.iter().enumerate() {
             let (a, b) = at.velocity(guess, k, i);
             let row = k * n + i;

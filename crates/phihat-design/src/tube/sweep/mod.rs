@@ -14,6 +14,7 @@ use super::along::Along;
 use super::group::Group;
 use super::kernel::Kernel;
 use super::refusal::TubeRefusal;
+use crate::lanes::{Lane, WIDE, add_product};
 use dry::{DryFriction, DryRuns};
 use guess::Guess;
 use inputs::inputs_of;
@@ -196,11 +197,11 @@ impl<'a> Sweep<'a> {
     /// Puts what the inputs of a group's bins do into all bins after it: lag by lag, so that a kernel is read once.
     fn tell_later_groups(&mut self, (first, end): (usize, usize), kernel: &Kernel) {
         let untold = core::mem::take(&mut self.untold);
-        // Input after input, all bins of the group side by side.
-        let (bins, inputs) = (untold.len(), self.before.len());
-        let boxes: Vec<f64> =
-            (0..inputs).flat_map(|u| untold.iter().map(move |of_bin| of_bin[u])).collect();
-        let mut sums = vec![0.0; bins];
+        // Input after input, bins of the group side by side.
+        let (bins, rows) = (untold.len(), self.along.course.inputs().rows());
+        let blocks: Vec<Vec<Lane<WIDE>>> = untold.chunks(WIDE).map(abreast).collect();
+        let mut sums = vec![Lane::ZERO; rows];
+        let mut own = Vec::new();
         for lag in 1..kernel.lags {
             // Bins that this lag takes beyond the group, and not beyond the run.
             let from = end.saturating_sub(first + lag).min(bins);
@@ -208,17 +209,18 @@ impl<'a> Sweep<'a> {
             if from >= to {
                 continue;
             }
-            for row in 0..self.along.course.inputs().rows() {
-                let sums = &mut sums[from..to];
-                sums.fill(0.0);
-                for (k, boxes) in kernel.lag(lag, row).iter().zip(boxes.chunks_exact(bins)) {
-                    for (sum, size) in sums.iter_mut().zip(&boxes[from..to]) {
-                        *sum += f64::from(*k) * size;
-                    }
+            own.clear();
+            own.extend(kernel.of_lag(lag).iter().map(|k| f64::from(*k)));
+            for (block, boxes) in blocks.iter().enumerate() {
+                let bins = (WIDE * block).max(from)..(WIDE * (block + 1)).min(to);
+                if bins.is_empty() {
+                    continue;
                 }
-                let later = &mut self.ahead[first + lag + from..first + lag + to];
-                for (later, sum) in later.iter_mut().zip(&*sums) {
-                    later[row] += sum;
+                sums.fill(Lane::ZERO);
+                add_product(&mut sums, &own, boxes);
+                for bin in bins {
+                    let later = self.ahead[first + lag + bin].iter_mut();
+                    later.zip(&sums).for_each(|(later, sum)| *later += sum[bin - WIDE * block]);
                 }
             }
         }
@@ -248,6 +250,13 @@ impl<'a> Sweep<'a> {
         }
         out
     }
+}
+
+/// Input after input of some bins, side by side.
+fn abreast(bins: &[Vec<f64>]) -> Vec<Lane<WIDE>> {
+    let count = bins.first().map_or(0, Vec::len);
+    let of = |u: usize| Lane::of(|c| bins.get(c).map_or(0.0, |bin| bin[u]));
+    (0..count).map(of).collect()
 }
 
 /// `Σ k u`, in sums that do not wait for each other.

@@ -1,21 +1,49 @@
 //! Several linear runs, or several states of the arm, side by side: one value per run.
 
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Deref, DerefMut, Div, Mul, Neg, Sub, SubAssign};
 
 use phihat_model::{Quad, Scalar};
 
 /// Runs that are stepped together.
-pub(super) const WIDE: usize = 8;
+pub(crate) const WIDE: usize = 8;
 
-/// One signal of `W` runs.
-pub(super) type Lane<const W: usize> = [f64; W];
+/// One signal of `W` runs, where a vector register is filled at once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct Lane<const W: usize>(pub(crate) [f64; W]);
+
+impl<const W: usize> Lane<W> {
+    pub(crate) const ZERO: Self = Self([0.0; W]);
+
+    /// Run by run.
+    #[inline]
+    pub(crate) fn of(one: impl FnMut(usize) -> f64) -> Self {
+        Self(core::array::from_fn(one))
+    }
+}
+
+impl<const W: usize> Deref for Lane<W> {
+    type Target = [f64; W];
+
+    #[inline]
+    fn deref(&self) -> &[f64; W] {
+        &self.0
+    }
+}
+
+impl<const W: usize> DerefMut for Lane<W> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [f64; W] {
+        &mut self.0
+    }
+}
 
 /// Rows of a matrix that are summed together, so that no sum waits for the one before.
 const ROWS: usize = 4;
 
 /// [`WIDE`] states of the arm, for its dynamics.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Wide(pub(super) Lane<WIDE>);
+pub(crate) struct Wide(pub(crate) [f64; WIDE]);
 
 macro_rules! each_lane {
     ($trait:ident, $method:ident) => {
@@ -79,7 +107,7 @@ impl Scalar for Wide {
 
 /// `out += m x` for an `out.len() × x.len()` matrix.
 #[inline]
-pub(super) fn add_product<const W: usize>(out: &mut [Lane<W>], m: &[f64], x: &[Lane<W>]) {
+pub(crate) fn add_product<const W: usize>(out: &mut [Lane<W>], m: &[f64], x: &[Lane<W>]) {
     let columns = x.len();
     let mut rows = out.chunks_exact_mut(ROWS);
     let mut blocks = m.chunks_exact(ROWS * columns);
@@ -114,7 +142,7 @@ fn add_rows<const W: usize, const R: usize>(out: &mut [Lane<W>], m: &[f64], x: &
 
 /// `sum += |x|`.
 #[inline]
-pub(super) fn add_size<const W: usize>(sum: &mut Lane<W>, x: &Lane<W>) {
+pub(crate) fn add_size<const W: usize>(sum: &mut Lane<W>, x: &Lane<W>) {
     for c in 0..W {
         sum[c] += x[c].abs();
     }
@@ -122,7 +150,7 @@ pub(super) fn add_size<const W: usize>(sum: &mut Lane<W>, x: &Lane<W>) {
 
 /// `sum +=` at least the mean of `|·|` along a line from `a` to `b`; exactly that where it does not cross zero.
 #[inline]
-pub(super) fn add_size_of_line<const W: usize>(sum: &mut Lane<W>, a: &Lane<W>, b: &Lane<W>) {
+pub(crate) fn add_size_of_line<const W: usize>(sum: &mut Lane<W>, a: &Lane<W>, b: &Lane<W>) {
     for c in 0..W {
         let (x, y, both) = (a[c].abs(), b[c].abs(), (a[c] + b[c]).abs());
         let larger = if x < y { y } else { x };
@@ -132,14 +160,14 @@ pub(super) fn add_size_of_line<const W: usize>(sum: &mut Lane<W>, a: &Lane<W>, b
 
 #[cfg(test)]
 mod tests {
-    use super::{add_product, add_size_of_line};
+    use super::{Lane, add_product, add_size_of_line};
 
     #[test]
     fn products_of_every_height() {
         for rows in 1..=9_u8 {
             let m: Vec<f64> = (0..rows * 3).map(f64::from).collect();
-            let x = [[1.0, -1.0], [2.0, 0.5], [-3.0, 4.0]];
-            let mut out = vec![[10.0, 20.0]; usize::from(rows)];
+            let x = [[1.0, -1.0], [2.0, 0.5], [-3.0, 4.0]].map(Lane);
+            let mut out = vec![Lane([10.0, 20.0]); usize::from(rows)];
             add_product(&mut out, &m, &x);
             for (i, out) in out.iter().enumerate() {
                 for c in 0..2 {
@@ -155,8 +183,8 @@ mod tests {
         for i in -20..=20 {
             for j in -20..=20 {
                 let (a, b) = (f64::from(i), f64::from(j));
-                let mut sum = [0.0];
-                add_size_of_line(&mut sum, &[a], &[b]);
+                let mut sum = Lane([0.0]);
+                add_size_of_line(&mut sum, &Lane([a]), &Lane([b]));
                 let parts = 10_000;
                 let at = |k: i32| (a + (b - a) * (f64::from(k) + 0.5) / f64::from(parts)).abs();
                 let mean = (0..parts).map(at).sum::<f64>() / f64::from(parts);
@@ -164,8 +192,8 @@ mod tests {
                 assert!(a * b < 0.0 || sum[0] <= mean * (1.0 + 1e-6), "{a} {b}: {} {mean}", sum[0]);
             }
         }
-        let mut sum = [0.0; 2];
-        add_size_of_line(&mut sum, &[f64::NAN, 1.0], &[1.0, f64::NAN]);
+        let mut sum = Lane([0.0; 2]);
+        add_size_of_line(&mut sum, &Lane([f64::NAN, 1.0]), &Lane([1.0, f64::NAN]));
         assert!(sum.iter().all(|sum| sum.is_nan()));
     }
 }
