@@ -175,7 +175,7 @@ impl Returns {
         let (g, longer) = (sight.share(), self.late.max(sight.ahead));
         let answer = sight.at(w);
         let fed = if self.fed_applied { mean } else { x };
-        let coming = answer.coming.iter().enumerate();
+        let coming = sight.coming().iter().enumerate();
         let own = (w + Disc::real(g)) * z.power(longer);
         let own = coming.fold(own, |sum, (j, c)| sum + z.power(longer - j).times(-g * c));
         let acted = (answer.acted * fed * z.power(longer - self.late)).times(-g);

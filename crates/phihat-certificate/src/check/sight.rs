@@ -14,7 +14,12 @@ pub(crate) struct Sight {
     share: f64,
     /// Samples that it predicts across.
     pub(crate) ahead: usize,
+    /// What each thing expected weighs in the torque wanted, and each torque on its way, the newest first.
+    weights: (Vec<f64>, Vec<f64>),
 }
+
+/// Most that a law expects.
+const EXPECTED: usize = phihat::ORDER_MAX + 2;
 
 /// What of the law's answer comes from where, over a common denominator: the reading, the torque that acted.
 pub(crate) struct Answer {
@@ -22,22 +27,31 @@ pub(crate) struct Answer {
     pub(crate) whole: Disc,
     pub(crate) reading: Disc,
     pub(crate) acted: Disc,
-    /// Torques on their way, the newest first.
-    pub(crate) coming: Vec<f64>,
 }
 
 impl Sight {
     /// `None`: a law that is fed with velocity.
     pub(crate) fn of(record: &JointRecord, period: f64) -> Option<Self> {
         let own = record.observer.as_ref()?;
-        Some(Self {
+        let mut law = Self {
             period,
             kp: record.kp_per_s2,
             kd: record.kd_per_s,
             correction: own.correction.clone(),
             share: own.share,
             ahead: own.delay_samples as usize,
-        })
+            weights: (Vec::new(), Vec::new()),
+        };
+        // Others are no laws that the core runs, and every claim about them is refused.
+        if (3..=EXPECTED).contains(&law.length()) {
+            law.weights = law.weighed();
+        }
+        Some(law)
+    }
+
+    /// What torques on their way weigh in the torque wanted, the newest first.
+    pub(crate) fn coming(&self) -> &[f64] {
+        &self.weights.1
     }
 
     /// How many torques it remembers: those on their way, and the last one in any case.
@@ -77,9 +91,11 @@ impl Sight {
 
     /// The torque that it asks for; `sent` are the last ones, the newest first.
     pub(crate) fn answer(&self, held: &[f64], sent: &[f64]) -> f64 {
-        let mut then = held.to_vec();
+        let mut all = [0.0; EXPECTED];
+        let then = &mut all[..held.len().min(EXPECTED)];
+        then.copy_from_slice(&held[..then.len()]);
         for torque in sent.iter().take(self.ahead).rev() {
-            self.carry(&mut then, *torque);
+            self.carry(then, *torque);
         }
         let slope = then.get(3).copied().unwrap_or(0.0);
         let phi = then[2] + self.period * (1.0 / self.share - 1.0) * slope;
@@ -103,7 +119,7 @@ impl Sight {
         let (t, m) = (self.period, self.length() - 2);
         let z = w + Disc::real(1.0);
         let [on_e, on_de] = [self.correction[0], self.correction[1]];
-        let mut phis = vec![Disc::real(0.0); m + 1];
+        let mut phis = [Disc::real(0.0); EXPECTED];
         for j in (0..m).rev() {
             let own = (z * w.power(m - 1 - j)).times(self.correction[2 + j]);
             phis[j] = phis[j + 1].times(t) + own;
@@ -115,20 +131,21 @@ impl Sight {
         let b = (z * (w.times(0.5) + Disc::real(1.0))).times(t * t);
         let de_acted =
             (z * w.power(m)).times(t) * (z.times(on_e - 0.5 * t * on_de) + w.times(1.0 - on_e));
-        let mut held = vec![(e, rest * b), (v * w, de_acted)];
-        for (j, phi) in phis.iter().take(m).enumerate() {
-            held.push((*phi * w.power(2 + j), (*phi * w.power(j) * b).times(-1.0)));
+        let row = &self.weights.0;
+        let (mut reading, mut acted) = (Disc::real(0.0), Disc::real(0.0));
+        let mut add = |(y, a): (Disc, Disc), weight: f64| {
+            (reading, acted) = (reading + y.times(weight), acted + a.times(weight));
+        };
+        add((e, rest * b), row[0]);
+        add((v * w, de_acted), row[1]);
+        for (j, (phi, weight)) in phis.iter().zip(&row[2..]).enumerate() {
+            add((*phi * w.power(2 + j), (*phi * w.power(j) * b).times(-1.0)), *weight);
         }
-        let (row, coming) = self.weights();
-        let none = (Disc::real(0.0), Disc::real(0.0));
-        let (reading, acted) = held.iter().zip(&row).fold(none, |sum, ((y, a), weight)| {
-            (sum.0 + y.times(*weight), sum.1 + a.times(*weight))
-        });
-        Answer { whole, reading, acted, coming }
+        Answer { whole, reading, acted }
     }
 
     /// What each thing expected, and each torque on its way, weighs in the torque wanted: told by the law itself.
-    fn weights(&self) -> (Vec<f64>, Vec<f64>) {
+    fn weighed(&self) -> (Vec<f64>, Vec<f64>) {
         let n = self.length();
         // With nothing sent the answer is `g` times what is wanted.
         let of = |held: &[f64], sent: &[f64]| {
