@@ -28,6 +28,7 @@ mod shell;
 mod test;
 mod twice;
 mod venv;
+mod verbs;
 mod zoo;
 
 use std::process::ExitCode;
@@ -49,6 +50,8 @@ const USAGE: &str = "usage:
   cargo xtask bench [--quick] [--keep]
                                dynamics, core and closed loop, side by side with Pinocchio and MuJoCo; --keep puts a line into
                                docs/speed.md
+  cargo xtask verbs [--beside PROGRAM] [--rounds N]
+                               what the verbs that people wait for take, and another program's beside them, in turns (a minute)
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
@@ -106,6 +109,7 @@ fn main() -> ExitCode {
         Some((verb, rest)) if verb == "attack" => attack::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "fuzz" => fuzz::run(&shell::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
+        Some((verb, rest)) if verb == "verbs" => verbs::run(&shell::root(), rest),
         _ => Err(USAGE.to_owned()),
     };
     match result {

@@ -8,6 +8,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMetho
 use phihat::{Command, JointGains, JointState, Limits, update_joints};
 use phihat_campaign::rollouts::RolloutsError;
 use phihat_session::{OutsideRun, SessionError, set};
+use phihat_sim::{Abreast, Stepped};
 use phihat_study::{NumericKey, Study};
 use pyo3::prelude::*;
 use toml::Table;
@@ -31,7 +32,7 @@ const STOPPED: u8 = 3;
 #[derive(Debug)]
 pub(crate) struct Worlds {
     maker: Maker,
-    held: Mutex<Vec<Option<World>>>,
+    held: Mutex<Held>,
     #[pyo3(get)]
     joint_names: Vec<String>,
     #[pyo3(get)]
@@ -40,6 +41,13 @@ pub(crate) struct Worlds {
     torque_max: Vec<f64>,
     #[pyo3(get)]
     error_max: Vec<f64>,
+}
+
+/// The worlds, and what those of each thread share.
+#[derive(Debug)]
+struct Held {
+    worlds: Vec<Option<World>>,
+    abreast: Vec<Abreast>,
 }
 
 /// What every world is made from.
@@ -52,6 +60,8 @@ struct Maker {
     gains: Option<phihat_design::Gains>,
     /// Whether its law answers too, and what is told is added to it.
     corrects: bool,
+    /// Whether every sample is kept.
+    records: bool,
 }
 
 /// A run, and the law that answers in it, if one does.
@@ -72,7 +82,7 @@ struct Law {
 #[pymethods]
 impl Worlds {
     #[new]
-    #[pyo3(signature = (path, document, name, count, gains, corrects))]
+    #[pyo3(signature = (path, document, name, count, gains, corrects, records))]
     fn new(
         py: Python<'_>,
         path: Option<PathBuf>,
@@ -81,6 +91,7 @@ impl Worlds {
         count: usize,
         gains: Option<&Gains>,
         corrects: bool,
+        records: bool,
     ) -> PyResult<Self> {
         let (study, origin) = study::read(py, path.as_deref(), document, name)?;
         let gains = gains.map(|gains| gains.inner.clone());
@@ -97,10 +108,12 @@ impl Worlds {
         let joint_names = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let period = study.control.period_ns as f64 * 1e-9;
         let table: Table = study.text.parse().map_err(|why| internal(py, why))?;
-        let mut maker = Maker { study, origin, table, inertia: Vec::new(), gains, corrects };
+        let mut maker =
+            Maker { study, origin, table, inertia: Vec::new(), gains, corrects, records };
         let first = maker.world(maker.study.clone(), None);
         maker.inertia = first.map_err(|why| why.raise(py))?.run.inertia;
-        let held = Mutex::new((0..count).map(|_| None).collect());
+        let worlds = (0..count).map(|_| None).collect();
+        let held = Mutex::new(Held { worlds, abreast: Vec::new() });
         Ok(Self { maker, held, joint_names, period, torque_max: limits, error_max: bounds })
     }
 
@@ -114,7 +127,7 @@ impl Worlds {
     ) -> PyResult<()> {
         let made = py.detach(|| self.maker.begin(seed, &numbers)).map_err(|why| why.raise(py))?;
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = held.get_mut(world).ok_or_else(|| internal(py, "no such world"))?;
+        let place = held.worlds.get_mut(world).ok_or_else(|| internal(py, "no such world"))?;
         *place = Some(made);
         Ok(())
     }
@@ -139,7 +152,8 @@ impl Worlds {
             return Err(failure::argument(py, "action", Some(joint), value, "finite", &message));
         }
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let told = held.iter_mut().zip(values.chunks_exact(n)).zip(&acting);
+        let Held { worlds, abreast } = &mut *held;
+        let told = worlds.iter_mut().zip(values.chunks_exact(n)).zip(&acting);
         let mut told: Vec<_> = told
             .filter_map(|((world, action), acts)| Some((world.as_mut().filter(|_| *acts)?, action)))
             .collect();
@@ -147,13 +161,18 @@ impl Worlds {
             let work = told.len() * repeat as usize;
             let threads = if work < ALONE { 1 } else { phihat_session::threads(None) };
             let each = told.len().div_ceil(threads).max(1);
+            if abreast.len() < threads {
+                abreast.resize_with(threads, Abreast::default);
+            }
             thread::scope(|scope| {
-                let mut shares = told.chunks_mut(each);
+                let mut shares = told.chunks_mut(each).zip(abreast);
                 let own = shares.next();
-                for share in shares {
-                    scope.spawn(move || go(share, repeat));
+                for (share, abreast) in shares {
+                    scope.spawn(move || go(share, repeat, abreast));
                 }
-                go(own.unwrap_or(&mut []), repeat);
+                if let Some((share, abreast)) = own {
+                    go(share, repeat, abreast);
+                }
             });
         });
         Ok(())
@@ -164,8 +183,9 @@ impl Worlds {
     fn observed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let n = self.joint_names.len();
         let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut all = Vec::with_capacity(held.len() * 6 * n);
-        for world in &*held {
+        let worlds = &held.worlds;
+        let mut all = Vec::with_capacity(worlds.len() * 6 * n);
+        for world in worlds {
             let Some(World { run, .. }) = world else {
                 all.extend(std::iter::repeat_n(f64::NAN, 6 * n));
                 continue;
@@ -178,7 +198,7 @@ impl Worlds {
             all.extend(wanted.iter().map(|r| r.dq));
             all.extend(wanted.iter().map(|r| r.ddq));
         }
-        PyArray1::from_vec(py, all).reshape([held.len(), 6 * n])
+        PyArray1::from_vec(py, all).reshape([worlds.len(), 6 * n])
     }
 
     /// Time of the sample that waits [s], and how each world is: 0 it runs, 1 at its end, 2 diverged, 3 stopped by the robot's
@@ -188,17 +208,22 @@ impl Worlds {
         py: Python<'py>,
     ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u8>>) {
         let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let times = held.iter().map(|w| w.as_ref().map_or(f64::NAN, |world| world.run.run.t()));
+        let worlds = &held.worlds;
+        let times = worlds.iter().map(|w| w.as_ref().map_or(f64::NAN, |world| world.run.run.t()));
         let times: Vec<f64> = times.collect();
-        let states: Vec<u8> = held.iter().map(|w| w.as_ref().map_or(AT_ITS_END, state)).collect();
+        let states: Vec<u8> = worlds.iter().map(|w| w.as_ref().map_or(AT_ITS_END, state)).collect();
         (times.into_pyarray(py), states.into_pyarray(py))
     }
 
     /// The record of a world that is over; it can be taken once.
     fn trace(&self, py: Python<'_>, world: usize) -> PyResult<Trace> {
+        if !self.maker.records {
+            let message = "record: False, so there is no record; it must be True where the environment is made";
+            return Err(failure::argument(py, "record", None, false, "True", message));
+        }
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let over = |world: &mut World| state(world) != RUNS;
-        let taken = held.get_mut(world).and_then(|place| place.take_if(over));
+        let taken = held.worlds.get_mut(world).and_then(|place| place.take_if(over));
         let ended = taken.and_then(|world| py.detach(|| world.run.end()));
         let (done, trace) = ended.ok_or_else(|| {
             let message =
@@ -263,8 +288,18 @@ impl Maker {
         }
         let command = "phihat.gym, in Python".to_owned();
         let n = study.robot.joints.len();
-        let run = OutsideRun::new(study, &self.origin, inertia, command)?;
+        let mut run = OutsideRun::new(study, &self.origin, inertia, command)?;
+        if !self.records {
+            run.run.forget();
+        }
         Ok(World { run, law, tau: vec![0.0; n] })
+    }
+}
+
+impl World {
+    /// The run, and the torque that it waits for.
+    fn waiting(&mut self) -> (&mut Stepped, &[f64]) {
+        (&mut self.run.run, &self.tau)
     }
 }
 
@@ -301,22 +336,22 @@ fn beside_the_law(study: &Study) -> Option<&'static str> {
 }
 
 /// Some worlds, so many samples on.
-fn go(told: &mut [(&mut World, &[f64])], repeat: u32) {
-    for (world, action) in told {
-        for _ in 0..repeat {
+fn go(told: &mut [(&mut World, &[f64])], repeat: u32, abreast: &mut Abreast) {
+    for _ in 0..repeat {
+        for (world, action) in &mut *told {
             let World { run, law, tau } = &mut **world;
-            if run.run.is_over() {
-                break;
-            }
             tau.copy_from_slice(action);
-            if let Some(Law { gains, states, commands }) = law {
+            if let Some(Law { gains, states, commands }) =
+                law.as_mut().filter(|_| !run.run.is_over())
+            {
                 update_joints(gains, states, run.run.sensed(), run.run.wanted(), commands);
                 tau.iter_mut().zip(&*commands).for_each(|(tau, command)| *tau += command.tau);
             }
-            // As many torques as joints, by the shape that was checked.
-            if run.run.step(tau).is_err() {
-                break;
-            }
+        }
+        let mut runs: Vec<_> = told.iter_mut().map(|(world, _)| world.waiting()).collect();
+        // As many torques as joints, by the shape that was checked.
+        if abreast.step(&mut runs).is_err() {
+            break;
         }
     }
 }

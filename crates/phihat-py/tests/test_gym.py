@@ -144,12 +144,32 @@ def equal(mine: Any, other: Any) -> None:
         ({"action": "gains"}, "'torque' or 'correction'"),
         ({"repeat": 0}, "repeat: 0"),
         ({"action_max": -1.0}, "action_max"),
+        ({"dtype": "float16"}, "'float32' or 'float64'"),
+        ({"record": 1}, "True or False"),
         ({"randomise": {"payload_kg": (2.0, 1.0)}}, "randomise"),
     ],
 )
 def test_what_cannot_be_is_said(told: dict[str, Any], said: str) -> None:
     with pytest.raises(phihat.ArgumentError, match=said):
         Env(STUDY, **told)
+
+
+def test_single_precision_is_the_same_run_rounded_on_the_way() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        check_env(Env(STUDY, dtype="float32", record=False), skip_render_check=True)
+    single, double = VectorEnv(STUDY, 3, dtype="float32", record=False), VectorEnv(STUDY, 3)
+    seen, _ = single.reset(seed=4)
+    other, _ = double.reset(seed=4)
+    rng = np.random.default_rng(2)
+    for _ in range(40):
+        assert seen.dtype == np.float32 and np.array_equal(seen, other.astype(np.float32))
+        actions = rng.uniform(-5.0, 5.0, (3, 3)).astype(np.float32)
+        seen, rewards, *_ = single.step(actions)
+        other, same, *_ = double.step(actions.astype(np.float64))
+        assert np.array_equal(rewards, same)
+    with pytest.raises(phihat.ArgumentError, match="record: False"):
+        single.trace(0)
 
 
 def test_wrong_actions_and_options_are_named() -> None:

@@ -2,7 +2,7 @@
 //!
 //! [`Simulation`] takes a study and gains, and leaves a [`Trace`] and [`Metrics`]. It sees neither the
 //! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`], or takes the
-//! loop sample by sample as [`Stepped`]; [`Simulation::apart`] hands out both sides of the loop.
+//! loop sample by sample as [`Stepped`], many of them side by side by [`Abreast`]; [`Simulation::apart`] hands out both sides of the loop.
 //!
 //! # Example
 //!
@@ -56,6 +56,7 @@
 //! [`Trace`] for the record, [`Metrics`] for the figures, [`Demand`] and [`Observed`] for what a design may know of φ.
 #![forbid(unsafe_code)]
 
+mod abreast;
 mod apart;
 mod batch;
 mod columnar;
@@ -89,6 +90,7 @@ mod trace_mcap;
 mod trace_parquet;
 mod world;
 
+pub use abreast::Abreast;
 pub use apart::{Sensed, WorldSide};
 pub use batch::Batch;
 pub use columnar::{ChunkReader, Kind, ParquetError, ParquetTable, Texts, Values};

@@ -1,11 +1,17 @@
 //! The closed loop, open where the controller is.
 
+use core::sync::atomic::{AtomicU64, Ordering};
+
 use phihat::{Measurement, Reference};
 use phihat_study::Study;
 
 use crate::error::SimError;
 use crate::simulation::{Divergence, Ended, Simulation};
 use crate::trace::{Integral, Trace};
+use crate::world::World;
+
+/// How many runs were begun.
+static BEGUN: AtomicU64 = AtomicU64::new(0);
 
 /// A run that waits for its torques: whoever holds it looks at what was sensed, tells a torque, and the world goes on by one
 /// sample. The study's limits, delay, drives and faults act as they do on any other controller.
@@ -57,6 +63,10 @@ pub struct Stepped {
     divergence: Option<Divergence>,
     /// Whether the last message of the sensors arrived.
     fresh: bool,
+    /// Whether every sample is recorded, not the last one alone.
+    recorded: bool,
+    /// Its number: no other run of this program has it.
+    pub(crate) number: u64,
 }
 
 impl Stepped {
@@ -68,10 +78,18 @@ impl Stepped {
     pub fn new(study: &Study, inertia: &[f64]) -> Result<Self, SimError> {
         let run = Simulation::open(study, inertia)?;
         let (trace, integrals) = run.record_for(run.samples());
-        let mut new = Self { run, k: 0, trace, integrals, divergence: None, fresh: true };
+        let number = BEGUN.fetch_add(1, Ordering::Relaxed);
+        let (divergence, fresh, recorded) = (None, true, true);
+        let mut new = Self { run, k: 0, trace, integrals, divergence, fresh, recorded, number };
         new.sense();
         new.fresh = true;
         Ok(new)
+    }
+
+    /// Keeps no record from here on but that of the last sample: for runs of which nobody looks at more than what they sense.
+    pub fn forget(&mut self) {
+        self.recorded = false;
+        (self.trace, _) = self.run.record_for(1);
     }
 
     /// Time of the sample that waits for its torque \[s\].
@@ -128,20 +146,52 @@ impl Stepped {
     ///
     /// [`SimError::JointCount`]: there are not as many torques as joints.
     pub fn step(&mut self, torque: &[f64]) -> Result<(), SimError> {
-        let robot = self.wanted().len();
-        if torque.len() != robot {
-            return Err(SimError::JointCount { gains: torque.len(), robot });
-        }
+        self.fits(torque)?;
         if self.is_over() {
             return Ok(());
         }
+        self.tell(torque);
+        let t = self.begin();
+        self.run.world.integrate(t);
+        self.finish(t);
+        Ok(())
+    }
+
+    /// That there is a torque for every joint.
+    pub(crate) fn fits(&self, torque: &[f64]) -> Result<(), SimError> {
+        let (gains, robot) = (torque.len(), self.wanted().len());
+        if gains == robot { Ok(()) } else { Err(SimError::JointCount { gains, robot }) }
+    }
+
+    /// The sample that waits for its torque, from 0.
+    pub(crate) fn sample(&self) -> u64 {
+        self.k
+    }
+
+    pub(crate) fn tell(&mut self, torque: &[f64]) {
         self.run.control.told(torque);
-        self.divergence = self.run.answer(self.k, &mut self.trace, &mut self.integrals);
+    }
+
+    /// What happens in a sample before the arm moves; the time of the sample \[s\].
+    pub(crate) fn begin(&mut self) -> f64 {
+        if !self.recorded {
+            self.trace.clear();
+        }
+        self.run.begin(self.k, &mut self.trace)
+    }
+
+    /// The world, whose arm is to be moved through the interval.
+    pub(crate) fn world(&mut self) -> &mut World {
+        &mut self.run.world
+    }
+
+    /// What happens after that, in the sample that began at `t`, up to the next one's readings.
+    pub(crate) fn finish(&mut self, t: f64) {
+        self.divergence = self.run.finish(t, &mut self.trace, &mut self.integrals);
         self.k += 1;
         if !self.is_over() {
             self.sense();
         }
-        Ok(())
     }
 
     /// The record so far.

@@ -11,10 +11,10 @@ use phihat_study::Study;
 use crate::support::{columns, gains, read, run};
 
 /// A splitmix64 generator.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -22,7 +22,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64) / (1_u64 << 53) as f64
     }
 
@@ -35,7 +35,7 @@ impl Random {
     }
 }
 
-const ARMS: [(&str, &str, &str); 4] = [
+pub(crate) const ARMS: [(&str, &str, &str); 4] = [
     ("planar3r", "tool", "[0.42, 0.18, 0.14]"),
     ("panda", "panda_link8", "[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]"),
     ("ur5", "tool0", "[2.0, 2.0, 1.0, 0.3, 0.3, 0.2]"),
@@ -54,7 +54,7 @@ fn drive(random: &mut Random) -> String {
 }
 
 /// A study of an arm, drawn: its world, loop and sensors, and what goes wrong.
-fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> String {
+pub(crate) fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> String {
     let r = random;
     let mut text = format!(
         "duration_s = {:.3}\nseed = {}\n[robot]\nname = \"{robot}\"\n[spec]\nsettle_s = 0.02\nerror_max_rad = 1e-3\n\
@@ -117,7 +117,7 @@ fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> Stri
     )
 }
 
-fn study(text: &str) -> Study {
+pub(crate) fn study(text: &str) -> Study {
     let mut study = read(text);
     derive_substeps(&mut study);
     study
@@ -128,7 +128,7 @@ fn simulation(study: &Study) -> Simulation {
 }
 
 /// Every bit of a record, with zeros of one sign.
-fn bits(trace: &Trace) -> Vec<u64> {
+pub(crate) fn bits(trace: &Trace) -> Vec<u64> {
     let numbers = trace.joints.iter().flat_map(|joint| {
         let columns = [
             &joint.q,

@@ -8,6 +8,7 @@
 
 mod support;
 
+mod abreast;
 mod accuracy;
 mod batch;
 mod blocks;

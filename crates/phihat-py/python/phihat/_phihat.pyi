@@ -735,6 +735,7 @@ class Worlds:
         count: int,
         gains: Gains | None,
         corrects: bool,
+        records: bool,
     ) -> Worlds: ...
     @property
     def joint_names(self) -> list[str]: ...

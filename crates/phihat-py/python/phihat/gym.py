@@ -24,6 +24,11 @@ an episode is terminated has the reward ``failure``.
 ``info["seed"]``, and then what ``randomise`` names, in its order; ``options={"seed": …, "values": {key: number}}`` states them for one
 episode. The same seeds and actions give the same bits.
 
+**Precision**: the worlds are those of ``phihat run``, in double precision. ``dtype="float32"`` hands out observations, and takes actions, in
+single precision, as networks do: rounded on the way, and so no longer the bits of a run in double precision.
+
+**Records**: every episode keeps all of its signals for ``trace``, some 120 bytes for a joint and a sample. ``record=False`` keeps none, and is faster.
+
 Not claimed: nothing is certified about what was learnt.
 """
 
@@ -52,6 +57,7 @@ except ImportError as _why:
 __all__ = ["Env", "VectorEnv"]
 
 _Array = NDArray[np.float64]
+_Seen = NDArray[np.float32] | NDArray[np.float64]
 Reward = Callable[[_Array, _Array], _Array]
 """Rewards of a step from observations after it and actions, one row per environment: ``(N, 6 n), (N, n)`` to ``(N,)``."""
 
@@ -74,8 +80,14 @@ class _Core:
         reward: Reward | None = None,
         action_cost: float = 0.0,
         failure: float = -1000.0,
+        dtype: Literal["float32", "float64"] = "float64",
+        record: bool = True,
         name: str = "python",
     ) -> None:
+        if dtype not in ("float32", "float64"):
+            raise _refused("dtype", dtype, "'float32' or 'float64'")
+        if not isinstance(record, bool):
+            raise _refused("record", record, "True or False")
         if action not in ("torque", "correction"):
             raise _refused("action", action, "'torque' or 'correction'")
         if isinstance(repeat, bool) or not isinstance(repeat, int) or not 1 <= repeat <= 100_000:
@@ -85,7 +97,7 @@ class _Core:
             # Those that a simulation of the study would choose.
             chosen = {"path": path, "document": document, "name": name, "numbers": [], "seeds": [0], "runs": 1}
             gains = _phihat.Rollouts({**chosen, "gains": None, "uncertified": False}).gains
-        self.worlds = _phihat.Worlds(path, document, name, count, gains, action == "correction")
+        self.worlds = _phihat.Worlds(path, document, name, count, gains, action == "correction", record)
         self.joints = len(self.worlds.joint_names)
         limits = self.worlds.torque_max if action_max is None else action_max
         most = np.broadcast_to(np.asarray(limits, dtype=np.float64), (self.joints,)).copy()
@@ -97,8 +109,10 @@ class _Core:
         self.reward = reward or self._reward
         self.randomise = {ALIASES.get(key, key): _range(key, ends) for key, ends in (randomise or {}).items()}
         high = np.full(6 * self.joints, np.inf)
-        self.observation_space = gymnasium.spaces.Box(-high, high, dtype=np.float64)
-        self.action_space = gymnasium.spaces.Box(-most, most, dtype=np.float64)
+        self._dtype: type[np.float32] | type[np.float64] = np.float32 if dtype == "float32" else np.float64
+        low, most, high = -most.astype(self._dtype), most.astype(self._dtype), high.astype(self._dtype)
+        self.observation_space = gymnasium.spaces.Box(-high, high, dtype=self._dtype)
+        self.action_space = gymnasium.spaces.Box(low, most, dtype=self._dtype)
 
     def begin(self, world: int, rng: np.random.Generator, options: Mapping[str, Any] | None) -> dict[str, Any]:
         """Begins an episode; what is told of it."""
@@ -114,7 +128,12 @@ class _Core:
         told: dict[str, Any] = {"seed": seed, "t": 0.0}
         return {**told, "values": values} if values else told
 
-    def step(self, acting: NDArray[np.bool_], actions: _Array) -> tuple[_Array, _Array, NDArray[np.bool_], NDArray[np.bool_], _Array]:
+    def observed(self) -> _Seen:
+        """What every world senses and wants."""
+        seen: _Seen = self.worlds.observed().astype(self._dtype, copy=False)
+        return seen
+
+    def step(self, acting: NDArray[np.bool_], actions: _Seen) -> tuple[_Seen, _Array, NDArray[np.bool_], NDArray[np.bool_], _Array]:
         """Acts in some worlds: observations, rewards, terminated, truncated, times."""
         actions = np.ascontiguousarray(actions, dtype=np.float64)
         if actions.shape != (len(acting), self.joints):
@@ -127,7 +146,7 @@ class _Core:
         # What has diverged may be no number any more.
         seen[terminated] = np.nan_to_num(seen[terminated])
         rewards = np.asarray(self.reward(seen, actions), dtype=np.float64)
-        return seen, np.where(terminated, self.failure, np.where(acting, rewards, 0.0)), terminated, truncated, times
+        return seen.astype(self._dtype, copy=False), np.where(terminated, self.failure, np.where(acting, rewards, 0.0)), terminated, truncated, times
 
     def _reward(self, seen: _Array, actions: _Array) -> _Array:
         n = self.joints
@@ -137,7 +156,7 @@ class _Core:
         return -cost
 
 
-class Env(gymnasium.Env[_Array, _Array]):
+class Env(gymnasium.Env[_Seen, _Seen]):
     """A study's world as one environment; the module says what is observed, done and rewarded.
 
     Args:
@@ -149,7 +168,7 @@ class Env(gymnasium.Env[_Array, _Array]):
         repeat: control samples that an action holds.
         randomise: numbers of the study that every episode draws evenly anew: ``{"payload_kg": (0.0, 1.0)}``.
         reward: another reward, of arrays of one row.
-        action_cost, failure: see the module.
+        action_cost, failure, dtype, record: see the module.
         name: the study's name where it is a document.
 
     Raises:
@@ -174,14 +193,14 @@ class Env(gymnasium.Env[_Array, _Array]):
         """Time between steps [s]."""
         return self._core.worlds.period * self._core.repeat
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[_Array, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[_Seen, dict[str, Any]]:
         """Begin an episode; see the module for ``options``."""
         super().reset(seed=seed)
         info = self._core.begin(0, self.np_random, options)
         self._over = False
-        return self._core.worlds.observed()[0], info
+        return self._core.observed()[0], info
 
-    def step(self, action: _Array) -> tuple[_Array, float, bool, bool, dict[str, Any]]:
+    def step(self, action: _Seen) -> tuple[_Seen, float, bool, bool, dict[str, Any]]:
         """Act for ``repeat`` samples.
 
         Raises:
@@ -199,7 +218,7 @@ class Env(gymnasium.Env[_Array, _Array]):
         return Trace(self._core.worlds.trace(0))
 
 
-class VectorEnv(gymnasium.vector.VectorEnv[_Array, _Array, NDArray[Any]]):
+class VectorEnv(gymnasium.vector.VectorEnv[_Seen, _Seen, NDArray[Any]]):
     """Many worlds of one study side by side; each is what an :class:`Env` with its seed is, to the last bit.
 
     All step at once, outside of the interpreter, and on several threads where there are enough of them.
@@ -250,7 +269,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[_Array, _Array, NDArray[Any]]):
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[_Array, dict[str, Any]]:
+    ) -> tuple[_Seen, dict[str, Any]]:
         """Begin all episodes anew, or those of ``options["reset_mask"]``; a seed ``s`` gives them ``s, s + 1, …``."""
         seeds: list[int | None]
         if seed is None:
@@ -270,9 +289,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[_Array, _Array, NDArray[Any]]):
         infos: dict[str, Any] = {}
         for i in np.flatnonzero(mask):
             infos = self._begin(int(i), seeds[i], told, infos)
-        return self._core.worlds.observed(), infos
+        return self._core.observed(), infos
 
-    def step(self, actions: _Array) -> tuple[_Array, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+    def step(self, actions: _Seen) -> tuple[_Seen, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Act in all worlds for ``repeat`` samples; those that are over begin anew as ``autoreset_mode`` says.
 
         Raises:
@@ -293,13 +312,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[_Array, _Array, NDArray[Any]]):
         if again.any():
             for i in np.flatnonzero(again):
                 infos = self._begin(int(i), None, {}, infos)
-            seen[again] = self._core.worlds.observed()[again]
+            seen[again] = self._core.observed()[again]
         if self._mode == AutoresetMode.SAME_STEP and self._over.any():
             over = np.flatnonzero(self._over)
             for i in over:
                 last = {"final_obs": seen[i].copy(), "final_info": {"t": float(times[i])}}
                 infos = self._begin(int(i), None, {}, self._add_info(infos, last, int(i)))
-            seen[over] = self._core.worlds.observed()[over]
+            seen[over] = self._core.observed()[over]
         return seen, rewards, terminated, truncated, infos
 
     def trace(self, env: int) -> Trace:
