@@ -133,14 +133,20 @@ impl RunArguments {
             );
         }
         let page = shown_page.map(|_| folder.join("report.html"));
-        let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned());
+        // A document is one piece, and told when all of it is true.
+        let says: Option<fn(&Done)> = if self.json { None } else { Some(figures) };
+        let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned()).saying(says);
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
         write_layout(self.layout.as_deref(), &done)?;
-        let code = tell(&done, self.json, &folder, page.as_deref());
+        if self.json {
+            println!("{:#}", document(&done, &folder, page.as_deref()));
+        } else {
+            left(&folder, page.as_deref());
+        }
         if let (Some(shown), Some(page)) = (shown_page, &page) {
             shown.show(page);
         }
-        Ok(code)
+        Ok(if done.good() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }
 
@@ -173,16 +179,6 @@ impl RunArguments {
     }
 }
 
-/// Tells what came out; the exit code says whether it is within spec.
-fn tell(done: &Done, as_json: bool, folder: &Path, report: Option<&Path>) -> ExitCode {
-    if as_json {
-        println!("{:#}", document(done, folder, report));
-    } else {
-        show(done, folder, report);
-    }
-    if done.good() { ExitCode::SUCCESS } else { ExitCode::from(1) }
-}
-
 /// Writes how a viewer shows the log, where that was asked for.
 pub(crate) fn write_layout(layout: Option<&Path>, done: &Done) -> Result<(), Failure> {
     let Some(path) = layout else { return Ok(()) };
@@ -209,6 +205,11 @@ pub(crate) fn document(done: &Done, folder: &Path, report: Option<&Path>) -> ser
 
 /// What a run came to, as tables.
 pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
+    figures(done);
+    left(folder, report);
+}
+
+fn figures(done: &Done) {
     println!("{} · {}", done.study.name, done.study.title);
     println!("{}", table::metrics(&done.metrics));
     if let Some(tip) = table::tip(&done.metrics) {
@@ -221,6 +222,10 @@ pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
         Some(abort) => println!("{}", stopped(abort)),
         None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
     }
+}
+
+/// Where what a run left can be looked at.
+fn left(folder: &Path, report: Option<&Path>) {
     match report {
         Some(page) => println!("report: {}", page.display()),
         None => println!("trace: {}", trace_at(folder).display()),

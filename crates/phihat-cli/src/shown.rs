@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_session::Watch;
+use phihat_session::{Done, Watch};
 
 use crate::interrupt;
 use crate::terminal::is_quiet;
@@ -19,6 +19,8 @@ pub(crate) struct Shown {
     fresh: bool,
     /// What Ctrl-C asks to stop, where that can be asked.
     asked: Option<&'static AtomicBool>,
+    /// Tells what a run came to.
+    says: Option<fn(&Done)>,
 }
 
 impl Shown {
@@ -28,14 +30,19 @@ impl Shown {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        Self { bar, words, fresh: false, asked: None }
+        Self { bar, words, fresh: false, asked: None, says: None }
     }
 
     /// A spinner that says which step is being done, with how long it has been at it.
     pub(crate) fn steps() -> Self {
         let bar = spinner();
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, words: String::new(), fresh: false, asked: None }
+        Self { bar, words: String::new(), fresh: false, asked: None, says: None }
+    }
+
+    /// It tells what a run came to as soon as that is known, if anything tells it.
+    pub(crate) fn saying(self, says: Option<fn(&Done)>) -> Self {
+        Self { says, ..self }
     }
 
     /// A bar of this look over work that can be asked to stop.
@@ -79,6 +86,12 @@ impl Watch for Shown {
     fn ended(&mut self) {
         interrupt::done();
         self.bar.finish_and_clear();
+    }
+
+    fn came_to(&mut self, done: &Done) {
+        if let Some(says) = self.says {
+            says(done);
+        }
     }
 }
 

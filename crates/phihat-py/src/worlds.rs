@@ -82,7 +82,7 @@ struct Law {
 #[pymethods]
 impl Worlds {
     #[new]
-    #[pyo3(signature = (path, document, name, count, gains, corrects, records))]
+    #[pyo3(signature = (path, document, name, count, gains, corrects_and_records))]
     fn new(
         py: Python<'_>,
         path: Option<PathBuf>,
@@ -90,9 +90,9 @@ impl Worlds {
         name: &str,
         count: usize,
         gains: Option<&Gains>,
-        corrects: bool,
-        records: bool,
+        corrects_and_records: (bool, bool),
     ) -> PyResult<Self> {
+        let (corrects, records) = corrects_and_records;
         let (study, origin) = study::read(py, path.as_deref(), document, name)?;
         let gains = gains.map(|gains| gains.inner.clone());
         if let Some(has) = beside_the_law(&study).filter(|_| corrects) {

@@ -257,6 +257,7 @@ impl Session {
         );
         watch.ended();
         let done = done?;
+        watch.came_to(&done);
         done.leave(trace, folder, page, None)?;
         Ok(done)
     }

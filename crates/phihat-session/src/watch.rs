@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
+use crate::record::Done;
+
 /// Told how far a piece of work is; `()` looks away.
 pub trait Watch: Send {
     /// So many of all are done.
@@ -35,6 +37,11 @@ pub trait Watch: Send {
 
     /// The work is over; what is left is written whole or not at all.
     fn ended(&mut self) {}
+
+    /// What a run came to, before its files are written.
+    fn came_to(&mut self, done: &Done) {
+        let _ = done;
+    }
 }
 
 impl Watch for () {}

@@ -45,7 +45,9 @@ fn every_run_is_what_it_is_alone() {
             }
             let now: Vec<u64> = going.iter().map(|i| clocks[*i]).collect();
             step(&mut abreast, &mut own, &now);
-            going.iter().for_each(|i| clocks[*i] += 1);
+            for i in &going {
+                clocks[*i] += 1;
+            }
             let mut all: Vec<(usize, Stepped)> = going.into_iter().zip(own).chain(rest).collect();
             all.sort_by_key(|(i, _)| *i);
             runs = all.into_iter().map(|(_, run)| run).collect();

@@ -734,8 +734,7 @@ class Worlds:
         name: str,
         count: int,
         gains: Gains | None,
-        corrects: bool,
-        records: bool,
+        corrects_and_records: tuple[bool, bool],
     ) -> Worlds: ...
     @property
     def joint_names(self) -> list[str]: ...

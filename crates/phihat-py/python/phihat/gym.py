@@ -57,7 +57,9 @@ except ImportError as _why:
 __all__ = ["Env", "VectorEnv"]
 
 _Array = NDArray[np.float64]
-_Seen = NDArray[np.float32] | NDArray[np.float64]
+_Seen = NDArray[Any]
+"""Of the ``dtype`` that was asked for."""
+
 Reward = Callable[[_Array, _Array], _Array]
 """Rewards of a step from observations after it and actions, one row per environment: ``(N, 6 n), (N, n)`` to ``(N,)``."""
 
@@ -97,7 +99,7 @@ class _Core:
             # Those that a simulation of the study would choose.
             chosen = {"path": path, "document": document, "name": name, "numbers": [], "seeds": [0], "runs": 1}
             gains = _phihat.Rollouts({**chosen, "gains": None, "uncertified": False}).gains
-        self.worlds = _phihat.Worlds(path, document, name, count, gains, action == "correction", record)
+        self.worlds = _phihat.Worlds(path, document, name, count, gains, (action == "correction", record))
         self.joints = len(self.worlds.joint_names)
         limits = self.worlds.torque_max if action_max is None else action_max
         most = np.broadcast_to(np.asarray(limits, dtype=np.float64), (self.joints,)).copy()
@@ -109,10 +111,13 @@ class _Core:
         self.reward = reward or self._reward
         self.randomise = {ALIASES.get(key, key): _range(key, ends) for key, ends in (randomise or {}).items()}
         high = np.full(6 * self.joints, np.inf)
-        self._dtype: type[np.float32] | type[np.float64] = np.float32 if dtype == "float32" else np.float64
-        low, most, high = -most.astype(self._dtype), most.astype(self._dtype), high.astype(self._dtype)
-        self.observation_space = gymnasium.spaces.Box(-high, high, dtype=self._dtype)
-        self.action_space = gymnasium.spaces.Box(low, most, dtype=self._dtype)
+        self._dtype: Any = np.dtype(dtype)
+        self.observation_space = self._box(high)
+        self.action_space = self._box(most)
+
+    def _box(self, most: _Array) -> gymnasium.spaces.Box:
+        ends: Any = most.astype(self._dtype)
+        return gymnasium.spaces.Box(-ends, ends, dtype=self._dtype)
 
     def begin(self, world: int, rng: np.random.Generator, options: Mapping[str, Any] | None) -> dict[str, Any]:
         """Begins an episode; what is told of it."""
