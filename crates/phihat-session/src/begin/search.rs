@@ -33,6 +33,9 @@ const UNASKED: f64 = 1e-2;
 const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
 
+/// What is asked for in the end, over what gains kept, where the design may choose the form of law.
+const FORM_CHOSEN: f64 = 0.6;
+
 /// How often an error is tried.
 const ROUNDS: u32 = 5;
 
@@ -82,6 +85,8 @@ pub(super) struct Looked<'a> {
     arm: Arm,
     /// Whether some gains keep the arm inside their window.
     stable: bool,
+    /// Whether the form of law is left to the design.
+    form_designed: bool,
 }
 
 /// What became of one error that was asked for.
@@ -113,7 +118,9 @@ impl<'a> Looked<'a> {
         let path = folder.join(format!("{}.toml", options.study_name()?));
         let Followed { study, motion, notes, weak } = followed(options, chosen, &path)?;
         let arm = arm_of(&study, &path)?;
-        let mut looked = Self { options, study, path, motion, notes, weak, arm, stable: true };
+        let (stable, form_designed) = (true, false);
+        let mut looked =
+            Self { options, study, path, motion, notes, weak, arm, stable, form_designed };
         if looked.weak.is_none() {
             looked.narrow(chosen)?;
         }
@@ -227,6 +234,9 @@ impl<'a> Looked<'a> {
                 1e3 * error
             ));
             let (why, by) = match self.asked(error, out)? {
+                Asked::Kept(simulated) if fixed.is_none() => {
+                    return Ok(self.with_form_chosen((error, simulated), out, watch));
+                }
                 Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
                 Asked::Never(why) => return Ok(self.infeasible(error, why)),
                 Asked::No(no) if fixed.is_some() => {
@@ -254,6 +264,26 @@ impl<'a> Looked<'a> {
         let why =
             last.map_or_else(|| tried.clone(), |last| format!("{tried}; the last try: {last}"));
         Ok(self.infeasible(error, why))
+    }
+
+    /// A smaller error than one that is kept, if it is kept where the design chooses the form of law; else that one.
+    fn with_form_chosen(
+        &mut self,
+        (error, simulated): (f64, Vec<f64>),
+        out: &Path,
+        watch: &mut dyn Watch,
+    ) -> Found {
+        let less = two_digits(FORM_CHOSEN * error);
+        watch
+            .step(&format!("laws from positions for an error of {:.3} mrad, and runs", 1e3 * less));
+        self.study.control.form_designed = true;
+        // A search that cannot begin is no reason to have nothing.
+        if let Ok(Asked::Kept(simulated)) = self.asked(less, out) {
+            self.form_designed = true;
+            return self.found(less, Some(simulated), None);
+        }
+        self.study.control.form_designed = false;
+        self.found(error, Some(simulated), None)
     }
 
     /// The least error \[rad\] that some gains keep, by the search's own reckoning; else why there are none.
@@ -341,7 +371,8 @@ impl<'a> Looked<'a> {
 
     /// The study as it is written.
     pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
-        words(self.options, chosen, (&chosen.lines, &found.error_max), &self.motion)
+        let said = (&chosen.lines[..], &found.error_max[..], self.form_designed);
+        words(self.options, chosen, said, &self.motion)
     }
 }
 
@@ -413,7 +444,7 @@ pub(super) fn followed(
     loop {
         let motion = Sines::about(&chosen.robot, &centre, pace(round));
         let error = vec![1e-3; chosen.robot.joints.len()];
-        let text = words(options, chosen, (&lines, &error), &motion);
+        let text = words(options, chosen, (&lines, &error, false), &motion);
         let mut study = Box::new(Study::from_text(&text, &path.display().to_string(), folder)?);
         derive_substeps(&mut study);
         let demand = Demand::along(&study).map_err(|why| SessionError::at(path, why))?;
@@ -470,7 +501,7 @@ fn slowest(
 fn words(
     options: &BeginOptions,
     chosen: &Chosen,
-    (robot, error): (&[String], &[f64]),
+    (robot, error, form_designed): (&[String], &[f64], bool),
     motion: &Sines,
 ) -> String {
     let posture = chosen.robot.poses.get(READY).map_or(&[][..], Vec::as_slice);
@@ -492,6 +523,7 @@ fn words(
         payload_kg: options.payload_kg,
         rate_hz: options.rate_hz.unwrap_or_else(|| rate(&chosen.robot)),
         delay_samples: options.delay_samples.unwrap_or(1),
+        form_designed,
         encoder: &encoder,
         torque,
         centre: if named { Centre::Pose(READY) } else { Centre::Posture(posture) },

@@ -12,6 +12,8 @@ pub(super) struct Words<'a> {
     pub(super) payload_kg: f64,
     pub(super) rate_hz: f64,
     pub(super) delay_samples: u32,
+    /// Whether the form of law is left to the design.
+    pub(super) form_designed: bool,
     /// Encoder: `"robot"`, or bits.
     pub(super) encoder: &'a str,
     /// Torque limits where the arm's own are replaced.
@@ -61,6 +63,9 @@ impl Words<'_> {
         line("[loop]".into());
         line(format!("rate_hz = {:?}", self.rate_hz));
         line(format!("delay_samples = {}", self.delay_samples));
+        if self.form_designed {
+            line("form = \"design\"               # of law: whichever the tube says needs less torque noise".into());
+        }
         if !self.torque.is_empty() {
             line(format!("torque_max_nm = {}", numbers(self.torque)));
         }
