@@ -41,6 +41,20 @@ pub trait FindCertificate: Sized {
     ) -> Result<Self, Refutation>;
 }
 
+/// The first joint with each law, and which of them each joint is like.
+fn distinct(laws: &[find::Looped<'_>]) -> (Vec<usize>, Vec<usize>) {
+    let mut firsts: Vec<usize> = Vec::new();
+    let like = |i: usize| {
+        let before = firsts.iter().position(|first| laws[*first].is_like(&laws[i]));
+        before.unwrap_or_else(|| {
+            firsts.push(i);
+            firsts.len() - 1
+        })
+    };
+    let of = (0..laws.len()).map(like).collect();
+    (firsts, of)
+}
+
 impl FindCertificate for Certificate {
     fn find(
         study: &Study,
@@ -66,9 +80,7 @@ impl FindCertificate for Certificate {
                 find::Looped { record, model, drive: scope::gains(study, i) }
             })
             .collect();
-        // The first joint with each law, and which of them is like a joint.
-        let first = |i: &usize| (0..*i).all(|j| !laws[j].is_like(&laws[*i]));
-        let firsts: Vec<usize> = (0..laws.len()).filter(first).collect();
+        let (firsts, of) = distinct(&laws);
         let known = parallel(&firsts, threads(), |i| {
             let modelled = scope::unmodelled(study, i, (laws[i].record, &laws[i].model), &arm);
             let found = find::Shared::find(laws[i], modelled, (&arm, margin), bits.is_some());
@@ -84,12 +96,10 @@ impl FindCertificate for Certificate {
                 quantum: bits.and_then(|b| b.get(i)).map(|bits| TorqueNoise::quantum(*bits)),
                 duration: study.duration,
             };
-            let of = firsts.iter().zip(&known).find(|(first, _)| laws[**first].is_like(law));
-            let claims = of.map(|(_, of)| context.claims(of, phi.get(i).cloned().flatten()));
-            claims.transpose().map_err(|why| why.on(&law.record.name))
+            let claims = context.claims(&known[of[i]], phi.get(i).cloned().flatten());
+            claims.map_err(|why| why.on(&law.record.name))
         };
-        let joints = laws.iter().enumerate().filter_map(|one| joint(one).transpose());
-        let joints = joints.collect::<Result<_, _>>()?;
+        let joints = laws.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
         Ok(Self {
             arm,
