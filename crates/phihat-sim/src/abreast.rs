@@ -39,13 +39,13 @@ use crate::world::{PlantLanes, World};
 /// # let study = |mass: f64| Study::from_text(&text(mass), "demo.toml", "".as_ref());
 /// let inertia = [0.42, 0.18, 0.14];
 /// let begun = |mass: f64| Ok::<_, Box<dyn std::error::Error>>(Stepped::new(&study(mass)?, &inertia)?);
-/// let (mut empty, mut loaded) = (begun(0.0)?, begun(0.3)?);
+/// let (mut light, mut heavy) = (begun(0.1)?, begun(0.3)?);
 /// let mut abreast = Abreast::default();
-/// while !empty.is_over() {
+/// while !light.is_over() {
 ///     let torque = [0.2, -0.1, 0.0];
-///     abreast.step(&mut [(&mut empty, &torque), (&mut loaded, &torque)])?;
+///     abreast.step(&mut [(&mut light, &torque), (&mut heavy, &torque)])?;
 /// }
-/// assert!(empty.sensed()[0].q != loaded.sensed()[0].q);
+/// assert!(light.sensed()[0].q != heavy.sensed()[0].q);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]

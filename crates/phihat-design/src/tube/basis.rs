@@ -134,18 +134,27 @@ impl Slice {
         &self,
         scene: &Scene<'_>,
     ) -> Result<Vec<Option<Direction>>, TubeRefusal> {
-        let body = |mass: f64, off: [f64; 3], inertia: [f64; 6]| scene.loaded(mass, off, inertia);
+        self.along(&scene.bare, |mass, off, inertia| scene.loaded(mass, off, inertia))
+    }
+
+    /// The same of an arm, and of what it is with a mass, its centre from the middle of the box, and its inertia about that.
+    fn along<E>(
+        &self,
+        bare: &Model,
+        body: impl Fn(f64, [f64; 3], [f64; 6]) -> Result<Model, E>,
+    ) -> Result<Vec<Option<Direction>>, E> {
         let still = self.off;
         let none = [0.0; 6];
         let mut all = Vec::with_capacity(10);
         all.push((self.mass.1 > self.mass.0).then_some(()).map(|()| {
-            Ok(Direction { plus: body(1.0, still, none)?, minus: scene.bare.clone(), scale: 1.0 })
+            Ok(Direction { plus: body(1.0, still, none)?, minus: bare.clone(), scale: 1.0 })
         }));
         for axis in 0..3 {
             all.push((self.half[axis] > 0.0).then_some(()).map(|()| {
                 let off = |sign: f64| {
                     let mut off = still;
-                    off[axis] = sign * OFFSET;
+                    // About the slice's middle, so that second moments are those of neither.
+                    off[axis] += sign * OFFSET;
                     body(1.0, off, none)
                 };
                 Ok(Direction { plus: off(1.0)?, minus: off(-1.0)?, scale: 0.5 / OFFSET })
@@ -203,6 +212,8 @@ impl Slice {
 
 #[cfg(test)]
 mod tests {
+    use phihat_model::{Body, Model, Robot, Workspace};
+    use phihat_session::Dice;
     use phihat_study::PayloadSet;
 
     use super::Slice;
@@ -215,6 +226,64 @@ mod tests {
     fn range(slice: &Slice, middle: [f64; 3], axis: usize) -> (f64, f64) {
         let at = middle[axis] + slice.off[axis];
         (at - slice.half[axis], at + slice.half[axis])
+    }
+
+    fn torque(model: &Model, [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
+        let mut tau = vec![0.0; q.len()];
+        model.inverse_dynamics(&mut Workspace::new(model), q, dq, ddq, &mut tau);
+        tau
+    }
+
+    /// Inverse dynamics is linear in mass, first moments and inertia about the slice's middle: what the directions say of a payload is
+    /// all that it does, wherever its slice lies.
+    #[test]
+    fn directions_are_all_that_a_payload_does() {
+        let bare = Robot::named("panda").unwrap().plant_model();
+        let com = [(-0.02, 0.06), (0.01, 0.05), (0.0, 0.08)];
+        let set = set((0.2, 1.4), com);
+        let centre = com.map(|(a, b)| 0.5 * (a + b));
+        let body = |mass: f64, off: [f64; 3], inertia: [f64; 6]| {
+            let com = core::array::from_fn(|i| centre[i] + off[i]);
+            bare.clone().with_payload_on("panda_link8", &Body { mass, com, inertia })
+        };
+        let mut dice = Dice::new(9, 0);
+        for slice in Slice::all(&set, 9) {
+            let directions = slice.along(&bare, body).unwrap();
+            let [xx, _, _, yy, _, zz] = slice.inertia;
+            let middle = body(slice.middle(), slice.off, [xx, 0.0, 0.0, yy, 0.0, zz]).unwrap();
+            for _ in 0..5 {
+                let state: [Vec<f64>; 3] =
+                    core::array::from_fn(|_| (0..7).map(|_| dice.between(-1.5, 1.5)).collect());
+                let mass = dice.between(slice.mass.0, slice.mass.1);
+                let d = slice.half.map(|half| dice.between(-half, half));
+                let own = [1e-3, 2e-4, -1e-4, 2e-3, 3e-4, 1.5e-3];
+                let off = core::array::from_fn(|i| slice.off[i] + d[i]);
+                let found = torque(&body(mass, off, own).unwrap(), &state);
+                let far = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                let about = |entry: usize, (a, b): (usize, usize)| {
+                    own[entry] + mass * (if a == b { far } else { 0.0 } - d[a] * d[b])
+                };
+                let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+                let mut by = vec![mass - slice.middle()];
+                by.extend(d.map(|d| mass * d));
+                by.extend(pairs.into_iter().enumerate().map(|(entry, pair)| {
+                    let known = if pair.0 == pair.1 { slice.inertia[entry] } else { 0.0 };
+                    about(entry, pair) - known
+                }));
+                let mut sum = torque(&middle, &state);
+                for (direction, by) in directions.iter().zip(by) {
+                    let direction = direction.as_ref().unwrap();
+                    let (plus, minus) =
+                        (torque(&direction.plus, &state), torque(&direction.minus, &state));
+                    for (sum, (plus, minus)) in sum.iter_mut().zip(plus.iter().zip(minus)) {
+                        *sum += by * direction.scale * (plus - minus);
+                    }
+                }
+                for (sum, found) in sum.iter().zip(&found) {
+                    assert!((sum - found).abs() < 1e-10, "{slice:?}: {sum} for {found}");
+                }
+            }
+        }
     }
 
     #[test]
