@@ -85,8 +85,6 @@ pub(super) struct Looked<'a> {
     arm: Arm,
     /// Whether some gains keep the arm inside their window.
     stable: bool,
-    /// Whether the form of law is left to the design.
-    form_designed: bool,
 }
 
 /// What became of one error that was asked for.
@@ -118,9 +116,7 @@ impl<'a> Looked<'a> {
         let path = folder.join(format!("{}.toml", options.study_name()?));
         let Followed { study, motion, notes, weak } = followed(options, chosen, &path)?;
         let arm = arm_of(&study, &path)?;
-        let (stable, form_designed) = (true, false);
-        let mut looked =
-            Self { options, study, path, motion, notes, weak, arm, stable, form_designed };
+        let mut looked = Self { options, study, path, motion, notes, weak, arm, stable: true };
         if looked.weak.is_none() {
             looked.narrow(chosen)?;
         }
@@ -279,7 +275,6 @@ impl<'a> Looked<'a> {
         self.study.control.form_designed = true;
         // A search that cannot begin is no reason to have nothing.
         if let Ok(Asked::Kept(simulated)) = self.asked(less, out) {
-            self.form_designed = true;
             return self.found(less, Some(simulated), None);
         }
         self.study.control.form_designed = false;
@@ -371,7 +366,7 @@ impl<'a> Looked<'a> {
 
     /// The study as it is written.
     pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
-        let said = (&chosen.lines[..], &found.error_max[..], self.form_designed);
+        let said = (&chosen.lines[..], &found.error_max[..], self.study.control.form_designed);
         words(self.options, chosen, said, &self.motion)
     }
 }
