@@ -1,8 +1,6 @@
-//! Several linear runs, or several states of the arm, side by side: one value per run.
+//! Several linear runs side by side: one value per run.
 
-use core::ops::{Add, AddAssign, Deref, DerefMut, Div, Mul, Neg, Sub, SubAssign};
-
-use phihat_model::{Quad, Scalar};
+use core::ops::{Deref, DerefMut};
 
 /// Runs that are stepped together.
 pub(crate) const WIDE: usize = 8;
@@ -40,70 +38,6 @@ impl<const W: usize> DerefMut for Lane<W> {
 
 /// Rows of a matrix that are summed together, so that no sum waits for the one before.
 const ROWS: usize = 4;
-
-/// [`WIDE`] states of the arm, for its dynamics.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Wide(pub(crate) [f64; WIDE]);
-
-macro_rules! each_lane {
-    ($trait:ident, $method:ident) => {
-        impl $trait for Wide {
-            type Output = Self;
-
-            #[inline]
-            fn $method(mut self, other: Self) -> Self {
-                for c in 0..WIDE {
-                    self.0[c] = self.0[c].$method(other.0[c]);
-                }
-                self
-            }
-        }
-    };
-}
-
-each_lane!(Add, add);
-each_lane!(Sub, sub);
-each_lane!(Mul, mul);
-each_lane!(Div, div);
-
-impl Neg for Wide {
-    type Output = Self;
-
-    #[inline]
-    fn neg(self) -> Self {
-        Self(self.0.map(Neg::neg))
-    }
-}
-
-impl AddAssign for Wide {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl SubAssign for Wide {
-    #[inline]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl Scalar for Wide {
-    type Four = Quad<Self>;
-
-    #[inline]
-    fn splat(value: f64) -> Self {
-        Self([value; WIDE])
-    }
-
-    #[inline]
-    fn sin_cos(self) -> (Self, Self) {
-        let (mut sine, mut cosine) = (Self::default(), Self::default());
-        f64::sin_cos_each(&self.0, &mut sine.0, &mut cosine.0);
-        (sine, cosine)
-    }
-}
 
 /// `out += m x` for an `out.len() × x.len()` matrix.
 #[inline]

@@ -1,11 +1,10 @@
 //! Small deviations from the nominal run: derivatives of the dynamics and the step from sample to sample.
 
 use nalgebra::DMatrix;
-use phihat_model::{Model, Scalar as _, Workspace};
+use phihat_model::{Lanes, Model, Scalar as _, Workspace};
 
 use super::nominal::Nominal;
 use super::scene::Scene;
-use crate::lanes::{WIDE, Wide};
 
 /// Steps of the differences in position and velocity.
 const STEP: f64 = 1e-5;
@@ -25,14 +24,14 @@ pub(super) struct Derivatives {
 pub(super) struct Differences<'a> {
     pub(super) model: &'a Model,
     workspace: Workspace<f64>,
-    abreast: Workspace<Wide>,
-    state: [Vec<Wide>; 3],
-    torque: Vec<Wide>,
+    abreast: Workspace<Lanes>,
+    state: [Vec<Lanes>; 3],
+    torque: Vec<Lanes>,
 }
 
 impl<'a> Differences<'a> {
     pub(super) fn new(model: &'a Model) -> Self {
-        let zero = vec![Wide::default(); model.joint_count()];
+        let zero = vec![Lanes::default(); model.joint_count()];
         Self {
             model,
             workspace: Workspace::new(model),
@@ -53,23 +52,25 @@ impl<'a> Differences<'a> {
         // By every position, then by every velocity: a lane each way, as many pairs as fit side by side.
         let pairs: Vec<(usize, usize)> =
             (0..2).flat_map(|by| (0..n).map(move |j| (by, j))).collect();
-        for pairs in pairs.chunks(WIDE / 2) {
+        for pairs in pairs.chunks(Lanes::COUNT / 2) {
             for (lanes, base) in self.state.iter_mut().zip([q, v, a]) {
                 for (lane, base) in lanes.iter_mut().zip(base) {
-                    *lane = Wide::splat(*base);
+                    *lane = Lanes::splat(*base);
                 }
             }
             for (lane, (by, j)) in pairs.iter().enumerate() {
-                let moved = &mut self.state[*by][*j].0;
+                let mut moved = <[f64; Lanes::COUNT]>::from(self.state[*by][*j]);
                 moved[2 * lane] += STEP;
                 moved[2 * lane + 1] -= STEP;
+                self.state[*by][*j] = Lanes::from(moved);
             }
             let [q, v, a] = &self.state;
             self.model.inverse_dynamics(&mut self.abreast, q, v, a, &mut self.torque);
             for (lane, (by, j)) in pairs.iter().enumerate() {
                 let matrix = if *by == 0 { &mut out.k } else { &mut out.d };
                 for (i, torque) in self.torque.iter().enumerate() {
-                    let [plus, minus] = [torque.0[2 * lane], torque.0[2 * lane + 1]];
+                    let torque = <[f64; Lanes::COUNT]>::from(*torque);
+                    let [plus, minus] = [torque[2 * lane], torque[2 * lane + 1]];
                     matrix[i * n + j] = (plus - minus) / (2.0 * STEP);
                 }
             }
