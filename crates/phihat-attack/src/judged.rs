@@ -9,7 +9,7 @@ use phihat_study::Study;
 
 use crate::claim::{Claim, claimed};
 use crate::draft::Laws;
-use crate::typed::{sketched, typed};
+use crate::typed::{Claims, sketched, typed};
 
 /// The result of a design, and what its certificate says of it.
 #[derive(Debug)]
@@ -20,20 +20,23 @@ pub enum Verdict {
     NotProved(String),
     /// Gains whose certificate does not verify, although it refuses nothing or something else.
     Refuted(Box<Gains>, Refutation),
-    /// Gains with a certificate that was verified, and what it claims.
+    /// Gains with a certificate, verified where all is claimed, and what it claims.
     Certified(Box<Gains>, Claim),
 }
 
 /// Designs for a study and verifies what was found, as a user does it: through the text of gains.json.
 pub fn judged(study: &Study, path: &Path) -> Verdict {
-    judged_by(study, &Laws::Designed, path)
+    judged_by(study, (&Laws::Designed, Claims::All), path)
 }
 
-/// Likewise, with laws from elsewhere: they get the certificate that a design would give them.
-pub(crate) fn judged_by(study: &Study, laws: &Laws, path: &Path) -> Verdict {
-    let found = match (laws, requested_gains(study)) {
+/// Likewise, with laws from elsewhere: they get the certificate that a design would give them, those that were typed no
+/// more of it than is asked.
+pub(crate) fn judged_by(study: &Study, (laws, claims): (&Laws, Claims), path: &Path) -> Verdict {
+    let own = requested_gains(study);
+    let whole = claims == Claims::All || !matches!((laws, &own), (Laws::Typed(_), Some(_)));
+    let found = match (laws, own) {
         (Laws::Typed(_), Some(own)) => {
-            typed(study, own, path).map_err(|why| format!("typed: {why}"))
+            typed(study, own, (claims, path)).map_err(|why| format!("typed: {why}"))
         }
         (Laws::Sketched(shares), _) => {
             sketched(study, shares, path).map_err(|why| format!("sketched: {why}"))
@@ -50,7 +53,8 @@ pub(crate) fn judged_by(study: &Study, laws: &Laws, path: &Path) -> Verdict {
         Ok(gains) => gains,
         Err(why) => return Verdict::NotProved(format!("gains.json: {why}")),
     };
-    if let Some(certificate) = &gains.certificate
+    if whole
+        && let Some(certificate) = &gains.certificate
         && let Err(why) = certificate.verify(&gains)
     {
         // What the document itself refuses it may refuse, in the same words.

@@ -47,6 +47,10 @@ struct Arguments {
     /// Of every so many studies, verify those certified with laws from positions against their study; 0: none.
     #[arg(long, default_value_t = 10)]
     derive_every: u64,
+    /// Of every so many studies with typed laws, find and verify all that is claimed; of the others find the tube alone,
+    /// which takes half of the time.
+    #[arg(long, default_value_t = 1)]
+    whole_every: u64,
     /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.
     #[arg(long, value_name = "PYTHON")]
     python: Option<PathBuf>,
@@ -80,7 +84,9 @@ fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
     let mut journal = journal?;
     let program = program()?;
-    let Arguments { seed, runs, keep_every, derive_every, positions, searched, .. } = *arguments;
+    let Arguments {
+        seed, runs, keep_every, derive_every, whole_every, positions, searched, ..
+    } = *arguments;
     let python = arguments.python.as_deref();
     let trial = Trial {
         seed,
@@ -90,12 +96,13 @@ fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
         folder: &folder,
         keep_every,
         derive_every,
+        whole_every,
         python,
     };
     let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
     let id = |index: &u64| {
         format!(
-            "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked {}, every {derive_every} derived, program {program:016x}",
+            "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked {}, every {derive_every} derived, every {whole_every} whole, program {program:016x}",
             python.is_some()
         )
     };

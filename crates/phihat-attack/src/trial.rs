@@ -18,6 +18,7 @@ use crate::judged::{Verdict, judged_by};
 use crate::record::{Ended, Record};
 use crate::run::run;
 use crate::second::opinion;
+use crate::typed::Claims;
 use crate::vary::worlds;
 
 /// Draws until one is a study.
@@ -44,6 +45,8 @@ pub struct Trial<'a> {
     pub keep_every: u64,
     /// Of every so many, those certified with laws from positions are verified against their study; 0: none.
     pub derive_every: u64,
+    /// Of every so many studies with typed laws, all claims are found and verified; of the others the tube alone.
+    pub whole_every: u64,
     /// The Python that asks them.
     pub python: Option<&'a Path>,
 }
@@ -96,6 +99,8 @@ impl Trial<'_> {
         let began = Instant::now();
         let path = folder.join("study.toml");
         let mut verdict = None;
+        let whole = record.index.is_multiple_of(self.whole_every.max(1));
+        let claims = if whole { Claims::All } else { Claims::Tube };
         for _ in 0..ROUNDS {
             let study = match draft.study(&draft.nominal, folder) {
                 Ok(study) => study,
@@ -107,7 +112,7 @@ impl Trial<'_> {
             record.joints = study.robot.joints.len();
             // What takes for ever can be looked at.
             write(folder, &[("study.toml".to_owned(), draft.text(&draft.nominal))], record);
-            let judged = judged_by(&study, &draft.laws, &path);
+            let judged = judged_by(&study, (&draft.laws, claims), &path);
             let worse = match &judged {
                 Verdict::Infeasible(clauses) => relief(clauses),
                 _ => None,

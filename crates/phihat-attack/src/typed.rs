@@ -42,17 +42,31 @@ impl From<Refutation> for NotTyped {
     }
 }
 
-/// Finds every claim about typed laws.
+/// How much is claimed of laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Claims {
+    /// All that a design claims; verified as a user does it.
+    All,
+    /// What a tube needs, and the tube: a third of the time.
+    Tube,
+}
+
+/// Finds the claims about typed laws.
 ///
 /// # Errors
 ///
 /// [`NotTyped`]
-pub(crate) fn typed(study: &Study, mut gains: Gains, path: &Path) -> Result<Outcome, NotTyped> {
+pub(crate) fn typed(
+    study: &Study,
+    mut gains: Gains,
+    (claims, path): (Claims, &Path),
+) -> Result<Outcome, NotTyped> {
     let arm = arm(study, path).map_err(|why| NotTyped::Session(Box::new(why)))?;
     let nominal = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
     let phi = vec![None; gains.joints.len()];
     gains.certificate = Some(Certificate::find(study, &gains, arm.against(nominal)?, &phi)?);
-    with_tube(study, gains, &arm)
+    let gains = with_tube(study, gains)?;
+    if claims == Claims::All { pushed_and_moved(study, gains, &arm) } else { Ok(designed(gains)) }
 }
 
 /// The laws with which a search by positions begins: the least error for shares of the torque noise, and one tube.
@@ -73,14 +87,16 @@ pub(crate) fn sketched(study: &Study, shares: &[f64], path: &Path) -> Result<Out
         // Bounds of joints by themselves are none of joints that push each other.
         (joint.bounds, joint.phi) = (None, None);
     }
-    with_tube(study, gains, &arm)
+    pushed_and_moved(study, with_tube(study, gains)?, &arm)
 }
 
-/// What is claimed of the arm as a whole.
-fn with_tube(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotTyped> {
-    let Some(mut certificate) = gains.certificate.take() else {
-        return Ok(Outcome::Designed(Box::new(gains)));
-    };
+fn designed(gains: Gains) -> Outcome {
+    Outcome::Designed(Box::new(gains))
+}
+
+/// The envelope of the study's motion.
+fn with_tube(study: &Study, mut gains: Gains) -> Result<Gains, NotTyped> {
+    let Some(mut certificate) = gains.certificate.take() else { return Ok(gains) };
     if certificate.refused().is_none() {
         let motion = Motion::of(study)?;
         let desired = Desired::of(study, |joint, t| motion.told(joint, t));
@@ -99,10 +115,15 @@ fn with_tube(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotT
         }
     }
     gains.certificate = Some(certificate);
+    Ok(gains)
+}
+
+/// How far a push moves every joint, and how fast the arm may move.
+fn pushed_and_moved(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotTyped> {
     let coupled = coupled_along(study, &gains)?;
     if let Some(certificate) = &mut gains.certificate {
         certificate.coupled = coupled;
     }
     find_moving(&mut gains, arm);
-    Ok(Outcome::Designed(Box::new(gains)))
+    Ok(designed(gains))
 }

@@ -180,4 +180,16 @@ fn a_claim_beside_what_is_derived() {
     assert!(refused(&|t| t.joints[0].error_low_rad.truncate(3)), "bins less");
     assert!(refused(&|t| drop(t.joints.pop())), "a joint less");
     assert!(!refused(&|t| shift(&mut t.joints[0].error_high_rad, 1e-3)), "a weaker claim");
+    // An arm at rest, seen exactly: what is left is rounding, of which every derivation has its own.
+    let narrow = |size: f64| {
+        let mut other = tube.clone();
+        for joint in &mut other.joints {
+            joint.error_low_rad.fill(-size);
+            joint.error_high_rad.fill(size);
+            joint.error_max_rad = size;
+        }
+        other
+    };
+    assert!(beside(&narrow(1e-15), &narrow(2e-9)).is_ok(), "rounding");
+    assert!(beside(&narrow(1e-15), &narrow(2e-6)).is_err(), "more than rounding");
 }

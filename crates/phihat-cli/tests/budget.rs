@@ -11,7 +11,7 @@ use serde_json::Value;
 fn planar(error: f64, more: &str) -> String {
     format!(
         "duration_s = 2.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint2 = 0.8 }}\n[spec]\nsettle_s = 1.0\nerror_max_rad = {error:e}\n[design]\norders = [1]\n\
-         payload_max_kg = 0.3\n[loop]\nrate_hz = 500.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
+         payload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 500.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
          velocity_filter_hz = 60.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n[[reference.sine]]\n\
          amplitude_rad = 0.2\nfrequency_hz = 0.5\n{more}"
     )

@@ -135,6 +135,7 @@ error_max_rad = [1e-3, 2e-2]
 [design]
 
 [loop]
+form = "observer"
 rate_hz = 1000.0
 
 [sensor]

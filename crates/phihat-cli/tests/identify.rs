@@ -104,7 +104,7 @@ fn a_record_becomes_a_design_that_holds() {
     let again = |end: &str| {
         format!(
             "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_max_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
-             [loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n\
+             [loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n\
              [reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.3, 0.4]\n"
         )
     };

@@ -17,6 +17,7 @@ error_max_rad = 4e-3
 payload_max_kg = 0.2
 orders = [1]
 [loop]
+form = "observer"
 rate_hz = 500.0
 delay_samples = 1
 [sensor]

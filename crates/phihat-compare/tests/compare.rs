@@ -130,7 +130,7 @@ fn study(name: &str, extra: &str, reference: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.toml"));
     let text = format!(
         "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_max_rad = 1e-2\n\
-         [design]\npayload_max_kg = 0.3\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n\
+         [design]\npayload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 1000.0\ndelay_samples = 1\n\
          [sensor]\nencoder_bits = 20\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n\
          {extra}[reference]\n{reference}"
     );

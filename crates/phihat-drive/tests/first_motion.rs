@@ -114,6 +114,7 @@ ROTORS
 settle_s = 1.0
 [design]
 [loop]
+form = "observer"
 delay_samples = 1
 [sensor]
 encoder_bits = BITS
@@ -253,6 +254,7 @@ name = "robot"
 settle_s = 1.0
 [design]
 [loop]
+form = "observer"
 rate_hz = 1000.0
 delay_samples = 1
 [sensor]

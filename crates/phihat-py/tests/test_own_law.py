@@ -144,7 +144,7 @@ def test_an_own_law_is_a_rival_like_the_others(tmp_path: Path) -> None:
     study = tmp_path / "own.toml"
     study.write_text(
         "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 0.05\n"
-        "[design]\npayload_max_kg = 0.3\n[world]\nsubsteps = 4\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"
+        "[design]\npayload_max_kg = 0.3\n[loop]\nform = \"observer\"\n[world]\nsubsteps = 4\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"
         "[reference]\nkind = \"sines\"\ncenter = \"ready\"\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n"
     )
     result = phihat.compare(

@@ -161,7 +161,8 @@ pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
     Ok(Cow::Owned(own))
 }
 
-/// Designs in both forms that serve the study, and takes the better one, with the study in its form.
+/// Designs in both forms that serve the study, and takes the better one, with the study in its form; by the observer alone where
+/// no error is asked for, or arm or `φ` are known by estimates.
 fn either_form(
     study: &Study,
     arm: &Arm,
@@ -176,9 +177,12 @@ fn either_form(
     };
     let observer = formed(Form::Observer);
     let ours = study.design.method == DesignMethod::Ours;
-    let known = study.design.inertia == InertiaSource::Robot && study.spec.error_bound.is_some();
+    let asked = study.spec.error_bound.is_some();
+    // What a tube is reckoned from: laws from positions have no claim without one.
+    let known = study.design.inertia == InertiaSource::Robot
+        && matches!(study.design.phi, PhiSource::Reference);
     let ahead = study.control.delay_samples <= phihat_study::AHEAD_MAX;
-    if ours && known && ahead {
+    if ours && asked && known && ahead {
         let positions = formed(Form::Positions);
         if let Outcome::Designed(seen) = sought(&positions, arm, path, Advice::Clauses)? {
             return Ok(match sought(&observer, arm, path, Advice::Clauses)? {

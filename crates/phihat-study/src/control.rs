@@ -24,20 +24,25 @@ pub(crate) fn period_ns(top: &Node<'_>, (duration, rate): (f64, f64)) -> Result<
     Ok(u64::try_from(period.as_nanos()).unwrap_or(1_000_000_000))
 }
 
-pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, period_ns: u64) -> Result<Control, StudyError> {
+pub(crate) fn read(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    (period_ns, has_gains): (u64, bool),
+) -> Result<Control, StudyError> {
     let robot = &arm.robot.joints;
     let torque = robot.iter().map(|joint| joint.torque_max);
     let rate = robot.iter().map(|joint| joint.torque_rate_max);
-    let form = match node.word("form")? {
-        "literal" => Form::Literal,
-        "positions" => Form::Positions,
+    let stated = node.text("form");
+    let form = match stated {
+        Some("literal") => Form::Literal,
+        Some("positions") => Form::Positions,
         _ => Form::Observer,
     };
     Ok(Control {
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
         form,
-        form_designed: node.word("form")? == "design",
+        form_designed: stated.map_or(!has_gains, |word| word == "design"),
         preview_stated: node.has("preview"),
         preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,

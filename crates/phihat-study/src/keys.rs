@@ -301,11 +301,12 @@ static LOOP: Section = Section {
             name: "form",
             unit: "",
             shape: Shape::Word(&["observer", "literal", "positions", "design"]),
-            need: Need::Word("observer"),
+            need: Need::Optional("`\"observer\"` with `[gains]`, else `\"design\"`"),
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
                   each joint. `design`: whichever of `observer` and `positions` keeps the specification with less torque noise, by \
-                  its tube.",
+                  its tube; `observer` where no `error_max_rad` is asked for, where the design is by the paper's recipe, or \
+                  where φ or the arm's inertia are typed, recorded or simulated.",
         },
         Key {
             name: "preview",

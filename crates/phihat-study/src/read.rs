@@ -176,8 +176,8 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let [duration, rate] = [duration, rate].map(|known| known.unwrap_or(f64::INFINITY));
     let gains = found.keep(stated_gains(top, &arm, rate))?.flatten();
     let sensor = found.keep(sensor(top, &arm, rate, gains.is_some()))?;
-    let control = control::read(&top.child("loop"), &arm, period_ns.unwrap_or_default());
-    let control = found.keep(control)?;
+    let given = (period_ns.unwrap_or_default(), gains.is_some());
+    let control = found.keep(control::read(&top.child("loop"), &arm, given))?;
     let world = found.keep(world::read(top, &arm, duration))?;
     let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
     found.keep(control::fits(&control, gains.as_ref(), top))?;

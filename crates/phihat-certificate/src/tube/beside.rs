@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::check::agree::agrees;
-use crate::extremes::Extremes as _;
+use crate::extremes::{Extremes as _, larger};
 use crate::{Refutation, Tube, TubeJoint};
 
 const CLAIM: &str = "tube";
@@ -21,7 +21,7 @@ pub const CONFIRMED: f64 = 1.5;
 /// leaves the tube, refuses much less.
 pub const TIGHTER: f64 = 1000.0;
 
-/// What two derivations may be apart by rounding alone \[rad, rad/s\].
+/// What two derivations may be apart by rounding alone \[rad, rad/s, N·m\].
 const ROUNDING: f64 = 1e-9;
 
 /// One joint of a tube beside the derivation; errors from the tube's `settle_s` on.
@@ -137,7 +137,8 @@ impl Sides<'_> {
     }
 }
 
-/// `own` over `claimed`; not a number is no ratio.
+/// `own` over `claimed`, which counts as [`ROUNDING`] at least: an arm that rests behind exact sensors has a tube of rounding
+/// errors, and another derivation has others. Not a number is no ratio.
 fn ratio(own: f64, claimed: f64) -> f64 {
-    if own <= 0.0 && claimed >= 0.0 { 0.0 } else { own / claimed }
+    if own <= 0.0 && claimed >= 0.0 { 0.0 } else { own / larger(claimed, ROUNDING) }
 }

@@ -140,6 +140,7 @@ error_max_rad = 4e-3
 [design]
 settling_time_s = 0.2
 [loop]
+form = "observer"
 torque_rate_max_nm_s = "none"
 [sensor]
 encoder_bits = 18

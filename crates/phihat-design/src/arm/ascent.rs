@@ -7,7 +7,7 @@ use phihat_certificate::Witness;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::Workspace;
 
-use super::postures::{Eigen, Postures, Tried, eigen, scaled, scaled_mass_matrix};
+use super::postures::{Eigen, Postures, SAMPLES, Tried, eigen, scaled, scaled_mass_matrix};
 
 /// Postures from which an end is sought, and those of them that are followed to the end.
 pub(super) const STARTS: u32 = 20;
@@ -71,7 +71,12 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     let mut order: Vec<(f64, usize)> =
         tried.iter().enumerate().map(|(i, tried)| (search.score(tried), i)).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Postures of a reference are many and alike: the best of the others have a place beside them.
+    let own = |i: usize| i < SAMPLES as usize;
+    let others: Vec<_> = order.iter().filter(|(_, i)| own(*i)).take(FOLLOWED).copied().collect();
     order.truncate(STARTS as usize);
+    let seen = order.clone();
+    order.extend(others.into_iter().filter(|other| !seen.contains(other)));
     let mut starts: Vec<At> = order.iter().map(|(_, i)| search.look(&tried[*i])).collect();
     let better = |a: &At, b: &At| end.score(b.value).total_cmp(&end.score(a.value));
     for start in &mut starts {
@@ -80,6 +85,9 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     }
     starts.sort_by(better);
     starts.truncate(FOLLOWED);
+    let mut others = search.of_each_payload(&tried[..tried.len().min(SAMPLES as usize)]);
+    others.sort_by(better);
+    starts.extend(others.into_iter().take(FOLLOWED));
     for start in &mut starts {
         search.climb(start, SWEEPS);
         if search.choose_payload(start) {
@@ -128,6 +136,43 @@ impl Search<'_> {
         at.payload != before
     }
 
+    /// Where there are several heaviest payloads, a start for each: the postures that are best with a body between them may all lie
+    /// about one maximum, while another payload has its own elsewhere. The energy of each is compared at the rates at which that of
+    /// the body between is largest.
+    fn of_each_payload(&self, tried: &[Tried]) -> Vec<At> {
+        let heaviest = self.postures.heaviest;
+        if self.end == End::Low || heaviest < 2 {
+            return Vec::new();
+        }
+        let mut best = vec![(f64::NEG_INFINITY, 0); heaviest];
+        let mut rooms: Vec<Workspace> =
+            self.postures.payloads.iter().map(|loaded| Workspace::new(&loaded.model)).collect();
+        for (place, tried) in tried.iter().enumerate() {
+            let (_, vector) = self.end.of(eigen(&scaled(&tried.matrix, self.nominal)));
+            let rates = self.rates(&vector);
+            for (k, best) in best.iter_mut().enumerate() {
+                let (model, room) = (&self.postures.payloads[k + 1].model, &mut rooms[k + 1]);
+                let energy = model.kinetic_energy(room, &tried.q, &rates);
+                if energy > best.0 {
+                    *best = (energy, place);
+                }
+            }
+        }
+        let start = |(k, (_, place)): (usize, (f64, usize))| {
+            let (q, payload) = (tried[place].q.clone(), k + 1);
+            let (value, vector) = self.eigen(&q, payload);
+            let mut start = At { q, payload, value, vector };
+            self.climb(&mut start, FIRST_SWEEPS);
+            start
+        };
+        best.into_iter().enumerate().map(start).collect()
+    }
+
+    /// Joint rates at which `vᵀ W v` is twice the energy.
+    fn rates(&self, vector: &DVector<f64>) -> Vec<f64> {
+        vector.iter().zip(self.nominal).map(|(v, m)| v / m.sqrt()).collect()
+    }
+
     fn eigen(&self, q: &[f64], payload: usize) -> Eigen {
         let model = &self.postures.payloads[payload].model;
         self.end.of(eigen(&scaled_mass_matrix(model, &mut Workspace::new(model), q, self.nominal)))
@@ -149,8 +194,7 @@ impl Search<'_> {
     fn turn(&self, at: &mut At, joint: usize) {
         let model = &self.postures.payloads[at.payload].model;
         let mut workspace = Workspace::new(model);
-        let rates: Vec<f64> =
-            at.vector.iter().zip(self.nominal).map(|(v, m)| v / m.sqrt()).collect();
+        let rates = self.rates(&at.vector);
         let mut q = at.q.clone();
         let mut energy = |x: f64| {
             q[joint] = x;

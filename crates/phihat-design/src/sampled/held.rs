@@ -37,7 +37,7 @@ impl Held {
         let sums = a.tr_mul(&later) * matrix.period();
         let sum = |row: DVector<f64>, b: &DVector<f64>| {
             let mut total = 0.0;
-            let rows = sweep(a, row, horizon, |row| total += row.dot(b).abs());
+            let rows = sweep(a, &row, horizon, |row, _| total += row.dot(b).abs());
             total + horizon.tail(rows, b.amax())
         };
         Some(Self {

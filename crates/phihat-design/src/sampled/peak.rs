@@ -103,17 +103,17 @@ impl Norms {
         let mut bend = [None; 3];
         for i in 0..3 {
             if let (true, Some(row)) = (dies[i], &ramp[i]) {
-                bend[i] = Some(norms.held(rest(&a.tr_mul(row))?, period * period));
+                bend[i] = Some(norms.held(&rest(&a.tr_mul(row))?, period * period));
             }
         }
         let rows = [integral, position, velocity];
         let [integral, position, velocity] = rows;
-        let jump = [norms.held(integral, 1.0), norms.jump(position), norms.jump(velocity)];
+        let jump = [norms.held(&integral, 1.0), norms.jump(&position), norms.jump(&velocity)];
         let [integral, position, velocity] = ramp;
         let ramp = [
-            integral.map(|later| norms.held(later, matrix.period())),
-            position.map(|later| norms.ramp(later)),
-            velocity.map(|later| norms.ramp(later)),
+            integral.map(|later| norms.held(&later, matrix.period())),
+            position.map(|later| norms.ramp(&later)),
+            velocity.map(|later| norms.ramp(&later)),
         ];
         Ok(Self { jump, ramp, bend })
     }
@@ -126,27 +126,27 @@ struct Sums<'a> {
 }
 
 impl Sums<'_> {
-    /// Response of a row to impulses at the interval's start and at its end.
-    fn impulses(&self, row: &DVector<f64>) -> (f64, f64) {
-        let end = -row[1] / (self.matrix.unit() * self.matrix.mu());
-        (end - self.matrix.period() * row[0] / self.matrix.mu(), end)
+    /// Response of a row, by its entries of position and velocity, to impulses at the interval's start and at its end.
+    fn impulses(&self, position: f64, velocity: f64) -> (f64, f64) {
+        let end = -velocity / (self.matrix.unit() * self.matrix.mu());
+        (end - self.matrix.period() * position / self.matrix.mu(), end)
     }
 
     /// `Σ_j |c A^j b|`, `b` held over the interval, times a factor.
-    fn held(&self, row: DVector<f64>, factor: f64) -> f64 {
+    fn held(&self, row: &DVector<f64>, factor: f64) -> f64 {
         let held = self.matrix.disturbance();
         let mut total = 0.0;
         let a = self.matrix.matrix();
-        let rows = sweep(a, row, self.horizon, |row| total += row.dot(held).abs());
+        let rows = sweep(a, row, self.horizon, |row, _| total += row.dot(held).abs());
         factor * (total + self.horizon.tail(rows, held.amax()))
     }
 
     /// `Σ_j ∫_0^T |c A^j b(s)| ds`.
-    fn jump(&self, row: DVector<f64>) -> f64 {
+    fn jump(&self, row: &DVector<f64>) -> f64 {
         let period = self.matrix.period();
         let mut total = 0.0;
-        let rows = sweep(self.matrix.matrix(), row, self.horizon, |row| {
-            let (start, end) = self.impulses(row);
+        let rows = sweep(self.matrix.matrix(), row, self.horizon, |row, _| {
+            let (start, end) = self.impulses(row[0], row[1]);
             total += period * mean_of_line(start, end);
         });
         total + self.horizon.tail(rows, period * self.largest_impulse())
@@ -154,16 +154,13 @@ impl Sums<'_> {
 
     /// The same for `φ̇`, from the row `r = −c (I − A)⁻¹`: the loop's answer to a step of `φ` dies out, so what
     /// came until now is minus what is to come, and `c A^j = r A^{j+1} − r A^j`.
-    fn ramp(&self, row: DVector<f64>) -> f64 {
+    fn ramp(&self, row: &DVector<f64>) -> f64 {
         let period = self.matrix.period();
         let held = self.matrix.disturbance();
         let a = self.matrix.matrix();
         let mut total = 0.0;
-        let mut c = row.clone();
-        let rows = sweep(a, row, self.horizon, |row| {
-            c.gemv_tr(1.0, a, row, 0.0);
-            c -= row;
-            let (start, end) = self.impulses(&c);
+        let rows = sweep(a, row, self.horizon, |row, next| {
+            let (start, end) = self.impulses(next[0] - row[0], next[1] - row[1]);
             let late = row.dot(held);
             // Step of φ in mid-interval and at its start: integrals of the linear impulse response.
             let middle = late + period * (3.0 * end + start) / 8.0;

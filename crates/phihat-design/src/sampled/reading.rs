@@ -53,7 +53,7 @@ fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<ReadingE
             row[entry] = unit;
             let drives = &matrix.encoder().drives;
             let mut sum = 0.0;
-            let rows = sweep(matrix.matrix(), row, horizon, |row| sum += row.dot(drives).abs());
+            let rows = sweep(matrix.matrix(), &row, horizon, |row, _| sum += row.dot(drives).abs());
             sum + horizon.tail(rows, drives.amax())
         };
         error = error.max(gain(0, 1.0));

@@ -6,7 +6,7 @@ pub use phihat_certificate::ReferenceError;
 use super::model::LoopModel;
 use super::peak::mean_of_parabola;
 use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
-use super::response::{Horizon, ratios, sweep};
+use super::response::{Horizon, Row, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -96,7 +96,7 @@ fn kicked(matrix: &StateMatrix, entry: usize, horizon: Horizon) -> f64 {
     let mut row = DVector::zeros(a.nrows());
     row[entry] = if entry == 0 { 1.0 } else { matrix.unit() };
     let mut total = 0.0;
-    let rows = sweep(a, row, horizon, |row| total += row[0].abs());
+    let rows = sweep(a, &row, horizon, |row, _| total += row[0].abs());
     total + horizon.tail(rows, 1.0)
 }
 
@@ -136,12 +136,12 @@ impl<'a> Following<'a> {
         &self,
         entry: usize,
         (horizon, size): (Horizon, f64),
-        mut of: impl FnMut(&DVector<f64>) -> f64,
+        mut of: impl FnMut(&Row<'_>) -> f64,
     ) -> f64 {
         let mut row = DVector::zeros(self.a.nrows());
         row[entry] = if entry == 0 { 1.0 } else { self.borne.1 };
         let mut total = 0.0;
-        let rows = sweep(self.a, row, horizon, |row| total += of(row));
+        let rows = sweep(self.a, &row, horizon, |row, _| total += of(row));
         total + horizon.tail(rows, size)
     }
 
@@ -174,9 +174,8 @@ impl<'a> Following<'a> {
         };
         let (late, middle, early) = (at(0.0), at(0.5), at(1.0));
         let size = late.amax().max(middle.amax()).max(early.amax());
-        let mean = |row: &DVector<f64>| {
-            t * mean_of_parabola(row.dot(&early), row.dot(&middle), row.dot(&late))
-        };
+        let mean =
+            |row: &Row<'_>| t * mean_of_parabola(row.dot(&early), row.dot(&middle), row.dot(&late));
         Some(self.sum(entry, (horizon, t * size), mean))
     }
 }

@@ -1,6 +1,6 @@
 //! Sums over the loop's whole future, with a bound on what is left out.
 
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, DVector, DVectorView, RowDVector};
 use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::state_matrix::{Reaction, StateMatrix};
@@ -41,23 +41,102 @@ impl Horizon {
     }
 }
 
-/// Shows `c A^j` for `j = 0 … N−1` as a column; gives `Σ ‖c A^j‖₁`.
+/// A row `c A^j`, as a column.
+pub(crate) type Row<'a> = DVectorView<'a, f64>;
+
+/// Shows `c A^j` and `c A^(j+1)` for `j = 0 … N−1`; gives `Σ ‖c A^j‖₁`.
 pub(crate) fn sweep(
     a: &DMatrix<f64>,
-    row: DVector<f64>,
+    row: &DVector<f64>,
     horizon: Horizon,
-    mut visit: impl FnMut(&DVector<f64>),
+    mut visit: impl FnMut(&Row<'_>, &Row<'_>),
 ) -> f64 {
-    let mut now = row;
-    let mut next = now.clone();
-    let mut total = 0.0;
-    for _ in 0..horizon.samples {
-        visit(&now);
-        total += now.iter().map(|v| v.abs()).sum::<f64>();
-        next.gemv_tr(1.0, a, &now, 0.0);
-        core::mem::swap(&mut now, &mut next);
+    match a.nrows() {
+        0..=8 => Padded::<8>::of(a).sweep(row, horizon, visit),
+        9..=16 => Padded::<16>::of(a).sweep(row, horizon, visit),
+        17..=32 => Padded::<32>::of(a).sweep(row, horizon, visit),
+        // Longest delay, estimator and drive make fewer; should there be more, by the package.
+        _ => {
+            let (mut now, mut total) = (row.clone(), 0.0);
+            let mut next = now.clone();
+            for _ in 0..horizon.samples {
+                next.gemv_tr(1.0, a, &now, 0.0);
+                visit(&now.as_view(), &next.as_view());
+                total += now.iter().map(|v| v.abs()).sum::<f64>();
+                core::mem::swap(&mut now, &mut next);
+            }
+            total
+        }
     }
-    total
+}
+
+/// How many products the package sums side by side.
+const SIDE: usize = 8;
+
+/// A matrix whose rows fill vector registers, `W` a multiple of eight.
+struct Padded<const W: usize> {
+    rows: Vec<Aligned<W>>,
+}
+
+/// Numbers that begin where a register's do.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Aligned<const W: usize>([f64; W]);
+
+impl<const W: usize> Padded<W> {
+    fn of(a: &DMatrix<f64>) -> Self {
+        let at = |i: usize, j: usize| if j < a.ncols() { a[(i, j)] } else { 0.0 };
+        let rows = (0..a.nrows()).map(|i| Aligned(core::array::from_fn(|j| at(i, j))));
+        Self { rows: rows.collect() }
+    }
+
+    /// `c A`, every sum in the order in which the package has it: eight sums side by side, then what is left.
+    #[inline]
+    fn times(&self, c: &Aligned<W>) -> Aligned<W> {
+        let product = |i: usize, sums: &mut [f64; W]| {
+            for (sum, entry) in sums.iter_mut().zip(&self.rows[i].0) {
+                *sum += c.0[i] * entry;
+            }
+        };
+        let n = self.rows.len();
+        let whole = n - n % SIDE;
+        let mut out = [0.0; W];
+        if whole > 0 {
+            let mut side = [[0.0; W]; SIDE];
+            for i in 0..whole {
+                product(i, &mut side[i % SIDE]);
+            }
+            let (first, second) = side.split_at(SIDE / 2);
+            for (first, second) in first.iter().zip(second) {
+                for j in 0..W {
+                    out[j] += first[j] + second[j];
+                }
+            }
+        }
+        for i in whole..n {
+            product(i, &mut out);
+        }
+        Aligned(out)
+    }
+
+    fn sweep(
+        &self,
+        row: &DVector<f64>,
+        horizon: Horizon,
+        mut visit: impl FnMut(&Row<'_>, &Row<'_>),
+    ) -> f64 {
+        let n = self.rows.len();
+        let seen = |row: &Aligned<W>| -> f64 { row.0[..n].iter().map(|v| v.abs()).sum() };
+        let mut now = Aligned(core::array::from_fn(|i| if i < n { row[i] } else { 0.0 }));
+        let mut total = 0.0;
+        for _ in 0..horizon.samples {
+            let next = self.times(&now);
+            visit(&Row::from_slice(&now.0, n), &Row::from_slice(&next.0, n));
+            total += seen(&now);
+            now = next;
+        }
+        total
+    }
 }
 
 /// Torque (in units of `M̄`) after a unit impulse of an input: `h_0, h_1, …`, and a bound on the rest.
@@ -74,7 +153,7 @@ impl Response {
         let horizon = Horizon::of(matrix.matrix())?;
         let mut samples = vec![reaction.direct];
         let row = column(&reaction.state);
-        let rows = sweep(matrix.matrix(), row, horizon, |row| {
+        let rows = sweep(matrix.matrix(), &row, horizon, |row, _| {
             samples.push(row.dot(&reaction.drives));
         });
         Some(Self { samples, tail: horizon.tail(rows, reaction.drives.amax()) })

@@ -19,7 +19,7 @@ impl Own {
     /// Checks that there is a law of the paper to look at. The law runs bare: the paper's has no supervisor.
     pub(super) fn new(mut study: Study, path: &Path) -> Result<Self, OwnError> {
         let at = || path.display().to_string();
-        if study.control.form_designed || study.control.form == Form::Positions {
+        if study.control.form == Form::Positions {
             return Err(OwnError::OtherForm(at()));
         }
         let Some(gains) = requested_gains(&study) else { return Err(OwnError::NoGains(at())) };

@@ -366,7 +366,9 @@ impl<'a> Looked<'a> {
 
     /// The study as it is written.
     pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
-        let said = (&chosen.lines[..], &found.error_max[..], self.study.control.form_designed);
+        // Where there are no gains yet, nothing is to be ruled out.
+        let left = self.study.control.form_designed || found.infeasible.is_some();
+        let said = (&chosen.lines[..], &found.error_max[..], left);
         words(self.options, chosen, said, &self.motion)
     }
 }

@@ -63,9 +63,12 @@ impl Words<'_> {
         line("[loop]".into());
         line(format!("rate_hz = {:?}", self.rate_hz));
         line(format!("delay_samples = {}", self.delay_samples));
-        if self.form_designed {
-            line("form = \"design\"               # of law: whichever the tube says needs less torque noise".into());
-        }
+        line(if self.form_designed {
+            "form = \"design\"               # of law: whichever the tube says needs less torque noise".into()
+        } else {
+            "form = \"observer\"             # of law: fed with velocity and the torque that acted"
+                .into()
+        });
         if !self.torque.is_empty() {
             line(format!("torque_max_nm = {}", numbers(self.torque)));
         }
