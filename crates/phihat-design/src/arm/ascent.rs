@@ -85,9 +85,6 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     }
     starts.sort_by(better);
     starts.truncate(FOLLOWED);
-    let mut others = search.of_each_payload(&tried[..tried.len().min(SAMPLES as usize)]);
-    others.sort_by(better);
-    starts.extend(others.into_iter().take(FOLLOWED));
     for start in &mut starts {
         search.climb(start, SWEEPS);
         if search.choose_payload(start) {
@@ -134,38 +131,6 @@ impl Search<'_> {
             *at = best;
         }
         at.payload != before
-    }
-
-    /// Where there are several heaviest payloads, a start for each: the postures that are best with a body between them may all lie
-    /// about one maximum, while another payload has its own elsewhere. The energy of each is compared at the rates at which that of
-    /// the body between is largest.
-    fn of_each_payload(&self, tried: &[Tried]) -> Vec<At> {
-        let heaviest = self.postures.heaviest;
-        if self.end == End::Low || heaviest < 2 {
-            return Vec::new();
-        }
-        let mut best = vec![(f64::NEG_INFINITY, 0); heaviest];
-        let mut rooms: Vec<Workspace> =
-            self.postures.payloads.iter().map(|loaded| Workspace::new(&loaded.model)).collect();
-        for (place, tried) in tried.iter().enumerate() {
-            let (_, vector) = self.end.of(eigen(&scaled(&tried.matrix, self.nominal)));
-            let rates = self.rates(&vector);
-            for (k, best) in best.iter_mut().enumerate() {
-                let (model, room) = (&self.postures.payloads[k + 1].model, &mut rooms[k + 1]);
-                let energy = model.kinetic_energy(room, &tried.q, &rates);
-                if energy > best.0 {
-                    *best = (energy, place);
-                }
-            }
-        }
-        let start = |(k, (_, place)): (usize, (f64, usize))| {
-            let (q, payload) = (tried[place].q.clone(), k + 1);
-            let (value, vector) = self.eigen(&q, payload);
-            let mut start = At { q, payload, value, vector };
-            self.climb(&mut start, FIRST_SWEEPS);
-            start
-        };
-        best.into_iter().enumerate().map(start).collect()
     }
 
     /// Joint rates at which `vᵀ W v` is twice the energy.
