@@ -64,6 +64,39 @@ fn what_cannot_be_had_is_told_with_what_can() {
 }
 
 #[test]
+fn the_form_is_left_to_the_design_and_what_is_said_to_be_possible_is() {
+    let folder = folder("form-left");
+    let plain =
+        swing(1.5).replace("form = \"observer\"\n", "").replace("settling_time_s = 0.2\n", "");
+    assert!(!plain.contains("form") && !plain.contains("settling"));
+    let asked = |name: &str, text: &str| {
+        fs::write(folder.join(name), text).unwrap();
+        phihat(&folder, &["design", name, "--json"])
+    };
+    let document = |out: &str| serde_json::from_str::<serde_json::Value>(out).unwrap();
+    let left = asked("left.toml", &plain);
+    assert_eq!(left.code, 0, "{}", left.err);
+    let left = document(&left.out)["gains"]["joints"].clone();
+    assert!(left[0]["observer"].is_object(), "a law from positions: {left:#}");
+    let said = asked("said.toml", &plain.replace("[loop]\n", "[loop]\nform = \"design\"\n"));
+    assert_eq!(document(&said.out)["gains"]["joints"], left);
+    // What keeps a time, too, comes from the one search that has such a clause.
+    let timed = asked("timed.toml", &swing(1.5).replace("form = \"observer\"\n", ""));
+    assert!(document(&timed.out)["gains"]["joints"][0]["observer"].is_null(), "{}", timed.out);
+    let error =
+        |bound: f64| plain.replace("error_max_rad = 4e-3", &format!("error_max_rad = {bound:e}"));
+    let none = asked("none.toml", &error(1e-6));
+    assert_eq!(none.code, 1, "{}{}", none.out, none.err);
+    let clause = document(&none.out)["clauses"][0].clone();
+    assert_eq!(clause["key"], "spec.error_max_rad", "{clause}");
+    let possible = clause["possible"].as_f64().unwrap();
+    assert!(possible < 4e-4, "{clause}");
+    let kept = asked("kept.toml", &error(1.02 * possible));
+    assert_eq!(kept.code, 0, "{}{}", kept.out, kept.err);
+    assert!(document(&kept.out)["gains"]["certificate"].get("unproved").is_none(), "{}", kept.out);
+}
+
+#[test]
 fn the_papers_recipe_says_what_holds_and_does_not_arm() {
     let folder = folder("paper");
     let study = "studies/paper_recipe.toml";

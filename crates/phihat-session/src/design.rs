@@ -10,8 +10,8 @@ use crate::position_search::by_positions;
 use crate::typed_phi::typed_phi_holds;
 use phihat::Form;
 use phihat_design::{
-    Arm, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives, estimate_inertia,
-    find_moving, search, typed_inertia_holds,
+    Arm, Clause, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives,
+    estimate_inertia, find_moving, search, typed_inertia_holds,
 };
 use phihat_sim::{
     Demand, Observed, PhiAlong, SimError, Simulation, Trace, error_for_tip, overload,
@@ -162,7 +162,7 @@ pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
 }
 
 /// Designs in both forms that serve the study, and takes the better one, with the study in its form; by the observer alone where
-/// no error is asked for, or arm or `φ` are known by estimates.
+/// no error is asked for, a time is, or arm or `φ` are known by estimates.
 fn either_form(
     study: &Study,
     arm: &Arm,
@@ -177,7 +177,9 @@ fn either_form(
     };
     let observer = formed(Form::Observer);
     let ours = study.design.method == DesignMethod::Ours;
-    let asked = study.spec.error_bound.is_some();
+    // How fast a step settles is a clause of the observer form's search alone.
+    let timed = study.design.settling_time.is_some() || study.design.rise_time.is_some();
+    let asked = study.spec.error_bound.is_some() && !timed;
     // What a tube is reckoned from: laws from positions have no claim without one.
     let known = study.design.inertia == InertiaSource::Robot
         && matches!(study.design.phi, PhiSource::Reference);
@@ -185,9 +187,23 @@ fn either_form(
     if ours && asked && known && ahead {
         let positions = formed(Form::Positions);
         if let Outcome::Designed(seen) = sought(&positions, arm, path, Advice::Clauses)? {
-            return Ok(match sought(&observer, arm, path, Advice::Clauses)? {
-                Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => {
+            let of_seen = Merit::of(study, &seen);
+            let fed = sought(&observer, arm, path, Advice::Clauses)?;
+            return Ok(match fed {
+                Outcome::Designed(fed) if Merit::of(study, &fed).beats(of_seen) => {
                     (observer, Outcome::Designed(fed))
+                }
+                // Neither keeps the error that is asked for, and it is known how far one comes.
+                Outcome::Infeasible(no) if let Some(beyond) = of_seen.beyond() => {
+                    let mut no = match advice {
+                        Advice::Clauses => no,
+                        Advice::Changes => match sought(&observer, arm, path, advice)? {
+                            Outcome::Infeasible(advised) => advised,
+                            Outcome::Designed(_) => no,
+                        },
+                    };
+                    possible_by_tube(study, &mut no, beyond);
+                    (observer, Outcome::Infeasible(no))
                 }
                 _ => (positions, Outcome::Designed(seen)),
             });
@@ -195,6 +211,23 @@ fn either_form(
     }
     let outcome = sought(&observer, arm, path, advice)?;
     Ok((observer, outcome))
+}
+
+/// Puts in what laws from positions come to, by their tube: so many times the error that the joint is allowed. Where there is a
+/// tube, the error is all that is in the way.
+fn possible_by_tube(study: &Study, no: &mut Infeasible, (joint, times): (usize, f64)) {
+    let key = "spec.error_max_rad";
+    let told = no.clauses.iter().find(|clause| clause.key == key);
+    let by_bounds = told.and_then(|clause| Some(clause.possible? / clause.wanted));
+    if by_bounds.is_some_and(|by_bounds| by_bounds <= times) {
+        return;
+    }
+    let Some(wanted) = study.spec.error_bound.as_ref().map(|allowed| allowed[joint]) else {
+        return;
+    };
+    let possible = Some(times * wanted);
+    let joint = Some(study.robot.joints[joint].name.clone());
+    no.clauses = vec![Clause { key: key.to_owned(), joint, wanted, possible }];
 }
 
 /// One search, by bounds of joint after joint.

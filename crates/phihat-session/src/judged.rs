@@ -117,13 +117,15 @@ pub(crate) struct Merit {
     kept: bool,
     /// The largest share of an error that is allowed; infinite without a tube.
     error: f64,
+    /// The joint that has it.
+    worst: usize,
     /// The largest change of torque per sample, by what is allowed of it \[1\], or by 1 N·m.
     noise: f64,
 }
 
 impl Merit {
     pub(crate) fn of(study: &Study, gains: &Gains) -> Self {
-        let none = Self { kept: false, error: f64::INFINITY, noise: f64::INFINITY };
+        let none = Self { kept: false, error: f64::INFINITY, worst: 0, noise: f64::INFINITY };
         let Some(certificate) = &gains.certificate else { return none };
         let Some(tube) = &certificate.tube else { return none };
         let period = study.control.period_ns as f64 * 1e-9;
@@ -136,9 +138,15 @@ impl Merit {
         let errors = shares(study, tube, &mut Vec::new());
         Self {
             kept: certificate.unproved.is_empty(),
+            worst: (0..errors.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b])).unwrap_or(0),
             error: errors.into_iter().largest(),
             noise: noise.largest(),
         }
+    }
+
+    /// The joint whose tube has most of the error that it is allowed, and how many times that, where it is more than once.
+    pub(crate) fn beyond(self) -> Option<(usize, f64)> {
+        (self.error > 1.0 && self.error.is_finite()).then_some((self.worst, self.error))
     }
 
     /// Whether these gains are the better ones: kept before not kept, then with less noise, or nearer to the specification.

@@ -305,7 +305,7 @@ static LOOP: Section = Section {
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
                   each joint. `design`: whichever of `observer` and `positions` keeps the specification with less torque noise, by \
-                  its tube; `observer` where no `error_max_rad` is asked for, where the design is by the paper's recipe, or \
+                  its tube; `observer` where no `error_max_rad` is asked for, where a settling or rise time is, where the design is by the paper's recipe, or \
                   where φ or the arm's inertia are typed, recorded or simulated.",
         },
         Key {
