@@ -67,6 +67,8 @@ impl Hand<'_> {
         if self.dice.chance(0.1) {
             text += "form = \"literal\"\n";
             self.tag("literal");
+        } else {
+            text += "form = \"observer\"\n";
         }
         if self.dice.chance(0.3) {
             text += "torque_max_nm = \"none\"\n";
