@@ -85,18 +85,23 @@ async function works() {
   timed("the run keeps real time", Math.abs(reached - 1) < 0.05, `${reached.toFixed(3)} times real time`);
 
   // A drag on a joint pushes it: from the hand to the picture that shows the push, and the error that it makes.
-  const grip = await page.evaluate(() => { const box = document.getElementById("arm-view").getBoundingClientRect(); const grips = document.getElementById("arm-view").grips(); const g = grips[Math.min(1, grips.length - 1)]; return { x: box.left + g.x, y: box.top + g.y, way: g.way, joint: g.joint }; });
-  await page.mouse.move(grip.x, grip.y);
-  await page.mouse.down();
-  await page.evaluate(() => {
-    const canvas = document.getElementById("arm-view");
-    globalThis.pushed = null;
-    addEventListener("pointermove", () => { globalThis.pushed ??= { at: performance.now(), seen: null }; }, { once: true, capture: true });
-    const look = () => { if (pushed && pushed.seen == null && canvas.shown.acting.some(([word]) => word === "push")) pushed.seen = performance.now(); if (!pushed?.seen) setTimeout(look, 1); };
-    look();
-  });
-  await page.mouse.move(grip.x + 40 * grip.way[0], grip.y + 40 * grip.way[1]);
-  await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 60000 });
+  // The arm moves on while a busy machine brings the hand there: who misses it grasps again.
+  for (let again = 0; again < 10; again++) {
+    const grip = await page.evaluate(() => { const box = document.getElementById("arm-view").getBoundingClientRect(); const grips = document.getElementById("arm-view").grips(); const g = grips[Math.min(1, grips.length - 1)]; return { x: box.left + g.x, y: box.top + g.y, way: g.way, joint: g.joint }; });
+    await page.mouse.move(grip.x, grip.y);
+    await page.mouse.down();
+    await page.evaluate(() => {
+      const canvas = document.getElementById("arm-view");
+      globalThis.pushed = null;
+      addEventListener("pointermove", () => { globalThis.pushed ??= { at: performance.now(), seen: null }; }, { once: true, capture: true });
+      const look = () => { if (pushed && pushed.seen == null && canvas.shown.acting.some(([word]) => word === "push")) pushed.seen = performance.now(); if (!pushed?.seen) setTimeout(look, 1); };
+      look();
+    });
+    await page.mouse.move(grip.x + 40 * grip.way[0], grip.y + 40 * grip.way[1]);
+    if (await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 6000 }).then(() => true, () => false)) break;
+    await page.mouse.up();
+  }
+  check("a drag on a joint pushes it", await page.evaluate(() => pushed?.seen != null));
   const reaction = await page.evaluate(() => pushed.seen - pushed.at);
   timed("a push is seen in under 100 ms", reaction < 100, `${reaction.toFixed(0)} ms`);
   if (shots) await page.screenshot({ path: `${shots}/studio-pushed.png` });
