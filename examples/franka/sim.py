@@ -40,6 +40,7 @@ error_max_rad = 5e-3
 [loop]
 rate_hz = 1000.0
 delay_samples = 1
+form = "observer"
 torque_rate_max_nm_s = {rate}
 [sensor]
 encoder_bits = 20

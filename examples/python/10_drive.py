@@ -24,6 +24,7 @@ error_max_rad = 5e-3
 [design]
 payload_max_kg = 0.5
 [loop]
+form = "observer"
 delay_samples = 1
 [world]
 friction = "none"

@@ -101,6 +101,7 @@ error_max_rad = 5e-3
 payload_max_kg = 1.0
 window_margin = 1.1
 [loop]
+form = "observer"
 delay_samples = 1
 [world]
 friction = "none"

@@ -72,6 +72,7 @@ payload_max_kg = 1.0
 window_margin = 1.2
 torque_step_max_nm = 1.0
 [loop]
+form = "observer"
 rate_hz = 1000.0
 delay_samples = 1
 torque_rate_max_nm_s = "robot"
