@@ -47,8 +47,8 @@ struct Arguments {
     /// Of every so many studies, verify those certified with laws from positions against their study; 0: none.
     #[arg(long, default_value_t = 10)]
     derive_every: u64,
-    /// Of every so many studies with typed laws, find and verify all that is claimed; of the others find the tube alone,
-    /// which takes half of the time.
+    /// Of every so many studies with typed laws, find and verify all that is claimed, 0: of none; of the others find the
+    /// tube alone, which takes half of the time. Those of `--derive-every` are whole too.
     #[arg(long, default_value_t = 1)]
     whole_every: u64,
     /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.

@@ -45,7 +45,7 @@ pub struct Trial<'a> {
     pub keep_every: u64,
     /// Of every so many, those certified with laws from positions are verified against their study; 0: none.
     pub derive_every: u64,
-    /// Of every so many studies with typed laws, all claims are found and verified; of the others the tube alone.
+    /// Of every so many studies with typed laws, all claims are found and verified, 0: of none; of the others the tube alone.
     pub whole_every: u64,
     /// The Python that asks them.
     pub python: Option<&'a Path>,
@@ -92,14 +92,16 @@ impl Trial<'_> {
 
     /// Whether other simulators are asked.
     fn asked(&self, index: u64) -> bool {
-        self.keep_every > 0 && index.is_multiple_of(self.keep_every)
+        one_of(self.keep_every, index)
     }
 
     fn examine(&self, mut draft: Draft, dice: &mut Dice, folder: &Path, record: &mut Record) {
         let began = Instant::now();
         let path = folder.join("study.toml");
         let mut verdict = None;
-        let whole = record.index.is_multiple_of(self.whole_every.max(1));
+        // What is verified against its study has to be whole.
+        let whole =
+            one_of(self.whole_every, record.index) || one_of(self.derive_every, record.index);
         let claims = if whole { Claims::All } else { Claims::Tube };
         for _ in 0..ROUNDS {
             let study = match draft.study(&draft.nominal, folder) {
@@ -221,13 +223,18 @@ impl Trial<'_> {
         let found = at_rest(&study, gains, dice);
         record.at_rest = (found.reached > 0.0).then_some(found.reached);
         record.violations.extend(found.violations);
-        if self.derive_every > 0 && record.index.is_multiple_of(self.derive_every) {
+        if one_of(self.derive_every, record.index) {
             match derived(folder) {
                 Ok(told) => record.derived = Some(told),
                 Err(left) => record.violations.push(left),
             }
         }
     }
+}
+
+/// Whether a study is the one of every so many; 0: none is.
+fn one_of(every: u64, index: u64) -> bool {
+    every > 0 && index.is_multiple_of(every)
 }
 
 /// Files of a trial.

@@ -47,7 +47,7 @@ impl From<Refutation> for NotTyped {
 pub(crate) enum Claims {
     /// All that a design claims; verified as a user does it.
     All,
-    /// What a tube needs, and the tube: a third of the time.
+    /// What a tube needs, and the tube: half of the time.
     Tube,
 }
 

@@ -5,10 +5,11 @@ use std::path::Path;
 
 use crate::along::{arm_along, coupled_along, motion_along, phi_along};
 use crate::coarser::coarser;
-use crate::judged::Merit;
+use crate::judged::{ERROR_KEY, Merit, beyond_error, missed};
 use crate::position_search::by_positions;
 use crate::typed_phi::typed_phi_holds;
 use phihat::Form;
+use phihat_certificate::extremes::Extremes as _;
 use phihat_design::{
     Arm, Clause, Gains, Infeasible, JointSignals, Outcome, Phi, PhiBasis, alternatives,
     estimate_inertia, find_moving, search, typed_inertia_holds,
@@ -187,22 +188,18 @@ fn either_form(
     if ours && asked && known && ahead {
         let positions = formed(Form::Positions);
         if let Outcome::Designed(seen) = sought(&positions, arm, path, Advice::Clauses)? {
-            let of_seen = Merit::of(study, &seen);
-            let fed = sought(&observer, arm, path, Advice::Clauses)?;
-            return Ok(match fed {
-                Outcome::Designed(fed) if Merit::of(study, &fed).beats(of_seen) => {
+            return Ok(match sought(&observer, arm, path, Advice::Clauses)? {
+                Outcome::Designed(fed) if Merit::of(study, &fed).beats(Merit::of(study, &seen)) => {
                     (observer, Outcome::Designed(fed))
                 }
                 // Neither keeps the error that is asked for, and it is known how far one comes.
-                Outcome::Infeasible(no) if let Some(beyond) = of_seen.beyond() => {
-                    let mut no = match advice {
-                        Advice::Clauses => no,
-                        Advice::Changes => match sought(&observer, arm, path, advice)? {
-                            Outcome::Infeasible(advised) => advised,
-                            Outcome::Designed(_) => no,
-                        },
-                    };
-                    possible_by_tube(study, &mut no, beyond);
+                Outcome::Infeasible(mut no) if let Some(beyond) = beyond_error(study, &seen) => {
+                    if advice == Advice::Changes
+                        && let Outcome::Infeasible(advised) = sought(&observer, arm, path, advice)?
+                    {
+                        no = advised;
+                    }
+                    nearest_of(&mut no.clauses, beyond);
                     (observer, Outcome::Infeasible(no))
                 }
                 _ => (positions, Outcome::Designed(seen)),
@@ -213,21 +210,12 @@ fn either_form(
     Ok((observer, outcome))
 }
 
-/// Puts in what laws from positions come to, by their tube: so many times the error that the joint is allowed. Where there is a
-/// tube, the error is all that is in the way.
-fn possible_by_tube(study: &Study, no: &mut Infeasible, (joint, times): (usize, f64)) {
-    let key = "spec.error_max_rad";
-    let told = no.clauses.iter().find(|clause| clause.key == key);
-    let by_bounds = told.and_then(|clause| Some(clause.possible? / clause.wanted));
-    if by_bounds.is_some_and(|by_bounds| by_bounds <= times) {
-        return;
+/// The clauses of two searches, each for itself, that ask for less.
+fn nearest_of(clauses: &mut Vec<Clause>, others: Vec<Clause>) {
+    let error = clauses.iter().find(|clause| clause.key == ERROR_KEY).map_or(f64::INFINITY, missed);
+    if others.iter().map(missed).largest() < error {
+        *clauses = others;
     }
-    let Some(wanted) = study.spec.error_bound.as_ref().map(|allowed| allowed[joint]) else {
-        return;
-    };
-    let possible = Some(times * wanted);
-    let joint = Some(study.robot.joints[joint].name.clone());
-    no.clauses = vec![Clause { key: key.to_owned(), joint, wanted, possible }];
 }
 
 /// One search, by bounds of joint after joint.

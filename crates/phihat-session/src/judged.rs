@@ -2,7 +2,7 @@
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, TubeRefusal, tube_in_parts};
-use phihat_design::{Gains, Settle, Tube};
+use phihat_design::{Clause, Gains, Settle, Tube, TubeJoint};
 use phihat_study::Study;
 
 /// What the tube of some gains says.
@@ -59,6 +59,37 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desire
     if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }
 }
 
+/// The key of the error that joints are allowed.
+pub(crate) const ERROR_KEY: &str = "spec.error_max_rad";
+
+/// The joints whose tube has more than the error that they are allowed, the worst first, each with what its tube has; `None` where
+/// there are none, no tube, or where something else of the specification is not kept either.
+pub(crate) fn beyond_error(study: &Study, gains: &Gains) -> Option<Vec<Clause>> {
+    let tube = gains.certificate.as_ref()?.tube.as_ref()?;
+    let allowed = study.spec.error_bound.as_ref()?;
+    let has: Vec<f64> = tube.joints.iter().map(|joint| joint.error_max_rad).collect();
+    let mut easier = study.clone();
+    easier.spec.error_bound = Some(allowed.iter().zip(&has).map(|(a, b)| a.max(*b)).collect());
+    let mut others = Vec::new();
+    shares(&easier, tube, &mut others);
+    let clause = |(joint, (wanted, has)): (&TubeJoint, (&f64, &f64))| Clause {
+        key: ERROR_KEY.to_owned(),
+        joint: Some(joint.name.clone()),
+        wanted: *wanted,
+        possible: Some(*has),
+    };
+    let joints = tube.joints.iter().zip(allowed.iter().zip(&has));
+    let mut beyond: Vec<Clause> =
+        joints.filter(|(_, (wanted, has))| has > wanted).map(clause).collect();
+    beyond.sort_by(|a, b| missed(b).total_cmp(&missed(a)));
+    (others.is_empty() && !beyond.is_empty()).then_some(beyond)
+}
+
+/// By how much the clause misses what it asks for; infinite where nothing is possible.
+pub(crate) fn missed(clause: &Clause) -> f64 {
+    clause.possible.map_or(f64::INFINITY, |possible| possible / clause.wanted)
+}
+
 /// What of the specification each joint's tube uses; clauses that it does not keep are told.
 pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     let mut shares = vec![0.0_f64; tube.joints.len()];
@@ -76,12 +107,7 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
                 }
             }
         };
-    clause(
-        "spec.error_max_rad",
-        spec.error_bound.as_ref(),
-        &|i| tube.joints[i].error_max_rad,
-        true,
-    );
+    clause(ERROR_KEY, spec.error_bound.as_ref(), &|i| tube.joints[i].error_max_rad, true);
     clause(
         "spec.velocity_error_max_rad_s",
         spec.velocity_error_max.as_ref(),
@@ -117,15 +143,13 @@ pub(crate) struct Merit {
     kept: bool,
     /// The largest share of an error that is allowed; infinite without a tube.
     error: f64,
-    /// The joint that has it.
-    worst: usize,
     /// The largest change of torque per sample, by what is allowed of it \[1\], or by 1 N·m.
     noise: f64,
 }
 
 impl Merit {
     pub(crate) fn of(study: &Study, gains: &Gains) -> Self {
-        let none = Self { kept: false, error: f64::INFINITY, worst: 0, noise: f64::INFINITY };
+        let none = Self { kept: false, error: f64::INFINITY, noise: f64::INFINITY };
         let Some(certificate) = &gains.certificate else { return none };
         let Some(tube) = &certificate.tube else { return none };
         let period = study.control.period_ns as f64 * 1e-9;
@@ -138,15 +162,9 @@ impl Merit {
         let errors = shares(study, tube, &mut Vec::new());
         Self {
             kept: certificate.unproved.is_empty(),
-            worst: (0..errors.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b])).unwrap_or(0),
             error: errors.into_iter().largest(),
             noise: noise.largest(),
         }
-    }
-
-    /// The joint whose tube has most of the error that it is allowed, and how many times that, where it is more than once.
-    pub(crate) fn beyond(self) -> Option<(usize, f64)> {
-        (self.error > 1.0 && self.error.is_finite()).then_some((self.worst, self.error))
     }
 
     /// Whether these gains are the better ones: kept before not kept, then with less noise, or nearer to the specification.

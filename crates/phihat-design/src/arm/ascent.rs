@@ -72,11 +72,10 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
         tried.iter().enumerate().map(|(i, tried)| (search.score(tried), i)).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     // Postures of a reference are many and alike: the best of the others have a place beside them.
-    let own = |i: usize| i < SAMPLES as usize;
-    let others: Vec<_> = order.iter().filter(|(_, i)| own(*i)).take(FOLLOWED).copied().collect();
-    order.truncate(STARTS as usize);
-    let seen = order.clone();
-    order.extend(others.into_iter().filter(|other| !seen.contains(other)));
+    let rest = order.split_off(order.len().min(STARTS as usize));
+    let sampled = |(_, i): &(f64, usize)| *i < SAMPLES as usize;
+    let missing = FOLLOWED.saturating_sub(order.iter().filter(|one| sampled(one)).count());
+    order.extend(rest.into_iter().filter(sampled).take(missing));
     let mut starts: Vec<At> = order.iter().map(|(_, i)| search.look(&tried[*i])).collect();
     let better = |a: &At, b: &At| end.score(b.value).total_cmp(&end.score(a.value));
     for start in &mut starts {
@@ -133,11 +132,6 @@ impl Search<'_> {
         at.payload != before
     }
 
-    /// Joint rates at which `vᵀ W v` is twice the energy.
-    fn rates(&self, vector: &DVector<f64>) -> Vec<f64> {
-        vector.iter().zip(self.nominal).map(|(v, m)| v / m.sqrt()).collect()
-    }
-
     fn eigen(&self, q: &[f64], payload: usize) -> Eigen {
         let model = &self.postures.payloads[payload].model;
         self.end.of(eigen(&scaled_mass_matrix(model, &mut Workspace::new(model), q, self.nominal)))
@@ -159,7 +153,8 @@ impl Search<'_> {
     fn turn(&self, at: &mut At, joint: usize) {
         let model = &self.postures.payloads[at.payload].model;
         let mut workspace = Workspace::new(model);
-        let rates = self.rates(&at.vector);
+        let rates: Vec<f64> =
+            at.vector.iter().zip(self.nominal).map(|(v, m)| v / m.sqrt()).collect();
         let mut q = at.q.clone();
         let mut energy = |x: f64| {
             q[joint] = x;

@@ -205,3 +205,36 @@ pub(crate) fn ratios(low: f64, high: f64, count: u32) -> impl Iterator<Item = f6
     let last = f64::from(count.max(2) - 1);
     (0..count.max(2)).map(move |k| low * (high / low).powf(f64::from(k) / last))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bits(row: &Row<'_>) -> Vec<u64> {
+        row.iter().map(|v| v.to_bits()).collect()
+    }
+
+    /// Against the package's own product, for loops of every size that has a way of its own.
+    #[test]
+    fn rows_have_the_bits_of_the_packages_products() {
+        let mut seed = 1_u32;
+        let mut drawn = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed) / f64::from(u32::MAX) - 0.5
+        };
+        for n in 1..=35 {
+            let a = DMatrix::from_fn(n, n, |_, _| drawn());
+            let mut row = DVector::from_fn(n, |_, _| drawn());
+            let (mut expected, mut size) = (row.clone(), 0.0);
+            let horizon = Horizon { samples: 6, left: 0.0 };
+            let total = sweep(&a, &row.clone(), horizon, |now, next| {
+                assert_eq!(bits(now), bits(&row.as_view()), "{n}");
+                size += row.iter().map(|v| v.abs()).sum::<f64>();
+                expected.gemv_tr(1.0, &a, &row, 0.0);
+                assert_eq!(bits(next), bits(&expected.as_view()), "{n}");
+                row.copy_from(&expected);
+            });
+            assert_eq!(total.to_bits(), size.to_bits(), "{n}");
+        }
+    }
+}

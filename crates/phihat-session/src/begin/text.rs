@@ -63,12 +63,12 @@ impl Words<'_> {
         line("[loop]".into());
         line(format!("rate_hz = {:?}", self.rate_hz));
         line(format!("delay_samples = {}", self.delay_samples));
-        line(if self.form_designed {
-            "form = \"design\"               # of law: whichever the tube says needs less torque noise".into()
+        let form = if self.form_designed {
+            "form = \"design\"               # of law: whichever the tube says needs less torque noise"
         } else {
             "form = \"observer\"             # of law: fed with velocity and the torque that acted"
-                .into()
-        });
+        };
+        line(form.into());
         if !self.torque.is_empty() {
             line(format!("torque_max_nm = {}", numbers(self.torque)));
         }
