@@ -129,7 +129,11 @@ impl Posture {
         for (i, q) in arm.q.iter_mut().enumerate() {
             *q = if i % 2 == 0 { 1e-3 } else { -0.7e-3 };
         }
-        growth(&mut arm, 2500)
+        // What swings so slowly that a block holds less than a period is looked at for longer.
+        match growth(&mut arm, 2500) {
+            found if found > 1.0 && found.is_finite() => growth(&mut arm, 40_000),
+            found => found,
+        }
     }
 }
 
@@ -157,7 +161,8 @@ fn worst(dice: &mut Dice, joints: &[Joint], range: (f64, f64)) -> f64 {
 fn no_arm_with_laws_of_its_own_grows_where_that_is_proved() {
     let mut dice = Dice(11);
     let (mut verified, mut refused, mut unstable, mut widened) = (0, 0, 0, 0);
-    for round in 0..100 {
+    let arms = crate::moving_laws::arms().unwrap_or(100);
+    for round in 0..arms {
         let t = if round % 2 == 0 { 1e-3 } else { 2e-3 };
         let n = 2 + round % 4;
         let mut make =
@@ -203,7 +208,7 @@ fn no_arm_with_laws_of_its_own_grows_where_that_is_proved() {
     println!(
         "verified {verified}, refused {refused} ({unstable} with a joint that grows alone), widened {widened}"
     );
-    assert!(verified >= 50 && widened >= 10, "{verified} {widened}");
+    assert!(2 * verified >= arms && widened >= 10, "{verified} {widened}");
 }
 
 #[test]

@@ -247,7 +247,7 @@ fn arm_with_range(dice: &mut Dice, n: usize, t: f64) -> Option<(Vec<Joint>, (f64
 }
 
 /// How many arms are tried: a few here; `PHIHAT_ATTACKED_ARMS=1000` for those of the record.
-fn arms() -> Option<usize> {
+pub(crate) fn arms() -> Option<usize> {
     std::env::var("PHIHAT_ATTACKED_ARMS").ok().and_then(|n| n.parse().ok())
 }
 

@@ -15,10 +15,13 @@ const FOLLOWED: usize = 4;
 
 /// Sweeps over all joints before the choice, and most after it.
 const FIRST_SWEEPS: u32 = 2;
-const SWEEPS: u32 = 40;
+const SWEEPS: u32 = 200;
+
+/// Doublings of a step along a ridge.
+const LEAPS: u32 = 10;
 
 /// Smallest relative gain of a sweep that is worth another.
-const GAIN: f64 = 1e-8;
+const GAIN: f64 = 1e-11;
 
 /// Points of a joint's travel at which its energy is compared, and halvings of the step about the best.
 const POINTS: u32 = 40;
@@ -64,7 +67,8 @@ struct At {
 /// `vᵀ W v` is twice the kinetic energy at the joint rates `M̄^{-1/2} v`. In each joint's angle it is a
 /// trigonometric polynomial of order 2 (link twists are affine in its cosine and sine), known from 5 values: its
 /// best point inside the travel is taken, `v` becomes the eigenvector there, and so on, joint after joint: the
-/// eigenvalue never gets worse. In a sliding joint's position it is a parabola.
+/// eigenvalue never gets worse. In a sliding joint's position it is a parabola. Along a ridge that is steps of single
+/// joints without end, so that after each round all of them go on together, as far as that is better.
 pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<Witness> {
     let search = Search { postures, nominal, end };
     let tried = if end == End::Low { &postures.light } else { &postures.heavy };
@@ -84,6 +88,9 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     }
     starts.sort_by(better);
     starts.truncate(FOLLOWED);
+    // At a posture that is good for one payload the others are not at their best.
+    let others: Vec<At> = starts.iter().flat_map(|start| search.with_others(start)).collect();
+    starts.extend(others);
     for start in &mut starts {
         search.climb(start, SWEEPS);
         if search.choose_payload(start) {
@@ -132,6 +139,16 @@ impl Search<'_> {
         at.payload != before
     }
 
+    /// The same posture with each of the other heaviest payloads.
+    fn with_others(&self, at: &At) -> Vec<At> {
+        let heaviest = if self.end == End::Low { 0 } else { self.postures.heaviest };
+        let with = |payload: usize| {
+            let (value, vector) = self.eigen(&at.q, payload);
+            At { q: at.q.clone(), payload, value, vector }
+        };
+        (1..=heaviest).filter(|payload| *payload != at.payload).map(with).collect()
+    }
+
     fn eigen(&self, q: &[f64], payload: usize) -> Eigen {
         let model = &self.postures.payloads[payload].model;
         self.end.of(eigen(&scaled_mass_matrix(model, &mut Workspace::new(model), q, self.nominal)))
@@ -139,13 +156,29 @@ impl Search<'_> {
 
     fn climb(&self, at: &mut At, sweeps: u32) {
         for _ in 0..sweeps {
-            let before = at.value;
+            let before = at.clone();
             for joint in 0..at.q.len() {
                 self.turn(at, joint);
             }
-            if self.end.score(at.value - before) <= GAIN * before.abs() {
+            self.leap(at, &before.q);
+            if self.end.score(at.value - before.value) <= GAIN * before.value.abs() {
                 break;
             }
+        }
+    }
+
+    /// On along the way of a sweep, further and further while that is better: along a ridge single joints take small steps.
+    fn leap(&self, at: &mut At, from: &[f64]) {
+        let way: Vec<f64> = at.q.iter().zip(from).map(|(q, from)| q - from).collect();
+        for step in (0..LEAPS).map(|k| f64::from(1_u32 << k)) {
+            let steps = at.q.iter().zip(&way).zip(&self.postures.travel);
+            let q: Vec<f64> =
+                steps.map(|((q, way), (low, high))| (q + step * way).clamp(*low, *high)).collect();
+            let (value, vector) = self.eigen(&q, at.payload);
+            if self.end.score(value) <= self.end.score(at.value) {
+                break;
+            }
+            *at = At { q, payload: at.payload, value, vector };
         }
     }
 
