@@ -103,7 +103,6 @@ locked = { joint2 = 0.5, joint3 = 0.5 }
 [spec]
 error_max_rad = 4e-3
 [design]
-settling_time_s = 0.2
 [loop]
 form = "positions"
 torque_rate_max_nm_s = "none"

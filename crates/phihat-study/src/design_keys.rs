@@ -171,14 +171,14 @@ pub(crate) static DESIGN: Section = Section {
             unit: "s",
             shape: Shape::Number(Bounds::positive(1e3)),
             need: Need::Optional("no requirement"),
-            doc: "Largest 2 % settling time of the outer loop.",
+            doc: "Largest 2 % settling time of the outer loop; not of laws from positions.",
         },
         Key {
             name: "rise_time_s",
             unit: "s",
             shape: Shape::Number(Bounds::positive(1e3)),
             need: Need::Optional("no requirement"),
-            doc: "Largest rise time of the outer loop, 10 % to 90 %.",
+            doc: "Largest rise time of the outer loop, 10 % to 90 %; not of laws from positions.",
         },
         Key {
             name: "paper",

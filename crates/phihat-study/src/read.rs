@@ -181,7 +181,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let world = found.keep(world::read(top, &arm, duration))?;
     let (Some(control), Some(world)) = (control, world) else { return Err(found.last()) };
     found.keep(control::fits(&control, gains.as_ref(), top))?;
-    found.keep(searched_for(top, gains.is_some()))?;
+    found.keep(searched_for(top, (gains.is_some(), control.form)))?;
     let interface = found.keep(interface(top, &arm, (rate, world.held.is_some())))?;
     let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
@@ -263,9 +263,19 @@ fn sensor(
 /// Keys of `[design]` that steer a search for gains, and say nothing of gains that are there.
 const SEARCH: [&str; 5] = ["method", "orders", "settling_time_s", "rise_time_s", "paper"];
 
-/// That nothing tells a search what to look for while the gains are stated.
-fn searched_for(top: &Node<'_>, has_gains: bool) -> Result<(), StudyError> {
+/// Those of them that laws from positions have no clause for: their outer loop is not apart from their observer.
+const TIMES: [&str; 2] = ["settling_time_s", "rise_time_s"];
+
+/// That nothing tells a search what to look for while the gains are stated, nor what it does not look for.
+fn searched_for(top: &Node<'_>, (has_gains, form): (bool, phihat::Form)) -> Result<(), StudyError> {
     let node = top.child("design");
+    let timed = TIMES.into_iter().find(|key| form == phihat::Form::Positions && node.has(key));
+    if let Some(key) = timed.filter(|_| !has_gains) {
+        let message = "a law from positions is not designed for it";
+        let help = "leave it out: when the error has settled is told with the tube, and `settle_s` in [spec] asks for it; or \
+                    `form = \"observer\"` in [loop]";
+        return Err(node.error(Kind::Conflict, key, message).with_help(help));
+    }
     match SEARCH.into_iter().find(|key| has_gains && node.has(key)) {
         Some(key) => {
             let message =

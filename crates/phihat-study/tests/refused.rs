@@ -629,6 +629,26 @@ fn the_rendering_is_safe_for_terminals_and_short() {
 }
 
 #[test]
+fn a_time_that_no_law_from_positions_is_designed_for_is_refused() {
+    let designed = |form: &str, key: &str| {
+        let lines: Vec<&str> = GOOD.lines().collect();
+        let (before, after) = (&lines[..11], &lines[16..]);
+        let (before, after) = (before.join("\n"), after.join("\n"));
+        format!("{before}\n[design]\n{key} = 0.2\n{after}\n")
+            .replace("[loop]", &format!("[loop]\nform = \"{form}\""))
+    };
+    for key in ["settling_time_s", "rise_time_s"] {
+        let named = format!("design.{key}");
+        check(
+            &designed("positions", key),
+            (13, &named, Conflict, "a law from positions is not designed for it"),
+        );
+        read(&designed("observer", key)).unwrap();
+        read(&designed("design", key)).unwrap();
+    }
+}
+
+#[test]
 fn mistakes_in_the_papers_recipe() {
     // Beside gains that are stated, nothing is searched.
     let stated = GOOD.split_once("[gains]").unwrap();
