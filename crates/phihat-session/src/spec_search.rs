@@ -4,12 +4,12 @@ use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, PARTS};
-use phihat_design::{ArmBasis, Gains, JointRecord, Outcome};
+use phihat_design::{ArmBasis, Gains, Infeasible, JointRecord, Outcome};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
 
 use crate::error::SessionError;
-use crate::judged::{Judged, judge};
+use crate::judged::{ERROR_KEY, Judged, beyond_error, judge, missed};
 
 /// How often gains are looked for.
 const ROUNDS: u32 = 6;
@@ -83,14 +83,36 @@ pub(crate) fn within_spec(
     if let Some(kept) = found.kept {
         return Ok(Outcome::Designed(kept));
     }
-    let Some(closest) = found.closest.map(|(_, gains)| gains).or(found.open) else {
-        return alone();
-    };
+    let closest = found.closest.map(|(_, gains)| gains).or(found.open);
+    let own = if closest.is_some() { make(study)? } else { alone()? };
     // What no search finds for the specification itself is infeasible, and says why.
-    Ok(match make(study)? {
-        Outcome::Designed(_) => Outcome::Designed(closest),
-        Outcome::Infeasible(no) => Outcome::Infeasible(no),
+    Ok(match own {
+        Outcome::Designed(own) => Outcome::Designed(closest.unwrap_or(own)),
+        Outcome::Infeasible(no) => Outcome::Infeasible(kept_by_tube(no, study, &desired, make)?),
     })
+}
+
+/// With an error that the tube of gains keeps too: the search reckons with bounds of each joint alone.
+fn kept_by_tube(
+    mut no: Infeasible,
+    study: &Study,
+    desired: &Desired,
+    make: Make<'_>,
+) -> Result<Infeasible, SessionError> {
+    let error = no.clauses.iter_mut().find(|clause| clause.key == ERROR_KEY);
+    let Some(clause) = error.filter(|clause| clause.possible.is_some()) else { return Ok(no) };
+    let mut eased = study.clone();
+    let share = missed(clause);
+    eased.spec.error_bound.iter_mut().flatten().for_each(|bound| *bound *= share);
+    if let Outcome::Designed(mut gains) = make(&eased)?
+        && described(&gains)
+    {
+        judge(&eased, &mut gains, (desired, PARTS));
+        let beyond = beyond_error(&eased, &gains).into_iter().flatten().map(|own| missed(&own));
+        let more = beyond.largest().max(1.0);
+        clause.possible = clause.possible.map(|possible| possible * more);
+    }
+    Ok(no)
 }
 
 /// Whether the arm is known by its description, so that gains can have a tube; others keep the specification by
