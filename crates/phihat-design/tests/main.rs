@@ -27,6 +27,7 @@ mod limit;
 mod mistyped;
 mod moving;
 mod paper_recipe;
+mod positions_search;
 mod random_arms;
 mod rotor_interval;
 mod sampled_margins;

@@ -121,7 +121,8 @@ impl<'a> PositionSearch<'a> {
             let cost = |(joint, chosen): (usize, &Option<Chosen>)| {
                 chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
             };
-            let worst = found.iter().enumerate().map(cost).largest();
+            // By the logarithm, of either sign: below zero where the error is kept.
+            let (_, worst) = found.iter().enumerate().map(cost).ends();
             if best.as_ref().is_none_or(|(least, ..)| worst < *least) {
                 best = Some((worst, tried, found));
             }
