@@ -1,6 +1,6 @@
 //! The gains an arm starts with: they have to hold for its inertia as the running ones do.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use phihat::Form;
 use phihat_study::Study;
 
@@ -9,6 +9,7 @@ use crate::ArmInertia;
 use crate::JointRecord;
 use crate::claims::Refutation;
 use crate::prelude::*;
+use crate::sampled::eigenvalues::eigenvalues;
 use crate::sampled::estimator::sampled_coefficients;
 use crate::sampled::{InertiaWindow, LoopModel};
 
@@ -76,7 +77,10 @@ fn slower(record: &JointRecord, factor: f64, model: &LoopModel) -> JointRecord {
         // (z − 1) of each pole, taken closer, and back: Π (s − ln(1 + f(e^{sT} − 1))/T).
         let one = Complex::new(1.0, 0.0);
         let mut product = vec![one];
-        for pole in companion.complex_eigenvalues().iter() {
+        // Where they are not found, what comes of it is no number, and no claim.
+        let poles = eigenvalues(companion)
+            .unwrap_or_else(|| DVector::from_element(m, Complex::new(f64::NAN, 0.0)));
+        for pole in poles.iter() {
             let moved = (one + ((pole * period).exp() - one) * factor).ln() / period;
             let mut next = vec![Complex::new(0.0, 0.0); product.len() + 1];
             for (i, c) in product.iter().enumerate() {

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::larger;
 
+use super::eigenvalues::eigenvalues;
 use super::refutation::refuse;
 use super::riccati;
 use crate::claims::Refutation;
@@ -16,12 +17,15 @@ pub(crate) fn exists(
     slow: &DMatrix<f64>,
 ) -> Result<(), Refutation> {
     for (what, a) in [("A(low) is Hurwitz", fast), ("A(high) is Hurwitz", slow)] {
-        let worst = a.complex_eigenvalues().iter().map(|z| z.re).fold(f64::NEG_INFINITY, larger);
+        let worst = eigenvalues(a.clone())
+            .map_or(f64::NAN, |all| all.iter().map(|z| z.re).fold(f64::NEG_INFINITY, larger));
         if worst.is_nan() || worst >= 0.0 {
             return Err(refuse(claim, what, worst, 0.0));
         }
     }
-    for z in (fast * slow).complex_eigenvalues().iter() {
+    let what = "the eigenvalues of A(low)A(high) are found";
+    let product = eigenvalues(fast * slow).ok_or_else(|| refuse(claim, what, 0.0, 1.0))?;
+    for z in product.iter() {
         if z.re < 0.0 && z.im.abs() < 1e-9 * z.re.abs() {
             let what = "A(low)A(high) has no negative real eigenvalue";
             return Err(refuse(claim, what, z.re, 0.0));

@@ -17,6 +17,7 @@
 
 mod bode;
 mod common_form;
+pub(crate) mod eigenvalues;
 pub(crate) mod estimator;
 mod exclusion;
 mod held;
