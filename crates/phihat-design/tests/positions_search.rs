@@ -28,7 +28,7 @@ fn a_nominal_inertia_is_chosen_alike_for_small_errors_and_for_large_ones() {
         let demand = Demand::along(&study).unwrap();
         let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
         let arm = Arm::of(&study).unwrap();
-        let mut search = PositionSearch::new(&study, &arm, &phi).unwrap();
+        let mut search = PositionSearch::with_least_error(&study, &arm, &phi).unwrap();
         search.laws(&[0.6; 3]).unwrap().0.joints
     };
     let small = laws("1e-6");

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, FINER, PARTS};
-use phihat_design::{Arm, Gains, Outcome, Phi, PositionSearch};
+use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
 
@@ -25,8 +25,8 @@ const FIRST: f64 = 0.6;
 const SHARES: (f64, f64) = (0.01, 1.0);
 
 /// Of [`FIRST`], what is tried after a tube that does not close: stiffer laws mostly close one sooner, but where the encoder is what
-/// widens it, softer ones do.
-const OPEN: [f64; 3] = [1.5, 0.5, 0.25];
+/// widens it, softer ones do. First the same once more, by the search for the least error.
+const OPEN: [f64; 4] = [1.0, 1.5, 0.5, 0.25];
 
 /// The error of a law falls by about this power of its noise.
 const POWER: f64 = 0.4;
@@ -55,7 +55,8 @@ pub(crate) fn by_positions(
         Phi { rate_nm_s: rate[joint], jump_nm: jump[joint], ..along }
     };
     let search = PositionSearch::new(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
-    let mut rounds = Rounds { study, path, motion: &motion, search };
+    let least = || PositionSearch::with_least_error(study, arm, &phi);
+    let mut rounds = Rounds { study, path, motion: &motion, search, least: Some(&least) };
     let mut best = rounds.sought(vec![FIRST; study.robot.joints.len()], PARTS)?;
     let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
     if let Some(coarse) = asked.filter(|_| divisible(study)) {
@@ -98,6 +99,8 @@ struct Rounds<'a> {
     path: &'a Path,
     motion: &'a Told<'a>,
     search: PositionSearch<'a>,
+    /// Another search, once, where no tube closes for laws of this one.
+    least: Option<&'a dyn Fn() -> Result<PositionSearch<'a>, DesignError>>,
 }
 
 impl Rounds<'_> {
@@ -129,6 +132,11 @@ impl Rounds<'_> {
             if first_open && !closed(&rank) && best.as_ref().is_none_or(|best| !closed(&best.rank))
             {
                 best.get_or_insert(Best { rank, gains, shares: shares.clone(), parts });
+                if let Some(least) = self.least.take() {
+                    self.search = least().map_err(|e| SessionError::at(self.path, e))?;
+                    open = 1;
+                    continue;
+                }
                 let Some(factor) = OPEN.get(open) else { break };
                 open += 1;
                 shares.iter_mut().for_each(|share| *share = (FIRST * factor).min(SHARES.1));

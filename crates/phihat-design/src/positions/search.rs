@@ -1,6 +1,6 @@
 //! All joints: their laws, and the factor on the nominal inertia that they share.
 
-use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_study::Study;
 
 use super::family::Family;
@@ -65,8 +65,8 @@ struct Asked<'a> {
 ///
 /// Joint by joint, by estimates over the arm's range of inertia: the least error for a given share of the torque noise that is
 /// allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do not hold at the ends of the range with its
-/// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the one with the least error is
-/// taken. Whether the laws together hold the coupled arm is for the [`Certificate`] to say.
+/// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the least that keeps
+/// the errors by estimate is taken, or the one with the least error. Whether the laws together hold the coupled arm is for the [`Certificate`] to say.
 pub struct PositionSearch<'a> {
     asked: Asked<'a>,
     known: PhiOf<'a>,
@@ -86,12 +86,36 @@ pub struct PositionEstimate {
 }
 
 impl<'a> PositionSearch<'a> {
-    /// Measures the arm, and chooses the nominal inertia.
+    /// Measures the arm, and chooses the nominal inertia: the first of the factors, from the least on, with which the errors are kept
+    /// by estimate; where none is, that with the least error.
     ///
     /// # Errors
     ///
     /// [`DesignError`].
     pub fn new(study: &'a Study, arm: &Arm, phi: PhiOf<'a>) -> Result<Self, DesignError> {
+        Self::of((study, arm), phi, 0.0)
+    }
+
+    /// Likewise, with the factor of the least error, whatever error is asked for.
+    ///
+    /// # Errors
+    ///
+    /// [`DesignError`].
+    pub fn with_least_error(
+        study: &'a Study,
+        arm: &Arm,
+        phi: PhiOf<'a>,
+    ) -> Result<Self, DesignError> {
+        Self::of((study, arm), phi, f64::NEG_INFINITY)
+    }
+
+    /// With the first factor whose errors, by the logarithm of what they have of those that are asked for, are not above `enough`;
+    /// else with the least.
+    fn of(
+        (study, arm): (&'a Study, &Arm),
+        phi: PhiOf<'a>,
+        enough: f64,
+    ) -> Result<Self, DesignError> {
         let error = study.spec.error_bound.as_ref().ok_or(DesignError::NoSpec)?;
         let own = arm.nominal();
         let bits = study.sensor.encoder_bits.as_ref();
@@ -121,8 +145,8 @@ impl<'a> PositionSearch<'a> {
             let cost = |(joint, chosen): (usize, &Option<Chosen>)| {
                 chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
             };
-            // By the logarithm, of either sign: below zero where the error is kept.
             let (_, worst) = found.iter().enumerate().map(cost).ends();
+            let worst = larger(worst, enough);
             if best.as_ref().is_none_or(|(least, ..)| worst < *least) {
                 best = Some((worst, tried, found));
             }
