@@ -139,7 +139,7 @@ impl Rounds<'_> {
                 }
                 let Some(factor) = OPEN.get(open) else { break };
                 open += 1;
-                shares.iter_mut().for_each(|share| *share = (FIRST * factor).min(SHARES.1));
+                shares.fill((FIRST * factor).min(SHARES.1));
                 continue;
             }
             let better = best.as_ref().is_none_or(|before| rank.beats(&before.rank, 0.0));
