@@ -25,8 +25,8 @@ const FIRST: f64 = 0.6;
 const SHARES: (f64, f64) = (0.01, 1.0);
 
 /// Of [`FIRST`], what is tried after a tube that does not close: stiffer laws mostly close one sooner, but where the encoder is what
-/// widens it, softer ones do. First the same once more, by the search for the least error.
-const OPEN: [f64; 4] = [1.0, 1.5, 0.5, 0.25];
+/// widens it, softer ones do. After the first, all by the search for the least error.
+const OPEN: [f64; 5] = [1.5, 1.0, 1.5, 0.5, 0.25];
 
 /// The error of a law falls by about this power of its noise.
 const POWER: f64 = 0.4;
@@ -132,12 +132,12 @@ impl Rounds<'_> {
             if first_open && !closed(&rank) && best.as_ref().is_none_or(|best| !closed(&best.rank))
             {
                 best.get_or_insert(Best { rank, gains, shares: shares.clone(), parts });
-                if let Some(least) = self.least.take() {
-                    self.search = least().map_err(|e| SessionError::at(self.path, e))?;
-                    open = 1;
-                    continue;
-                }
                 let Some(factor) = OPEN.get(open) else { break };
+                if open > 0
+                    && let Some(least) = self.least.take()
+                {
+                    self.search = least().map_err(|e| SessionError::at(self.path, e))?;
+                }
                 open += 1;
                 shares.fill((FIRST * factor).min(SHARES.1));
                 continue;
