@@ -128,9 +128,9 @@ impl Search<'_> {
         let before = at.payload;
         let mut best: Option<At> = None;
         for payload in 1..=self.postures.heaviest {
-            let (value, vector) = self.eigen(&at.q, payload);
-            if best.as_ref().is_none_or(|best| value > best.value) {
-                best = Some(At { q: at.q.clone(), payload, value, vector });
+            let tried = self.at(at.q.clone(), payload);
+            if best.as_ref().is_none_or(|best| tried.value > best.value) {
+                best = Some(tried);
             }
         }
         if let Some(best) = best {
@@ -142,16 +142,16 @@ impl Search<'_> {
     /// The same posture with each of the other heaviest payloads.
     fn with_others(&self, at: &At) -> Vec<At> {
         let heaviest = if self.end == End::Low { 0 } else { self.postures.heaviest };
-        let with = |payload: usize| {
-            let (value, vector) = self.eigen(&at.q, payload);
-            At { q: at.q.clone(), payload, value, vector }
-        };
-        (1..=heaviest).filter(|payload| *payload != at.payload).map(with).collect()
+        let others = (1..=heaviest).filter(|payload| *payload != at.payload);
+        others.map(|payload| self.at(at.q.clone(), payload)).collect()
     }
 
-    fn eigen(&self, q: &[f64], payload: usize) -> Eigen {
+    /// A posture with a payload.
+    fn at(&self, q: Vec<f64>, payload: usize) -> At {
         let model = &self.postures.payloads[payload].model;
-        self.end.of(eigen(&scaled_mass_matrix(model, &mut Workspace::new(model), q, self.nominal)))
+        let matrix = scaled_mass_matrix(model, &mut Workspace::new(model), &q, self.nominal);
+        let (value, vector) = self.end.of(eigen(&matrix));
+        At { q, payload, value, vector }
     }
 
     fn climb(&self, at: &mut At, sweeps: u32) {
@@ -174,11 +174,11 @@ impl Search<'_> {
             let steps = at.q.iter().zip(&way).zip(&self.postures.travel);
             let q: Vec<f64> =
                 steps.map(|((q, way), (low, high))| (q + step * way).clamp(*low, *high)).collect();
-            let (value, vector) = self.eigen(&q, at.payload);
-            if self.end.score(value) <= self.end.score(at.value) {
+            let next = self.at(q, at.payload);
+            if self.end.score(next.value) <= self.end.score(at.value) {
                 break;
             }
-            *at = At { q, payload: at.payload, value, vector };
+            *at = next;
         }
     }
 
@@ -203,9 +203,9 @@ impl Search<'_> {
         };
         let mut q = at.q.clone();
         q[joint] = found;
-        let (value, vector) = self.eigen(&q, at.payload);
-        if self.end.score(value) > self.end.score(at.value) {
-            *at = At { q, payload: at.payload, value, vector };
+        let next = self.at(q, at.payload);
+        if self.end.score(next.value) > self.end.score(at.value) {
+            *at = next;
         }
     }
 

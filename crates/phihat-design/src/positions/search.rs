@@ -1,6 +1,6 @@
 //! All joints: their laws, and the factor on the nominal inertia that they share.
 
-use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::extremes::larger;
 use phihat_study::Study;
 
 use super::family::Family;
@@ -66,7 +66,8 @@ struct Asked<'a> {
 /// Joint by joint, by estimates over the arm's range of inertia: the least error for a given share of the torque noise that is
 /// allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do not hold at the ends of the range with its
 /// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the least that keeps
-/// the errors by estimate is taken, or the one with the least error. Whether the laws together hold the coupled arm is for the [`Certificate`] to say.
+/// the errors by estimate is taken, or the one with the least error. Whether the laws together hold the coupled arm is for the
+/// [`Certificate`] to say.
 pub struct PositionSearch<'a> {
     asked: Asked<'a>,
     known: PhiOf<'a>,
@@ -145,8 +146,7 @@ impl<'a> PositionSearch<'a> {
             let cost = |(joint, chosen): (usize, &Option<Chosen>)| {
                 chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
             };
-            let (_, worst) = found.iter().enumerate().map(cost).ends();
-            let worst = larger(worst, enough);
+            let worst = found.iter().enumerate().map(cost).fold(enough, larger);
             if best.as_ref().is_none_or(|(least, ..)| worst < *least) {
                 best = Some((worst, tried, found));
             }
