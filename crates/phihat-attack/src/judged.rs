@@ -29,6 +29,11 @@ pub fn judged(study: &Study, path: &Path) -> Verdict {
     judged_by(study, (&Laws::Designed, Claims::All), path)
 }
 
+/// Likewise, of the laws that the study itself states: the tube alone is claimed of them.
+pub fn judged_as_typed(study: &Study, path: &Path) -> Verdict {
+    judged_by(study, (&Laws::Typed(String::new()), Claims::Tube), path)
+}
+
 /// Likewise, with laws from elsewhere: they get the certificate that a design would give them, those that were typed no
 /// more of it than is asked.
 pub(crate) fn judged_by(study: &Study, (laws, claims): (&Laws, Claims), path: &Path) -> Verdict {

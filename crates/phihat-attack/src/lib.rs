@@ -39,7 +39,7 @@ pub use claim::{Claim, JointClaim, NoClaim, claimed};
 pub use draft::{Draft, Laws, Load, Scope, World};
 pub use draw::draw;
 pub use held::{Found, JointFound, Violation, held};
-pub use judged::{Verdict, judged};
+pub use judged::{Verdict, judged, judged_as_typed};
 pub use record::{Ended, Record};
 pub use run::{NoRun, run};
 pub use second::Second;

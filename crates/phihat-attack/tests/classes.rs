@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_attack::{Dice, Verdict, held, judged, run};
+use phihat_attack::{Dice, Verdict, held, judged, judged_as_typed, run};
 use phihat_design::{Gains, Outcome};
 use phihat_model::Workspace;
 use phihat_study::Study;
@@ -33,6 +33,7 @@ fn class(letter: &str) -> Vec<String> {
 /// Whether the study as it runs stays inside of what is claimed, or nothing is claimed; tells what was found.
 fn kept(name: &str) -> bool {
     let (study, path) = study(name);
+    let judged = if name.ends_with("_typed") { judged_as_typed } else { judged };
     let (gains, claim) = match judged(&study, &path) {
         Verdict::Certified(gains, claim) => (gains, claim),
         Verdict::NotProved(why) => {

@@ -24,6 +24,12 @@ pub const TIGHTER: f64 = 1000.0;
 /// What two derivations may be apart by rounding alone \[rad, rad/s, N·m\].
 const ROUNDING: f64 = 1e-9;
 
+/// What no encoder reads and no tube is refused for \[rad, rad/s\].
+const UNREAD: f64 = 1e-8;
+
+/// What no drive gives and no tube is refused for \[N·m\].
+const UNGIVEN: f64 = 1e-6;
+
 /// One joint of a tube beside the derivation; errors from the tube's `settle_s` on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointBeside {
@@ -81,15 +87,18 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
     errors.meet(tube)?;
     velocities.meet(tube)?;
     let ratios = [
-        ("largest |e|", ratio(own.error_max_rad, claim.error_max_rad)),
-        ("largest |ė|", ratio(own.velocity_error_max_rad_s, claim.velocity_error_max_rad_s)),
+        ("largest |e|", ratio(own.error_max_rad, claim.error_max_rad, UNREAD)),
+        (
+            "largest |ė|",
+            ratio(own.velocity_error_max_rad_s, claim.velocity_error_max_rad_s, UNREAD),
+        ),
         ("mean width of e", errors.tighter()),
         ("mean width of ė", velocities.tighter()),
-        ("largest |τ|", ratio(own.torque_max_nm, claim.torque_max_nm)),
-        ("largest |Δτ|", ratio(own.torque_step_max_nm, claim.torque_step_max_nm)),
+        ("largest |τ|", ratio(own.torque_max_nm, claim.torque_max_nm, UNGIVEN)),
+        ("largest |Δτ|", ratio(own.torque_step_max_nm, claim.torque_step_max_nm, UNGIVEN)),
         (
             "largest steady |Δτ|",
-            ratio(own.torque_step_steady_max_nm, claim.torque_step_steady_max_nm),
+            ratio(own.torque_step_steady_max_nm, claim.torque_step_steady_max_nm, UNGIVEN),
         ),
     ];
     for (what, ratio) in ratios {
@@ -131,14 +140,15 @@ impl Sides<'_> {
 
     fn tighter(&self) -> f64 {
         let width = |(low, high): (&[f64], &[f64])| -> f64 {
-            low.iter().zip(high).map(|(low, high)| high - low).sum()
+            let sum: f64 = low.iter().zip(high).map(|(low, high)| high - low).sum();
+            sum / low.len() as f64
         };
-        ratio(width(self.own), width(self.claimed))
+        ratio(width(self.own), width(self.claimed), UNREAD)
     }
 }
 
-/// `own` over `claimed`, which counts as [`ROUNDING`] at least: an arm that rests behind exact sensors has a tube of rounding
-/// errors, and another derivation has others. Not a number is no ratio.
-fn ratio(own: f64, claimed: f64) -> f64 {
-    if own <= 0.0 && claimed >= 0.0 { 0.0 } else { own / larger(claimed, ROUNDING) }
+/// `own` over `claimed`, which counts as `nothing` at least: an arm that rests behind exact sensors has a tube of what a payload does
+/// to second order, and another derivation that bounds it by norms has ten thousand times as much of nothing. Not a number is no ratio.
+fn ratio(own: f64, claimed: f64, nothing: f64) -> f64 {
+    if own <= 0.0 && claimed >= 0.0 { 0.0 } else { own / larger(claimed, nothing) }
 }

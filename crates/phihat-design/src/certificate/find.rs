@@ -76,7 +76,8 @@ impl Shared {
         let modelled = kept(modelled, &mut refused);
         let over = window.filter(|_| modelled.is_some()).and_then(|window| {
             let within = inside(&window, arm, margin);
-            let over = within.and_then(|()| OverRange::find(record, &model, range, encoder));
+            let over =
+                within.and_then(|()| OverRange::find(record, &model, (range, &window), encoder));
             kept(over, &mut refused)
         });
         Ok(Self {
@@ -97,11 +98,11 @@ impl OverRange {
     fn find(
         record: &JointRecord,
         model: &LoopModel,
-        range: (f64, f64),
+        (range, window): ((f64, f64), &InertiaWindow),
         encoder: bool,
     ) -> Result<Self, Refutation> {
         Ok(Self {
-            margins: Margins::find(record, model, range)?,
+            margins: within(Margins::find(record, model, range)?, window),
             sampled: SampledPeaks::find(record, model, range, RATIOS)?,
             reference: record
                 .fed_in_time(model)
@@ -183,6 +184,15 @@ fn confirmed(record: &JointRecord, model: &LoopModel) -> Result<InertiaWindow, R
     kept.next().ok_or(why)
 }
 
+/// Margins whose gains lead no further than a window: one that was [`confirmed`] may be narrower than what was found.
+fn within(margins: Margins, window: &InertiaWindow) -> Margins {
+    Margins {
+        gain_up: margins.gain_up.min(margins.low / window.low),
+        gain_down: margins.gain_down.min(window.high / margins.high),
+        ..margins
+    }
+}
+
 /// What holds in continuous time.
 fn continuous(law: &UnitLaw) -> Result<ContinuousLaw, Refutation> {
     let attenuation = Attenuation::of(law)?;
@@ -227,6 +237,10 @@ mod tests {
         let kept = confirmed(&record, &model)?;
         kept.verify(&record, &model)?;
         assert!(found.contains(kept.low, kept.high) && kept.contains(0.5, 20.0), "{kept:?}");
+        // Margins of gain lead no further.
+        let margins = Margins::find(&record, &model, (0.8, 2.0))?;
+        assert!(margins.verify(&record, &model).is_err(), "{margins:?}");
+        within(margins, &kept).verify(&record, &model)?;
         Ok(())
     }
 }

@@ -15,6 +15,15 @@ pub(super) struct Shape {
     pub(super) v: Vec<f64>,
     /// `n` per interval.
     pub(super) command: Vec<f64>,
+    /// What pushes it, `n` per interval: the torque in the interval's middle, held.
+    torque: Vec<f64>,
+}
+
+impl Shape {
+    /// How far the torque that pushes joint `i` moves from the interval before `k` to it \[N·m per unit\].
+    pub(super) fn change(&self, k: usize, (i, n): (usize, usize)) -> f64 {
+        if k == 0 { 0.0 } else { self.torque[k * n + i] - self.torque[(k - 1) * n + i] }
+    }
 }
 
 /// The linear runs of the payload's parameters.
@@ -34,7 +43,7 @@ pub(super) fn shapes(
             d.as_ref().map(|d| (Differences::new(&d.plus), Differences::new(&d.minus), d.scale))
         })
         .collect();
-    let empty = Shape { e: vec![0.0; n], v: vec![0.0; n], command: Vec::new() };
+    let empty = Shape { e: vec![0.0; n], v: vec![0.0; n], command: vec![], torque: vec![] };
     let mut shapes: Vec<Option<Shape>> =
         directions.iter().map(|d| d.as_ref().map(|_| empty.clone())).collect();
     let mut runs = [Deviation::<WIDE>::new(scene), Deviation::<WIDE>::new(scene)];
@@ -61,6 +70,7 @@ pub(super) fn shapes(
                 shape.e.push(run.state[i][c]);
                 shape.v.push(run.state[n + i][c]);
                 shape.command.push(run.control.command[i][c]);
+                shape.torque.push(torque[i][d]);
             }
         }
     }

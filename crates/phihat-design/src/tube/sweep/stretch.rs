@@ -8,6 +8,7 @@ use crate::tube::group::Group;
 use crate::tube::kernel::Inputs;
 use crate::tube::linear::Interval;
 use crate::tube::products::times_abs;
+use crate::tube::shapes::Shape;
 
 /// The stretch of the run that a bin covers.
 #[derive(Clone, Copy)]
@@ -45,6 +46,14 @@ impl<'a> Stretch<'a> {
         let (a, b) = (guess.v[(k - from) * n + i], guess.v[(k + 1 - from) * n + i]);
         let (v, w) = (nominal[k * n + i], nominal[(k + 1) * n + i]);
         (smaller(v + a.0, w + b.0), larger(v + a.1, w + b.1))
+    }
+
+    /// Largest size of what the payload's parameters do, from what each of them does; 0 without a payload.
+    pub(super) fn pushed(&self, unit: impl Fn(&Shape) -> f64) -> f64 {
+        let along = self.along;
+        along.slice.map_or(0.0, |slice| {
+            slice.size(&core::array::from_fn(|d| along.shapes[d].as_ref().map_or(0.0, &unit)))
+        })
     }
 
     /// `|M⁻¹ x + M⁻¹ Jᵀ μ|`: what momentum is of a velocity at once.
