@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use phihat_design::DryFriction;
 use phihat_session::{IdentifiedJoint, IdentifyOptions, files, identify};
 use serde_json::json;
 
@@ -110,7 +111,25 @@ pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
             at_most(joint.phi_jump_max_nm),
         );
     }
-    text
+    text + &dry_friction(joints, margin)
+}
+
+/// What dry friction is worth in a study of an arm that has a description, as a comment; nothing where a joint never reversed.
+fn dry_friction(joints: &[IdentifiedJoint], margin: f64) -> String {
+    let Some(dry) = joints.iter().map(|joint| joint.dry_friction).collect::<Option<Vec<_>>>()
+    else {
+        return String::new();
+    };
+    let list =
+        |of: &dyn Fn(&DryFriction) -> String| dry.iter().map(of).collect::<Vec<_>>().join(", ");
+    format!(
+        "\n# Dry friction where joints reverse, its interval {margin} times wider either way. In a study of this arm's description, whose laws\n\
+         # are from positions, the level goes in with the reference, and the tube is for all of the interval:\n\
+         # [feedforward]\n# coulomb_nm = [{}]\n# [design]\n# coulomb_min_nm = [{}]\n# coulomb_max_nm = [{}]\n",
+        list(&|dry| at_most(dry.level_nm)),
+        list(&|dry| at_least(dry.low_nm / margin)),
+        list(&|dry| at_most(dry.high_nm * margin)),
+    )
 }
 
 /// Four significant figures of a bound from below, as TOML writes a number.

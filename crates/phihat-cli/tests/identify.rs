@@ -57,7 +57,7 @@ fn cost(rate: f64, jump: f64) -> f64 {
 #[test]
 fn records_tell_what_their_joints_are() {
     let folder = folder("identify");
-    let (mut wide, mut least) = (0.0_f64, f64::INFINITY);
+    let (mut wide, mut off, mut least) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for k in 0..8 {
         let truth: Truth =
             [0, 20].map(|j| (between(0.03, 2.0, k + j), between(0.05, 2.0, k + j + 10)));
@@ -69,13 +69,21 @@ fn records_tell_what_their_joints_are() {
         let read = Study::read(&folder.join("arm.toml")).unwrap();
         let file = fs::File::open(folder.join("out/arm/trace.parquet")).unwrap();
         let observed = Observed::of(&Trace::read(file, &read).unwrap(), 1.0);
-        for (joint, (inertia, _)) in truth.iter().enumerate() {
+        for (joint, (inertia, coulomb)) in truth.iter().enumerate() {
             let found = &told["joints"][joint];
             let number = |key: &str| found[key].as_f64().unwrap();
             let end = |key: &str| found["inertia"][key].as_f64().unwrap();
             let (low, high) = (end("low_kg_m2"), end("high_kg_m2"));
             assert!(low <= *inertia && *inertia <= high, "{k}: {inertia} not in {low} … {high}");
             wide = wide.max(high / low);
+            let dry = |key: &str| found["dry_friction"][key].as_f64().unwrap();
+            println!(
+                "{k}: dry friction {coulomb:.4} in {:.4} … {:.4}",
+                dry("low_nm"),
+                dry("high_nm")
+            );
+            off = off.max((dry("level_nm") / coulomb - 1.0).abs());
+            assert!(dry("low_nm") <= 1.01 * coulomb && *coulomb <= 1.01 * dry("high_nm"));
             // φ as it truly was, against what the record, seen through its encoder and a filter, says of it.
             let truly = observed.phi(joint, (low * high).sqrt());
             let claimed = cost(number("phi_rate_max_nm_s"), number("phi_jump_max_nm"));
@@ -83,7 +91,8 @@ fn records_tell_what_their_joints_are() {
         }
     }
     println!("inertia within a factor of {wide:.2}; φ claimed over true: {least:.2} at least");
-    assert!(wide < 5.0 && least >= 1.0, "{wide} {least}");
+    println!("levels of dry friction within {:.1} %", 100.0 * off);
+    assert!(wide < 5.0 && least >= 1.0 && off < 0.1, "{wide} {least} {off}");
 }
 
 #[test]

@@ -75,6 +75,7 @@ mod positions;
 pub mod prelude;
 mod quick;
 mod request;
+mod reversals;
 pub mod sampled;
 mod smoothed;
 mod trace;
@@ -98,6 +99,7 @@ pub use phihat_certificate::{
 };
 pub use positions::{PositionEstimate, PositionSearch};
 pub use request::requested_gains;
+pub use reversals::DryFriction;
 pub use smoothed::{RecordedJoint, Smoothed};
 pub use trace::{
     EstimateError, InertiaEstimate, JointSignals, estimate_inertia, estimate_inertia_of,

@@ -12,7 +12,7 @@ const WINDOW_NS: (u64, u64) = (1_000_000_000, 250_000_000);
 const ROWS: usize = 200;
 
 /// Standard errors on either side of an estimate.
-const SIGMAS: f64 = 3.0;
+pub(crate) const SIGMAS: f64 = 3.0;
 
 /// A window counts when its standard error is below this share of its estimate.
 const SHARP: f64 = 0.1;
@@ -245,17 +245,27 @@ fn fit(
     let told = |&c: &usize| c == of || (counts(c) && !constant(c));
     let kept: Vec<usize> = all.into_iter().filter(told).collect();
     let at = kept.iter().position(|&c| c == of)?;
-    let mut x = x.select_columns(&kept);
+    let tau = rows.iter().map(|&k| joints[of].tau[k]);
+    coefficient(x.select_columns(&kept), tau, at)
+}
+
+/// One coefficient of a least-squares fit and its standard error, from the residual as if it were white; `None` where the columns do
+/// not tell it.
+pub(crate) fn coefficient(
+    mut x: DMatrix<f64>,
+    y: impl Iterator<Item = f64>,
+    at: usize,
+) -> Option<(f64, f64)> {
     let sizes: Vec<f64> = x.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
     for (mut column, size) in x.column_iter_mut().zip(&sizes) {
         column /= *size;
     }
-    let y = DVector::from_iterator(rows.len(), rows.iter().map(|&k| joints[of].tau[k]));
+    let y = DVector::from_iterator(x.nrows(), y);
     let normal = (x.transpose() * &x).cholesky()?;
     let solution = normal.solve(&(x.transpose() * &y));
-    let spare = rows.len().checked_sub(kept.len()).filter(|spare| *spare > 0)?;
+    let spare = x.nrows().checked_sub(x.ncols()).filter(|spare| *spare > 0)?;
     let residual = (&y - &x * &solution).norm_squared() / spare as f64;
-    let mut unit = DVector::zeros(kept.len());
+    let mut unit = DVector::zeros(x.ncols());
     unit[at] = 1.0;
     let variance = residual * normal.solve(&unit)[at];
     Some((solution[at] / sizes[at], variance.max(0.0).sqrt() / sizes[at]))

@@ -14,6 +14,8 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
         "|φ|\nN·m",
         "φ rate\nN·m/s",
         "φ jump\nN·m",
+        "dry friction\nN·m",
+        "reversals",
         "positions seen\nrad",
         "|q̇| seen\nrad/s",
         "|τ| seen\nN·m",
@@ -21,7 +23,9 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
     for joint in joints {
         let own = |figure: String, unit: &str| in_unit(figure, unit, joint.slides);
         let range = |low: f64, high: f64| format!("{} … {}", figure(low, 4), figure(high, 4));
+        let range3 = |low: f64, high: f64| format!("{} … {}", figure(low, 3), figure(high, 3));
         let (inertia, (from, to)) = (&joint.inertia, joint.position_rad);
+        let dry = joint.dry_friction.as_ref();
         table.add_row([
             joint.name.clone(),
             own(range(inertia.low_kg_m2, inertia.high_kg_m2), "kg·m²"),
@@ -30,6 +34,8 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
             own(figure(joint.phi_max_nm, 3), "N·m"),
             own(figure(joint.phi_rate_max_nm_s, 2), "N·m/s"),
             own(figure(joint.phi_jump_max_nm, 3), "N·m"),
+            dry.map_or("–".to_owned(), |dry| own(range3(dry.low_nm, dry.high_nm), "N·m")),
+            dry.map_or(0, |dry| dry.reversals).to_string(),
             own(format!("{from:.2} … {to:.2}"), "rad"),
             own(figure(joint.velocity_max_rad_s, 2), "rad/s"),
             own(figure(joint.torque_max_nm, 2), "N·m"),

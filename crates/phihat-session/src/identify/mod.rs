@@ -6,7 +6,7 @@ mod recording;
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
-use phihat_design::{InertiaEstimate, JointSignals, Smoothed, estimate_inertia};
+use phihat_design::{DryFriction, InertiaEstimate, JointSignals, Smoothed, estimate_inertia};
 use phihat_sim::Observed;
 use serde::Serialize;
 
@@ -50,6 +50,8 @@ pub struct IdentifiedJoint {
     pub phi_rate_max_nm_s: f64,
     /// and how far it jumps, at least by what it swings by where the joint reverses: dry friction \[N·m\].
     pub phi_jump_max_nm: f64,
+    /// The level of its dry friction, without the margin; `None` where it never reversed between two ways that are long enough.
+    pub dry_friction: Option<DryFriction>,
     /// Positions that were seen, from and to \[rad\].
     pub position_rad: (f64, f64),
     /// Largest |q̇| that was seen \[rad/s\].
@@ -154,6 +156,7 @@ fn shown(
         phi_rate_max_nm_s: margin * phi.rate,
         // A filter smears what dry friction does where a joint reverses: over its length φ swings by the whole jump.
         phi_jump_max_nm: margin * larger(phi.jump, swing(signals, nominal, rows)),
+        dry_friction: DryFriction::of(&smoothed.signals(), joint, smoothed.period_ns, rows),
         position_rad: signals.q.iter().copied().ends(),
         velocity_max_rad_s: size(signals.dq),
         torque_max_nm: size(signals.tau),
@@ -171,7 +174,9 @@ fn swing(signals: &JointSignals<'_>, nominal: f64, rows: usize) -> f64 {
 impl IdentifiedJoint {
     /// What holds for two records.
     fn and(self, other: &Self) -> Self {
+        let dry = [self.dry_friction, other.dry_friction].into_iter().flatten();
         Self {
+            dry_friction: dry.reduce(|a, b| a.and(&b)),
             phi_max_nm: larger(self.phi_max_nm, other.phi_max_nm),
             phi_rate_max_nm_s: larger(self.phi_rate_max_nm_s, other.phi_rate_max_nm_s),
             phi_jump_max_nm: larger(self.phi_jump_max_nm, other.phi_jump_max_nm),
