@@ -180,7 +180,8 @@ pub fn supervisor(bytes: &[u8]) {
         let preset = [value(), value()];
         let sample = Sample { stamp: Stamp { sequence, t_ns: now }, now_ns: now, joints: &joints };
         let given = (kind & 64 > 0).then_some(&preset[..]);
-        let request = phihat::Request { mode, references: &references, preset: given };
+        let request =
+            phihat::Request { mode, references: &references, preset: given, feed_forward: None };
         let answer = arm.step(&mut state, &sample, &request);
         for command in answer.commands {
             assert!(command.tau.is_finite() && command.tau.abs() <= TORQUE, "{answer:?}");

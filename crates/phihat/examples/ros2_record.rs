@@ -224,6 +224,7 @@ fn record(positions: bool) -> Result<(String, Seen), Box<dyn Error>> {
                 mode: request(mode, wanted(k)),
                 references: &references,
                 preset: Some(&[0.0; 2]),
+                feed_forward: None,
             },
         );
         mode = answer.report.mode;

@@ -29,6 +29,7 @@ impl<R: Real> JointRules<R> {
                 memory.reference = here;
                 memory.blend = Blend::default();
                 memory.fade_out(R::ZERO);
+                memory.unfed();
                 memory.mismatch = R::ZERO;
                 memory.mismatch_square = R::ZERO;
                 memory.funnel_settled = 0;
@@ -57,7 +58,10 @@ impl<R: Real> JointRules<R> {
                 let rest = Reference::at_rest(memory.home);
                 memory.blend = Blend::new(&at, &rest, length);
             }
-            Action::Freeze => memory.held = memory.law.phi_hat,
+            Action::Freeze => {
+                memory.held = memory.phi_hat();
+                memory.unfed();
+            }
             Action::Release => memory.held = R::ZERO,
         }
     }

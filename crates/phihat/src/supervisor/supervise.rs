@@ -17,7 +17,7 @@ use crate::{
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
 /// The slices of rules, memories and commands belong together; joints beyond the shortest are left alone. A
-/// sample or reference list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
+/// sample, reference or feed-forward list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
 ///
 /// # What happens
 ///
@@ -25,7 +25,7 @@ use crate::{
 /// 2. Faults and the request go through [`next_mode`].
 /// 3. The law, or what the mode asks for, gives a torque; range, rate and torque limits let it out.
 ///
-/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂`, after `stop_samples`
+/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂` (with what was fed forward last), after `stop_samples`
 /// the arm stops.
 pub fn supervise<R: Real>(
     rules: Rules<'_, R>,
@@ -127,6 +127,7 @@ fn moment<R: Real>(
         blend_rate: arm.blend_rate,
         tracking: state.mode == Mode::Tracking,
         raised: state.raised,
+        feeds: state.feeds,
         first_motion: state.engaged < arm.first_motion_samples,
         average: arm.average,
         dwell: arm.dwell_samples,

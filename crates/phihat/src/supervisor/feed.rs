@@ -1,0 +1,61 @@
+//! Torque that is fed forward beside the reference: φ̂ is then what is left.
+
+use super::memory::JointMemory;
+use super::moment::Moment;
+use crate::gains::Built;
+use crate::{Form, JointGains, Real, Reference};
+
+/// What the law is told at a sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Told<R> {
+    /// The reference in force, with `τ_ff/M̄` in its acceleration.
+    pub(crate) reference: Reference<R>,
+    /// `τ_ff` \[N·m\].
+    pub(crate) fed: R,
+    /// By how much that is more than at the last sample.
+    pub(crate) more: R,
+}
+
+impl<R: Real> JointMemory<R> {
+    /// What the law, which is built as `S`, is told of a reference.
+    ///
+    /// # Law
+    ///
+    /// `q̈_d + τ_ff/M̄`. Where a feed-forward begins, at the first sample of the law or later, `φ̂` gives up what it brings;
+    /// where it ends, `φ̂` takes it over ([`JointState::feed`](crate::JointState)): `φ̂ + τ_ff` is what it was, and so is the torque.
+    #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
+    #[inline(always)]
+    pub(crate) fn tell<S: Built>(
+        &mut self,
+        gains: &JointGains<R>,
+        reference: &Reference<R>,
+        now: &Moment<R>,
+    ) -> Told<R> {
+        let mut told = Told { reference: *reference, fed: R::ZERO, more: R::ZERO };
+        if S::FORM != Form::Positions || !(now.feeds || self.feeds) {
+            return told;
+        }
+        if now.feeds {
+            told.fed = self.fed_asked;
+        }
+        if now.feeds != self.feeds {
+            self.feeds = now.feeds;
+            self.law.feed(told.fed - self.fed);
+            self.fed = told.fed;
+        }
+        told.more = told.fed - self.fed;
+        told.reference.ddq += told.fed * gains.inertia_inverse;
+        told
+    }
+
+    /// The law does not run any more, or begins anew: all that holds is `φ̂`.
+    pub(crate) fn unfed(&mut self) {
+        self.fed = R::ZERO;
+        self.feeds = false;
+    }
+}
+
+/// `φ̂ + τ_ff`: to the bit `φ̂` where nothing is fed.
+pub(crate) fn whole<R: Real>(phi_hat: R, fed: R) -> R {
+    if fed == R::ZERO { phi_hat } else { phi_hat + fed }
+}
