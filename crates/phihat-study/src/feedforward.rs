@@ -56,9 +56,6 @@ pub(crate) fn read(
             "set loop.form = \"positions\", or leave [feedforward] out",
         );
     }
-    if top.child("supervisor").exists() {
-        return refused("a supervisor is not told of it", "leave one of the two sections out");
-    }
     let known = match node.word("model")? {
         "gravity" => Known::Gravity,
         "inverse_dynamics" => Known::InverseDynamics,
