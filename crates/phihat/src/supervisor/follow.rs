@@ -40,9 +40,7 @@ impl<R: Real> JointRules<R> {
         }
         let law = gains.demand::<S>(&next, m, &told.reference);
         let mut demand = match &self.funnel {
-            Some(funnel) => {
-                funnel.demand(memory, gains, m, &told.reference, law, now, &mut news.events)
-            }
+            Some(funnel) => funnel.demand(memory, gains, m, &reference, law, now, &mut news.events),
             None => law,
         };
         if memory.before.is_some() {

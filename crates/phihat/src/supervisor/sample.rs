@@ -34,8 +34,8 @@ pub struct Request<'a, R> {
     /// in it is one in torque, as a jump of `q̈_d` is, within the limits.
     ///
     /// One that is not finite, beyond ±2³² or of another length is refused: the last one is held, and that counts as a reference
-    /// refused. While a sample is missed, and in every mode where the law does not run, it is not heeded; the other forms of the law never
-    /// heed it: their observers would take it for `φ`.
+    /// refused. While a sample is missed, in a [`Funnel`](crate::Funnel) and in every mode where the law does not run, it is not heeded; the other
+    /// forms of the law never heed it: their observers would take it for `φ`.
     pub feed_forward: Option<&'a [R]>,
 }
 
