@@ -18,7 +18,7 @@ const COULOMB_VELOCITY: f64 = 1e-3;
 /// τ_ff = g(q_d)  or  ID(q_d, q̇_d, q̈_d) − M̄ q̈_d,  of the description with its masses scaled,  + f̂ q̇_d/√(q̇_d² + v_c²)
 /// ```
 ///
-/// With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
+/// Where the robot adds gravity by itself, that description has none. With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
 #[derive(Debug)]
 pub struct FeedForward {
     known: Known,
@@ -41,7 +41,10 @@ impl FeedForward {
     /// [`SimError::FeedForward`]: masses of that scale make no arm.
     pub fn of(study: &Study) -> Result<Option<Self>, SimError> {
         let Some(own) = &study.feedforward else { return Ok(None) };
-        let model = study.robot.plant_model().with_gravity(study.world.gravity);
+        // The robot's own part is nobody else's.
+        let adds = study.interface.profile.adds_gravity;
+        let gravity = if adds { [0.0; 3] } else { study.world.gravity };
+        let model = study.robot.plant_model().with_gravity(gravity);
         let model = model.with_masses_times(own.mass_scale).map_err(SimError::FeedForward)?;
         let period = study.control.period_ns as f64 * 1e-9;
         let middle = (f64::from(study.control.delay_samples) + 0.5) * period;

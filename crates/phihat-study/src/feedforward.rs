@@ -10,7 +10,8 @@ use crate::study::{Control, FeedForward, Known};
 
 pub(crate) static FEEDFORWARD: Section = Section {
     path: "feedforward",
-    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left.",
+    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left. \
+          With a `[supervisor]` that is the reference in force: blended, shaped or held.",
     keys: &[
         Key {
             name: "model",
@@ -18,7 +19,7 @@ pub(crate) static FEEDFORWARD: Section = Section {
             shape: Shape::Word(&["none", "gravity", "inverse_dynamics"]),
             need: Need::Word("none"),
             doc: "What of the robot's description, without payload: the torque that holds it at q_d, or the whole that \
-                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d.",
+                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d. Without gravity where the robot adds that by itself.",
         },
         Key {
             name: "mass_scale",
