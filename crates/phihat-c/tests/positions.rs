@@ -199,8 +199,8 @@ fn it_runs_under_supervision() {
             now_ns: k * 1_000_000,
             preset: &raw const load,
             mode: if k < 10 { PHIHAT_REQUEST_ARM } else { PHIHAT_REQUEST_HOLD },
-            // Some of the load is known for a while, then too much of it, then nothing is said.
-            feed_forward: [&raw const part, &raw const much, null()][k as usize / 1000],
+            // Some of the load is known for a while, then nothing is said, then far too much.
+            feed_forward: [&raw const part, null(), &raw const much][k as usize / 1000],
         };
         // SAFETY: null pointers and numbers only, and zero is one.
         let mut report: phihat_report = unsafe { core::mem::zeroed() };
