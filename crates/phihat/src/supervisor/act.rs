@@ -29,7 +29,6 @@ impl<R: Real> JointRules<R> {
                 memory.reference = here;
                 memory.blend = Blend::default();
                 memory.fade_out(R::ZERO);
-                memory.unfed();
                 memory.mismatch = R::ZERO;
                 memory.mismatch_square = R::ZERO;
                 memory.funnel_settled = 0;

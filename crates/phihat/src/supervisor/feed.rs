@@ -48,7 +48,7 @@ impl<R: Real> JointMemory<R> {
         told
     }
 
-    /// The law does not run any more, or begins anew: all that holds is `φ̂`.
+    /// The law does not run any more, or is another one: `φ̂` is the whole, until it is told again.
     pub(crate) fn unfed(&mut self) {
         self.fed = R::ZERO;
         self.feeds = false;
