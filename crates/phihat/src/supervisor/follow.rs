@@ -6,7 +6,7 @@ use super::moment::Moment;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
 use crate::gains::Built;
-use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Reference};
+use crate::{Command, Events, Fault, Form, JointGains, Measurement, Mode, Real, Reference};
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the
 /// nominal inertia still does, a dead drive or a closed brake does not.
@@ -64,7 +64,8 @@ impl<R: Real> JointRules<R> {
     #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
-        let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
+        let tracks = now.mode == Mode::Tracking;
+        let base = if tracks { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
         if let Some(shaper) = &self.shaper {
             let shaped = shaper.step(&memory.reference, &kept);

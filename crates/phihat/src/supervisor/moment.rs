@@ -1,5 +1,6 @@
 //! What every joint's law has to know of the arm at a sample.
 
+use crate::Mode;
 use crate::joint::Interval;
 
 /// Where the arm stands, for every joint the same.
@@ -11,7 +12,7 @@ pub(crate) struct Moment<R> {
     pub(crate) blend: R,
     /// Progress per sample.
     pub(crate) blend_rate: R,
-    pub(crate) tracking: bool,
+    pub(crate) mode: Mode,
     pub(crate) raised: bool,
     /// The caller feeds forward.
     pub(crate) feeds: bool,

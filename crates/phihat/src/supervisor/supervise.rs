@@ -125,7 +125,7 @@ fn moment<R: Real>(
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
         blend_rate: arm.blend_rate,
-        tracking: state.mode == Mode::Tracking,
+        mode: state.mode,
         raised: state.raised,
         feeds: state.feeds,
         first_motion: state.engaged < arm.first_motion_samples,
