@@ -230,44 +230,39 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         }
         // SAFETY: the caller's.
         unsafe { copy_sample(sample, &mut s.measurements, &mut s.references) }?;
-        // SAFETY: null, or with one entry per joint.
-        let (preset, feed_forward) = unsafe {
-            (told(request.preset, &mut s.preset), told(request.feed_forward, &mut s.feed_forward))
-        };
+        for (from, to) in
+            [(request.preset, &mut s.preset), (request.feed_forward, &mut s.feed_forward)]
+        {
+            for (i, torque) in to.iter_mut().enumerate() {
+                if !from.is_null() {
+                    // SAFETY: not null, and with one entry per joint.
+                    *torque = unsafe { from.add(i).read() };
+                }
+            }
+        }
         let stamp = Stamp { sequence: request.sequence, t_ns: request.t_ns };
-        let answered = supervise(
+        let told = supervise(
             Rules { arm: &s.arm, joints: &s.rules },
             Memories { arm: &mut s.state, joints: &mut s.memories },
             &Sample { stamp, now_ns: request.now_ns, joints: &s.measurements },
-            &Request { mode, references: &s.references, preset, feed_forward },
+            &Request {
+                mode,
+                references: &s.references,
+                preset: (!request.preset.is_null()).then_some(&s.preset),
+                feed_forward: (!request.feed_forward.is_null()).then_some(&s.feed_forward),
+            },
             &mut s.commands,
         );
         // SAFETY: not null where written to, and with one entry per joint.
         unsafe { give(&s.commands, to) };
         if !report.is_null() {
             // SAFETY: checked above.
-            unsafe { write_structure(report, as_c(&answered)) };
+            unsafe { write_structure(report, as_c(&told)) };
         }
         Ok(Status::Ok)
     };
     // SAFETY: no error is wanted.
     unsafe { answer(core::ptr::null_mut(), call) }
-}
-
-/// A copy of torques, one per joint; `None`: there are none.
-///
-/// # Safety
-///
-/// `from` is null, or points to as many as `to` has.
-unsafe fn told(from: *const f64, to: &mut [f64]) -> Option<&[f64]> {
-    if from.is_null() {
-        return None;
-    }
-    for (i, torque) in to.iter_mut().enumerate() {
-        // SAFETY: not null, and as long as `to`.
-        *torque = unsafe { from.add(i).read() };
-    }
-    Some(to)
 }
 
 /// Name of an event, of which `bit` is the place, from 0; null where there is none.

@@ -2,8 +2,7 @@
 
 use super::memory::JointMemory;
 use super::moment::Moment;
-use crate::gains::Built;
-use crate::{Form, JointGains, Real, Reference};
+use crate::{JointGains, Real, Reference};
 
 /// What the law is told at a sample.
 #[derive(Debug, Clone, Copy)]
@@ -16,23 +15,29 @@ pub(crate) struct Told<R> {
     pub(crate) more: R,
 }
 
+impl<R: Real> Told<R> {
+    /// A reference, and nothing beside it: all that laws of the other forms are told.
+    pub(crate) fn bare(reference: &Reference<R>) -> Self {
+        Self { reference: *reference, fed: R::ZERO, more: R::ZERO }
+    }
+}
+
 impl<R: Real> JointMemory<R> {
-    /// What the law, which is built as `S`, is told of a reference.
+    /// What a law from positions is told of a reference.
     ///
     /// # Law
     ///
     /// `q̈_d + τ_ff/M̄`. Where a feed-forward begins, at the first sample of the law or later, `φ̂` gives up what it brings;
     /// where it ends, `φ̂` takes it over ([`JointState::feed`](crate::JointState)): `φ̂ + τ_ff` is what it was, and so is the torque.
-    #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
-    #[inline(always)]
-    pub(crate) fn tell<S: Built>(
+    #[inline]
+    pub(crate) fn tell(
         &mut self,
         gains: &JointGains<R>,
         reference: &Reference<R>,
         now: &Moment<R>,
     ) -> Told<R> {
-        let mut told = Told { reference: *reference, fed: R::ZERO, more: R::ZERO };
-        if S::FORM != Form::Positions || !(now.feeds || self.feeds) {
+        let mut told = Told::bare(reference);
+        if !(now.feeds || self.feeds) {
             return told;
         }
         if now.feeds {
@@ -53,9 +58,4 @@ impl<R: Real> JointMemory<R> {
         self.fed = R::ZERO;
         self.feeds = false;
     }
-}
-
-/// `φ̂ + τ_ff`: to the bit `φ̂` where nothing is fed.
-pub(crate) fn whole<R: Real>(phi_hat: R, fed: R) -> R {
-    if fed == R::ZERO { phi_hat } else { phi_hat + fed }
 }

@@ -1,12 +1,12 @@
 //! One joint under supervision: its reference, its law, its torque.
 
-use super::feed::{Told, whole};
-use super::memory::JointMemory;
+use super::feed::Told;
+use super::memory::{JointMemory, whole};
 use super::moment::Moment;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
 use crate::gains::Built;
-use crate::{Command, Events, Fault, Form, JointGains, Measurement, Mode, Real, Reference};
+use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Reference};
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the
 /// nominal inertia still does, a dead drive or a closed brake does not.
@@ -33,7 +33,10 @@ impl<R: Real> JointRules<R> {
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let reference = self.refer(memory, now, &mut news.events);
-        let told = memory.tell::<S>(gains, &reference, now);
+        let told = match S::FORM {
+            Form::Observer | Form::Literal => Told::bare(&reference),
+            Form::Positions => memory.tell(gains, &reference, now),
+        };
         let next = self.know::<S>(memory, gains, m, &told, now, &mut news.events);
         if self.scheduled {
             memory.learn(gains, m, now);
@@ -64,8 +67,7 @@ impl<R: Real> JointRules<R> {
     #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
-        let tracks = now.mode == Mode::Tracking;
-        let base = if tracks { memory.asked } else { Reference::at_rest(memory.home) };
+        let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
         if let Some(shaper) = &self.shaper {
             let shaped = shaper.step(&memory.reference, &kept);

@@ -2,7 +2,6 @@
 
 use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
-use super::feed::whole;
 use super::monitor::{Actuation, Frozen, Oscillation};
 use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
@@ -145,4 +144,9 @@ impl<R: Real> JointMemory<R> {
             R::ZERO
         }
     }
+}
+
+/// `φ̂ + τ_ff`: to the bit `φ̂` where nothing is fed.
+pub(crate) fn whole<R: Real>(phi_hat: R, fed: R) -> R {
+    if fed == R::ZERO { phi_hat } else { phi_hat + fed }
 }

@@ -1,6 +1,5 @@
 //! What every joint's law has to know of the arm at a sample.
 
-use crate::Mode;
 use crate::joint::Interval;
 
 /// Where the arm stands, for every joint the same.
@@ -12,8 +11,7 @@ pub(crate) struct Moment<R> {
     pub(crate) blend: R,
     /// Progress per sample.
     pub(crate) blend_rate: R,
-    pub(crate) mode: Mode,
-    pub(crate) raised: bool,
+    pub(crate) tracking: bool,
     /// The caller feeds forward.
     pub(crate) feeds: bool,
     pub(crate) first_motion: bool,

@@ -125,8 +125,7 @@ fn moment<R: Real>(
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
         blend_rate: arm.blend_rate,
-        mode: state.mode,
-        raised: state.raised,
+        tracking: state.mode == Mode::Tracking,
         feeds: state.feeds,
         first_motion: state.engaged < arm.first_motion_samples,
         average: arm.average,
@@ -143,10 +142,11 @@ fn run<R: Real>(
     commands: &mut [Command<R>],
 ) -> Events {
     let mut events = Events::NONE;
+    let raised = memories.arm.raised;
     let joints =
         rules.iter().zip(memories.joints).zip(sample.joints.iter().zip(commands)).enumerate();
     for (joint, ((rule, memory), (m, command))) in joints {
-        let gains = rule.in_force(now.raised);
+        let gains = rule.in_force(raised);
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
         events |= match gains.form {
