@@ -200,7 +200,11 @@ fn it_runs_under_supervision() {
             preset: &raw const load,
             mode: if k < 10 { PHIHAT_REQUEST_ARM } else { PHIHAT_REQUEST_HOLD },
             // Some of the load is known for a while, then nothing is said, then far too much.
-            feed_forward: [&raw const part, null(), &raw const much][k as usize / 1000],
+            feed_forward: match k {
+                0..1000 => &raw const part,
+                1000..2000 => null(),
+                _ => &raw const much,
+            },
         };
         // SAFETY: null pointers and numbers only, and zero is one.
         let mut report: phihat_report = unsafe { core::mem::zeroed() };
