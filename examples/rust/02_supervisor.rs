@@ -70,7 +70,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let joints = [Measurement { q, dq, tau_applied: tau }];
         let stamp = Stamp { sequence: seen, t_ns: seen * T_NS };
         let sample = Sample { stamp, now_ns: k * T_NS, joints: &joints };
-        let request = Request { mode: wish(k), references: &[reference], preset: None };
+        let request =
+            Request { mode: wish(k), references: &[reference], preset: None, feed_forward: None };
 
         // Once per period, whether a new sample came or not.
         let answer = arm.step(&mut state, &sample, &request);

@@ -498,6 +498,13 @@ typedef struct phihat_request {
    * PHIHAT_REQUEST_IDLE, _ARM, _HOLD, _TRACK or _STOP: a level, repeated at every sample.
    */
   uint32_t mode;
+  /**
+   * Torque that is known to be needed along the reference in force, beside inertia times ddq_des [N m], one entry per joint,
+   * as the gravity of a description; null: none. A law from positions estimates what is left, and starts and stops being fed
+   * without a step in torque; the other forms take no notice. One that is not finite is refused, and the last one held. phi_hat
+   * of the command is the whole: what is estimated, and this.
+   */
+  const double *feed_forward;
 } phihat_request;
 
 /**

@@ -1,5 +1,7 @@
 //! The supervisor behind its handle.
 
+use core::mem::offset_of;
+
 use phihat::{
     ArmRules, ArmState, Command, Events, Fault, JointMemory, JointRules, Measurement, Memories,
     Mode, ModeRequest, OptionError, Reference, Refusal as Denial, Report, Request, Rules, Sample,
@@ -45,6 +47,7 @@ pub struct phihat_supervisor {
     measurements: Vec<Measurement<f64>>,
     references: Vec<Reference<f64>>,
     preset: Vec<f64>,
+    feed_forward: Vec<f64>,
     commands: Vec<Command<f64>>,
 }
 
@@ -64,6 +67,16 @@ pub struct phihat_request {
     pub preset: *const f64,
     /// PHIHAT_REQUEST_IDLE, _ARM, _HOLD, _TRACK or _STOP: a level, repeated at every sample.
     pub mode: u32,
+    /// Torque that is known to be needed along the reference in force, beside inertia times ddq_des [N m], one entry per joint,
+    /// as the gravity of a description; null: none. A law from positions estimates what is left, and starts and stops being fed
+    /// without a step in torque; the other forms take no notice. One that is not finite is refused, and the last one held. phi_hat
+    /// of the command is the whole: what is estimated, and this.
+    pub feed_forward: *const f64,
+}
+
+impl phihat_request {
+    /// sizeof(phihat_request) of the first header, which had no member from `feed_forward` on.
+    pub(crate) const FIRST: usize = offset_of!(Self, feed_forward);
 }
 
 /// What a sample brought.
@@ -146,12 +159,14 @@ pub unsafe extern "C" fn phihat_supervisor_create(
             measurements: room(count)?,
             references: room(count)?,
             preset: room(count)?,
+            feed_forward: room(count)?,
             commands: room(count)?,
         };
         made.memories.resize(count, JointMemory::new());
         made.measurements.resize(count, Measurement::default());
         made.references.resize(count, Reference::default());
         made.preset.resize(count, 0.0);
+        made.feed_forward.resize(count, 0.0);
         made.commands.resize(count, Command::default());
         // SAFETY: not null, so it can be written to.
         unsafe { supervisor.write(Box::into_raw(Box::new(made))) };
@@ -195,8 +210,10 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         let why = "the supervisor's handle is null";
         let s = living.ok_or_else(|| Refusal::new(Status::NullPointer, why))?;
         // SAFETY: the caller's.
-        let (sample, request, to) =
-            unsafe { (structure(sample)?, structure(request)?, structure(command)?) };
+        let (sample, request, to) = unsafe {
+            let request = element(request, 0, phihat_request::FIRST)?;
+            (structure(sample)?, request, structure(command)?)
+        };
         let mode = match request.mode {
             PHIHAT_REQUEST_IDLE => ModeRequest::Idle,
             PHIHAT_REQUEST_ARM => ModeRequest::Arm,
@@ -213,10 +230,14 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         }
         // SAFETY: the caller's.
         unsafe { copy_sample(sample, &mut s.measurements, &mut s.references) }?;
-        for (i, torque) in s.preset.iter_mut().enumerate() {
-            if !request.preset.is_null() {
-                // SAFETY: not null, and with one entry per joint.
-                *torque = unsafe { request.preset.add(i).read() };
+        for (from, to) in
+            [(request.preset, &mut s.preset), (request.feed_forward, &mut s.feed_forward)]
+        {
+            for (i, torque) in to.iter_mut().enumerate() {
+                if !from.is_null() {
+                    // SAFETY: not null, and with one entry per joint.
+                    *torque = unsafe { from.add(i).read() };
+                }
             }
         }
         let stamp = Stamp { sequence: request.sequence, t_ns: request.t_ns };
@@ -228,6 +249,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
                 mode,
                 references: &s.references,
                 preset: (!request.preset.is_null()).then_some(&s.preset),
+                feed_forward: (!request.feed_forward.is_null()).then_some(&s.feed_forward),
             },
             &mut s.commands,
         );

@@ -5,10 +5,10 @@
 use core::ptr::{null, null_mut};
 
 use phihat_c::{
-    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, Status, phihat_command,
-    phihat_controller_create, phihat_controller_destroy, phihat_controller_update, phihat_joint,
-    phihat_sample, phihat_supervision, phihat_supervision_default, phihat_supervisor_create,
-    phihat_supervisor_destroy,
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, PHIHAT_REQUEST_HOLD, Status,
+    phihat_command, phihat_controller_create, phihat_controller_destroy, phihat_controller_update,
+    phihat_joint, phihat_request, phihat_sample, phihat_supervision, phihat_supervision_default,
+    phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
 };
 
 const N: usize = 3;
@@ -125,4 +125,76 @@ fn what_it_cannot_say_is_refused() {
         let joints = [phihat_joint { size, ..joint(0, PHIHAT_FORM_OBSERVER) }; N];
         assert_eq!(answers(joints.as_ptr(), N).0, Status::WrongSize, "{size}");
     }
+}
+
+/// phihat_request as it was, written down again.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+struct Request {
+    size: usize,
+    sequence: u64,
+    t_ns: u64,
+    now_ns: u64,
+    preset: *const f64,
+    mode: u32,
+}
+
+#[test]
+fn a_request_that_feeds_nothing_forward_is_understood() {
+    let joints = [0, 1, 2].map(|k| joint(k, PHIHAT_FORM_OBSERVER));
+    let mut handle = null_mut();
+    // SAFETY: numbers only, and zero is one; all pointers are to living values, or null where that is allowed.
+    unsafe {
+        let mut options: phihat_supervision = core::mem::zeroed();
+        options.size = size_of::<phihat_supervision>();
+        assert_eq!(phihat_supervision_default(1_000_000, &raw mut options), Status::Ok);
+        let (joints, options, to) = (joints.as_ptr(), &raw const options, &raw mut handle);
+        let made = phihat_supervisor_create(joints, null(), N, options, to, null_mut());
+        assert_eq!(made, Status::Ok);
+    }
+    let (zero, mut tau) = ([0.0; N], [0.0; N]);
+    let at = zero.as_ptr();
+    let sample = phihat_sample {
+        size: size_of::<phihat_sample>(),
+        joints: N,
+        q: at,
+        dq: at,
+        tau_applied: at,
+        q_des: at,
+        dq_des: at,
+        ddq_des: at,
+    };
+    let command = phihat_command {
+        size: size_of::<phihat_command>(),
+        joints: N,
+        tau: tau.as_mut_ptr(),
+        phi_hat: null_mut(),
+        flags: null_mut(),
+    };
+    let size = size_of::<Request>();
+    assert_eq!(size, core::mem::offset_of!(phihat_request, feed_forward));
+    for (size, wanted) in [
+        (size, Status::Ok),
+        (size - 8, Status::WrongSize),
+        (size + 4, Status::WrongSize),
+        (size_of::<phihat_request>() + 8, Status::WrongSize),
+    ] {
+        let request = Request {
+            size,
+            sequence: 0,
+            t_ns: 0,
+            now_ns: 0,
+            preset: null(),
+            mode: PHIHAT_REQUEST_HOLD,
+        };
+        // SAFETY: as much as the size says is there, or the size is refused.
+        let status = unsafe {
+            let request = (&raw const request).cast::<phihat_request>();
+            let (sample, command) = (&raw const sample, &raw const command);
+            phihat_supervisor_step(handle, sample, request, command, null_mut())
+        };
+        assert_eq!(status, wanted, "{size}");
+    }
+    // SAFETY: a living handle, once.
+    unsafe { phihat_supervisor_destroy(handle) };
 }

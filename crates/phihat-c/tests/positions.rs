@@ -188,7 +188,7 @@ fn it_runs_under_supervision() {
     };
     assert_eq!(status, Status::Ok);
     // A joint of 0.8 kg m² that carries 6 N·m, from the torque that holds it.
-    let (load, mut of, mut acting, mut mode) = (6.0, [0.0; 6], 6.0, 0);
+    let (load, part, much, mut of, mut acting, mut mode) = (6.0, 4.5, 50.0, [0.0; 6], 6.0, 0);
     for k in 0..3000_u64 {
         let (sample, mut tau) = (sample(&of), 0.0);
         let command = command(&mut tau);
@@ -199,6 +199,12 @@ fn it_runs_under_supervision() {
             now_ns: k * 1_000_000,
             preset: &raw const load,
             mode: if k < 10 { PHIHAT_REQUEST_ARM } else { PHIHAT_REQUEST_HOLD },
+            // Some of the load is known for a while, then nothing is said, then far too much.
+            feed_forward: match k {
+                0..1000 => &raw const part,
+                1000..2000 => null(),
+                _ => &raw const much,
+            },
         };
         // SAFETY: null pointers and numbers only, and zero is one.
         let mut report: phihat_report = unsafe { core::mem::zeroed() };

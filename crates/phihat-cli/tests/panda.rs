@@ -114,3 +114,51 @@ fn every_study_of_the_project_keeps_its_spec() {
     }
     assert!(count >= 6, "only {count} studies found");
 }
+
+/// What is known of a Panda is fed forward under a supervisor as without one, and a description that is wrong makes no step at the start.
+#[test]
+fn what_is_known_is_fed_forward_under_a_supervisor() {
+    let folder = folder("panda-known");
+    let study = std::fs::read_to_string(folder.join("studies/panda_known.toml")).unwrap();
+    // What holds the empty arm where the motion begins, from the arm itself.
+    let held = "[0.0, -3.987818678548092, -0.6440002148692189, 22.021018777058607, 0.6338461861009121, 2.278164535327047, 0.0]";
+    let guarded = |text: &str| {
+        let supervisor = format!("[supervisor]\npreset_nm = {held}\nerror_stop_rad = 0.2\n");
+        let guarded = text.replace("[start]\ntorque_nm = \"gravity\"\n", &supervisor);
+        assert!(guarded != text && guarded.contains("[feedforward]"));
+        guarded.replace("duration_s = 10.0", "duration_s = 6.0")
+    };
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("guarded.toml", &guarded(&study));
+    json(&folder, &["design", "guarded.toml", "--out", "guarded.json", "--json"]);
+    let gains = std::fs::read_to_string(folder.join("guarded.json")).unwrap();
+    let gains: serde_json::Value = serde_json::from_str(&gains).unwrap();
+    assert!(gains["certificate"]["tube"].is_null(), "no tube is about a supervisor");
+    let errors = |name: &str, text: &str| {
+        write(name, text);
+        let answer = json(&folder, &["simulate", name, "--gains", "guarded.json", "--json"]);
+        let joints = answer["metrics"]["joints"].as_array().unwrap().clone();
+        joints
+            .iter()
+            .map(|joint| joint["error_steady_max_rad"].as_f64().unwrap())
+            .collect::<Vec<_>>()
+    };
+    let own = errors("guarded.toml", &guarded(&study));
+    let alone = errors("alone.toml", &study.replace("duration_s = 10.0", "duration_s = 6.0"));
+    let none = guarded(&study).replace("model = \"gravity\"", "model = \"none\"");
+    let none = errors("none.toml", &none.replace("coulomb_nm = 0.15", "coulomb_nm = 0.0"));
+    for (i, own) in own.iter().enumerate() {
+        assert!((own / alone[i] - 1.0).abs() < 0.1, "{i}: {own} for {}", alone[i]);
+    }
+    assert!(own.iter().sum::<f64>() < 0.7 * none.iter().sum::<f64>(), "{own:?} {none:?}");
+    // In lock-step a drive is the simulation.
+    json(
+        &folder,
+        &["simulate", "guarded.toml", "--gains", "guarded.json", "--out", "simulated", "--json"],
+    );
+    let drive =
+        ["drive", "guarded.toml", "--gains", "guarded.json", "--on", "sim", "--out", "driven"];
+    json(&folder, &[&drive[..], &["--accept", "certificate", "--json"]].concat());
+    let read = |name: &str| std::fs::read(folder.join(name).join("trace.parquet")).unwrap();
+    assert!(read("simulated") == read("driven"));
+}

@@ -122,6 +122,16 @@ phase_rad = [0.0]
     let path = folder.join("positions.toml");
     fs::write(&path, text).unwrap();
     assert_eq!(same(&path, On::Sim), 0);
+    // With what is known of it fed forward, by itself and under a supervisor that has samples to miss.
+    let known = format!("{text}[feedforward]\nmodel = \"inverse_dynamics\"\nmass_scale = 0.8\n");
+    fs::write(&path, &known).unwrap();
+    assert_eq!(same(&path, On::Sim), 0);
+    let lossy = "[world.network]\nsample_loss = 0.05\n";
+    let guarded =
+        known.replace("[start]\ntorque_nm = \"gravity\"\n", &format!("{SUPERVISED}{lossy}"));
+    assert!(guarded != known);
+    fs::write(&path, guarded).unwrap();
+    assert!(same(&path, On::Sim) > 0);
 }
 
 /// The clock changes when a sample is taken, and nothing of what is in it.

@@ -178,9 +178,12 @@ pub fn supervisor(bytes: &[u8]) {
             [(); 2].map(|()| Measurement { q: value(), dq: value(), tau_applied: value() });
         let references = [(); 2].map(|()| Reference { q: value(), dq: value(), ddq: value() });
         let preset = [value(), value()];
+        let fed = if kind & 32 > 0 { [value(), value()] } else { [0.0; 2] };
+        let feed_forward = (kind & 32 > 0).then_some(&fed[..if kind & 128 > 0 { 1 } else { 2 }]);
         let sample = Sample { stamp: Stamp { sequence, t_ns: now }, now_ns: now, joints: &joints };
         let given = (kind & 64 > 0).then_some(&preset[..]);
-        let request = phihat::Request { mode, references: &references, preset: given };
+        let request =
+            phihat::Request { mode, references: &references, preset: given, feed_forward };
         let answer = arm.step(&mut state, &sample, &request);
         for command in answer.commands {
             assert!(command.tau.is_finite() && command.tau.abs() <= TORQUE, "{answer:?}");

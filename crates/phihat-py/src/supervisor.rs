@@ -25,6 +25,7 @@ pub(crate) struct Supervisor {
     measurements: Vec<Measurement<f64>>,
     references: Vec<Reference<f64>>,
     preset: Vec<f64>,
+    feed_forward: Vec<f64>,
     commands: Vec<Command<f64>>,
     report: Report,
     period_ns: u64,
@@ -113,6 +114,7 @@ impl Supervisor {
             measurements: vec![Measurement::default(); n],
             references: vec![Reference::default(); n],
             preset: vec![0.0; n],
+            feed_forward: vec![0.0; n],
             commands: vec![Command::default(); n],
             report: Report { brake: true, ..Report::default() },
             period_ns,
@@ -122,7 +124,7 @@ impl Supervisor {
     /// Answers one period: the torque to apply until the next.
     #[pyo3(signature = (
         q, dq, q_des, dq_des, ddq_des, tau_applied = None, *, request, sequence, t_ns = None, now_ns = None,
-        preset = None
+        preset = None, feed_forward = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn step<'py>(
@@ -139,6 +141,7 @@ impl Supervisor {
         t_ns: Option<u64>,
         now_ns: Option<u64>,
         preset: Option<&Bound<'py, PyAny>>,
+        feed_forward: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mode = match request {
             "idle" => ModeRequest::Idle,
@@ -169,6 +172,10 @@ impl Supervisor {
             let to = &mut self.preset;
             per_joint("preset", torques, n, |i, x| to[i] = x)?;
         }
+        if let Some(torques) = feed_forward {
+            let to = &mut self.feed_forward;
+            per_joint("feed_forward", torques, n, |i, x| to[i] = x)?;
+        }
         let t_ns = t_ns.unwrap_or_else(|| sequence.wrapping_mul(self.period_ns));
         self.report = supervise(
             phihat::Rules { arm: &self.arm, joints: &self.rules },
@@ -182,6 +189,7 @@ impl Supervisor {
                 mode,
                 references: &self.references,
                 preset: preset.is_some().then_some(&self.preset),
+                feed_forward: feed_forward.is_some().then_some(&self.feed_forward),
             },
             &mut self.commands,
         );

@@ -108,8 +108,14 @@ def test_it_runs_under_supervision() -> None:
     q, dq, acting = np.zeros(2), np.zeros(2), load
     for k in range(3000):
         sample = (q, dq, rest, rest, rest, acting)
-        tau = arm.step(*sample, request="arm" if k < 10 else "hold", sequence=k, preset=load)
-        assert np.abs(tau - load).max() < 1e-6
+        # Some of the load is known for a while, then nothing is said, then far too much.
+        known = (0.8 * load, None, 10.0 * load)[k // 1000]
+        tau = arm.step(*sample, request="arm" if k < 10 else "hold", sequence=k, preset=load, feed_forward=known)
+        assert np.abs(tau - load).max() < 1e-6 and (k < 10 or np.abs(arm.phi_hat - load).max() < 1e-6)
         ddq = (acting - load) / inertia
         q, dq, acting = q + T * (dq + 0.5 * T * ddq), dq + T * ddq, tau
     assert arm.mode == "holding" and arm.fault is None
+    arm.step(*sample, request="hold", sequence=3000, feed_forward=np.full(2, np.nan))
+    assert arm.events == ["reference-refused"] and np.abs(arm.tau - load).max() < 1e-6
+    with pytest.raises(phihat.ArgumentError, match="feed_forward"):
+        arm.step(*sample, request="hold", sequence=3001, feed_forward=np.zeros(3))

@@ -31,7 +31,7 @@ pub struct ControlSide {
     starts: bool,
     /// Whether the law takes over a torque at the next sample: that of `commands`.
     takes_over: bool,
-    /// What is fed forward, and what it is for this sample \[rad/s²\].
+    /// What is fed forward to the law alone, and what it is for this sample \[rad/s²\]; a supervisor has its own.
     fed: Option<(FeedForward, Vec<f64>)>,
     echo: Option<Echo>,
     pub(crate) references: Vec<Reference<f64>>,
@@ -79,7 +79,9 @@ impl ControlSide {
                 gains,
             },
         };
-        let fed = FeedForward::of(study)?.map(|fed| (fed, vec![0.0; gains_count]));
+        let alone = matches!(brain, Brain::Law { .. });
+        let fed = if alone { FeedForward::of(study)? } else { None };
+        let fed = fed.map(|fed| (fed, vec![0.0; gains_count]));
         Ok(Self { fed, ..Self::with(study, brain, inertia, motion) })
     }
 

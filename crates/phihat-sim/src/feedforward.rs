@@ -5,6 +5,7 @@ use phihat_study::{Known, Study};
 
 use crate::error::SimError;
 use crate::motion::Motion;
+use crate::spline::Jet;
 
 /// Velocity at which fed-forward dry friction reaches 1/√2 of its level \[rad/s\].
 const COULOMB_VELOCITY: f64 = 1e-3;
@@ -17,7 +18,7 @@ const COULOMB_VELOCITY: f64 = 1e-3;
 /// τ_ff = g(q_d)  or  ID(q_d, q̇_d, q̈_d) − M̄ q̈_d,  of the description with its masses scaled,  + f̂ q̇_d/√(q̇_d² + v_c²)
 /// ```
 ///
-/// With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
+/// Where the robot adds gravity by itself, that description has none. With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
 #[derive(Debug)]
 pub struct FeedForward {
     known: Known,
@@ -28,7 +29,7 @@ pub struct FeedForward {
     ahead: f64,
     jets: [Vec<f64>; 3],
     rest: Vec<f64>,
-    /// What is known \[N·m\].
+    /// What is known, without dry friction \[N·m\].
     torque: Vec<f64>,
 }
 
@@ -40,7 +41,10 @@ impl FeedForward {
     /// [`SimError::FeedForward`]: masses of that scale make no arm.
     pub fn of(study: &Study) -> Result<Option<Self>, SimError> {
         let Some(own) = &study.feedforward else { return Ok(None) };
-        let model = study.robot.plant_model().with_gravity(study.world.gravity);
+        // The robot's own part is nobody else's.
+        let adds = study.interface.profile.adds_gravity;
+        let gravity = if adds { [0.0; 3] } else { study.world.gravity };
+        let model = study.robot.plant_model().with_gravity(gravity);
         let model = model.with_masses_times(own.mass_scale).map_err(SimError::FeedForward)?;
         let period = study.control.period_ns as f64 * 1e-9;
         let middle = (f64::from(study.control.delay_samples) + 0.5) * period;
@@ -60,20 +64,46 @@ impl FeedForward {
     /// What is fed forward with the sample at `t` \[s\], over `M̄` \[kg·m²\] per joint: to be added to the acceleration that the
     /// law is told \[rad/s²\].
     pub fn acceleration(&mut self, motion: &Motion, t: f64, inertia: &[f64], out: &mut [f64]) {
-        self.known_at(motion, t + self.ahead);
-        let [_, dq, ddq] = &self.jets;
+        let t = t + self.ahead;
+        self.known_at(|i| motion.at(i, t));
         for (i, out) in out.iter_mut().enumerate() {
-            let dry = self.coulomb[i] * dq[i] / dq[i].hypot(COULOMB_VELOCITY);
-            let instead = if self.known == Known::InverseDynamics { ddq[i] } else { 0.0 };
-            *out = (self.torque[i] + dry) / inertia[i] - instead;
+            let (torque, instead) = self.of_joint(i);
+            *out = torque / inertia[i] - instead;
         }
     }
 
-    /// The torque of the description at an instant of the motion \[N·m\], without dry friction, goes into `torque`.
-    fn known_at(&mut self, motion: &Motion, t: f64) {
+    /// `τ_ff` \[N·m\] where the reference is so at the instant that it is about, [`ahead`](Self::ahead) of the sample.
+    pub(crate) fn torque(
+        &mut self,
+        reference: impl Fn(usize) -> Jet,
+        inertia: &[f64],
+        out: &mut [f64],
+    ) {
+        self.known_at(reference);
+        for (i, out) in out.iter_mut().enumerate() {
+            let (torque, instead) = self.of_joint(i);
+            *out = torque - inertia[i] * instead;
+        }
+    }
+
+    /// From a sample to the instant that what is fed with it is about \[s\].
+    pub(crate) fn ahead(&self) -> f64 {
+        self.ahead
+    }
+
+    /// What is known of a joint's torque \[N·m\], and the acceleration whose `M̄ q̈_d` it stands for.
+    fn of_joint(&self, i: usize) -> (f64, f64) {
+        let [_, dq, ddq] = &self.jets;
+        let dry = self.coulomb[i] * dq[i] / dq[i].hypot(COULOMB_VELOCITY);
+        let instead = if self.known == Known::InverseDynamics { ddq[i] } else { 0.0 };
+        (self.torque[i] + dry, instead)
+    }
+
+    /// The torque of the description along a reference \[N·m\], without dry friction, goes into `torque`.
+    fn known_at(&mut self, reference: impl Fn(usize) -> Jet) {
         let [q, dq, ddq] = &mut self.jets;
         for i in 0..q.len() {
-            [q[i], dq[i], ddq[i]] = motion.at(i, t);
+            [q[i], dq[i], ddq[i]] = reference(i);
         }
         self.torque.fill(0.0);
         match self.known {

@@ -68,6 +68,7 @@ mod echo;
 mod error;
 mod feedforward;
 mod forecast;
+mod in_force;
 mod integrator;
 mod metrics;
 mod motion;

@@ -8,6 +8,7 @@ use phihat::{
 use phihat_study::{RequestedMode, Study, SupervisorRequest};
 
 use crate::error::SimError;
+use crate::in_force::InForce;
 use crate::motion::Motion;
 use crate::sample::Sample;
 
@@ -22,6 +23,8 @@ pub(crate) struct Supervised {
     /// Time on the reference's clock \[ns\]: it runs while the arm tracks.
     motion_ns: u64,
     asked: Vec<Reference<f64>>,
+    /// What is fed forward beside it.
+    fed: Option<InForce>,
     /// Whether `asked` is somebody else's, in place of the study's motion.
     given: bool,
     /// Whether what is asked is shaped to the study's limits.
@@ -63,6 +66,7 @@ impl Supervised {
             period_ns: study.control.period_ns,
             motion_ns: 0,
             asked: vec![Reference::default(); gains.len()],
+            fed: InForce::of(study, gains.iter().map(JointGains::inertia).collect())?,
             given: false,
             shapes: request.motion.is_some(),
             stopping: false,
@@ -78,17 +82,21 @@ impl Supervised {
         motion: &Motion,
         (references, commands): (&mut [Reference<f64>], &mut [Command<f64>]),
     ) {
+        let at = self.motion_ns as f64 * 1e-9;
         if !self.given {
-            let at = self.motion_ns as f64 * 1e-9;
             for (i, reference) in self.asked.iter_mut().enumerate() {
                 let [q, dq, ddq] = motion.told(i, at);
                 *reference = Reference { q, dq, ddq };
             }
         }
+        let follows = !self.given && self.state.0.mode() == Mode::Tracking;
+        let followed = follows.then_some((motion, at));
+        let (mode, samples) = (self.wanted(t), self.report.misses.saturating_add(1));
         let request = Request {
-            mode: self.wanted(t),
+            mode,
             references: &self.asked,
             preset: self.preset.as_deref(),
+            feed_forward: self.fed.as_mut().map(|fed| fed.torque(followed, samples)),
         };
         #[allow(
             clippy::cast_possible_truncation,
@@ -107,6 +115,9 @@ impl Supervised {
             &request,
             commands,
         );
+        if let Some(fed) = self.fed.as_mut().filter(|_| self.report.misses == 0) {
+            fed.answered(&self.asked, memories);
+        }
         for (reference, memory) in references.iter_mut().zip(memories) {
             *reference = *memory.reference();
         }

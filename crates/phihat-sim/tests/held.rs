@@ -105,3 +105,129 @@ fn what_is_known_need_not_be_estimated() {
         .replace("form = \"positions\"", "form = \"positions\"\npreview = false")));
     assert!(late > 10.0 * whole, "{late} against {whole}");
 }
+
+/// Behind a supervisor that takes over what holds the arm.
+fn supervised(fed: &str, more: &str) -> String {
+    let rest = run(&format!(
+        "{ARM}[loop]\nrate_hz = 1000.0\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \"none\"\nvelocity = \"measured\"\n\
+         {BARE}[start]\ntorque_nm = \"gravity\"\n{REST}"
+    ));
+    let held: Vec<f64> = rest.joints.iter().map(|joint| joint.tau_command[0]).collect();
+    format!(
+        "{ARM}[loop]\nrate_hz = 1000.0\ndelay_samples = 0\nform = \"positions\"\ntorque_max_nm = \"none\"\n\
+         torque_rate_max_nm_s = \"none\"\n[sensor]\nencoder_bits = \"none\"\n{BARE}{fed}[supervisor]\npreset_nm = {held:?}\n{more}{MOVES}"
+    )
+}
+
+const KNOWN: &str = "[feedforward]\nmodel = \"inverse_dynamics\"\n";
+
+/// Largest step of torque up to a sample \[N·m\].
+fn largest_step(trace: &Trace, samples: std::ops::Range<usize>) -> f64 {
+    let steps = |joint: &phihat_sim::JointTrace| {
+        let tau = joint.tau_command[samples.clone()].to_vec();
+        tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+    };
+    trace.joints.iter().map(steps).fold(0.0, f64::max)
+}
+
+#[test]
+fn behind_a_supervisor_it_is_as_without() {
+    let alone = largest_error(&run(&supervised("", "")));
+    let whole = run(&supervised(KNOWN, ""));
+    let wrong = run(&supervised(&format!("{KNOWN}mass_scale = 0.8\n"), ""));
+    let (error, share) = (largest_error(&whole), largest_error(&wrong) / alone);
+    println!("{error:.1e} of {alone:.1e} rad; a fifth: {share:.3}");
+    assert!(error < 2e-2 * alone, "{error} against {alone}");
+    assert!((0.15..0.3).contains(&share), "{share}");
+    // An arm that is held stays where it is, whatever the description says.
+    for mass_scale in [0.01, 0.8, 1.0, 10.0] {
+        let fed = format!("{KNOWN}mass_scale = {mass_scale}\n");
+        let trace = run(&supervised(&fed, "").replace(MOVES, REST));
+        let (step, error) = (largest_step(&trace, 0..500), largest_error(&trace));
+        assert!(step < 1e-9 && error < 1e-9, "{mass_scale}: {step} N·m, {error} rad");
+    }
+    // What is recorded as φ̂ is the whole: φ, to a sample's change of it.
+    for joint in &whole.joints {
+        for k in 100..whole.joints[0].q.len() {
+            let [phi, estimate] = [joint.phi[k], joint.phi_hat[k]];
+            assert!((phi - estimate).abs() < 0.2, "{k}: {phi}, {estimate}");
+        }
+    }
+}
+
+#[test]
+fn what_is_fed_is_of_the_reference_in_force() {
+    // Shaped to a third of the motion's speed, the arm is elsewhere than what is asked for; and it is told to stop and go on.
+    let shaped = "reference_velocity_max_rad_s = 0.6\nreference_acceleration_max_rad_s2 = 4.0\n\
+                  reference_jerk_max_rad_s3 = 80.0\n";
+    let request =
+        |t: f64, mode: &str| format!("[[supervisor.request]]\nt_s = {t}\nmode = \"{mode}\"\n");
+    let steps = [(0.0, "arm"), (0.01, "hold"), (0.02, "track"), (0.25, "hold"), (0.35, "track")];
+    let stops: String = steps.iter().map(|(t, mode)| request(*t, mode)).collect();
+    let stops = format!("blend_s = 0.05\nstart_mismatch_max_rad = 1.0\n{stops}");
+    let lost = format!("{stops}[world.network]\nsample_loss = 0.05\n");
+    for (what, more) in [("shaped", shaped), ("stops", &stops), ("lost", &lost)] {
+        let [alone, whole, wrong] = ["", KNOWN, &format!("{KNOWN}mass_scale = 0.8\n")]
+            .map(|fed| run(&supervised(fed, more)));
+        let asked = largest_step(&alone, 0..500);
+        let [none, all, part] = [&alone, &whole, &wrong].map(largest_error);
+        let (step, of_wrong) = (largest_step(&whole, 0..500), largest_step(&wrong, 0..500));
+        println!(
+            "{what}: {all:.1e}, {part:.1e} of {none:.1e} rad; {step:.3}, {of_wrong:.3} for {asked:.3} N·m"
+        );
+        assert!(all < 0.25 * none && part < 0.5 * none, "{what}: {all} {part} {none}");
+        assert!(step < 2.0 * asked + 0.1 && of_wrong < 2.0 * asked + 0.1, "{what}: {step} {asked}");
+    }
+}
+
+/// Positions that are sent while the arm moves: what is fed is of the way there, not of where it ends.
+#[test]
+fn on_the_way_to_a_position_that_is_told_what_is_known_is_fed_too() {
+    let shaped = "reference_velocity_max_rad_s = 2.0\nreference_acceleration_max_rad_s2 = 10.0\n\
+                  reference_jerk_max_rad_s3 = 400.0\n";
+    let led = |fed: &str| {
+        let study = study(&supervised(fed, shaped));
+        let (mut control, mut world) = Simulation::new(&study, &gains(&study)).unwrap().apart();
+        let mut tau = vec![0.0; 3];
+        let (mut error, mut step, mut k) = (0.0_f64, 0.0_f64, 0);
+        while let Some(sensed) = world.sense() {
+            if k == 100 {
+                assert!(control.refer_to(&[0.2, -0.2, 0.4]));
+            }
+            control.step(sensed.t_ns as f64 * 1e-9, sensed.sample, sensed.runs);
+            let q = &sensed.sample.joints;
+            for ((tau, command), (wanted, m)) in
+                tau.iter_mut().zip(control.commands()).zip(control.references().iter().zip(q))
+            {
+                if k > 1 {
+                    step = step.max((command.tau - *tau).abs());
+                }
+                if k > 100 {
+                    error = error.max((m.q - wanted.q).abs());
+                }
+                *tau = command.tau;
+            }
+            world.act(&tau);
+            k += 1;
+        }
+        (error, step)
+    };
+    let (alone, whole) = (led(""), led(KNOWN));
+    println!("{whole:?} for {alone:?}");
+    assert!(whole.0 < 0.2 * alone.0 && whole.1 < 2.0 * alone.1 + 0.1, "{whole:?} {alone:?}");
+}
+
+/// Where a robot adds gravity by itself, nobody else feeds it.
+#[test]
+fn what_the_robot_adds_is_not_fed() {
+    let text = |fed: &str| {
+        format!(
+            "{ARM}[loop]\nrate_hz = 1000.0\nform = \"positions\"\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \"none\"\n\
+             {BARE}[profile]\nname = \"robot\"\nadds_gravity = true\n[start]\ntorque_nm = \"gravity\"\n{fed}{MOVES}"
+        )
+    };
+    let alone = largest_error(&run(&text("")));
+    let whole = largest_error(&run(&text(KNOWN)));
+    assert!(whole < 0.02 * alone, "{whole} against {alone}");
+    assert_eq!(run(&text("[feedforward]\nmodel = \"gravity\"\n")), run(&text("")));
+}

@@ -10,7 +10,8 @@ use crate::study::{Control, FeedForward, Known};
 
 pub(crate) static FEEDFORWARD: Section = Section {
     path: "feedforward",
-    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left.",
+    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left. \
+          With a `[supervisor]` that is the reference in force: blended, shaped or held.",
     keys: &[
         Key {
             name: "model",
@@ -18,7 +19,7 @@ pub(crate) static FEEDFORWARD: Section = Section {
             shape: Shape::Word(&["none", "gravity", "inverse_dynamics"]),
             need: Need::Word("none"),
             doc: "What of the robot's description, without payload: the torque that holds it at q_d, or the whole that \
-                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d.",
+                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d. Without gravity where the robot adds that by itself.",
         },
         Key {
             name: "mass_scale",
@@ -55,9 +56,6 @@ pub(crate) fn read(
             "the observer of this form would take what is fed forward for φ",
             "set loop.form = \"positions\", or leave [feedforward] out",
         );
-    }
-    if top.child("supervisor").exists() {
-        return refused("a supervisor is not told of it", "leave one of the two sections out");
     }
     let known = match node.word("model")? {
         "gravity" => Known::Gravity,

@@ -104,7 +104,8 @@ fn arm(class: &str, samples: usize) -> f64 {
         };
         let stamp = Stamp { sequence: k as u64, t_ns };
         let sample = Sample { stamp, now_ns: t_ns, joints: black_box(joints) };
-        let request = Request { mode, references: black_box(references), preset: None };
+        let request =
+            Request { mode, references: black_box(references), preset: None, feed_forward: None };
         let answer = arm.step(&mut state, &sample, &request);
         assert!(answer.report.fault.is_none(), "{class}: {:?}", answer.report);
         sum += answer.commands[0].tau;

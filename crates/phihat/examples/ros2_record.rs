@@ -217,14 +217,11 @@ fn record(positions: bool) -> Result<(String, Seen), Box<dyn Error>> {
         }
         let joint =
             |i: usize| Measurement { q: known[i], dq: known_dq[i], tau_applied: applied[i] };
+        let (asked, preset) = (request(mode, wanted(k)), Some(&[0.0; 2][..]));
         let answer = arm.step(
             &mut state,
             &Sample { stamp, now_ns: now, joints: &[joint(0), joint(1)] },
-            &Request {
-                mode: request(mode, wanted(k)),
-                references: &references,
-                preset: Some(&[0.0; 2]),
-            },
+            &Request { mode: asked, references: &references, preset, feed_forward: None },
         );
         mode = answer.report.mode;
         if seen.modes.last() != Some(&mode) {

@@ -74,7 +74,8 @@ pub struct Reference<R> {
 pub struct Command<R> {
     /// Torque to apply until the next sample \[N·m\]: always finite and within the limits.
     pub tau: R,
-    /// Estimate of the unknown dynamics \[N·m\], already contained in `tau`.
+    /// Estimate of the unknown dynamics \[N·m\], already contained in `tau`; from a supervisor that is given a feed-forward, the whole that is
+    /// taken for them, `φ̂ + τ_ff`: the torque that holds the arm.
     pub phi_hat: R,
     /// What checks and limits did to this command.
     pub status: Status,

@@ -195,6 +195,22 @@ impl<R: Real> JointGains<R> {
     }
 }
 
+impl<R: Real> JointState<R> {
+    /// From positions: from here on so much more of the torque is fed forward \[N·m\], as if it always had been. `φ̂` is that much
+    /// less, and so are the torques on their way; what the law sees, and asks for, stays the same.
+    pub(crate) fn feed(&mut self, more: R) {
+        let [phi, ..] = &mut self.memory;
+        *phi = *phi - more;
+        self.phi_hat = self.phi_hat - more;
+        for torque in &mut self.pending {
+            *torque = *torque - more;
+        }
+        for fed in &mut self.feedforward {
+            *fed += more;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::gains::FromPositions;

@@ -347,7 +347,8 @@ fn supervised<R: Real>(joint: &JointOptions<R>, which: usize, value: f64) -> Vec
         };
         let sample = Sample { stamp, now_ns: t_ns, joints: &joints };
         let preset = [R::from_f64(1.0), R::from_f64(if which == 6 { value } else { 2.0 })];
-        let request = Request { mode, references: &references, preset: Some(&preset) };
+        let request =
+            Request { mode, references: &references, preset: Some(&preset), feed_forward: None };
         let answer = arm.step(&mut state, &sample, &request);
         assert_eq!(answer.report.fault, None, "{value:e} as {which}: {:?}", answer.report);
         assert!(answer.commands.iter().all(|c| c.tau.is_finite()));

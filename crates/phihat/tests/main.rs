@@ -16,6 +16,7 @@ mod arrivals;
 mod blends;
 mod bumpless;
 mod designs;
+mod feed_forward;
 mod forms_agree;
 mod garbage;
 mod governor;

@@ -38,7 +38,7 @@ fn ticks(
             11 => ModeRequest::Hold,
             _ => ModeRequest::Track,
         };
-        let request = Request { mode, references: &references, preset: None };
+        let request = Request { mode, references: &references, preset: None, feed_forward: None };
         sum += arm.step(state, &sample, &request).commands[0].tau;
     }
     sum

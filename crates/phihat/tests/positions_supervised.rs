@@ -72,8 +72,12 @@ impl Bench {
         };
         let sample = Sample { stamp, now_ns: t_ns, joints: &joints };
         let preset = [LOAD];
-        let request =
-            Request { mode, references: std::slice::from_ref(reference), preset: Some(&preset) };
+        let request = Request {
+            mode,
+            references: std::slice::from_ref(reference),
+            preset: Some(&preset),
+            feed_forward: None,
+        };
         let answer = self.arm.step(&mut self.state, &sample, &request);
         let tau = answer.commands[0].tau;
         self.largest_step = self.largest_step.max((tau - self.last).abs());

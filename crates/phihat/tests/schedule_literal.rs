@@ -146,7 +146,8 @@ fn all_joints_change_or_none() {
                 _ => ModeRequest::Track,
             };
             let references = [Reference { q: 0.09, dq: 0.0, ddq: 0.0 }; 2];
-            let request = Request { mode, references: &references, preset: None };
+            let request =
+                Request { mode, references: &references, preset: None, feed_forward: None };
             let answer = arm.step(&mut state, &sample, &request);
             assert!(answer.commands.iter().all(|c| c.tau.is_finite()));
             raised += u32::from(answer.report.events.contains(Events::RAISED));

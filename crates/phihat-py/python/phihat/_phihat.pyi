@@ -586,6 +586,7 @@ class Supervisor:
         t_ns: int | None = None,
         now_ns: int | None = None,
         preset: _Array | None = None,
+        feed_forward: _Array | None = None,
     ) -> _Array:
         """Answer one period: the torque to apply until the next [N m].
 
@@ -595,6 +596,9 @@ class Supervisor:
             sequence: number of the sample; repeat the last one when none came.
             t_ns, now_ns: when the sample was taken, and now, by one clock [ns]; default: one period per number.
             preset: torques that hold the arm, heeded when it is armed [N m].
+            feed_forward: torque that is known to be needed along the reference in force, beside inertia times ``ddq_des`` [N m], as the
+                gravity of a description. A law from positions estimates what is left; where a feed-forward begins or ends the torque
+                does not step, and one that is not finite is refused, the last one held. The other forms take no notice.
 
         Raises:
             ArgumentError: an array is no float64 array of one number per joint.

@@ -289,7 +289,7 @@ fn friction_fed(study: &Study) -> Ladder {
     let middle = low.iter().zip(high).map(|(low, high)| digits::nearest(0.5 * (low + high), 3));
     let middle: Vec<f64> = middle.collect();
     let fed = study.feedforward.as_ref().is_some_and(|fed| fed.coulomb.iter().any(|c| *c > 0.0));
-    let takes = study.control.form == Form::Positions && study.supervisor.is_none();
+    let takes = study.control.form == Form::Positions;
     if fed || !takes || middle.iter().all(|level| *level <= 0.0) {
         return Vec::new();
     }

@@ -57,7 +57,10 @@ impl<R: Real> JointRules<R> {
                 let rest = Reference::at_rest(memory.home);
                 memory.blend = Blend::new(&at, &rest, length);
             }
-            Action::Freeze => memory.held = memory.law.phi_hat,
+            Action::Freeze => {
+                memory.held = memory.phi_hat();
+                memory.unfed();
+            }
             Action::Release => memory.held = R::ZERO,
         }
     }

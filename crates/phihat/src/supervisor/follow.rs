@@ -1,6 +1,7 @@
 //! One joint under supervision: its reference, its law, its torque.
 
-use super::memory::JointMemory;
+use super::feed::Told;
+use super::memory::{JointMemory, whole};
 use super::moment::Moment;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
@@ -32,11 +33,15 @@ impl<R: Real> JointRules<R> {
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let reference = self.refer(memory, now, &mut news.events);
-        let next = self.know::<S>(memory, gains, m, &reference, now, &mut news.events);
+        let told = match S::FORM {
+            Form::Observer | Form::Literal => Told::bare(&reference),
+            Form::Positions => memory.tell(gains, &reference, now),
+        };
+        let next = self.know::<S>(memory, gains, m, &told, now, &mut news.events);
         if self.scheduled {
             memory.learn(gains, m, now);
         }
-        let law = gains.demand::<S>(&next, m, &reference);
+        let law = gains.demand::<S>(&next, m, &told.reference);
         let mut demand = match &self.funnel {
             Some(funnel) => funnel.demand(memory, gains, m, &reference, law, now, &mut news.events),
             None => law,
@@ -46,10 +51,13 @@ impl<R: Real> JointRules<R> {
         }
         demand += memory.fading(now.blend_rate);
         news.fault = self.monitor(memory, gains, m, demand, now);
-        memory.steady += now.average * (next.phi_hat - memory.steady);
+        let phi_hat = whole(next.phi_hat, told.fed);
+        memory.steady += now.average * (phi_hat - memory.steady);
         memory.reference = reference;
-        let command = self.out(memory, next.phi_hat, m, demand, &mut news);
+        let command = self.out(memory, phi_hat, m, demand, &mut news);
         if !command.status.refused {
+            memory.law.phi_hat = next.phi_hat;
+            memory.fed = told.fed;
             JointGains::remember::<S>(&mut memory.law, &next, m);
         }
         (command, news)
@@ -89,10 +97,11 @@ impl<R: Real> JointRules<R> {
         memory: &JointMemory<R>,
         gains: &JointGains<R>,
         m: &Measurement<R>,
-        reference: &Reference<R>,
+        told: &Told<R>,
         now: &Moment<R>,
         events: &mut Events,
     ) -> Estimate<R> {
+        let reference = &told.reference;
         let before = &memory.law;
         let mut next = gains.estimate::<S>(before, m, reference, &now.interval);
         for entry in &mut next.memory {
@@ -106,7 +115,7 @@ impl<R: Real> JointRules<R> {
         if let Some(range) = &self.range {
             if S::FORM != Form::Literal {
                 let [first, ..] = &mut next.memory;
-                *first = range.freeze(m.q, before.phi_hat, *first);
+                *first = range.freeze(m.q, before.phi_hat - told.more, *first);
                 next.phi_hat = *first;
             }
         }
@@ -163,11 +172,10 @@ impl<R: Real> JointRules<R> {
         }
         if !(demand + phi_hat).is_finite() {
             news.fault = Some(Fault::NotFinite);
-            return memory.law.hold();
+            return memory.hold();
         }
         let limited = self.running().limits.apply(demand, memory.law.tau);
         memory.law.tau = limited.tau;
-        memory.law.phi_hat = phi_hat;
         limited.command(phi_hat)
     }
 }

@@ -56,7 +56,7 @@ pub(crate) fn admit<R: Real>(
     arrival
 }
 
-/// Takes the caller's reference, if it is one.
+/// Takes the caller's reference and feed-forward, where they are.
 pub(crate) fn ask<R: Real>(
     state: &mut ArmState,
     joints: usize,
@@ -64,17 +64,33 @@ pub(crate) fn ask<R: Real>(
     request: &Request<'_, R>,
     events: &mut Events,
 ) {
+    let mut fed_good = true;
+    if let Some(fed) = request.feed_forward {
+        let doubt = fed.iter().fold(R::ZERO, |sum, fed| sum + R::doubt([*fed]));
+        fed_good = doubt == R::ZERO && fed.len() == joints;
+        if fed_good {
+            state.feeds = true;
+            for (memory, fed) in memories.iter_mut().zip(fed) {
+                memory.fed_asked = *fed;
+            }
+        }
+    } else {
+        state.feeds = false;
+    }
     let doubt = request.references.iter().fold(R::ZERO, |sum, r| sum + r.doubt());
     let good = doubt == R::ZERO && request.references.len() == joints;
     if good {
         for (memory, reference) in memories.iter_mut().zip(request.references) {
             memory.asked = *reference;
         }
-        state.bad_references = 0;
     } else {
         for memory in memories {
             memory.asked = Reference::at_rest(memory.asked.q);
         }
+    }
+    if good && fed_good {
+        state.bad_references = 0;
+    } else {
         state.bad_references = state.bad_references.saturating_add(1);
         *events |= Events::REFERENCE_REFUSED;
     }

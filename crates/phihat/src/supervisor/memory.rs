@@ -3,7 +3,7 @@
 use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
 use super::monitor::{Actuation, Frozen, Oscillation};
-use crate::{Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
+use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
 /// What a supervisor remembers of the arm as a whole: mode, fault, counters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -25,6 +25,8 @@ pub struct ArmState {
     pub(crate) disturbed: u32,
     /// The running gains are in force, not the start gains.
     pub(crate) raised: bool,
+    /// The caller feeds forward.
+    pub(crate) feeds: bool,
     /// References refused in a row.
     pub(crate) bad_references: u32,
 }
@@ -62,11 +64,16 @@ pub struct JointMemory<R> {
     pub(crate) reference: Reference<R>,
     /// The caller's last finite reference.
     pub(crate) asked: Reference<R>,
+    /// The caller's last finite feed-forward \[N·m\].
+    pub(crate) fed_asked: R,
+    /// What of the torque the law was last told to feed forward beside `M̄ q̈_d`, and whether there was a feed-forward.
+    pub(crate) fed: R,
+    pub(crate) feeds: bool,
     /// The pose that is held.
     pub(crate) home: R,
     /// The torque that is held when the law does not run.
     pub(crate) held: R,
-    /// `φ̂`, averaged over some 50 ms: what to hold when `φ̂` itself shakes.
+    /// `φ̂ + τ_ff`, averaged over some 50 ms: what to hold when `φ̂` itself shakes.
     pub(crate) steady: R,
     pub(crate) blend: Blend<R>,
     /// `M̄, K_d, K_p` that were in force until this sample, when they have changed.
@@ -102,9 +109,19 @@ impl<R: Real> JointMemory<R> {
         self.law.tau
     }
 
-    /// The estimate `φ̂` \[N·m\].
+    /// What is taken for `φ` \[N·m\], as the last command says it: the estimate `φ̂` and, beside it, [`Self::feed_forward`].
     pub fn phi_hat(&self) -> R {
-        self.law.phi_hat
+        whole(self.law.phi_hat, self.fed)
+    }
+
+    /// What of [`Self::phi_hat`] is fed forward \[N·m\]; the rest is estimated.
+    pub fn feed_forward(&self) -> R {
+        self.fed
+    }
+
+    /// The answer when nothing can be trusted: the last torque, the state untouched.
+    pub(crate) fn hold(&self) -> Command<R> {
+        Command { phi_hat: self.phi_hat(), ..self.law.hold() }
     }
 
     /// Starts to fade a torque out.
@@ -127,4 +144,9 @@ impl<R: Real> JointMemory<R> {
             R::ZERO
         }
     }
+}
+
+/// `φ̂ + τ_ff`: to the bit `φ̂` where nothing is fed.
+pub(crate) fn whole<R: Real>(phi_hat: R, fed: R) -> R {
+    if fed == R::ZERO { phi_hat } else { phi_hat + fed }
 }

@@ -3,6 +3,7 @@
 mod act;
 mod arrivals;
 mod blend;
+mod feed;
 mod follow;
 mod funnel;
 mod guard;
@@ -71,7 +72,7 @@ use crate::{Command, JointGains, Real};
 ///     let t_ns = k * 1_000_000;
 ///     let sample = Sample { stamp: Stamp { sequence: k, t_ns }, now_ns: t_ns, joints: &joints };
 ///     let mode = match k { 0 => ModeRequest::Arm, 1 => ModeRequest::Hold, _ => ModeRequest::Track };
-///     let request = Request { mode, references: &reference, preset: None };
+///     let request = Request { mode, references: &reference, preset: None, feed_forward: None };
 ///     let answer = arm.step(&mut state, &sample, &request);
 ///     assert!(answer.report.fault.is_none());
 ///     // To the robot: answer.commands[i].tau

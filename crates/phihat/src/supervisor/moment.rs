@@ -12,7 +12,8 @@ pub(crate) struct Moment<R> {
     /// Progress per sample.
     pub(crate) blend_rate: R,
     pub(crate) tracking: bool,
-    pub(crate) raised: bool,
+    /// The caller feeds forward.
+    pub(crate) feeds: bool,
     pub(crate) first_motion: bool,
     /// Share of a sample in what is averaged over `AVERAGING_S`.
     pub(crate) average: R,

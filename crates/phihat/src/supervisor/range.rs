@@ -100,7 +100,7 @@ impl<R: Real> RangeRules<R> {
         }
     }
 
-    /// An estimate that does not grow outward inside a soft zone.
+    /// An estimate that does not grow outward inside a soft zone. `before`: what it may be at most, or at least.
     pub(crate) fn freeze(&self, q: R, before: R, now: R) -> R {
         let outward =
             (q > self.soft_upper && now > before) || (q < self.soft_lower && now < before);

@@ -88,12 +88,13 @@ impl<R: Real> JointRules<R> {
             let tau = if to.form == Form::Positions {
                 last
             } else {
-                from.outer_loop(&m, &r) + memory.law.phi_hat
+                from.outer_loop(&m, &r) + memory.phi_hat()
             };
             if !to.resume(&mut memory.law, &m, &r, tau) {
                 return false;
             }
             memory.law.tau = last;
+            memory.unfed();
         }
         true
     }
@@ -109,7 +110,7 @@ impl<R: Real> JointMemory<R> {
         let rate = interval.share / interval.step;
         let phi = m.tau_applied - gains.inertia * (m.dq - self.measured.dq) * rate;
         let slow = now.average;
-        let news = (phi - self.law.phi_hat) - self.mismatch;
+        let news = (phi - self.phi_hat()) - self.mismatch;
         self.mismatch = (self.mismatch + slow * news).snap();
         let more = self.mismatch * self.mismatch - self.mismatch_square;
         self.mismatch_square = (self.mismatch_square + slow * more).snap();

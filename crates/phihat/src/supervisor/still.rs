@@ -82,16 +82,15 @@ impl<R: Real> JointRules<R> {
         memory.frozen.stay(speed * period, travel).then_some(Fault::Frozen)
     }
 
-    /// No fresh sample: the last torque, or after a while `φ̂` alone.
+    /// No fresh sample: the last torque, or after a while `φ̂` alone, with what was fed forward last.
     pub(crate) fn wait(&self, memory: &mut JointMemory<R>, long: bool) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
-        let held = memory.law.hold();
         if !long {
-            return (held, news);
+            return (memory.hold(), news);
         }
-        let feedback = memory.law.tau - memory.law.phi_hat;
-        let demand = memory.law.phi_hat + R::from_f64(FADE_PER_MISS) * feedback;
-        let (phi_hat, measured) = (memory.law.phi_hat, memory.measured);
+        let (phi_hat, measured) = (memory.phi_hat(), memory.measured);
+        let feedback = memory.law.tau - phi_hat;
+        let demand = phi_hat + R::from_f64(FADE_PER_MISS) * feedback;
         let mut command = self.out(memory, phi_hat, &measured, demand, &mut news);
         command.status.refused = true;
         (command, news)
@@ -116,7 +115,11 @@ impl<R: Real> JointRules<R> {
         let alive = (m.q - before.q).abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
         let velocity = if alive { m.dq } else { R::ZERO };
         let demand = phi_hat - damping * velocity;
-        (self.out(memory, phi_hat, m, demand, &mut news), news)
+        let command = self.out(memory, phi_hat, m, demand, &mut news);
+        if !command.status.refused {
+            memory.law.phi_hat = phi_hat;
+        }
+        (command, news)
     }
 
     /// No torque, as fast as the rate limit allows; nothing is remembered but that.

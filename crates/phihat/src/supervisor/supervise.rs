@@ -17,7 +17,7 @@ use crate::{
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
 /// The slices of rules, memories and commands belong together; joints beyond the shortest are left alone. A
-/// sample or reference list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
+/// sample, reference or feed-forward list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
 ///
 /// # What happens
 ///
@@ -25,7 +25,7 @@ use crate::{
 /// 2. Faults and the request go through [`next_mode`].
 /// 3. The law, or what the mode asks for, gives a torque; range, rate and torque limits let it out.
 ///
-/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂`, after `stop_samples`
+/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂` (with what was fed forward last), after `stop_samples`
 /// the arm stops.
 pub fn supervise<R: Real>(
     rules: Rules<'_, R>,
@@ -126,7 +126,7 @@ fn moment<R: Real>(
         blend: arm.blend,
         blend_rate: arm.blend_rate,
         tracking: state.mode == Mode::Tracking,
-        raised: state.raised,
+        feeds: state.feeds,
         first_motion: state.engaged < arm.first_motion_samples,
         average: arm.average,
         dwell: arm.dwell_samples,
@@ -142,10 +142,11 @@ fn run<R: Real>(
     commands: &mut [Command<R>],
 ) -> Events {
     let mut events = Events::NONE;
+    let raised = memories.arm.raised;
     let joints =
         rules.iter().zip(memories.joints).zip(sample.joints.iter().zip(commands)).enumerate();
     for (joint, ((rule, memory), (m, command))) in joints {
-        let gains = rule.in_force(now.raised);
+        let gains = rule.in_force(raised);
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
         events |= match gains.form {

@@ -91,7 +91,7 @@ impl<const N: usize> Arm<N> {
     ) -> Answer<f64, N> {
         let sample = Sample { stamp: seen.stamp, now_ns: seen.now_ns, joints: &seen.joints };
         let preset = self.preset.as_ref().map(|p| &p[..]);
-        let request = Request { mode: self.mode, references, preset };
+        let request = Request { mode: self.mode, references, preset, feed_forward: None };
         let answer = self.supervisor.step(&mut self.state, &sample, &request);
         for (joint, command) in self.truth.iter_mut().zip(&answer.commands) {
             joint.tau = command.tau;

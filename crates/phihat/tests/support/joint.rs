@@ -49,7 +49,11 @@ impl Joint {
         let stamp = Stamp { sequence: self.k, t_ns };
         self.k += 1;
         let sample = Sample { stamp, now_ns: t_ns, joints: &[m] };
-        self.arm.step(&mut self.state, &sample, &Request { mode, references: &[r], preset: None })
+        self.arm.step(
+            &mut self.state,
+            &sample,
+            &Request { mode, references: &[r], preset: None, feed_forward: None },
+        )
     }
 
     /// No sample came.
@@ -59,7 +63,11 @@ impl Joint {
         let joints = [Measurement::default()];
         let stamp = Stamp { sequence: 0, t_ns };
         let sample = Sample { stamp, now_ns: u64::MAX, joints: &joints };
-        self.arm.step(&mut self.state, &sample, &Request { mode, references: &[r], preset: None })
+        self.arm.step(
+            &mut self.state,
+            &sample,
+            &Request { mode, references: &[r], preset: None, feed_forward: None },
+        )
     }
 
     /// Armed, then holding where it is measured.
