@@ -30,9 +30,9 @@ const LOOK: f64 = 0.04;
 /// A loop has forgotten when its state is below this share of its peak.
 const FORGOTTEN: f64 = 1e-3;
 
-/// The same of a law from positions: an expected position beside the true one, and their difference drives the torque. What is left
-/// of each alone is bounded as if it were the difference.
-const FORGOTTEN_SEEN: f64 = 1e-5;
+/// The same of a law from positions, and the groups in what it remembers: what is left of it is slow, and small.
+const FORGOTTEN_SEEN: f64 = 1e-2;
+const GROUPS_SEEN: f64 = 5.0;
 
 /// The tubes of one slice of the payload, one per list of reading errors \[rad\]: the linear loop is the same of all.
 ///
@@ -57,12 +57,13 @@ pub(super) fn sliced(
     };
     let bin = whole(BIN / scene.period, 1);
     let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
-    let (scale, memory) = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
+    let memory = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
     let group = bins_of_group(scene, bin, memory);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
     let length = (memory.div_ceil(bin * group) + 1) * bin * group;
-    let segments = segments(&course, length, &scale, threads);
+    // Half a group, and the ends of bins.
+    let segments = segments(&course, (length, group / 2 + 2), threads);
     let (directions, ends) = match slice {
         Some(slice) => (slice.directions(scene)?, slice.ends(scene)?),
         None => (Vec::new(), vec![scene.bare.clone()]),
@@ -78,7 +79,6 @@ pub(super) fn sliced(
     };
     let groups = Groups {
         along: &along,
-        scale: &scale,
         moved: &Moved::new(&course, group),
         ends: &ends,
         directions: &directions,
@@ -86,7 +86,7 @@ pub(super) fn sliced(
         looks: whole(LOOK / scene.period, 1),
         length,
     };
-    let first = course.at_start(length.min(samples + bin), &scale);
+    let first = course.at_start(length.min(samples + bin));
     let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
     let swept = swept(sweeps, &groups, threads);
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
@@ -122,7 +122,8 @@ fn swept(
 
 /// Bins that share a launch, an even number.
 fn bins_of_group(scene: &Scene<'_>, bin: usize, memory: usize) -> usize {
-    let shared = (memory as f64 * scene.period / GROUPS_REMEMBERED).clamp(GROUP.0, GROUP.1);
+    let groups = if scene.expects { GROUPS_SEEN } else { GROUPS_REMEMBERED };
+    let shared = (memory as f64 * scene.period / groups).clamp(GROUP.0, GROUP.1);
     // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
     let shared = if scene.measured_velocity { 0.25 * shared } else { shared };
     2 * whole(0.5 * shared / (bin as f64 * scene.period), 1)
