@@ -80,10 +80,10 @@ pub(crate) fn by_positions(
         thorough: false,
         beside: None,
     };
-    let mut best = rounds.settled(vec![FIRST; study.robot.joints.len()], PARTS)?;
+    let mut best = rounds.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
     let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
     if let Some(coarse) = asked.filter(|_| divisible(study)) {
-        let first = coarse.next.as_ref().unwrap_or(&coarse.shares).clone();
+        let first = coarse.next.as_ref().unwrap_or(&coarse.shares);
         let finer = rounds.settled(first, FINER)?;
         // Finer slices bound the same laws by less.
         best = finer.filter(|finer| finer.rank.armed).or(best);
@@ -100,7 +100,7 @@ pub(crate) fn by_positions(
         let desired = rounds.told(&gains)?;
         judge(study, &mut gains, (&desired, parts));
     }
-    Ok(Outcome::Designed(Box::new(gains)))
+    Ok(Outcome::Designed(gains))
 }
 
 /// Whether the payload can be divided.
@@ -113,7 +113,7 @@ fn divisible(study: &Study) -> bool {
 /// The best gains so far, and what they were looked for with.
 struct Best {
     rank: Rank,
-    gains: Gains,
+    gains: Box<Gains>,
     shares: Vec<f64>,
     parts: u32,
     /// Where a search would go from here.
@@ -149,9 +149,9 @@ impl Rounds<'_> {
     }
 
     /// The best gains from these shares on, confirmed, unless finer slices are to come.
-    fn settled(&mut self, first: Vec<f64>, parts: u32) -> Result<Option<Best>, SessionError> {
+    fn settled(&mut self, first: &[f64], parts: u32) -> Result<Option<Best>, SessionError> {
         let last = parts >= FINER || !divisible(self.study);
-        let mut shares = first.clone();
+        let mut shares = first.to_vec();
         let mut sure: Option<Best> = None;
         self.beside = None;
         for _ in 0..CONFIRMED {
@@ -163,7 +163,7 @@ impl Rounds<'_> {
             let whole = self.confirmed(found)?;
             if !whole.rank.armed && !self.thorough {
                 self.thorough = true;
-                shares.clone_from(&first);
+                shares = first.to_vec();
                 continue;
             }
             let (done, next) = (whole.rank.kept() || !promised, whole.next.clone());
@@ -211,7 +211,8 @@ impl Rounds<'_> {
 
     /// Laws for shares, and what the tube of the heaviest payloads says of them; where it does not close, what all say.
     fn tried(&mut self, shares: &[f64], parts: u32) -> Result<Option<(Best, bool)>, SessionError> {
-        let Some((mut gains, _)) = self.search.laws(shares) else { return Ok(None) };
+        let Some((gains, _)) = self.search.laws(shares) else { return Ok(None) };
+        let mut gains = Box::new(gains);
         if self.thorough {
             self.certify(&mut gains)?;
         }
@@ -330,8 +331,8 @@ impl Figures {
 }
 
 /// The study without limits of torque rate.
-pub(crate) fn without_rate_limits(study: &Study) -> Study {
-    let mut free = study.clone();
+pub(crate) fn without_rate_limits(study: &Study) -> Box<Study> {
+    let mut free = Box::new(study.clone());
     free.control.torque_rate_max = None;
     free.interface.profile.torque_rate_max = None;
     free

@@ -7,6 +7,9 @@ use super::linear::Interval;
 use super::scene::Scene;
 use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 
+/// Below this part of what counts as forgotten, a loop is not looked at any more.
+const QUIET: f64 = 0.03;
+
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
     pub(super) scene: &'a Scene<'a>,
@@ -300,15 +303,18 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// How long the loop remembers \[samples\], down to a share of each state's peak: from a launch in the middle of the run.
+    /// How long the loop remembers \[samples\], down to a share of each state's peak: from a launch in the middle of the run, until
+    /// a small part of that share is left.
     pub(super) fn pilot(&self, share: f64) -> usize {
         let total = self.intervals.len();
         let s = (total / 4).min(total.saturating_sub(2));
         let mut packs = self.launched(s);
         let length = packs.runs[0].length();
-        let mut history: Vec<f64> = Vec::new();
         let mut peak = vec![0.0_f64; length];
         let mut sizes: Vec<Vec<f64>> = Vec::new();
+        let size = |now: &[f64], peak: &[f64]| {
+            now.iter().zip(peak).map(|(now, peak)| share_of(*now, *peak)).largest()
+        };
         for t in s + 1..total {
             let mut now = vec![0.0_f64; length];
             for run in &mut packs.runs {
@@ -322,14 +328,13 @@ impl<'a> Course<'a> {
             for (peak, now) in peak.iter_mut().zip(&now) {
                 *peak = larger(*peak, *now);
             }
+            let quiet = size(&now, &peak) < QUIET * share;
             sizes.push(now);
+            if quiet {
+                break;
+            }
         }
-        for now in &sizes {
-            let size = now.iter().zip(&peak).map(|(x, s)| share_of(*x, *s));
-            let size = size.largest();
-            history.push(size);
-        }
-        let last = history.iter().rposition(|size| *size > share);
+        let last = sizes.iter().rposition(|now| size(now, &peak) > share);
         last.map_or(1, |last| last + 2)
     }
 

@@ -84,11 +84,14 @@ impl Segment {
         add_times(out, &self.around[(b - self.bins.0) / BLOCK], state);
     }
 
-    /// Adds what a state at its start does in a bin before it, its response being moved.
-    pub(super) fn add_before(&self, out: &mut [f64], b: usize, state: &[f64]) {
-        if b + self.reach >= self.bins.0 {
-            add_times(out, &self.first, state);
-        }
+    /// Whether it acts in a bin before it, its responses being moved.
+    pub(super) fn reaches(&self, b: usize) -> bool {
+        b + self.reach >= self.bins.0
+    }
+
+    /// Adds what a state at its start does there.
+    pub(super) fn add_before(&self, out: &mut [f64], state: &[f64]) {
+        add_times(out, &self.first, state);
     }
 
     /// Likewise in a bin after it.

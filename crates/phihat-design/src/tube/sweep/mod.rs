@@ -236,8 +236,8 @@ impl<'a> Sweep<'a> {
         let sample = b * along.course.bin;
         let mut out = vec![0.0; rows];
         let Some(now) = along.segments.iter().rposition(|s| s.from <= sample) else {
-            if let Some(next) = along.segments.first() {
-                next.add_before(&mut out, b, &self.arriving[0]);
+            if let Some(next) = along.segments.first().filter(|next| next.reaches(b)) {
+                next.add_before(&mut out, &self.arriving[0]);
             }
             return out;
         };
@@ -252,8 +252,8 @@ impl<'a> Sweep<'a> {
         if let Some(before) = now.checked_sub(1) {
             along.segments[before].add_after(&mut out, b, &self.tail[before]);
         }
-        if let Some(next) = along.segments.get(now + 1) {
-            next.add_before(&mut out, b, &self.arrived((now, now + 1)));
+        if let Some(next) = along.segments.get(now + 1).filter(|next| next.reaches(b)) {
+            next.add_before(&mut out, &self.arrived((now, now + 1)));
         }
         out
     }
