@@ -15,7 +15,7 @@ use super::segments::segments;
 use super::shapes::shapes;
 use super::sweep::{Bin, Sweep};
 use super::twist::jacobians;
-use crate::parallel::parallel;
+use crate::parallel::{both, parallel};
 
 /// Length of a bin \[s\].
 const BIN: f64 = 0.005;
@@ -62,13 +62,19 @@ pub(super) fn sliced(
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
     let length = (memory.div_ceil(bin * group) + 1) * bin * group;
-    // Half a group, and the ends of bins.
-    let segments = segments(&course, (length, group / 2 + 2), threads);
     let (directions, ends) = match slice {
         Some(slice) => (slice.directions(scene)?, slice.ends(scene)?),
         None => (Vec::new(), vec![scene.bare.clone()]),
     };
-    let shapes = shapes(&course, &nominal, &directions);
+    let ((shapes, moved), (segments, first)) = both(
+        threads,
+        || (shapes(&course, &nominal, &directions), Moved::new(&course, group)),
+        || {
+            // Moved by half a group, and the ends of bins.
+            let segments = segments(&course, (length, group / 2 + 2), threads);
+            (segments, course.at_start(length.min(samples + bin)))
+        },
+    );
     let along = Along {
         course: &course,
         nominal: &nominal,
@@ -79,20 +85,19 @@ pub(super) fn sliced(
     };
     let groups = Groups {
         along: &along,
-        moved: &Moved::new(&course, group),
+        moved: &moved,
         ends: &ends,
         directions: &directions,
         bins: group,
         looks: whole(LOOK / scene.period, 1),
         length,
     };
-    let first = course.at_start(length.min(samples + bin));
     let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
     let swept = swept(sweeps, &groups, threads);
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
 }
 
-/// Goes through all bins, whose groups are made side by side, a few per thread at a time.
+/// Goes through all bins, whose groups are made side by side, a few per thread at a time, while the sweeps go through those before.
 fn swept(
     sweeps: Vec<Sweep<'_>>,
     groups: &Groups<'_>,
@@ -101,21 +106,29 @@ fn swept(
     let (count, bins) = (groups.count(), groups.along.bins);
     let chunk = 4 * threads;
     let mut sweeps: Vec<Result<Sweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
+    let list = |start: usize| (start..(start + chunk).min(count)).collect::<Vec<usize>>();
+    let make = |start: usize| parallel(&list(start), threads, |g| groups.group(g));
+    let mut made = make(0);
     for start in (0..count).step_by(chunk) {
         if sweeps.iter().all(Result::is_err) {
             break;
         }
-        let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
-        let made = parallel(&list, threads, |g| groups.group(g));
-        for (g, made) in list.iter().zip(&made) {
-            let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
-            for one in &mut sweeps {
-                let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
-                if let Err(why) = told {
-                    *one = Err(why);
+        let (next, ()) = both(
+            threads,
+            || make(start + chunk),
+            || {
+                for (g, made) in list(start).iter().zip(&made) {
+                    let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
+                    for one in &mut sweeps {
+                        let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
+                        if let Err(why) = told {
+                            *one = Err(why);
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
+        made = next;
     }
     sweeps.into_iter().map(|one| one.map(|sweep| sweep.bin_results)).collect()
 }
