@@ -5,7 +5,7 @@ use phihat_design::{CoarserEncoder, Gains, Tube};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
-use crate::position_search::without_rate_limits;
+use crate::judged::without_rate_limits;
 use crate::told::Told;
 
 /// How many bits less are looked at.

@@ -17,6 +17,14 @@ pub(crate) enum Judged {
     Unknown,
 }
 
+/// The study without limits of torque rate.
+pub(crate) fn without_rate_limits(study: &Study) -> Box<Study> {
+    let mut free = Box::new(study.clone());
+    free.control.torque_rate_max = None;
+    free.interface.profile.torque_rate_max = None;
+    free
+}
+
 /// Puts tube, settling time and what is not proved into the gains' certificate. Where that refuses a claim there is no tube.
 /// The payload is in so many slices at least.
 pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desired, u32)) -> Judged {

@@ -11,7 +11,7 @@ use phihat_study::{PhiSource, Study};
 use crate::along::phi_along;
 use crate::coarser::{encoders, told_of};
 use crate::error::SessionError;
-use crate::judged::{Judged, judge, judge_by, promised};
+use crate::judged::{Judged, judge, judge_by, promised, without_rate_limits};
 use crate::told::Told;
 
 /// How often laws are looked for.
@@ -328,14 +328,6 @@ impl Figures {
             steps: self.steps.iter().zip(&other.steps).map(product).collect(),
         }
     }
-}
-
-/// The study without limits of torque rate.
-pub(crate) fn without_rate_limits(study: &Study) -> Box<Study> {
-    let mut free = Box::new(study.clone());
-    free.control.torque_rate_max = None;
-    free.interface.profile.torque_rate_max = None;
-    free
 }
 
 /// How good gains are.
