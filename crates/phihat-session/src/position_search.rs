@@ -38,6 +38,9 @@ const STEP_POWER: f64 = 0.95;
 /// How often a tube over all payloads may say of a law that it is not what that of the heaviest promised.
 const CONFIRMED: u32 = 3;
 
+/// What finer slices leave of room for noise: their tube has less change of torque.
+const FINER_ROOM: f64 = 1.12;
+
 /// How much of the allowed torque step is gone for.
 const ROOM: f64 = 0.97;
 
@@ -83,8 +86,9 @@ pub(crate) fn by_positions(
     let mut best = rounds.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
     let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
     if let Some(coarse) = asked.filter(|_| divisible(study)) {
-        let first = coarse.next.as_ref().unwrap_or(&coarse.shares);
-        let finer = rounds.settled(first, FINER)?;
+        let first = coarse.next.as_ref().unwrap_or(&coarse.shares).iter();
+        let first: Vec<f64> = first.map(|s| (FINER_ROOM * s).min(SHARES.1)).collect();
+        let finer = rounds.settled(&first, FINER)?;
         // Finer slices bound the same laws by less.
         best = finer.filter(|finer| finer.rank.armed).or(best);
     }
