@@ -5,7 +5,7 @@ use phihat_design::{CoarserEncoder, Gains, Tube};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
-use crate::position_search::without_rate_limits;
+use crate::judged::without_rate_limits;
 use crate::told::Told;
 
 /// How many bits less are looked at.
@@ -34,11 +34,25 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
         return Ok(Vec::new());
     }
     let desired = Told::of(&own)?.to(gains)?;
-    let period = study.control.period_ns as f64 * 1e-9;
-    let fewer = |by: u32| bits.iter().map(|bits| bits.saturating_sub(by).max(BITS_MIN)).collect();
-    let encoders: Vec<Vec<u32>> = FEWER.map(fewer).collect();
+    let encoders = encoders(bits);
     let tubes = tubes_behind(&own, gains, (&desired, parts), &encoders)
         .unwrap_or_else(|why| vec![Err(why); encoders.len()]);
+    Ok(told_of(study, settle, tubes))
+}
+
+/// The encoders that are looked at, in place of one of so many bits.
+pub(crate) fn encoders(bits: &[u32]) -> Vec<Vec<u32>> {
+    let fewer = |by: u32| bits.iter().map(|bits| bits.saturating_sub(by).max(BITS_MIN)).collect();
+    FEWER.map(fewer).collect()
+}
+
+/// What is told of the tubes behind [`encoders`], from where the tube settles on.
+pub(crate) fn told_of(
+    study: &Study,
+    settle: f64,
+    tubes: Vec<Result<Tube, TubeRefusal>>,
+) -> Vec<CoarserEncoder> {
+    let period = study.control.period_ns as f64 * 1e-9;
     let one = |(bits_fewer, tube): (u32, Result<Tube, TubeRefusal>)| {
         let (tube, refused) = match tube {
             Ok(tube) => (Some(tube.steady_from(settle)), None),
@@ -55,5 +69,5 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
             refused,
         }
     };
-    Ok(FEWER.zip(tubes).map(one).collect())
+    FEWER.zip(tubes).map(one).collect()
 }

@@ -270,6 +270,10 @@ fn completed(
         let side = side.spawn(|| find_moving(&mut moving, arm));
         let found =
             coupled_along(study, gains).map_err(|e| SessionError::at(path, e)).and_then(|one| {
+                // A search by tubes has looked at them with its own.
+                if !gains.coarser.is_empty() {
+                    return Ok((one, gains.coarser.clone()));
+                }
                 Ok((one, coarser(study, gains).map_err(|e| SessionError::at(path, e))?))
             });
         side.join().unwrap_or_else(|why| std::panic::resume_unwind(why));

@@ -17,20 +17,27 @@ pub(crate) enum Judged {
     Unknown,
 }
 
+/// The study without limits of torque rate.
+pub(crate) fn without_rate_limits(study: &Study) -> Box<Study> {
+    let mut free = Box::new(study.clone());
+    free.control.torque_rate_max = None;
+    free.interface.profile.torque_rate_max = None;
+    free
+}
+
 /// Puts tube, settling time and what is not proved into the gains' certificate. Where that refuses a claim there is no tube.
 /// The payload is in so many slices at least.
 pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desired, u32)) -> Judged {
-    let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
-    let found = if let Some(why) = refused {
-        Err((format!("a claim does not hold: {why}"), true))
-    } else {
-        let mut own = study.clone();
-        match gains.complete(&mut own) {
-            Ok(()) => tube_in_parts(&own, gains, (desired, parts))
-                .map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. }))),
-            Err(why) => Err((why.to_string(), false)),
-        }
-    };
+    judge_by(study, gains, |own, gains| tube_in_parts(own, gains, (desired, parts)))
+}
+
+/// As [`judge`], by the tube that is found for the completed study.
+pub(crate) fn judge_by(
+    study: &Study,
+    gains: &mut Gains,
+    find: impl FnOnce(&Study, &Gains) -> Result<Tube, TubeRefusal>,
+) -> Judged {
+    let found = found(study, gains, find);
     let Some(certificate) = &mut gains.certificate else { return Judged::Unknown };
     // A bound by each joint's own φ is none for joints that push each other.
     for joint in &mut certificate.joints {
@@ -57,6 +64,39 @@ pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desire
     certificate.tube = Some(tube);
     let used = shares.iter().copied().largest();
     if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }
+}
+
+/// What a tube says of gains that have no certificate, and where one is found the tube.
+pub(crate) fn promised(
+    study: &Study,
+    gains: &Gains,
+    find: impl FnOnce(&Study, &Gains) -> Result<Tube, TubeRefusal>,
+) -> (Judged, Option<Tube>) {
+    let tube = match found(study, gains, find) {
+        Ok(tube) => tube,
+        Err((_, true)) => return (Judged::Open, None),
+        Err((_, false)) => return (Judged::Unknown, None),
+    };
+    let settle = Settle::of(study, Some(&tube));
+    let tube = tube.steady_from(settle.settle_s);
+    let shares = shares(study, &tube, &mut Vec::new());
+    let used = shares.iter().copied().largest();
+    (if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }, Some(tube))
+}
+
+/// The tube of gains for the completed study; else why there is none, and whether its bounds grow without end.
+fn found(
+    study: &Study,
+    gains: &Gains,
+    find: impl FnOnce(&Study, &Gains) -> Result<Tube, TubeRefusal>,
+) -> Result<Tube, (String, bool)> {
+    let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
+    if let Some(why) = refused {
+        return Err((format!("a claim does not hold: {why}"), true));
+    }
+    let mut own = study.clone();
+    gains.complete(&mut own).map_err(|why| (why.to_string(), false))?;
+    find(&own, gains).map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. })))
 }
 
 /// The key of the error that joints are allowed.

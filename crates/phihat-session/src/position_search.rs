@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_design::tube::{Desired, FINER, PARTS};
-use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch};
+use phihat_design::tube::{Desired, FINER, PARTS, tube_in_parts, tube_of_heaviest, tubes_behind};
+use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch, Tube};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
 
 use crate::along::phi_along;
+use crate::coarser::{encoders, told_of};
 use crate::error::SessionError;
-use crate::judged::{Judged, judge};
+use crate::judged::{Judged, judge, judge_by, promised, without_rate_limits};
 use crate::told::Told;
 
 /// How often laws are looked for.
@@ -31,6 +32,15 @@ const OPEN: [f64; 5] = [1.5, 1.0, 1.5, 0.5, 0.25];
 /// The error of a law falls by about this power of its noise.
 const POWER: f64 = 0.4;
 
+/// The change of torque of a tube falls by about this power of the encoder's share: what else turns it falls less.
+const STEP_POWER: f64 = 0.95;
+
+/// How often a tube over all payloads may say of a law that it is not what that of the heaviest promised.
+const CONFIRMED: u32 = 3;
+
+/// What finer slices leave of room for noise: their tube has less change of torque.
+const FINER_ROOM: f64 = 1.12;
+
 /// How much of the allowed torque step is gone for.
 const ROOM: f64 = 0.97;
 
@@ -38,6 +48,11 @@ const ROOM: f64 = 0.97;
 const ENOUGH: f64 = 0.85;
 
 /// Designs for a study until the tube keeps the specification; where no tube does, once more with the payload in finer slices.
+///
+/// # Method
+///
+/// Laws are sought by the tube over the heaviest payloads; that over all of them, and every other claim, is found for the laws that
+/// are taken. Where it says more than the heaviest did, the search goes on with what it says.
 ///
 /// # Errors
 ///
@@ -56,26 +71,40 @@ pub(crate) fn by_positions(
     };
     let search = PositionSearch::new(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
     let least = || PositionSearch::with_least_error(study, arm, &phi);
-    let mut rounds = Rounds { study, path, motion: &motion, search, least: Some(&least) };
-    let mut best = rounds.sought(vec![FIRST; study.robot.joints.len()], PARTS)?;
+    // Where a limit can act there is no tube, and no figure to go by.
+    let unlimited = without_rate_limits(study);
+    let mut rounds = Rounds {
+        study,
+        unlimited: &unlimited,
+        path,
+        motion: &motion,
+        search,
+        least: Some(&least),
+        thorough: false,
+        beside: None,
+    };
+    let mut best = rounds.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
     let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
     if let Some(coarse) = asked.filter(|_| divisible(study)) {
-        let finer = rounds.sought(coarse.shares.clone(), FINER)?;
+        let first = coarse.next.as_ref().unwrap_or(&coarse.shares).iter();
+        let first: Vec<f64> = first.map(|s| (FINER_ROOM * s).min(SHARES.1)).collect();
+        let finer = rounds.settled(&first, FINER)?;
         // Finer slices bound the same laws by less.
         best = finer.filter(|finer| finer.rank.armed).or(best);
     }
+    let best = best.map(|best| rounds.confirmed(best)).transpose()?;
     // Laws of which a claim is refused do not arm.
-    let best = best.filter(|best| best.rank.armed);
-    let Some(Best { rank, mut gains, parts, .. }) = best else {
+    let Some(Best { rank, mut gains, parts, .. }) = best.filter(|best| best.rank.armed) else {
         return Ok(Outcome::Infeasible(rounds.search.refused()));
     };
     // A tube whose steps are within the limits is that of the loop with them.
     let free = rank.loudest <= 1.0 || (0..gains.joints.len()).all(|i| study.limits(i).1.is_none());
     if !free {
+        gains.coarser.clear();
         let desired = rounds.told(&gains)?;
         judge(study, &mut gains, (&desired, parts));
     }
-    Ok(Outcome::Designed(Box::new(gains)))
+    Ok(Outcome::Designed(gains))
 }
 
 /// Whether the payload can be divided.
@@ -88,19 +117,30 @@ fn divisible(study: &Study) -> bool {
 /// The best gains so far, and what they were looked for with.
 struct Best {
     rank: Rank,
-    gains: Gains,
+    gains: Box<Gains>,
     shares: Vec<f64>,
     parts: u32,
+    /// Where a search would go from here.
+    next: Option<Vec<f64>>,
+    /// What was found of each joint.
+    found: Option<Figures>,
+    /// Whether every claim was found, and the tube over all payloads.
+    whole: bool,
 }
 
 /// What every round needs.
 struct Rounds<'a> {
     study: &'a Study,
+    unlimited: &'a Study,
     path: &'a Path,
     motion: &'a Told<'a>,
     search: PositionSearch<'a>,
     /// Another search, once, where no tube closes for laws of this one.
     least: Option<&'a dyn Fn() -> Result<PositionSearch<'a>, DesignError>>,
+    /// Whether every claim is found in every round.
+    thorough: bool,
+    /// By how much the tube over all payloads is wider than that of the heaviest.
+    beside: Option<Figures>,
 }
 
 impl Rounds<'_> {
@@ -108,30 +148,116 @@ impl Rounds<'_> {
         self.motion.to(gains).map_err(|e| SessionError::at(self.path, e))
     }
 
-    /// The best gains from these shares on, their tubes with the payload in so many slices.
+    fn certify(&self, gains: &mut Gains) -> Result<(), SessionError> {
+        self.search.certify(gains).map_err(|e| SessionError::at(self.path, e))
+    }
+
+    /// The best gains from these shares on, confirmed, unless finer slices are to come.
+    fn settled(&mut self, first: &[f64], parts: u32) -> Result<Option<Best>, SessionError> {
+        let last = parts >= FINER || !divisible(self.study);
+        let mut shares = first.to_vec();
+        let mut sure: Option<Best> = None;
+        self.beside = None;
+        for _ in 0..CONFIRMED {
+            let Some(found) = self.sought(shares.clone(), parts)? else { break };
+            let promised = found.rank.kept();
+            if !last && !promised {
+                return Ok(Some(sure.unwrap_or(found)));
+            }
+            let whole = self.confirmed(found)?;
+            if !whole.rank.armed && !self.thorough {
+                self.thorough = true;
+                shares = first.to_vec();
+                continue;
+            }
+            let (done, next) = (whole.rank.kept() || !promised, whole.next.clone());
+            if sure.as_ref().is_none_or(|before| whole.rank.beats(&before.rank, 0.0)) {
+                sure = Some(whole);
+            }
+            let Some(next) = next.filter(|_| !done) else { break };
+            shares = next;
+        }
+        Ok(sure)
+    }
+
+    /// The same gains with every claim, their tube over all payloads, and those behind coarser encoders.
+    fn confirmed(&mut self, mut best: Best) -> Result<Best, SessionError> {
+        if best.whole {
+            return Ok(best);
+        }
+        let (study, gains, parts) = (self.study, &mut best.gains, best.parts);
+        self.certify(gains)?;
+        let desired = self.told(gains)?;
+        let bits = self.study.sensor.encoder_bits.as_ref();
+        let mut coarser = Vec::new();
+        let judged = judge_by(self.unlimited, gains, |own, gains| {
+            let Some(bits) = bits else { return tube_in_parts(own, gains, (&desired, parts)) };
+            let mut all = vec![bits.clone()];
+            all.extend(encoders(bits));
+            let mut tubes = tubes_behind(own, gains, (&desired, parts), &all)?;
+            coarser = tubes.split_off(1);
+            tubes.pop().unwrap_or_else(|| tube_in_parts(own, gains, (&desired, parts)))
+        });
+        let certificate = gains.certificate.as_ref();
+        let armed = certificate.is_some_and(|all| all.refused().is_none());
+        let settle = certificate.and_then(|all| all.tube.as_ref().and(all.settle.as_ref()));
+        if let Some(settle) = settle {
+            gains.coarser = told_of(study, settle.settle_s, coarser);
+        }
+        let tube = gains.certificate.as_ref().and_then(|all| all.tube.as_ref());
+        let found = Figures::of(study, tube, &judged);
+        if let (Some(promised), Some(found)) = (&best.found, &found) {
+            self.beside = Some(found.over(promised));
+        }
+        let (rank, next) = next(&judged, found.as_ref(), &best.shares);
+        Ok(Best { rank: Rank { armed, ..rank }, next, found, whole: true, ..best })
+    }
+
+    /// Laws for shares, and what the tube of the heaviest payloads says of them; where it does not close, what all say.
+    fn tried(&mut self, shares: &[f64], parts: u32) -> Result<Option<(Best, bool)>, SessionError> {
+        let Some((gains, _)) = self.search.laws(shares) else { return Ok(None) };
+        let mut gains = Box::new(gains);
+        if self.thorough {
+            self.certify(&mut gains)?;
+        }
+        let armed = gains.certificate.as_ref().is_none_or(|all| all.refused().is_none());
+        let desired = self.told(&gains)?;
+        let (mut judged, mut tube) = promised(self.unlimited, &gains, |own, gains| {
+            tube_of_heaviest(own, gains, (&desired, parts))
+        });
+        if matches!(judged, Judged::Open) {
+            (judged, tube) = promised(self.unlimited, &gains, |own, gains| {
+                tube_in_parts(own, gains, (&desired, parts))
+            });
+        }
+        let found = Figures::of(self.study, tube.as_ref(), &judged);
+        let expected = match (&found, &self.beside) {
+            (Some(found), Some(beside)) => Some(found.times(beside)),
+            _ => found.clone(),
+        };
+        let (rank, next) = next(&judged, expected.as_ref(), shares);
+        let rank = Rank { armed, ..rank };
+        let open = matches!(judged, Judged::Open);
+        let shares = shares.to_vec();
+        Ok(Some((Best { rank, gains, shares, parts, next, found, whole: false }, open)))
+    }
+
+    /// The best gains from these shares on, by the tubes of the heaviest of so many slices of the payload.
     fn sought(&mut self, first: Vec<f64>, parts: u32) -> Result<Option<Best>, SessionError> {
         let mut shares = first;
         let mut best: Option<Best> = None;
         let (mut stuck, mut open) = (0, 0);
-        let patience = if parts < FINER && divisible(self.study) { 1 } else { STUCK };
-        // Where a limit can act there is no tube, and no figure to go by.
-        let unlimited = without_rate_limits(self.study);
+        let finer = parts < FINER && divisible(self.study);
+        let patience = if finer { 1 } else { STUCK };
         for round in 0..ROUNDS {
-            let Some((mut gains, _)) = self.search.laws(&shares) else { break };
-            let certified = self.search.certify(&mut gains);
-            certified.map_err(|e| SessionError::at(self.path, e))?;
-            let desired = self.told(&gains)?;
-            let judged = judge(&unlimited, &mut gains, (&desired, parts));
-            let loudest = shares.iter().copied().largest();
-            let armed = gains.certificate.as_ref().is_some_and(|all| all.refused().is_none());
-            let (rank, next) = next(self.study, &gains, &judged, (&shares, loudest));
-            let rank = Rank { armed, ..rank };
+            let Some((tried, opened)) = self.tried(&shares, parts)? else { break };
+            let rank = tried.rank;
             let closed = |rank: &Rank| rank.error.is_finite();
             // Until a tube closes there is nothing to go by but what was tried.
-            let first_open = matches!(judged, Judged::Open) || open > 0;
+            let first_open = opened || open > 0;
             if first_open && !closed(&rank) && best.as_ref().is_none_or(|best| !closed(&best.rank))
             {
-                best.get_or_insert(Best { rank, gains, shares: shares.clone(), parts });
+                best.get_or_insert(tried);
                 let Some(factor) = OPEN.get(open) else { break };
                 if open > 0
                     && let Some(least) = self.least.take()
@@ -146,11 +272,14 @@ impl Rounds<'_> {
             let kept = best.as_ref().is_some_and(|before| before.rank.kept());
             let gained = best.as_ref().is_none_or(|before| rank.beats(&before.rank, 0.005));
             stuck = if gained { 0 } else { stuck + 1 };
+            let next = tried.next.clone();
             if better {
-                best = Some(Best { rank, gains, shares: shares.clone(), parts });
+                best = Some(tried);
             }
-            // What keeps the specification and could be quieter is tried once more, not for ever.
-            if (kept && !better) || stuck == patience || round + 1 == ROUNDS {
+            // What keeps the specification and could be quieter is tried once more, not for ever; what is too loud with too much
+            // error needs finer slices.
+            let beyond = finer && rank.error > 1.0 && rank.loudest > 1.0;
+            if (kept && !better) || stuck == patience || round + 1 == ROUNDS || beyond {
                 break;
             }
             let Some(next) = next else { break };
@@ -164,12 +293,45 @@ impl Rounds<'_> {
     }
 }
 
-/// The study without limits of torque rate.
-pub(crate) fn without_rate_limits(study: &Study) -> Study {
-    let mut free = study.clone();
-    free.control.torque_rate_max = None;
-    free.interface.profile.torque_rate_max = None;
-    free
+/// What a tube says of each joint: the shares of what is allowed of its errors and of its change of torque.
+#[derive(Debug, Clone)]
+struct Figures {
+    errors: Vec<f64>,
+    steps: Vec<f64>,
+}
+
+impl Figures {
+    /// `None` where there is no tube.
+    fn of(study: &Study, tube: Option<&Tube>, judged: &Judged) -> Option<Self> {
+        let (Judged::Kept(errors) | Judged::Beyond(errors)) = judged else { return None };
+        let period = study.control.period_ns as f64 * 1e-9;
+        let step = |i: usize| -> f64 {
+            let Some(joint) = tube.map(|tube| &tube.joints[i]) else { return 0.0 };
+            let allowed = study.design.torque_step_max.as_ref().map(|most| most[i]);
+            let steady = allowed.map_or(0.0, |allowed| joint.torque_step_steady_max_nm / allowed);
+            // A limit must not act from the start on.
+            let limit = study.limits(i).1.map(|rate| rate * period);
+            limit.map_or(steady, |limit| steady.max(joint.torque_step_max_nm / limit))
+        };
+        Some(Self { errors: errors.clone(), steps: (0..errors.len()).map(step).collect() })
+    }
+
+    /// Figure by figure; 1 where one is of nothing.
+    fn over(&self, other: &Self) -> Self {
+        let ratio = |(a, b): (&f64, &f64)| if *b > 0.0 { a / b } else { 1.0 };
+        Self {
+            errors: self.errors.iter().zip(&other.errors).map(ratio).collect(),
+            steps: self.steps.iter().zip(&other.steps).map(ratio).collect(),
+        }
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let product = |(a, b): (&f64, &f64)| a * b;
+        Self {
+            errors: self.errors.iter().zip(&other.errors).map(product).collect(),
+            steps: self.steps.iter().zip(&other.steps).map(product).collect(),
+        }
+    }
 }
 
 /// How good gains are.
@@ -214,45 +376,29 @@ impl Rank {
     }
 }
 
-/// How good the gains are, and the shares to try next; `None`: these are the last.
-fn next(
-    study: &Study,
-    gains: &Gains,
-    judged: &Judged,
-    (shares, noise): (&[f64], f64),
-) -> (Rank, Option<Vec<f64>>) {
+/// How good gains are, and the shares to try next; `None`: these are the last.
+fn next(judged: &Judged, found: Option<&Figures>, shares: &[f64]) -> (Rank, Option<Vec<f64>>) {
     let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
         let moved = shares.iter().enumerate();
         Some(moved.map(|(i, s)| (s * factor(i)).clamp(SHARES.0, SHARES.1)).collect())
     };
-    let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
-    let errors = match judged {
+    let Some(Figures { errors, steps }) = found else {
         // Stiffer laws close a tube sooner.
-        Judged::Open => return (Rank::UNKNOWN, to(&|_| 1.5)),
-        Judged::Unknown => return (Rank::UNKNOWN, None),
-        Judged::Kept(shares) | Judged::Beyond(shares) => shares,
+        let open = matches!(judged, Judged::Open);
+        return (Rank::UNKNOWN, if open { to(&|_| 1.5) } else { None });
     };
-    let period = study.control.period_ns as f64 * 1e-9;
-    let step = |i: usize| -> f64 {
-        let Some(joint) = tube.map(|tube| &tube.joints[i]) else { return 0.0 };
-        let allowed = study.design.torque_step_max.as_ref().map(|most| most[i]);
-        let steady = allowed.map_or(0.0, |allowed| joint.torque_step_steady_max_nm / allowed);
-        // A limit must not act from the start on.
-        let limit = study.limits(i).1.map(|rate| rate * period);
-        limit.map_or(steady, |limit| steady.max(joint.torque_step_max_nm / limit))
-    };
-    let steps: Vec<f64> = (0..shares.len()).map(step).collect();
     let most = |list: &[f64]| list.iter().copied().largest();
-    let (error, loudest) = (most(errors), most(&steps));
-    let rank = Rank { armed: true, error, loudest, noise };
+    let (error, loudest) = (most(errors), most(steps));
+    let rank = Rank { armed: true, error, loudest, noise: most(shares) };
     // All joints get stiffer where one has too much error, as far as each has room: they push each other.
     let needed = (1.03 * error).powf(1.0 / POWER);
     let factor = |i: usize| {
         let room = if steps[i] > 0.0 { ROOM / steps[i] } else { f64::INFINITY };
+        let softer = room.powf(1.0 / STEP_POWER);
         if error > 1.0 {
-            if room < 1.0 { room } else { needed.min(room) }
+            if room < 1.0 { softer } else { needed.min(room) }
         } else if steps[i] > 1.0 {
-            room
+            softer
         } else if loudest <= 1.0 && error < ENOUGH {
             (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.2)
         } else {

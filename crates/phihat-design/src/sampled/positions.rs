@@ -126,6 +126,19 @@ impl Positions {
         asked
     }
 
+    /// The torque wanted, less the one sent last.
+    pub(crate) fn late<const W: usize>(&self, held: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
+        let (own, coming) = (weighed(&self.row, held), weighed(&self.coming, sent));
+        Lane::of(|c| own[c] + coming[c] - sent[0][c])
+    }
+
+    /// The torque sent last, where the newest of `sent` is [`Self::late`] in place of it.
+    pub(crate) fn last<const W: usize>(&self, held: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
+        let weight = self.coming.first().copied().unwrap_or(0.0);
+        let (own, coming) = (weighed(&self.row, held), weighed(&self.coming, sent));
+        Lane::of(|c| (own[c] + coming[c] - (1.0 + weight) * sent[0][c]) / (1.0 - weight))
+    }
+
     /// `(A_o, z R_y, z R_a)`: `A_o` times the torque wanted is `R_y` times the error read and `R_a` times the torque that
     /// acted, beside what is on its way.
     ///

@@ -14,6 +14,6 @@ pub(super) struct Along<'a> {
     /// Shapes of the payload's parameters, per sample `ε, w` and per interval the command, one column each.
     pub(super) shapes: &'a [Option<Shape>],
     pub(super) bins: usize,
-    /// Scaled state at the first sample of each segment from inputs before.
+    /// What is left at each segment's start of inputs before, and does in it.
     pub(super) segments: &'a [Segment],
 }

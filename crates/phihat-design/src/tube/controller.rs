@@ -166,6 +166,32 @@ impl<const W: usize> Control<W> {
         }
     }
 
+    /// What was commanded last, where the law remembers it.
+    pub(super) fn sent_last(&self, law: &SampledLaw, i: usize) -> Lane<W> {
+        let inertia = law.joints[i].inertia;
+        self.joints[i].sent.first().map_or(Lane::ZERO, |sent| Lane(sent.map(|u| inertia * u)))
+    }
+
+    /// Laws from positions: how far what they expect and send is from what is and what they want; after commands have acted.
+    pub(super) fn come_apart(&mut self, law: &SampledLaw, arm: (&[Lane<W>], &[Lane<W>])) {
+        for (i, (joint, state)) in law.joints.iter().zip(&mut self.joints).enumerate() {
+            let Some(own) = &joint.positions else { continue };
+            let late = own.late(&state.memory, &state.sent);
+            state.sent[0] = late;
+            state.expect(law.period, (&arm.0[i], &arm.1[i]), -1.0);
+        }
+    }
+
+    /// The inverse of [`Self::come_apart`].
+    pub(super) fn come_together(&mut self, law: &SampledLaw, arm: (&[Lane<W>], &[Lane<W>])) {
+        for (i, (joint, state)) in law.joints.iter().zip(&mut self.joints).enumerate() {
+            let Some(own) = &joint.positions else { continue };
+            state.expect(law.period, (&arm.0[i], &arm.1[i]), 1.0);
+            let last = own.last(&state.memory, &state.sent);
+            state.sent[0] = last;
+        }
+    }
+
     /// Senses and asks the law at sample `k`; leaves `command`.
     pub(super) fn ask(
         &mut self,
@@ -361,6 +387,14 @@ impl<const W: usize> JointState<W> {
         self.fed.rotate_right(1);
         self.fed[0] = ddq;
         Lane(law.answer(&self.memory, &self.sent).map(|u| inertia * (u + ddq)))
+    }
+
+    /// Adds to what a law from positions expects the arm's own, a sample before, so many times.
+    fn expect(&mut self, period: f64, (position, velocity): (&Lane<W>, &Lane<W>), times: f64) {
+        for c in 0..W {
+            self.memory[0][c] += times * (position[c] - period * velocity[c]);
+            self.memory[1][c] += times * velocity[c];
+        }
     }
 
     /// What a law from positions remembers of the torque that is sent.

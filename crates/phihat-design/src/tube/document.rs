@@ -7,7 +7,7 @@ use phihat_study::Study;
 use super::desired::Desired;
 use super::envelope::{Envelope, JointEnvelope};
 use super::refusal::TubeRefusal;
-use super::slices::{PARTS, find, find_behind};
+use super::slices::{PARTS, find, find_behind, find_heaviest};
 use super::tip::tip_along;
 use crate::sampled::TorqueNoise;
 
@@ -41,6 +41,26 @@ pub fn tube_in_parts(
     (desired, parts): (&Desired, u32),
 ) -> Result<Tube, TubeRefusal> {
     let envelope = find(study, gains, (desired, parts))?;
+    let bits = study.sensor.encoder_bits.as_deref();
+    Ok(document(study, gains, desired, (bits, &envelope)))
+}
+
+/// The [`Tube`] over the heaviest of so many slices of the payload alone: what a search goes by between one [`tube_in_parts`] and the
+/// next.
+///
+/// # Not claimed
+///
+/// Anything of other payloads: it is no tube of the study.
+///
+/// # Errors
+///
+/// [`TubeRefusal`].
+pub fn tube_of_heaviest(
+    study: &Study,
+    gains: &Gains,
+    (desired, parts): (&Desired, u32),
+) -> Result<Tube, TubeRefusal> {
+    let envelope = find_heaviest(study, gains, (desired, parts))?;
     let bits = study.sensor.encoder_bits.as_deref();
     Ok(document(study, gains, desired, (bits, &envelope)))
 }

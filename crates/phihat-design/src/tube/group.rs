@@ -4,7 +4,7 @@ use phihat_model::Model;
 
 use super::along::Along;
 use super::basis::Direction;
-use super::kernel::{Kernel, Scale};
+use super::kernel::Kernel;
 use super::linear::middle;
 use super::moved::Moved;
 use super::tensors::{Looked, Tensors};
@@ -24,7 +24,6 @@ pub(super) struct Group {
 /// What groups are made from.
 pub(super) struct Groups<'a> {
     pub(super) along: &'a Along<'a>,
-    pub(super) scale: &'a Scale,
     pub(super) moved: &'a Moved,
     /// The arm with the slice's smallest and largest mass.
     pub(super) ends: &'a [Model],
@@ -62,7 +61,7 @@ impl Groups<'_> {
         let launch = (g * bins + bins / 2) * bin;
         let boundary = (launch + self.length).div_ceil(self.length) * self.length;
         let end = boundary.min((self.along.bins + bins + 2) * bin);
-        self.along.course.kernel(launch, end, self.scale)
+        self.along.course.kernel(launch, end)
     }
 
     /// The largest second derivatives that looks along the group find.

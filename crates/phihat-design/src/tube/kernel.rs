@@ -7,6 +7,9 @@ use super::linear::Interval;
 use super::scene::Scene;
 use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 
+/// Below this part of what counts as forgotten, a loop is not looked at any more.
+const QUIET: f64 = 0.03;
+
 /// What kernels are computed from.
 pub(super) struct Course<'a> {
     pub(super) scene: &'a Scene<'a>,
@@ -128,13 +131,19 @@ pub(super) struct Kernel {
     sums: Vec<f32>,
     inputs: usize,
     rows: usize,
-    /// Per input: size of the state where the sums end, in the scale of [`Scale`].
+    /// `[state][input]`: sizes of what is left of an input where the sums end, by the numbers of [`Deviation::come_apart`].
     pub(super) left: Vec<f64>,
     /// Sample at which they end.
     pub(super) end: usize,
 }
 
 impl Kernel {
+    /// What boxes of that many inputs leave, number by number, per sample that they hold.
+    pub(super) fn left_of<'a>(&'a self, boxes: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let size = move |left: &[f64]| left.iter().zip(boxes).map(|(left, u)| left * u).sum();
+        self.left.chunks_exact(self.inputs).map(size)
+    }
+
     /// All rows of a lag.
     pub(super) fn of_lag(&self, lag: usize) -> &[f32] {
         let size = self.rows * self.inputs;
@@ -147,9 +156,6 @@ impl Kernel {
     }
 }
 
-/// A unit for each state of the loop, so that their sizes compare; 0 for one that nothing moves.
-pub(super) type Scale = Vec<f64>;
-
 impl<'a> Course<'a> {
     /// The interval from sample `t`; beyond the run, the last one goes on.
     pub(super) fn interval(&self, t: usize) -> &'a Interval {
@@ -159,6 +165,11 @@ impl<'a> Course<'a> {
     /// The payload's Jacobian at a sample; empty where there is none.
     pub(super) fn jacobian(&self, t: usize) -> &'a [f64] {
         self.jacobians.get(t.min(self.jacobians.len().saturating_sub(1))).map_or(&[], Vec::as_slice)
+    }
+
+    /// Number of states of a run.
+    pub(super) fn states(&self) -> usize {
+        Deviation::<1>::new(self.scene).length()
     }
 
     pub(super) fn inputs(&self) -> Inputs {
@@ -212,9 +223,9 @@ impl<'a> Course<'a> {
     }
 
     /// The sums of a launch at sample `s`, up to sample `end`.
-    pub(super) fn kernel(&self, s: usize, end: usize, scale: &Scale) -> Kernel {
+    pub(super) fn kernel(&self, s: usize, end: usize) -> Kernel {
         let mut kernel = self.none(s, end);
-        self.launch((s, end), (scale, &mut kernel.left), |t, sums, packs| {
+        self.launch((s, end), &mut kernel.left, |t, sums, packs| {
             if t > s && ((t - s).is_multiple_of(self.bin) || t == end) {
                 sums.drain(packs, &mut kernel.sums);
             }
@@ -224,12 +235,12 @@ impl<'a> Course<'a> {
 
     /// In place of sums the largest single response in a bin, its end counted to both neighbours: of inputs that act at sample 0
     /// alone, up to sample `end`.
-    pub(super) fn at_start(&self, end: usize, scale: &Scale) -> Kernel {
+    pub(super) fn at_start(&self, end: usize) -> Kernel {
         let mut kernel = self.none(0, end);
         let size = kernel.rows * kernel.inputs;
         kernel.sums.resize(kernel.lags * size, 0.0);
         let mut own: Vec<f32> = Vec::with_capacity(size);
-        self.launch((0, end), (scale, &mut kernel.left), |t, sums, packs| {
+        self.launch((0, end), &mut kernel.left, |t, sums, packs| {
             own.clear();
             sums.drain(packs, &mut own);
             let (bin, edge) = (t / self.bin, t.is_multiple_of(self.bin));
@@ -247,14 +258,14 @@ impl<'a> Course<'a> {
         let (rows, count) = (inputs.rows(), inputs.count());
         let lags = (end - s).div_ceil(self.bin);
         let sums = Vec::with_capacity(lags * rows * count);
-        Kernel { lags, sums, inputs: count, rows, left: vec![0.0; count], end }
+        Kernel { lags, sums, inputs: count, rows, left: vec![0.0; self.states() * count], end }
     }
 
     /// Takes a launch at sample `s` to sample `end`, and tells of every sample; what is left goes to `left`.
     fn launch(
         &self,
         (s, end): (usize, usize),
-        (scale, left): (&Scale, &mut [f64]),
+        left: &mut [f64],
         mut each: impl FnMut(usize, &mut Sums, &Packs),
     ) {
         let mut packs = self.launched(s);
@@ -272,37 +283,38 @@ impl<'a> Course<'a> {
             each(t, &mut sums, &packs);
         }
         if end < self.intervals.len() {
-            self.left(&mut packs, scale, left);
+            self.left(&mut packs, left);
         }
     }
 
-    /// Largest scaled state of every input.
-    fn left(&self, packs: &mut Packs, scale: &Scale, left: &mut [f64]) {
+    /// Sizes of what is left of every input.
+    fn left(&self, packs: &mut Packs, left: &mut [f64]) {
         let inputs = self.inputs();
         for (run, place) in packs.runs.iter_mut().zip(&packs.places) {
-            let mut sizes: Lane<WIDE> = Lane::ZERO;
-            run.each(|i, state| {
-                for c in 0..WIDE {
-                    sizes[c] = larger(sizes[c], share_of(state[c].abs(), scale[i]));
-                }
-            });
             let at = inputs.first(place.kind) + place.first;
             let unit = place.kind.per(self.scene.period);
-            for (left, size) in left[at..at + place.width].iter_mut().zip(*sizes) {
-                *left = larger(*left, unit * size);
-            }
+            run.come_apart(self.scene);
+            run.each(|i, state| {
+                let own = &mut left[i * inputs.count() + at..][..place.width];
+                for (left, state) in own.iter_mut().zip(state.iter()) {
+                    *left = larger(*left, unit * state.abs());
+                }
+            });
         }
     }
 
-    /// Scale of the states and how long the loop remembers \[samples\]: from a launch in the middle of the run.
-    pub(super) fn pilot(&self, share: f64) -> (Scale, usize) {
+    /// How long the loop remembers \[samples\], down to a share of each state's peak: from a launch in the middle of the run, until
+    /// a small part of that share is left.
+    pub(super) fn pilot(&self, share: f64) -> usize {
         let total = self.intervals.len();
         let s = (total / 4).min(total.saturating_sub(2));
         let mut packs = self.launched(s);
         let length = packs.runs[0].length();
-        let mut history: Vec<f64> = Vec::new();
         let mut peak = vec![0.0_f64; length];
         let mut sizes: Vec<Vec<f64>> = Vec::new();
+        let size = |now: &[f64], peak: &[f64]| {
+            now.iter().zip(peak).map(|(now, peak)| share_of(*now, *peak)).largest()
+        };
         for t in s + 1..total {
             let mut now = vec![0.0_f64; length];
             for run in &mut packs.runs {
@@ -316,72 +328,86 @@ impl<'a> Course<'a> {
             for (peak, now) in peak.iter_mut().zip(&now) {
                 *peak = larger(*peak, *now);
             }
+            let quiet = size(&now, &peak) < QUIET * share;
             sizes.push(now);
+            if quiet {
+                break;
+            }
         }
-        let scale: Scale = peak;
-        for now in &sizes {
-            let size = now.iter().zip(&scale).map(|(x, s)| share_of(*x, *s));
-            let size = size.largest();
-            history.push(size);
-        }
-        let last = history.iter().rposition(|size| *size > share);
-        let memory = last.map_or(1, |last| last + 2);
-        (scale, memory)
+        let last = sizes.iter().rposition(|now| size(now, &peak) > share);
+        last.map_or(1, |last| last + 2)
     }
 
-    /// What a state of size 1 at sample `from` does until `to`: largest value of every row, and the size left.
-    pub(super) fn segment(&self, from: usize, to: usize, scale: &Scale) -> (Vec<f64>, f64) {
-        let inputs = self.inputs();
-        let length = scale.len();
-        let packs = length.div_ceil(WIDE);
-        let mut runs: Vec<Deviation<WIDE>> = Vec::with_capacity(packs);
-        for pack in 0..packs {
+    /// What every number of a state does from sample `from` until `to`, each of size 1 there: the largest value of every row in
+    /// each block of samples, `[block][row][state]`, and what is left of it, `[state][state]`.
+    pub(super) fn segment(
+        &self,
+        (from, to): (usize, usize),
+        block: usize,
+    ) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let (rows, length) = (self.inputs().rows(), self.states());
+        let mut blocks = vec![vec![0.0_f64; rows * length]; (to - from).div_ceil(block)];
+        let mut left = vec![0.0_f64; length * length];
+        for first in (0..length).step_by(WIDE) {
             let mut run = Deviation::<WIDE>::new(self.scene);
             run.each(|i, state| {
-                if i / WIDE == pack {
-                    state[i % WIDE] = scale[i];
+                if (first..first + WIDE).contains(&i) {
+                    state[i - first] = 1.0;
                 }
             });
-            runs.push(run);
-        }
-        let rows = inputs.rows();
-        let n = inputs.n;
-        let mut most = vec![0.0_f64; rows];
-        let mut before: Vec<Vec<Lane<WIDE>>> = vec![vec![Lane::ZERO; n]; packs];
-        for t in from..to {
-            let mut now = vec![0.0_f64; rows];
-            for (run, before) in runs.iter_mut().zip(&mut before) {
-                for i in 0..2 * n {
-                    now[i] += run.state[i].iter().map(|x| x.abs()).sum::<f64>();
+            run.come_together(self.scene);
+            let width = WIDE.min(length - first);
+            self.follow(&mut run, (from, to), |t, row, values| {
+                let own =
+                    &mut blocks[(t.min(to - 1) - from) / block][row * length + first..][..width];
+                for (most, value) in own.iter_mut().zip(values.iter()) {
+                    *most = larger(*most, value.abs());
                 }
-                let mut twist = [Lane::ZERO; 6];
-                add_product(&mut twist[..inputs.twist], self.jacobian(t), &run.state[n..]);
-                for (c, value) in twist[..inputs.twist].iter().enumerate() {
-                    now[2 * n + c] += value.iter().map(|x| x.abs()).sum::<f64>();
-                }
-                run.step_free(self.scene, (t, self.interval(t)));
-                let at = inputs.command_row();
-                for i in 0..n {
-                    for c in 0..WIDE {
-                        let command = run.control.command[i][c];
-                        now[at + i] += command.abs();
-                        let change = if t == from { 0.0 } else { before[i][c] };
-                        now[at + n + i] += (command - change).abs();
-                        before[i][c] = command;
-                    }
-                }
-            }
-            for (most, now) in most.iter_mut().zip(&now) {
-                *most = larger(*most, *now);
-            }
-        }
-        let mut left = vec![0.0_f64; length];
-        for run in &mut runs {
+            });
+            run.come_apart(self.scene);
             run.each(|i, state| {
-                left[i] += share_of(state.iter().map(|x| x.abs()).sum(), scale[i]);
+                for (left, state) in
+                    left[i * length + first..][..width].iter_mut().zip(state.iter())
+                {
+                    *left = state.abs();
+                }
             });
         }
-        (most, left.into_iter().largest())
+        (blocks, left)
+    }
+
+    /// Takes runs that nothing pushes from a sample to another, and tells of every row of the outputs.
+    fn follow(
+        &self,
+        run: &mut Deviation<WIDE>,
+        (from, to): (usize, usize),
+        mut tell: impl FnMut(usize, usize, &Lane<WIDE>),
+    ) {
+        let inputs = self.inputs();
+        let n = inputs.n;
+        let mut before: Vec<Lane<WIDE>> =
+            (0..n).map(|i| run.control.sent_last(&self.scene.law, i)).collect();
+        for t in from..=to {
+            for i in 0..2 * n {
+                tell(t, i, &run.state[i]);
+            }
+            let mut twist = [Lane::ZERO; 6];
+            add_product(&mut twist[..inputs.twist], self.jacobian(t), &run.state[n..]);
+            for (c, value) in twist[..inputs.twist].iter().enumerate() {
+                tell(t, 2 * n + c, value);
+            }
+            if t == to {
+                break;
+            }
+            run.step_free(self.scene, (t, self.interval(t)));
+            let at = inputs.command_row();
+            for (i, before) in before.iter_mut().enumerate() {
+                let command = run.control.command[i];
+                tell(t, at + i, &command);
+                tell(t, at + n + i, &Lane::of(|c| command[c] - before[c]));
+                *before = command;
+            }
+        }
     }
 }
 

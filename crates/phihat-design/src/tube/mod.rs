@@ -40,7 +40,7 @@ mod tip;
 mod twist;
 
 pub use desired::Desired;
-pub use document::{tube, tube_in_parts, tubes_behind};
+pub use document::{tube, tube_in_parts, tube_of_heaviest, tubes_behind};
 pub use envelope::{Envelope, JointEnvelope};
 pub use refusal::TubeRefusal;
 pub use scene::modelled;

@@ -15,7 +15,7 @@ use super::segments::segments;
 use super::shapes::shapes;
 use super::sweep::{Bin, Sweep};
 use super::twist::jacobians;
-use crate::parallel::parallel;
+use crate::parallel::{both, parallel};
 
 /// Length of a bin \[s\].
 const BIN: f64 = 0.005;
@@ -30,9 +30,9 @@ const LOOK: f64 = 0.04;
 /// A loop has forgotten when its state is below this share of its peak.
 const FORGOTTEN: f64 = 1e-3;
 
-/// The same of a law from positions: an expected position beside the true one, and their difference drives the torque. What is left
-/// of each alone is bounded as if it were the difference.
-const FORGOTTEN_SEEN: f64 = 1e-5;
+/// The same of a law from positions, and the groups in what it remembers: what is left of it is slow, and small.
+const FORGOTTEN_SEEN: f64 = 1e-2;
+const GROUPS_SEEN: f64 = 5.0;
 
 /// The tubes of one slice of the payload, one per list of reading errors \[rad\]: the linear loop is the same of all.
 ///
@@ -57,17 +57,24 @@ pub(super) fn sliced(
     };
     let bin = whole(BIN / scene.period, 1);
     let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
-    let (scale, memory) = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
+    let memory = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
     let group = bins_of_group(scene, bin, memory);
     let samples = intervals.len();
     let bins = samples.div_ceil(bin);
     let length = (memory.div_ceil(bin * group) + 1) * bin * group;
-    let segments = segments(&course, length, &scale, threads);
     let (directions, ends) = match slice {
         Some(slice) => (slice.directions(scene)?, slice.ends(scene)?),
         None => (Vec::new(), vec![scene.bare.clone()]),
     };
-    let shapes = shapes(&course, &nominal, &directions);
+    let ((shapes, moved), (segments, first)) = both(
+        threads,
+        || (shapes(&course, &nominal, &directions), Moved::new(&course, group)),
+        || {
+            // Moved by half a group, and the ends of bins.
+            let segments = segments(&course, (length, group / 2 + 2), threads);
+            (segments, course.at_start(length.min(samples + bin)))
+        },
+    );
     let along = Along {
         course: &course,
         nominal: &nominal,
@@ -78,21 +85,19 @@ pub(super) fn sliced(
     };
     let groups = Groups {
         along: &along,
-        scale: &scale,
-        moved: &Moved::new(&course, group),
+        moved: &moved,
         ends: &ends,
         directions: &directions,
         bins: group,
         looks: whole(LOOK / scene.period, 1),
         length,
     };
-    let first = course.at_start(length.min(samples + bin), &scale);
     let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
     let swept = swept(sweeps, &groups, threads);
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
 }
 
-/// Goes through all bins, whose groups are made side by side, a few per thread at a time.
+/// Goes through all bins, whose groups are made side by side, a few per thread at a time, while the sweeps go through those before.
 fn swept(
     sweeps: Vec<Sweep<'_>>,
     groups: &Groups<'_>,
@@ -101,28 +106,37 @@ fn swept(
     let (count, bins) = (groups.count(), groups.along.bins);
     let chunk = 4 * threads;
     let mut sweeps: Vec<Result<Sweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
+    let list = |start: usize| (start..(start + chunk).min(count)).collect::<Vec<usize>>();
+    let make = |start: usize| parallel(&list(start), threads, |g| groups.group(g));
+    let mut made = make(0);
     for start in (0..count).step_by(chunk) {
         if sweeps.iter().all(Result::is_err) {
             break;
         }
-        let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
-        let made = parallel(&list, threads, |g| groups.group(g));
-        for (g, made) in list.iter().zip(&made) {
-            let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
-            for one in &mut sweeps {
-                let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
-                if let Err(why) = told {
-                    *one = Err(why);
+        let (next, ()) = both(
+            threads,
+            || make(start + chunk),
+            || {
+                for (g, made) in list(start).iter().zip(&made) {
+                    let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
+                    for one in &mut sweeps {
+                        let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
+                        if let Err(why) = told {
+                            *one = Err(why);
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
+        made = next;
     }
     sweeps.into_iter().map(|one| one.map(|sweep| sweep.bin_results)).collect()
 }
 
 /// Bins that share a launch, an even number.
 fn bins_of_group(scene: &Scene<'_>, bin: usize, memory: usize) -> usize {
-    let shared = (memory as f64 * scene.period / GROUPS_REMEMBERED).clamp(GROUP.0, GROUP.1);
+    let groups = if scene.expects { GROUPS_SEEN } else { GROUPS_REMEMBERED };
+    let shared = (memory as f64 * scene.period / groups).clamp(GROUP.0, GROUP.1);
     // Where velocity is read, a launch elsewhere is an error of the reading, and the law makes much of it.
     let shared = if scene.measured_velocity { 0.25 * shared } else { shared };
     2 * whole(0.5 * shared / (bin as f64 * scene.period), 1)

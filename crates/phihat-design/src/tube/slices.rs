@@ -52,6 +52,25 @@ pub fn find_behind(
     Ok(found(&scene, misreads, parts))
 }
 
+/// Bounds over the heaviest of so many slices alone, for a search: what they say of the whole payload is near, and no claim.
+///
+/// # Errors
+///
+/// [`TubeRefusal`].
+pub(super) fn find_heaviest(
+    study: &Study,
+    gains: &Gains,
+    (desired, parts): (&Desired, u32),
+) -> Result<Envelope, TubeRefusal> {
+    let scene = Scene::new(study, gains, desired)?;
+    let own = misread(study, study.sensor.encoder_bits.as_deref());
+    let slices = scene.payload.as_ref().map(|set| Slice::all(set, parts)).unwrap_or_default();
+    let heavier = |a: Slice, b: Slice| if b.mass.1 > a.mass.1 { b } else { a };
+    let heaviest = slices.into_iter().reduce(heavier);
+    let mut found = sliced(&scene, heaviest.as_ref(), &[&own], threads())?;
+    found.pop().unwrap_or_else(|| Err(no_mass()))
+}
+
 fn no_mass() -> TubeRefusal {
     TubeRefusal::Payload("no mass".to_owned())
 }

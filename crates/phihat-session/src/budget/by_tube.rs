@@ -7,7 +7,7 @@ use phihat_model::JointKind;
 use phihat_sim::SimError;
 use phihat_study::{Held, Study};
 
-use crate::position_search::without_rate_limits;
+use crate::judged::without_rate_limits;
 use crate::told::Told;
 
 /// The parts of each joint's error after settling; `None`: these gains have no tube.

@@ -42,10 +42,10 @@ pub(super) struct Sweep<'a> {
     ahead: Vec<Vec<f64>>,
     /// Inputs of the bin before.
     before: Vec<f64>,
-    /// Sizes of scaled state that arrive at each segment's start.
-    arriving: Vec<f64>,
+    /// Sizes of the state that arrives at each segment's start from kernels that end there, and of all that is there.
+    arriving: Vec<Vec<f64>>,
+    tail: Vec<Vec<f64>>,
     friction: DryFriction,
-    tail: Vec<f64>,
     first_reading: &'a Kernel,
     /// Boxes of the present group's bins, which bins after the group have not heard of.
     untold: Vec<Vec<f64>>,
@@ -55,10 +55,12 @@ pub(super) struct Sweep<'a> {
 impl<'a> Sweep<'a> {
     pub(super) fn new(along: &'a Along<'a>, misread: &'a [f64], first_reading: &'a Kernel) -> Self {
         let inputs = along.course.inputs();
-        let mut arriving = vec![0.0; along.segments.len() + 1];
+        let none = vec![vec![0.0; along.course.states()]; along.segments.len() + 1];
+        let mut arriving = none.clone();
         if let Some(segment) = along.segments.iter().position(|s| s.from == first_reading.end) {
-            let left = &first_reading.left[inputs.reading()..];
-            arriving[segment] = left.iter().zip(misread).map(|(l, u)| l * u).sum();
+            let mut boxes = vec![0.0; inputs.count()];
+            boxes[inputs.reading()..][..misread.len()].copy_from_slice(misread);
+            arriving[segment] = first_reading.left_of(&boxes).collect();
         }
         Self {
             along,
@@ -66,8 +68,8 @@ impl<'a> Sweep<'a> {
             ahead: vec![vec![0.0; inputs.rows()]; along.bins],
             before: vec![0.0; inputs.count()],
             arriving,
+            tail: none,
             friction: DryFriction::new(along.course.scene),
-            tail: vec![0.0; along.segments.len() + 1],
             first_reading,
             untold: Vec::new(),
             bin_results: Vec::with_capacity(along.bins),
@@ -188,8 +190,9 @@ impl<'a> Sweep<'a> {
             }
         }
         if let Some(segment) = self.along.segments.iter().position(|s| s.from == kernel.end) {
-            let size: f64 = kernel.left.iter().zip(&boxes).map(|(l, u)| l * u).sum();
-            self.arriving[segment] += self.along.course.bin as f64 * size;
+            let bin = self.along.course.bin as f64;
+            let arriving = self.arriving[segment].iter_mut();
+            arriving.zip(kernel.left_of(&boxes)).for_each(|(sum, size)| *sum += bin * size);
         }
         self.untold.push(boxes);
     }
@@ -231,24 +234,35 @@ impl<'a> Sweep<'a> {
         let along = self.along;
         let rows = along.course.inputs().rows();
         let sample = b * along.course.bin;
+        let mut out = vec![0.0; rows];
         let Some(now) = along.segments.iter().rposition(|s| s.from <= sample) else {
-            return vec![0.0; rows];
+            if let Some(next) = along.segments.first().filter(|next| next.reaches(b)) {
+                next.add_before(&mut out, &self.arriving[0]);
+            }
+            return out;
         };
         // All that arrives here and at the next segment's start is known: kernels are at least a segment long.
         if along.segments[now].from == sample {
-            let before =
-                if now > 0 { self.tail[now - 1] * along.segments[now - 1].left } else { 0.0 };
-            self.tail[now] = before + self.arriving[now];
+            self.tail[now] = match now.checked_sub(1) {
+                Some(before) => self.arrived((before, now)),
+                None => self.arriving[now].clone(),
+            };
         }
-        let here = self.tail[now];
-        let mut out: Vec<f64> = along.segments[now].rows.iter().map(|row| row * here).collect();
-        if let Some(next) = along.segments.get(now + 1) {
-            let there = here * along.segments[now].left + self.arriving[now + 1];
-            for (out, row) in out.iter_mut().zip(&next.rows) {
-                *out += row * there;
-            }
+        along.segments[now].add(&mut out, b, &self.tail[now]);
+        if let Some(before) = now.checked_sub(1) {
+            along.segments[before].add_after(&mut out, b, &self.tail[before]);
+        }
+        if let Some(next) = along.segments.get(now + 1).filter(|next| next.reaches(b)) {
+            next.add_before(&mut out, &self.arrived((now, now + 1)));
         }
         out
+    }
+
+    /// The state at a segment's start: what is left of that of the one before, and what arrives.
+    fn arrived(&self, (before, now): (usize, usize)) -> Vec<f64> {
+        let mut state = self.along.segments[before].left_of(&self.tail[before]);
+        state.iter_mut().zip(&self.arriving[now]).for_each(|(state, more)| *state += more);
+        state
     }
 }
 
