@@ -7,3 +7,4 @@
 )]
 
 mod classes;
+mod ranges;

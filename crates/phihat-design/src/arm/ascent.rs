@@ -9,12 +9,17 @@ use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, SAMPLES, Tried, eigen, scaled, scaled_mass_matrix};
 
-/// Postures from which an end is sought, and those of them that are followed to the end.
-pub(super) const STARTS: u32 = 20;
-const FOLLOWED: usize = 4;
+/// Postures from which an end is sought: the best, and others evenly spread, since the best may all lead to the same peak.
+const BEST: u32 = 20;
+const SPREAD: u32 = 100;
+pub(super) const STARTS: u32 = BEST + SPREAD;
+
+/// Those of them that are followed to the end, and those of these that are followed with every heaviest payload.
+const FOLLOWED: usize = 20;
+const WITH_OTHERS: usize = 4;
 
 /// Sweeps over all joints before the choice, and most after it.
-const FIRST_SWEEPS: u32 = 2;
+const FIRST_SWEEPS: u32 = 3;
 const SWEEPS: u32 = 200;
 
 /// Doublings of a step along a ridge.
@@ -75,11 +80,11 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     let mut order: Vec<(f64, usize)> =
         tried.iter().enumerate().map(|(i, tried)| (search.score(tried), i)).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Postures of a reference are many and alike: the best of the others have a place beside them.
-    let rest = order.split_off(order.len().min(STARTS as usize));
-    let sampled = |(_, i): &(f64, usize)| *i < SAMPLES as usize;
-    let missing = FOLLOWED.saturating_sub(order.iter().filter(|one| sampled(one)).count());
-    order.extend(rest.into_iter().filter(sampled).take(missing));
+    let mut rest = order.split_off(order.len().min(BEST as usize));
+    rest.retain(|(_, i)| *i < SAMPLES as usize);
+    rest.sort_by_key(|(_, i)| *i);
+    let every = rest.len().div_ceil(SPREAD as usize).max(1);
+    order.extend(rest.into_iter().step_by(every));
     let mut starts: Vec<At> = order.iter().map(|(_, i)| search.look(&tried[*i])).collect();
     let better = |a: &At, b: &At| end.score(b.value).total_cmp(&end.score(a.value));
     for start in &mut starts {
@@ -89,7 +94,8 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     starts.sort_by(better);
     starts.truncate(FOLLOWED);
     // At a posture that is good for one payload the others are not at their best.
-    let others: Vec<At> = starts.iter().flat_map(|start| search.with_others(start)).collect();
+    let best = starts.iter().take(WITH_OTHERS);
+    let others: Vec<At> = best.flat_map(|start| search.with_others(start)).collect();
     starts.extend(others);
     for start in &mut starts {
         search.climb(start, SWEEPS);

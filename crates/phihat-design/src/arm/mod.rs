@@ -138,7 +138,7 @@ impl Arm {
             basis: ArmBasis::Postures,
             source: format!(
                 "{} postures inside the joint limits of {name} and those of the reference, rotors included, \
-                 payload {} to {} kg on {}; the ends sought from the best {STARTS}",
+                 payload {} to {} kg on {}; the ends sought from {STARTS} of them",
                 postures.count(),
                 set.mass.0,
                 set.mass.1,
