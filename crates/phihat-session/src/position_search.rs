@@ -41,6 +41,9 @@ const CONFIRMED: u32 = 3;
 /// What finer slices leave of room for noise: their tube has less change of torque.
 const FINER_ROOM: f64 = 1.12;
 
+/// A study that does not say when the arm has settled asks for it by then, or by half of its run \[s\].
+const LATE_S: f64 = 3.0;
+
 /// How much of the allowed torque step is gone for.
 const ROOM: f64 = 0.97;
 
@@ -313,7 +316,18 @@ impl Figures {
             let limit = study.limits(i).1.map(|rate| rate * period);
             limit.map_or(steady, |limit| steady.max(joint.torque_step_max_nm / limit))
         };
-        Some(Self { errors: errors.clone(), steps: (0..errors.len()).map(step).collect() })
+        let steps = (0..errors.len()).map(step).collect();
+        let mut errors = errors.clone();
+        // Where the time to settle is what the tube says, an error that is kept at the very end is none that is kept.
+        let late = tube.filter(|_| !study.spec.settle_stated);
+        let late = late.map(|tube| tube.clone().steady_from(LATE_S.min(0.5 * study.duration)));
+        let allowed = study.spec.error_bound.iter().flatten();
+        for ((error, joint), allowed) in
+            errors.iter_mut().zip(late.iter().flat_map(|t| &t.joints)).zip(allowed)
+        {
+            *error = error.max(joint.error_max_rad / allowed);
+        }
+        Some(Self { errors, steps })
     }
 
     /// Figure by figure; 1 where one is of nothing.
