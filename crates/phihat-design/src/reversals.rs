@@ -18,6 +18,9 @@ const LEAST: usize = 20;
 /// Share of the largest speed below which a joint may stick.
 const SLOW: f64 = 0.03;
 
+/// No window is believed to know its level better \[N·m\].
+const EXACT: f64 = 1e-9;
+
 /// Powers of time beside the jump: what goes on smoothly through a reversal, gravity and smooth friction.
 const POWERS: u8 = 4;
 
@@ -97,7 +100,7 @@ impl DryFriction {
 
 /// One level out of those of all windows, `(f, its standard error)`.
 fn pooled(found: &[(f64, f64)]) -> Option<DryFriction> {
-    let weight = |error: f64| 1.0 / (error * error).max(f64::MIN_POSITIVE);
+    let weight = |error: f64| 1.0 / (error * error).max(EXACT * EXACT);
     let all: f64 = found.iter().map(|(_, error)| weight(*error)).sum();
     if found.is_empty() || !all.is_finite() {
         return None;
@@ -148,4 +151,54 @@ fn jump(
     }
     let x = DMatrix::from_fn(rows.len(), columns.len(), |row, column| columns[column][row]);
     coefficient(x, rows.iter().map(|&k| joint.tau[k]), 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DryFriction, pooled};
+    use crate::trace::JointSignals;
+
+    /// Two sines, a mass, gravity and dry friction; every 1 ms, without a filter.
+    fn record(level: f64, turns: bool) -> [Vec<f64>; 4] {
+        let rows = (0..6000_u32).map(|k| {
+            let t = f64::from(k) * 1e-3;
+            let (sin, cos) = (2.0 * t).sin_cos();
+            let dq = if turns { 2.0 * cos } else { 3.0 + cos };
+            let q = if turns { sin } else { 3.0 * t + 0.5 * sin };
+            let ddq = if turns { -4.0 * sin } else { -2.0 * sin };
+            let tau = 0.7 * ddq + 5.0 * q.sin() + 0.2 * dq + level * dq.signum();
+            [q, dq, ddq, tau]
+        });
+        let rows: Vec<[f64; 4]> = rows.collect();
+        core::array::from_fn(|i| rows.iter().map(|row| row[i]).collect())
+    }
+
+    fn found(level: f64, turns: bool) -> Option<DryFriction> {
+        let [q, dq, ddq, tau] = &record(level, turns);
+        let joint = JointSignals { name: "axis", q, dq, ddq, tau };
+        DryFriction::of(&[joint], 0, 1_000_000, 40)
+    }
+
+    #[test]
+    fn the_level_is_what_the_torque_jumps_by() {
+        for level in [0.0, 0.05, 1.5] {
+            let found = found(level, true).unwrap();
+            // What gravity and smooth friction do is no polynomial: some hundredths of what they change by in a window.
+            assert!((found.level_nm - level).abs() < 0.02, "{level}: {found:?}");
+            assert!(found.low_nm <= found.level_nm && found.level_nm <= found.high_nm);
+            assert_eq!(found.reversals, 4, "{found:?}");
+        }
+        assert!(found(1.0, false).is_none(), "it never turns round");
+    }
+
+    #[test]
+    fn windows_that_know_less_count_less() {
+        let both = pooled(&[(1.0, 0.01), (2.0, 1.0)]).unwrap();
+        assert!((both.level_nm - 1.0).abs() < 1e-3 && both.reversals == 2, "{both:?}");
+        // Apart by more than their own errors: the interval is of what they are apart by.
+        let apart = pooled(&[(1.0, 1e-3), (1.2, 1e-3)]).unwrap();
+        assert!(apart.low_nm < 1.0 && apart.high_nm > 1.2, "{apart:?}");
+        assert!(pooled(&[]).is_none());
+        assert!(pooled(&[(1.0, 0.0), (1.0, 0.0)]).unwrap().high_nm < 1.0 + 1e-6);
+    }
 }
