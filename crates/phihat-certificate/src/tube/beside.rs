@@ -25,7 +25,7 @@ pub const TIGHTER: f64 = 1000.0;
 const ROUNDING: f64 = 1e-9;
 
 /// What no encoder reads and no tube is refused for \[rad, rad/s\].
-const UNREAD: f64 = 1e-8;
+const UNREAD: f64 = 2e-9;
 
 /// What no drive gives and no tube is refused for \[N·m\].
 const UNGIVEN: f64 = 1e-6;
