@@ -95,6 +95,7 @@ int main(void) {
     request.t_ns = seen * PERIOD_NS;
     request.now_ns = k * PERIOD_NS;
     request.preset = NULL;
+    request.feed_forward = NULL;
     /* What a person would ask for: arm, hold, track; after the stop, once the link is back, the same again. */
     request.mode = PHIHAT_REQUEST_TRACK;
     if (k < 1000) request.mode = PHIHAT_REQUEST_HOLD;
