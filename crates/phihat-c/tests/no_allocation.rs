@@ -4,11 +4,11 @@
 use core::ffi::CStr;
 use core::ptr::null_mut;
 
-use crate::support::joint;
+use crate::support::{command, joint, sample};
 use phihat_c::{
-    Status, phihat_command, phihat_controller, phihat_controller_create, phihat_controller_destroy,
+    Status, phihat_controller, phihat_controller_create, phihat_controller_destroy,
     phihat_controller_reset, phihat_controller_resume, phihat_controller_update, phihat_error,
-    phihat_joint, phihat_sample, phihat_status_text,
+    phihat_joint, phihat_status_text,
 };
 
 const N: usize = 7;
@@ -33,23 +33,7 @@ fn only_create_and_destroy_touch_the_heap() {
     let controller = made();
     let (zero, mut tau) = ([0.0; N], [0.0; N]);
     let at = zero.as_ptr();
-    let sample = phihat_sample {
-        size: size_of::<phihat_sample>(),
-        joints: N,
-        q: at,
-        dq: at,
-        tau_applied: at,
-        q_des: at,
-        dq_des: at,
-        ddq_des: at,
-    };
-    let command = phihat_command {
-        size: size_of::<phihat_command>(),
-        joints: N,
-        tau: tau.as_mut_ptr(),
-        phi_hat: null_mut(),
-        flags: null_mut(),
-    };
+    let (sample, command) = (sample(N, [at; 6]), command(&mut tau));
     let mut statuses = [Status::Internal; 4];
     let used = allocation_counter::measure(|| {
         // SAFETY: all pointers are to living values with N entries.

@@ -4,11 +4,11 @@
 
 use core::ptr::{null, null_mut};
 
+use crate::support::{command, sample, supervision};
 use phihat_c::{
     PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, PHIHAT_REQUEST_HOLD, Status,
-    phihat_command, phihat_controller_create, phihat_controller_destroy, phihat_controller_update,
-    phihat_joint, phihat_request, phihat_sample, phihat_supervision, phihat_supervision_default,
-    phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
+    phihat_controller_create, phihat_controller_destroy, phihat_controller_update, phihat_joint,
+    phihat_request, phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
 };
 
 const N: usize = 3;
@@ -57,16 +57,7 @@ fn answers(joints: *const phihat_joint, count: usize) -> (Status, Vec<[u64; N]>)
     for k in 0..if status == Status::Ok { 50 } else { 0 } {
         let of = [0, 1, 2, 3, 4, 5].map(|c| [1.0, 1.3, 1.7].map(|w| (w * f64::from(k + c)).sin()));
         let mut tau = [0.0; N];
-        let size = size_of::<phihat_sample>();
-        let [q, dq, tau_applied, q_des, dq_des, ddq_des] = of.each_ref().map(|c| c.as_ptr());
-        let sample = phihat_sample { size, joints: N, q, dq, tau_applied, q_des, dq_des, ddq_des };
-        let command = phihat_command {
-            size: size_of::<phihat_command>(),
-            joints: N,
-            tau: tau.as_mut_ptr(),
-            phi_hat: null_mut(),
-            flags: null_mut(),
-        };
+        let (sample, command) = (sample(N, of.each_ref().map(|c| c.as_ptr())), command(&mut tau));
         // SAFETY: all pointers are to living values with N entries.
         let status =
             unsafe { phihat_controller_update(handle, &raw const sample, &raw const command) };
@@ -96,11 +87,9 @@ fn it_runs_as_it_did() {
 fn it_runs_under_supervision() {
     let then: Vec<_> = (0..3).map(|k| as_it_was(&joint(k, PHIHAT_FORM_OBSERVER))).collect();
     let mut handle = null_mut();
-    // SAFETY: numbers only, and zero is one; all pointers are to living values, or null where that is allowed.
+    let options = supervision();
+    // SAFETY: all pointers are to living values, or null where that is allowed.
     unsafe {
-        let mut options: phihat_supervision = core::mem::zeroed();
-        options.size = size_of::<phihat_supervision>();
-        assert_eq!(phihat_supervision_default(1_000_000, &raw mut options), Status::Ok);
         let (joints, options) = (then.as_ptr().cast(), &raw const options);
         let (to, unheard) = (&raw mut handle, null_mut());
         let status = phihat_supervisor_create(joints, null(), N, options, to, unheard);
@@ -143,34 +132,15 @@ struct Request {
 fn a_request_that_feeds_nothing_forward_is_understood() {
     let joints = [0, 1, 2].map(|k| joint(k, PHIHAT_FORM_OBSERVER));
     let mut handle = null_mut();
-    // SAFETY: numbers only, and zero is one; all pointers are to living values, or null where that is allowed.
+    let options = supervision();
+    // SAFETY: all pointers are to living values, or null where that is allowed.
     unsafe {
-        let mut options: phihat_supervision = core::mem::zeroed();
-        options.size = size_of::<phihat_supervision>();
-        assert_eq!(phihat_supervision_default(1_000_000, &raw mut options), Status::Ok);
         let (joints, options, to) = (joints.as_ptr(), &raw const options, &raw mut handle);
         let made = phihat_supervisor_create(joints, null(), N, options, to, null_mut());
         assert_eq!(made, Status::Ok);
     }
     let (zero, mut tau) = ([0.0; N], [0.0; N]);
-    let at = zero.as_ptr();
-    let sample = phihat_sample {
-        size: size_of::<phihat_sample>(),
-        joints: N,
-        q: at,
-        dq: at,
-        tau_applied: at,
-        q_des: at,
-        dq_des: at,
-        ddq_des: at,
-    };
-    let command = phihat_command {
-        size: size_of::<phihat_command>(),
-        joints: N,
-        tau: tau.as_mut_ptr(),
-        phi_hat: null_mut(),
-        flags: null_mut(),
-    };
+    let (sample, command) = (sample(N, [zero.as_ptr(); 6]), command(&mut tau));
     let size = size_of::<Request>();
     assert_eq!(size, core::mem::offset_of!(phihat_request, feed_forward));
     for (size, wanted) in [

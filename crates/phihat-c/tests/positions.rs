@@ -5,14 +5,13 @@
 use core::ffi::{CStr, c_char};
 use core::ptr::{null, null_mut};
 
-use crate::support::{TORQUE, seeing};
+use crate::support::{TORQUE, seeing, supervision};
 use phihat::{Command, JointGains, JointState, Limits, Measurement, PositionDesign, Reference};
 use phihat_c::{
     PHIHAT_DELAY_MAX, PHIHAT_MODE_HOLDING, PHIHAT_REQUEST_ARM, PHIHAT_REQUEST_HOLD, Status,
     phihat_command, phihat_controller_create, phihat_controller_destroy, phihat_controller_update,
-    phihat_error, phihat_joint, phihat_report, phihat_request, phihat_sample, phihat_supervision,
-    phihat_supervision_default, phihat_supervisor_create, phihat_supervisor_destroy,
-    phihat_supervisor_step,
+    phihat_error, phihat_joint, phihat_report, phihat_request, phihat_sample,
+    phihat_supervisor_create, phihat_supervisor_destroy, phihat_supervisor_step,
 };
 
 const T: f64 = 1e-3;
@@ -20,16 +19,6 @@ const T: f64 = 1e-3;
 fn error() -> phihat_error {
     let size = size_of::<phihat_error>();
     phihat_error { size, joint: 0, value: 0.0, member: [1; 32], text: [1; 192] }
-}
-
-fn supervision() -> phihat_supervision {
-    // SAFETY: numbers only, and zero is one.
-    let mut options: phihat_supervision = unsafe { core::mem::zeroed() };
-    options.size = size_of::<phihat_supervision>();
-    // SAFETY: to a living value whose size is set.
-    let status = unsafe { phihat_supervision_default(1_000_000, &raw mut options) };
-    assert_eq!(status, Status::Ok);
-    options
 }
 
 /// What both ways to run a law say to these joints.

@@ -1,7 +1,13 @@
 //! What the tests' C programs have in common.
 #![allow(dead_code, reason = "each test file uses its part")]
+#![allow(unsafe_code, reason = "plays the part of a C program")]
 
-use phihat_c::{PHIHAT_CORRECTION_MAX, PHIHAT_FORM_POSITIONS, phihat_joint};
+use core::ptr::null_mut;
+
+use phihat_c::{
+    PHIHAT_CORRECTION_MAX, PHIHAT_FORM_POSITIONS, Status, phihat_command, phihat_joint,
+    phihat_sample, phihat_supervision, phihat_supervision_default,
+};
 
 /// Largest torque \[N·m\].
 pub(crate) const TORQUE: f64 = 87.0;
@@ -35,5 +41,34 @@ pub(crate) fn seeing() -> phihat_joint {
         share: 0.5,
         delay_samples: 1,
         ..joint()
+    }
+}
+
+/// The default supervision at 1 ms.
+pub(crate) fn supervision() -> phihat_supervision {
+    // SAFETY: numbers only, and zero is one.
+    let mut options: phihat_supervision = unsafe { core::mem::zeroed() };
+    options.size = size_of::<phihat_supervision>();
+    // SAFETY: to a living value whose size is set.
+    let status = unsafe { phihat_supervision_default(1_000_000, &raw mut options) };
+    assert_eq!(status, Status::Ok);
+    options
+}
+
+/// A sample: `q, dq, tau_applied, q_des, dq_des, ddq_des`, an entry per joint each.
+pub(crate) fn sample(joints: usize, of: [*const f64; 6]) -> phihat_sample {
+    let [q, dq, tau_applied, q_des, dq_des, ddq_des] = of;
+    let size = size_of::<phihat_sample>();
+    phihat_sample { size, joints, q, dq, tau_applied, q_des, dq_des, ddq_des }
+}
+
+/// Where torques go, and nothing else.
+pub(crate) fn command(tau: &mut [f64]) -> phihat_command {
+    phihat_command {
+        size: size_of::<phihat_command>(),
+        joints: tau.len(),
+        tau: tau.as_mut_ptr(),
+        phi_hat: null_mut(),
+        flags: null_mut(),
     }
 }
