@@ -83,8 +83,8 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     let mut rest = order.split_off(order.len().min(BEST as usize));
     rest.retain(|(_, i)| *i < SAMPLES as usize);
     rest.sort_by_key(|(_, i)| *i);
-    let every = rest.len().div_ceil(SPREAD as usize).max(1);
-    order.extend(rest.into_iter().step_by(every));
+    let count = rest.len().min(SPREAD as usize);
+    order.extend((0..count).map(|k| rest[k * rest.len() / count]));
     let mut starts: Vec<At> = order.iter().map(|(_, i)| search.look(&tried[*i])).collect();
     let better = |a: &At, b: &At| end.score(b.value).total_cmp(&end.score(a.value));
     for start in &mut starts {
