@@ -1,9 +1,12 @@
 //! What the tube of gains says of a specification.
 
-use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_design::tube::{Desired, TubeRefusal, tube_in_parts};
 use phihat_design::{Clause, Gains, Settle, Tube, TubeJoint};
 use phihat_study::Study;
+
+/// When an arm has settled at the latest where its study does not say \[s\]: an error that is kept later alone is no promise.
+pub(crate) const SETTLED_S: f64 = 3.0;
 
 /// What the tube of some gains says.
 pub(crate) enum Judged {
@@ -56,14 +59,11 @@ pub(crate) fn judge_by(
             return if open { Judged::Open } else { Judged::Unknown };
         }
     };
-    let settle = Settle::of(study, Some(&tube));
-    let tube = tube.steady_from(settle.settle_s);
-    let shares = shares(study, &tube, &mut certificate.unproved);
+    let (judged, settle, tube) = judged(study, tube, &mut certificate.unproved);
     certificate.settle = Some(settle);
     certificate.tube_refused = None;
     certificate.tube = Some(tube);
-    let used = shares.iter().copied().largest();
-    if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }
+    judged
 }
 
 /// What a tube says of gains that have no certificate, and where one is found the tube.
@@ -72,16 +72,24 @@ pub(crate) fn promised(
     gains: &Gains,
     find: impl FnOnce(&Study, &Gains) -> Result<Tube, TubeRefusal>,
 ) -> (Judged, Option<Tube>) {
-    let tube = match found(study, gains, find) {
-        Ok(tube) => tube,
-        Err((_, true)) => return (Judged::Open, None),
-        Err((_, false)) => return (Judged::Unknown, None),
-    };
+    match found(study, gains, find) {
+        Ok(tube) => {
+            let (judged, _, tube) = judged(study, tube, &mut Vec::new());
+            (judged, Some(tube))
+        }
+        Err((_, true)) => (Judged::Open, None),
+        Err((_, false)) => (Judged::Unknown, None),
+    }
+}
+
+/// What a tube says, when it has settled, and the tube from then on; clauses that it does not keep are told.
+fn judged(study: &Study, tube: Tube, unproved: &mut Vec<String>) -> (Judged, Settle, Tube) {
     let settle = Settle::of(study, Some(&tube));
     let tube = tube.steady_from(settle.settle_s);
-    let shares = shares(study, &tube, &mut Vec::new());
+    let shares = shares(study, &tube, unproved);
     let used = shares.iter().copied().largest();
-    (if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) }, Some(tube))
+    let judged = if used <= 1.0 { Judged::Kept(shares) } else { Judged::Beyond(shares) };
+    (judged, settle, tube)
 }
 
 /// The tube of gains for the completed study; else why there is none, and whether its bounds grow without end.
@@ -97,6 +105,13 @@ fn found(
     let mut own = study.clone();
     gains.complete(&mut own).map_err(|why| (why.to_string(), false))?;
     find(&own, gains).map_err(|why| (why.to_string(), matches!(why, TubeRefusal::Open { .. })))
+}
+
+/// Largest error of a tube's joint \[rad, m\] in the bins from a time \[s\] on.
+pub(crate) fn late_error(bin_s: f64, joint: &TubeJoint, from_s: f64) -> f64 {
+    let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
+    let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= from_s);
+    late.map(|(_, (low, high))| larger(low.abs(), high.abs())).largest()
 }
 
 /// The key of the error that joints are allowed.

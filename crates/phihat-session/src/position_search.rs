@@ -11,7 +11,9 @@ use phihat_study::{PhiSource, Study};
 use crate::along::phi_along;
 use crate::coarser::{encoders, told_of};
 use crate::error::SessionError;
-use crate::judged::{Judged, judge, judge_by, promised, without_rate_limits};
+use crate::judged::{
+    Judged, SETTLED_S, judge, judge_by, late_error, promised, without_rate_limits,
+};
 use crate::told::Told;
 
 /// How often laws are looked for.
@@ -40,9 +42,6 @@ const CONFIRMED: u32 = 3;
 
 /// What finer slices leave of room for noise: their tube has less change of torque.
 const FINER_ROOM: f64 = 1.12;
-
-/// A study that does not say when the arm has settled asks for it by then, or by half of its run \[s\].
-const LATE_S: f64 = 3.0;
 
 /// How much of the allowed torque step is gone for.
 const ROOM: f64 = 0.97;
@@ -319,13 +318,12 @@ impl Figures {
         let steps = (0..errors.len()).map(step).collect();
         let mut errors = errors.clone();
         // Where the time to settle is what the tube says, an error that is kept at the very end is none that is kept.
-        let late = tube.filter(|_| !study.spec.settle_stated);
-        let late = late.map(|tube| tube.clone().steady_from(LATE_S.min(0.5 * study.duration)));
-        let allowed = study.spec.error_bound.iter().flatten();
-        for ((error, joint), allowed) in
-            errors.iter_mut().zip(late.iter().flat_map(|t| &t.joints)).zip(allowed)
-        {
-            *error = error.max(joint.error_max_rad / allowed);
+        let asked = tube.filter(|_| !study.spec.settle_stated).zip(study.spec.error_bound.as_ref());
+        if let Some((tube, allowed)) = asked {
+            let from = SETTLED_S.min(0.5 * study.duration);
+            for ((error, joint), allowed) in errors.iter_mut().zip(&tube.joints).zip(allowed) {
+                *error = error.max(late_error(tube.bin_s, joint, from) / allowed);
+            }
         }
         Some(Self { errors, steps })
     }

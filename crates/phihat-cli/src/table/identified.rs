@@ -22,19 +22,20 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
     ]);
     for joint in joints {
         let own = |figure: String, unit: &str| in_unit(figure, unit, joint.slides);
-        let range = |low: f64, high: f64| format!("{} … {}", figure(low, 4), figure(high, 4));
-        let range3 = |low: f64, high: f64| format!("{} … {}", figure(low, 3), figure(high, 3));
+        let range = |low: f64, high: f64, decimals| {
+            format!("{} … {}", figure(low, decimals), figure(high, decimals))
+        };
         let (inertia, (from, to)) = (&joint.inertia, joint.position_rad);
         let dry = joint.dry_friction.as_ref();
         table.add_row([
             joint.name.clone(),
-            own(range(inertia.low_kg_m2, inertia.high_kg_m2), "kg·m²"),
+            own(range(inertia.low_kg_m2, inertia.high_kg_m2, 4), "kg·m²"),
             own(figure(inertia.standard_error_kg_m2, 5), "kg·m²"),
             inertia.windows.to_string(),
             own(figure(joint.phi_max_nm, 3), "N·m"),
             own(figure(joint.phi_rate_max_nm_s, 2), "N·m/s"),
             own(figure(joint.phi_jump_max_nm, 3), "N·m"),
-            dry.map_or("–".to_owned(), |dry| own(range3(dry.low_nm, dry.high_nm), "N·m")),
+            dry.map_or("–".to_owned(), |dry| own(range(dry.low_nm, dry.high_nm, 3), "N·m")),
             dry.map_or(0, |dry| dry.reversals).to_string(),
             own(format!("{from:.2} … {to:.2}"), "rad"),
             own(figure(joint.velocity_max_rad_s, 2), "rad/s"),

@@ -17,3 +17,18 @@ pub(super) struct Along<'a> {
     /// What is left at each segment's start of inputs before, and does in it.
     pub(super) segments: &'a [Segment],
 }
+
+impl Along<'_> {
+    /// Samples of a bin, the last of which is the first of the next.
+    pub(super) fn samples(&self, b: usize) -> (usize, usize) {
+        let bin = self.course.bin;
+        (b * bin, ((b + 1) * bin).min(self.course.intervals.len()))
+    }
+
+    /// Largest size of what the payload's parameters do, from what each of them does; 0 without a payload.
+    pub(super) fn pushed(&self, unit: impl Fn(&Shape) -> f64) -> f64 {
+        self.slice.map_or(0.0, |slice| {
+            slice.size(&core::array::from_fn(|d| self.shapes[d].as_ref().map_or(0.0, &unit)))
+        })
+    }
+}

@@ -8,9 +8,12 @@ use super::kernel::Kernel;
 use super::linear::middle;
 use super::moved::Moved;
 use super::tensors::{Looked, Tensors};
+use super::within::Within;
 
 /// What one group of bins shares.
 pub(super) struct Group {
+    /// The first of its bins, and the one after the last.
+    pub(super) bins: (usize, usize),
     pub(super) kernel: Kernel,
     pub(super) tensors: Tensors,
     /// How far `M`, `D`, `K` differ from those of the kernel's launch, entry by entry; and `J`, `6 × n`.
@@ -19,6 +22,8 @@ pub(super) struct Group {
     pub(super) moved_jacobian: Vec<f64>,
     /// `|J̇|`.
     pub(super) jacobian_rate: Vec<f64>,
+    /// What linear runs hold over a sample, bin after bin.
+    pub(super) within: Vec<Within>,
 }
 
 /// What groups are made from.
@@ -45,13 +50,17 @@ impl Groups<'_> {
     pub(super) fn group(&self, g: usize) -> Group {
         let of = |rows: &[Vec<f64>]| rows.get(g).cloned().unwrap_or_default();
         let [m, d, k] = &self.moved.matrices;
+        let bins = (g * self.bins, ((g + 1) * self.bins).min(self.along.bins));
+        let within = |b: usize| Within::of(self.along, self.along.samples(b));
         Group {
+            bins,
             kernel: self.kernel(g),
             tensors: self.tensors(g),
             moved: [of(m), of(d), of(k)],
             moved_rate: of(&self.moved.rate),
             moved_jacobian: of(&self.moved.jacobian),
             jacobian_rate: of(&self.moved.jacobian_rate),
+            within: (bins.0..bins.1).map(within).collect(),
         }
     }
 

@@ -38,6 +38,7 @@ mod sweep;
 mod tensors;
 mod tip;
 mod twist;
+mod within;
 
 pub use desired::Desired;
 pub use document::{tube, tube_in_parts, tube_of_heaviest, tubes_behind};

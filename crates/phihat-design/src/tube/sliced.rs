@@ -103,11 +103,13 @@ fn swept(
     groups: &Groups<'_>,
     threads: usize,
 ) -> Vec<Result<Vec<Bin>, TubeRefusal>> {
-    let (count, bins) = (groups.count(), groups.along.bins);
+    let count = groups.count();
     let chunk = 4 * threads;
     let mut sweeps: Vec<Result<Sweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
-    let list = |start: usize| (start..(start + chunk).min(count)).collect::<Vec<usize>>();
-    let make = |start: usize| parallel(&list(start), threads, |g| groups.group(g));
+    let make = |start: usize| {
+        let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
+        parallel(&list, threads, |g| groups.group(g))
+    };
     let mut made = make(0);
     for start in (0..count).step_by(chunk) {
         if sweeps.iter().all(Result::is_err) {
@@ -117,10 +119,9 @@ fn swept(
             threads,
             || make(start + chunk),
             || {
-                for (g, made) in list(start).iter().zip(&made) {
-                    let covered = (g * groups.bins, ((g + 1) * groups.bins).min(bins));
+                for group in &made {
                     for one in &mut sweeps {
-                        let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(covered, made));
+                        let told = one.as_mut().map_or(Ok(()), |sweep| sweep.group(group));
                         if let Err(why) = told {
                             *one = Err(why);
                         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_design::tube::modelled;
-use phihat_design::{Arm, Gains, Infeasible, Outcome, TubeJoint};
+use phihat_design::{Arm, Gains, Infeasible, Outcome};
 use phihat_model::{JointKind, Profile, Robot, Rotor};
 use phihat_sim::{Demand, SimError, derive_substeps};
 use phihat_study::Study;
@@ -19,6 +19,7 @@ use crate::along::arm_along;
 use crate::design::{Advice, designed_for};
 use crate::digits;
 use crate::error::SessionError;
+use crate::judged::{SETTLED_S, late_error};
 use crate::rotor::{any_law, lacking, one_search, smallest_rotor};
 use crate::session::Session;
 use crate::watch::Watch;
@@ -33,8 +34,8 @@ const UNASKED: f64 = 1e-2;
 const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
 
-/// What is asked for in the end, over what gains kept, where the design may choose the form of law; the second where the first is not kept.
-const FORM_CHOSEN: [f64; 2] = [0.6, 0.7];
+/// What is asked for in the end, over what gains kept, where the design may choose the form of law.
+const FORM_CHOSEN: f64 = 0.6;
 
 /// How often an error is tried.
 const ROUNDS: u32 = 5;
@@ -48,9 +49,6 @@ const PACES: i32 = 4;
 /// How it is made smaller after that: gravity does not fall with the pace.
 const SMALLER: f64 = 0.5;
 const REACHES: i32 = 2;
-
-/// When an arm has settled at the latest \[s\].
-const SETTLED_S: f64 = 3.0;
 
 /// The loop's rate where nothing says otherwise \[Hz\].
 const RATE_HZ: f64 = 1000.0;
@@ -269,14 +267,13 @@ impl<'a> Looked<'a> {
         out: &Path,
         watch: &mut dyn Watch,
     ) -> Found {
+        let less = two_digits(FORM_CHOSEN * error);
+        watch
+            .step(&format!("laws from positions for an error of {:.3} mrad, and runs", 1e3 * less));
         self.study.control.form_designed = true;
-        for less in FORM_CHOSEN.map(|share| two_digits(share * error)) {
-            let mrad = 1e3 * less;
-            watch.step(&format!("laws from positions for an error of {mrad:.3} mrad, and runs"));
-            // A search that cannot begin is no reason to have nothing.
-            if let Ok(Asked::Kept(simulated)) = self.asked(less, out) {
-                return self.found(less, Some(simulated), None);
-            }
+        // A search that cannot begin is no reason to have nothing.
+        if let Ok(Asked::Kept(simulated)) = self.asked(less, out) {
+            return self.found(less, Some(simulated), None);
         }
         self.study.control.form_designed = false;
         self.found(error, Some(simulated), None)
@@ -402,7 +399,7 @@ fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
     let most = shares.largest();
     // What the whole of the tube asks for after a while: an error that is kept at the end alone is no promise.
     let late = tube.joints.iter().zip(study.spec.error_bound.iter().flatten());
-    let late = late.map(|(joint, limit)| late_error(tube.bin_s, joint) / limit);
+    let late = late.map(|(joint, limit)| late_error(tube.bin_s, joint, SETTLED_S) / limit);
     let late = larger(most, late.largest());
     match certificate.settle {
         _ if most.is_nan() || most > 1.0 => most,
@@ -410,13 +407,6 @@ fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
         Some(settle) if settle.settle_s > SETTLED_S => late.max(1.0 + 1e-3),
         _ => most,
     }
-}
-
-/// Largest error of a tube's joint \[rad, m\] after [`SETTLED_S`].
-fn late_error(bin_s: f64, joint: &TubeJoint) -> f64 {
-    let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
-    let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= SETTLED_S);
-    late.map(|(_, (low, high))| larger(low.abs(), high.abs())).largest()
 }
 
 /// A study with a motion, and what is to be said of it.

@@ -5,10 +5,8 @@ use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use super::guess::Guess;
 use super::stretch::Stretch;
 use crate::tube::basis::Slice;
-use crate::tube::linear::Derivatives;
 use crate::tube::products::{contracted, times, times_abs, transposed_abs};
 use crate::tube::scene::dry;
-use crate::tube::shapes::Shape;
 
 /// Boxes on all inputs of a bin, if the guess holds in it.
 pub(super) fn inputs_of(at: &Stretch<'_>, misread: &[f64], guess: &Guess) -> Vec<f64> {
@@ -147,35 +145,15 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// What linear runs hold over a sample and the arm does not: the payload's torque, `D` and `K`. A torque that goes on by `Δ` per
-    /// sample, held at its middle, ends `T²/12 M⁻¹ Δ` elsewhere; of its bend `Δ²` the mean lacks `Δ²/24`, and as much again for
-    /// what bends more.
+    /// What linear runs hold over a sample and the arm does not: the payload's torque, `D` and `K`; of a bend as much again, for what
+    /// bends more.
     fn held_within(&self, [momentum, torque]: [&mut [f64]; 2]) {
-        let (at, n, t) = (self.at, self.at.n, self.at.along.course.scene.period);
-        let samples = at.along.course.intervals.len();
-        let mut slope = vec![0.0_f64; n];
-        let mut bend = vec![0.0_f64; n];
-        for k in at.from..(at.to + 1).min(samples) {
-            for i in 0..n {
-                slope[i] = larger(slope[i], at.pushed(|shape| shape.change(k, (i, n))));
-                if k > 1 {
-                    let twice = |s: &Shape| s.change(k, (i, n)) - s.change(k - 1, (i, n));
-                    bend[i] = larger(bend[i], at.pushed(twice));
-                }
-            }
-        }
-        let intervals = &at.along.course.intervals;
-        let moved = |of: fn(&Derivatives) -> &[f64]| -> Vec<f64> {
-            let pair = |k: usize, e: usize| {
-                (of(&intervals[k].derivatives)[e] - of(&intervals[k - 1].derivatives)[e]).abs()
-            };
-            let pairs = at.from.max(1)..(at.to + 1).min(samples);
-            (0..n * n).map(|e| pairs.clone().map(|k| pair(k, e)).largest()).collect()
-        };
-        add(&mut slope, &times(&moved(|at| &at.d), &self.v));
-        add(&mut slope, &times(&moved(|at| &at.k), &self.guess.e));
+        let (within, t) = (self.at.within, self.at.along.course.scene.period);
+        let mut slope = within.slope.clone();
+        add(&mut slope, &times(&within.damping, &self.v));
+        add(&mut slope, &times(&within.stiffness, &self.guess.e));
         add_times(momentum, t / 12.0, &slope);
-        add_times(torque, 1.0 / 12.0, &bend);
+        add_times(torque, 1.0 / 12.0, &within.bend);
     }
 
     /// Pushes that begin or end between steps.

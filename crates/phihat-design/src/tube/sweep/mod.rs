@@ -76,12 +76,9 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Goes through the bins of a group, from bin `first` to before bin `end`.
-    pub(super) fn group(
-        &mut self,
-        (first, end): (usize, usize),
-        group: &Group,
-    ) -> Result<(), TubeRefusal> {
+    /// Goes through the bins of a group.
+    pub(super) fn group(&mut self, group: &Group) -> Result<(), TubeRefusal> {
+        let (first, end) = group.bins;
         for b in first..end {
             self.bin((b, end), group)?;
         }

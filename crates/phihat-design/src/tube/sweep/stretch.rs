@@ -8,7 +8,7 @@ use crate::tube::group::Group;
 use crate::tube::kernel::Inputs;
 use crate::tube::linear::Interval;
 use crate::tube::products::times_abs;
-use crate::tube::shapes::Shape;
+use crate::tube::within::Within;
 
 /// The stretch of the run that a bin covers.
 #[derive(Clone, Copy)]
@@ -27,16 +27,19 @@ pub(super) struct Stretch<'a> {
     pub(super) interval: &'a Interval,
     /// The payload's Jacobian in the middle; empty without one.
     pub(super) jacobian: &'a [f64],
+    /// What linear runs hold over a sample of it.
+    pub(super) within: &'a Within,
 }
 
 impl<'a> Stretch<'a> {
     pub(super) fn new(along: &'a Along<'a>, group: &'a Group, b: usize) -> Self {
         let course = along.course;
-        let (from, to) = (b * course.bin, ((b + 1) * course.bin).min(course.intervals.len()));
+        let (from, to) = along.samples(b);
         let middle = usize::midpoint(from, to);
         let inputs = course.inputs();
         let (interval, jacobian) = (course.interval(middle), course.jacobian(middle));
-        Self { along, group, inputs, n: inputs.n, b, from, to, interval, jacobian }
+        let within = &group.within[b - group.bins.0];
+        Self { along, group, inputs, n: inputs.n, b, from, to, interval, jacobian, within }
     }
 
     /// True velocity's ends in interval `k`, if the guess holds.
@@ -46,14 +49,6 @@ impl<'a> Stretch<'a> {
         let (a, b) = (guess.v[(k - from) * n + i], guess.v[(k + 1 - from) * n + i]);
         let (v, w) = (nominal[k * n + i], nominal[(k + 1) * n + i]);
         (smaller(v + a.0, w + b.0), larger(v + a.1, w + b.1))
-    }
-
-    /// Largest size of what the payload's parameters do, from what each of them does; 0 without a payload.
-    pub(super) fn pushed(&self, unit: impl Fn(&Shape) -> f64) -> f64 {
-        let along = self.along;
-        along.slice.map_or(0.0, |slice| {
-            slice.size(&core::array::from_fn(|d| along.shapes[d].as_ref().map_or(0.0, &unit)))
-        })
     }
 
     /// `|M⁻¹ x + M⁻¹ Jᵀ μ|`: what momentum is of a velocity at once.
