@@ -25,6 +25,7 @@ mod ros2;
 mod rules;
 mod screenshots;
 mod shell;
+mod shown;
 mod test;
 mod twice;
 mod venv;
