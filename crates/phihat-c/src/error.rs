@@ -143,6 +143,8 @@ fn blamed(error: GainError, estimator: &'static str) -> (Member, f64) {
         GainError::UnstableEstimator { .. } => (estimator, None, none),
         GainError::Share { value } => ("share", None, value),
         GainError::Delay { samples } => ("delay_samples", None, samples as f64),
+        GainError::Sections { .. } => ("sections", None, none),
+        GainError::UnstableSection { index } => ("section", Some(index), none),
         GainError::Form => ("form", None, none),
         GainError::Overflow => ("", None, none),
     };
@@ -161,6 +163,7 @@ fn named(gain: Gain) -> (&'static str, Option<usize>) {
         Gain::Share => ("share", None),
         Gain::Correction(i) => ("correction", Some(i)),
         Gain::VelocityCorrection(i) => ("velocity_correction", Some(i)),
+        Gain::Section(i) => ("section", Some(i)),
         // Of no structure here.
         Gain::VelocityMax | Gain::AccelerationMax | Gain::JerkMax | Gain::VelocityFilter => {
             ("", None)

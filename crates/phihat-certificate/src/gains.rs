@@ -1,12 +1,14 @@
 //! The gains document: what a controller needs, as one versioned JSON file.
 
-use phihat::{Form, GainError, JointDesign, JointGains, PositionDesign};
+use phihat::{Form, GainError, InnovationSection, JointDesign, JointGains, PositionDesign};
 use phihat_model::input::plain;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, CoarserEncoder, JointLimit, JointRecord, PositionObserver, TradeOff};
+use crate::{
+    Certificate, CoarserEncoder, FilterSection, JointLimit, JointRecord, PositionObserver, TradeOff,
+};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -257,7 +259,7 @@ impl JointRecord {
 impl PositionObserver {
     /// The core's gains of a law from positions.
     fn gains(&self, record: &JointRecord, period: f64) -> Result<JointGains<f64>, GainError> {
-        JointGains::from_positions(&PositionDesign {
+        let gains = JointGains::from_positions(&PositionDesign {
             inertia: record.inertia_kg_m2,
             kp: record.kp_per_s2,
             kd: record.kd_per_s,
@@ -266,7 +268,16 @@ impl PositionObserver {
             share: self.share,
             delay: self.delay_samples as usize,
             period,
-        })
+        })?;
+        if self.innovation_filter.is_empty() {
+            return Ok(gains);
+        }
+        let section = |own: &FilterSection| InnovationSection {
+            rates: own.rates,
+            weights: own.weights_per_s2,
+        };
+        let sections: Vec<_> = self.innovation_filter.iter().map(section).collect();
+        gains.with_innovation_filter(&sections)
     }
 }
 

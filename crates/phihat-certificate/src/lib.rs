@@ -115,7 +115,7 @@ pub use peaks::SampledPeaks;
 pub use performance::PeakGains;
 pub use phi::{Motion, Phi, PhiBasis};
 pub use reading::ReadingError;
-pub use record::{JointRecord, PositionObserver};
+pub use record::{FilterSection, JointRecord, PositionObserver};
 pub use reference::ReferenceError;
 pub use refutation::Refutation;
 pub use settle::{Settle, SettleFrom};

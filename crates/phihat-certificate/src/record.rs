@@ -37,6 +37,19 @@ pub struct PositionObserver {
     pub share: f64,
     /// Delay from sample to acting torque that the law predicts across \[samples\].
     pub delay_samples: u32,
+    /// Filter on the innovation, of up to two sections; empty: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub innovation_filter: Vec<FilterSection>,
+}
+
+/// A section of second order of a filter on the innovation: [`phihat::InnovationSection`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilterSection {
+    /// `c_0, c_1`: its poles are `z = 1 + w` with `w² + c_1 w + c_0 = 0`.
+    pub rates: [f64; 2],
+    /// `b_0, b_1`: what its state and the change of that per sample weigh in the torque that is wanted, per `M̄` \[1/s²\].
+    pub weights_per_s2: [f64; 2],
 }
 
 impl JointRecord {

@@ -45,6 +45,7 @@ pub(crate) fn joint(dice: &mut Dice, t: f64) -> Joint {
             correction: correction(&poles, t),
             share: dice.between(0.2, 1.0),
             delay_samples: delay,
+            innovation_filter: Vec::new(),
         }),
     };
     let late = if delay > 0 { dice.below(2) } else { 0 };

@@ -69,6 +69,7 @@ pub(crate) fn position_bound(
         correction: law.correction,
         share: law.share,
         delay_samples: study.control.delay_samples,
+        innovation_filter: Vec::new(),
     };
     let record = JointRecord {
         name: String::new(),

@@ -122,6 +122,7 @@ fn observer(study: &Study, request: &LawRequest, joint: usize) -> PositionObserv
         correction: correction(&poles, period),
         share,
         delay_samples: study.control.delay_samples,
+        innovation_filter: Vec::new(),
     }
 }
 

@@ -400,7 +400,12 @@ fn a_law_of_the_core_beside_the_limit() {
             -(1.0 - pole).powi(3) / (period_s * period_s),
         ];
         let share = random.around(0.3, 1.0);
-        let own = PositionObserver { correction, share, delay_samples: delay };
+        let own = PositionObserver {
+            correction,
+            share,
+            delay_samples: delay,
+            innovation_filter: Vec::new(),
+        };
         let positions = JointRecord { a: Vec::new(), observer: Some(own), ..base.clone() };
         let law = [base, positions][kind as usize].clone();
         let model = LoopModel {

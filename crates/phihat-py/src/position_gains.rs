@@ -140,6 +140,9 @@ fn refused(py: Python<'_>, joint: &str, error: GainError) -> PyErr {
             ("correction", None, "3 to 5 numbers: two more than the order")
         }
         GainError::UnstableEstimator { .. } => ("correction", None, "a stable observer"),
+        GainError::Sections { .. } | GainError::UnstableSection { .. } => {
+            ("innovation_filter", None, "one or two stable sections")
+        }
         GainError::Form | GainError::Overflow => ("gains", None, "see the message"),
     };
     let carried = PyDict::new(py);

@@ -1,6 +1,7 @@
 //! What a sample would teach, before it counts.
 
-use crate::{ORDER_MAX, Real};
+use crate::innovation::Filtered;
+use crate::{ORDER_MAX, Real, SECTIONS_MAX};
 
 /// What the estimator would remember after a sample.
 #[derive(Debug, Clone, Copy)]
@@ -12,9 +13,16 @@ pub(crate) struct Estimate<R> {
     pub(crate) phi_hat: R,
     /// From positions: the torque asked for beside `φ̂`.
     pub(crate) outer: R,
+    /// From positions: what has become of the innovations beside the observer.
+    pub(crate) filtered: Filtered<R>,
 }
 
 impl<R: Real> Estimate<R> {
+    /// Of a law without an innovation filter.
+    pub(crate) fn of(memory: [R; ORDER_MAX], beside: [R; ORDER_MAX], phi_hat: R, outer: R) -> Self {
+        Self { memory, beside, phi_hat, outer, filtered: [[R::ZERO; 2]; SECTIONS_MAX] }
+    }
+
     /// Whether it can be stored and `demand`, of which `φ̂` is a part, be asked for. All that is remembered is in
     /// the sum: the observer's `φ̂_0`, and the literal form's integrals with their rests, through `φ̂`.
     pub(crate) fn fits(&self, demand: R) -> bool {

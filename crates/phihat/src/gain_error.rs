@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use crate::ORDER_MAX;
 use crate::delay::PENDING_MAX;
+use crate::{ORDER_MAX, SECTIONS_MAX};
 
 /// Names a gain in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +36,8 @@ pub enum Gain {
     Correction(usize),
     /// `λ_i`, with its index.
     VelocityCorrection(usize),
+    /// A number of a section of the innovation filter, with its index.
+    Section(usize),
 }
 
 impl Gain {
@@ -71,6 +73,7 @@ impl fmt::Display for Gain {
             Self::Share => f.write_str("share"),
             Self::Correction(i) => write!(f, "correction[{i}]"),
             Self::VelocityCorrection(i) => write!(f, "velocity_correction[{i}]"),
+            Self::Section(i) => write!(f, "section {i} of the innovation filter"),
         }
     }
 }
@@ -121,6 +124,16 @@ pub enum GainError {
         /// How many for the velocity.
         velocity: usize,
     },
+    /// An innovation filter has one section or two.
+    Sections {
+        /// How many were given.
+        count: usize,
+    },
+    /// A section of the innovation filter does not settle.
+    UnstableSection {
+        /// Which one.
+        index: usize,
+    },
     /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.
     Overflow,
 }
@@ -147,6 +160,13 @@ impl fmt::Display for GainError {
             Self::Corrections { position, velocity } => write!(
                 f,
                 "{position} corrections by position and {velocity} by velocity; 3 to 5, and none or as many, are possible"
+            ),
+            Self::Sections { count } => {
+                write!(f, "{count} sections of an innovation filter; 1 to {SECTIONS_MAX} are possible")
+            }
+            Self::UnstableSection { index } => write!(
+                f,
+                "section {index} of the innovation filter is not stable: 0 < c_0 < c_1 and 2 c_1 < 4 + c_0 are possible"
             ),
             Self::Overflow => f.write_str(
                 "gains, inertia and period are too far from 1: torques would overflow in this scalar",

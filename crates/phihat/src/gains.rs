@@ -290,7 +290,9 @@ impl<R: Real> JointGains<R> {
 
     /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
     pub(crate) fn knows_as(&self, other: &Self) -> bool {
-        self.form == other.form && self.form != Form::Literal
+        self.form == other.form
+            && self.form != Form::Literal
+            && self.position.filter.reads_as(&other.position.filter)
     }
 
     /// The numbers of the observer form, for code that computes the very law of [`update`](Self::update) for many joints side by

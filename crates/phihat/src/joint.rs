@@ -1,6 +1,7 @@
 //! What one joint's law takes, gives and remembers.
 
 use crate::delay::PENDING_MAX;
+use crate::innovation::Filtered;
 use crate::{ORDER_MAX, Real};
 
 /// What one joint's sensors report at one sample.
@@ -127,6 +128,8 @@ pub struct JointState<R> {
     pub(crate) pending: [R; PENDING_MAX],
     /// From positions: the feed-forward of the last samples \[N·m\], the newest first.
     pub(crate) feedforward: [R; PENDING_MAX + 1],
+    /// From positions: what has become of the innovations beside the observer.
+    pub(crate) filtered: Filtered<R>,
     /// Velocity at the last sample.
     pub(crate) dq: R,
     /// `φ̂` at the last sample.

@@ -123,8 +123,7 @@ impl<R: Real> JointGains<R> {
         next.phi_hat = phi_hat;
         next.tau = tau;
         next.started = true;
-        let stored =
-            Estimate { memory: next.memory, beside: next.carry, phi_hat, outer: tau - phi_hat };
+        let stored = Estimate::of(next.memory, next.carry, phi_hat, tau - phi_hat);
         if !stored.fits(wanted + next.memory[0]) {
             return false;
         }
@@ -151,7 +150,7 @@ impl<R: Real> JointGains<R> {
         match S::FORM {
             Form::Observer => {
                 let memory = self.observe(state, measurement, interval);
-                Estimate { memory, beside: state.carry, phi_hat: memory[0], outer: R::ZERO }
+                Estimate::of(memory, state.carry, memory[0], R::ZERO)
             }
             Form::Literal => self.integrate(state, measurement, reference, interval),
             Form::Positions => self.sight(state, measurement, reference, interval),
@@ -182,7 +181,7 @@ impl<R: Real> JointGains<R> {
         match S::FORM {
             Form::Observer => {}
             Form::Literal => state.carry = estimate.beside,
-            Form::Positions => Self::remember_seen(state, &estimate.beside),
+            Form::Positions => Self::remember_seen(state, estimate),
         }
         state.dq = measurement.dq;
         state.started = true;
@@ -244,7 +243,7 @@ impl<R: Real> JointGains<R> {
             }
         }
         let phi_hat = -(self.inertia * self.weigh(&memory, e, de));
-        Estimate { memory, beside: carry, phi_hat, outer: R::ZERO }
+        Estimate::of(memory, carry, phi_hat, R::ZERO)
     }
 
     /// `Σ_{i=1}^{m+2} (a_{i−1}K_p + a_{i−2}K_d + a_{i−3}) x_i`.

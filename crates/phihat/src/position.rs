@@ -2,6 +2,7 @@
 
 use crate::delay::PENDING_MAX;
 use crate::estimate::Estimate;
+use crate::innovation::{Filtered, InnovationFilter};
 use crate::joint::Interval;
 use crate::position_design::STATES;
 use crate::position_gains::{Correction, Expected, PositionGains, Step, entry, push, weighed};
@@ -56,6 +57,7 @@ impl<R: Real> JointGains<R> {
                 share: R::from_f64(design.share),
                 delay: u8::try_from(design.delay).unwrap_or(0),
                 hears_velocity: design.velocity_correction.iter().any(|gain| *gain != 0.0),
+                filter: InnovationFilter::default(),
             },
             order: design.correction.len().saturating_sub(2),
             period: R::from_f64(design.period),
@@ -87,6 +89,7 @@ impl<R: Real> JointGains<R> {
         let [phi, d1, d2, _] = state.memory;
         let mut z = Expected { e, de, phi: [phi, d1, d2] };
         let mut pending = state.pending;
+        let mut filtered = state.filtered;
         if state.started {
             let [e_hat, de_hat] = state.motion;
             z = Expected { e: e_hat, de: de_hat, ..z };
@@ -101,12 +104,16 @@ impl<R: Real> JointGains<R> {
             if own.hears_velocity {
                 z.correct(&own.on_velocity, on_de);
             }
+            if own.filter.acts {
+                filtered = own.filter.through(&filtered, on_e, interval.parts);
+            }
         }
         let [phi, d1, d2] = z.phi;
         let [on_phi, on_d1, on_d2] = own.seen.phi;
         let wanted = (own.seen.e * z.e + own.seen.de * z.de)
             + (on_phi * phi + (on_d1 * d1 + on_d2 * d2))
             + weighed(&own.coming, &pending, own.delay);
+        let wanted = if own.filter.acts { wanted + own.filter.torque(&filtered) } else { wanted };
         let [last, ..] = pending;
         let feedforward = self.inertia * reference.ddq;
         let demand = feedforward + last + own.share * (wanted - last);
@@ -116,6 +123,7 @@ impl<R: Real> JointGains<R> {
             beside: [z.e, z.de, feedforward, parts],
             phi_hat: phi,
             outer: demand - phi,
+            filtered,
         }
     }
 
@@ -146,9 +154,10 @@ impl<R: Real> JointGains<R> {
     }
 
     /// The sample counts, and `state.tau` is what it was answered with.
-    pub(crate) fn remember_seen(state: &mut JointState<R>, beside: &[R; ORDER_MAX]) {
-        let [e, de, feedforward, parts] = *beside;
+    pub(crate) fn remember_seen(state: &mut JointState<R>, estimate: &Estimate<R>) {
+        let [e, de, feedforward, parts] = estimate.beside;
         state.motion = [e, de];
+        state.filtered = estimate.filtered;
         if parts > R::from_f64(1.0) {
             Self::hold_through(state, parts);
         }
@@ -189,6 +198,7 @@ impl<R: Real> JointGains<R> {
         let phi = torque + self.inertia * force / (R::from_f64(1.0) + share);
         next.memory = [phi, R::ZERO, R::ZERO, R::ZERO];
         next.motion = [e, de];
+        next.filtered = Filtered::default();
         next.pending = [torque; PENDING_MAX];
         next.feedforward = [fed; PENDING_MAX + 1];
         phi

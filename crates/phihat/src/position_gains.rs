@@ -1,6 +1,7 @@
 //! What only a law from positions has: its numbers, and how a joint moves in its eyes.
 
 use crate::delay::PENDING_MAX;
+use crate::innovation::InnovationFilter;
 use crate::{ORDER_MAX, Real};
 
 /// What an innovation corrects: `ê`, `ė̂`, `φ̂` and its derivatives.
@@ -28,6 +29,8 @@ pub(crate) struct PositionGains<R> {
     pub(crate) delay: u8,
     /// Whether a velocity corrects it.
     pub(crate) hears_velocity: bool,
+    /// What becomes of the innovation beside the observer.
+    pub(crate) filter: InnovationFilter<R>,
 }
 
 /// What the observer holds to be true at one instant.
@@ -92,7 +95,12 @@ impl<R: Real> PositionGains<R> {
             by.phi.iter().fold(by.e.abs() + by.de.abs(), |sum, factor| sum + factor.abs())
         };
         let coming = self.coming.iter().fold(R::ZERO, |sum, factor| sum + factor.abs());
-        [most(&self.on_position), most(&self.on_velocity), most(&self.seen), coming]
+        [
+            most(&self.on_position),
+            most(&self.on_velocity),
+            most(&self.seen),
+            coming + self.filter.largest(),
+        ]
     }
 }
 

@@ -56,6 +56,7 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
                 correction: [0.4, 110.0, -9e3, -3e5, -5e6][..order + 2].to_vec(),
                 share: 0.3,
                 delay_samples,
+                innovation_filter: Vec::new(),
             }),
         };
         let model = LoopModel {

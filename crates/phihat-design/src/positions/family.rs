@@ -72,6 +72,7 @@ impl Family {
                 correction: correction(&poles, self.period),
                 share: -libm::expm1(-TAU * hz * self.period),
                 delay_samples: self.delay,
+                innovation_filter: Vec::new(),
             }),
         })
     }
