@@ -54,7 +54,8 @@ const ENOUGH: f64 = 0.85;
 /// # Method
 ///
 /// Laws are sought by the tube over the heaviest payloads; that over all of them, and every other claim, is found for the laws that
-/// are taken. Where it says more than the heaviest did, the search goes on with what it says.
+/// are taken. Where it says more than the heaviest did, the search goes on with what it says. Where laws may filter their innovation, they are
+/// sought a second time, and those are taken whose tube is better.
 ///
 /// # Errors
 ///
@@ -71,30 +72,34 @@ pub(crate) fn by_positions(
         let PhiSource::Typed { rate, jump } = &study.design.phi else { return along };
         Phi { rate_nm_s: rate[joint], jump_nm: jump[joint], ..along }
     };
-    let search = PositionSearch::new(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
-    let least = || PositionSearch::with_least_error(study, arm, &phi);
     // Where a limit can act there is no tube, and no figure to go by.
     let unlimited = without_rate_limits(study);
+    let begin = |filtering: bool, least: bool| {
+        let new = if least { PositionSearch::with_least_error } else { PositionSearch::new };
+        new(study, arm, &phi).map(|search| if filtering { search.filtering() } else { search })
+    };
+    let (least, least_filtering) = (|| begin(false, true), || begin(true, true));
     let mut rounds = Rounds {
         study,
         unlimited: &unlimited,
         path,
         motion: &motion,
-        search,
+        search: begin(false, false).map_err(|e| SessionError::at(path, e))?,
         least: Some(&least),
         thorough: false,
         beside: None,
     };
-    let mut best = rounds.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
-    let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
-    if let Some(coarse) = asked.filter(|_| divisible(study)) {
-        let first = coarse.next.as_ref().unwrap_or(&coarse.shares).iter();
-        let first: Vec<f64> = first.map(|s| (FINER_ROOM * s).min(SHARES.1)).collect();
-        let finer = rounds.settled(&first, FINER)?;
-        // Finer slices bound the same laws by less.
-        best = finer.filter(|finer| finer.rank.armed).or(best);
+    let mut best = rounds.best()?;
+    if study.design.innovation_filter {
+        rounds.search = begin(true, false).map_err(|e| SessionError::at(path, e))?;
+        rounds.least = Some(&least_filtering);
+        rounds.thorough = false;
+        let filtered = rounds.best()?;
+        best = match (best, filtered) {
+            (Some(plain), Some(own)) if !own.rank.beats(&plain.rank, 0.0) => Some(plain),
+            (plain, filtered) => filtered.or(plain),
+        };
     }
-    let best = best.map(|best| rounds.confirmed(best)).transpose()?;
     // Laws of which a claim is refused do not arm.
     let Some(Best { rank, mut gains, parts, .. }) = best.filter(|best| best.rank.armed) else {
         return Ok(Outcome::Infeasible(rounds.search.refused()));
@@ -146,6 +151,21 @@ struct Rounds<'a> {
 }
 
 impl Rounds<'_> {
+    /// The best laws of the search, with every claim.
+    fn best(&mut self) -> Result<Option<Best>, SessionError> {
+        let study = self.study;
+        let mut best = self.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
+        let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
+        if let Some(coarse) = asked.filter(|_| divisible(study)) {
+            let first = coarse.next.as_ref().unwrap_or(&coarse.shares).iter();
+            let first: Vec<f64> = first.map(|s| (FINER_ROOM * s).min(SHARES.1)).collect();
+            let finer = self.settled(&first, FINER)?;
+            // Finer slices bound the same laws by less.
+            best = finer.filter(|finer| finer.rank.armed).or(best);
+        }
+        best.map(|best| self.confirmed(best)).transpose()
+    }
+
     fn told(&self, gains: &Gains) -> Result<Desired, SessionError> {
         self.motion.to(gains).map_err(|e| SessionError::at(self.path, e))
     }

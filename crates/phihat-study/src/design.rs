@@ -21,6 +21,7 @@ pub(crate) fn read(
             _ => DesignMethod::Ours,
         },
         orders: orders(node)?,
+        innovation_filter: node.flag("innovation_filter")?,
         payload: payload_set::read(node, arm, world.payload.as_ref())?,
         coulomb: found.keep(coulomb(node, arm, world))?.unwrap_or_default(),
         inertia: found.keep(inertia(node, arm, base))?.unwrap_or(InertiaSource::Robot),

@@ -24,6 +24,15 @@ pub(crate) static DESIGN: Section = Section {
             doc: "Estimator orders to try; the paper's method takes the smallest.",
         },
         Key {
+            name: "innovation_filter",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(false),
+            doc: "Whether laws from positions may also filter their innovation, by two sections of second order: mostly a smaller \
+                  error at the same torque noise. Sought beside laws without it, and taken where the tube is better; the search takes \
+                  several times as long.",
+        },
+        Key {
             name: "payload_max_kg",
             unit: "kg",
             shape: Shape::Number(Bounds::closed(0.0, 1e4)),

@@ -110,6 +110,8 @@ pub struct DesignRequest {
     pub method: DesignMethod,
     /// Estimator orders to try, ascending.
     pub orders: Vec<usize>,
+    /// Whether laws from positions may filter their innovation.
+    pub innovation_filter: bool,
     /// Payloads that the gains must bear.
     pub payload: crate::PayloadSet,
     /// Lowest and highest level of dry friction \[N·m\] per joint.

@@ -3,14 +3,17 @@
 use core::f64::consts::{PI, TAU};
 
 use crate::sampled::placed::{Poles, correction};
-use crate::{JointRecord, PositionObserver};
+use crate::{FilterSection, JointRecord, PositionObserver};
 
-/// Numbers of a law of the family, all positive, by their logarithms: `K_p`, `K_d`, the observer's real pole, its pair
-/// (distance and damping), the bandwidth of the torque \[Hz\]; for `m = 2` another real pole.
+/// Numbers of a law of the family, positive ones by their logarithms: `K_p`, `K_d`, the observer's real pole, its pair
+/// (distance and damping), the bandwidth of the torque \[Hz\]; for `m = 2` another real pole. With a filter on the innovation, for each of
+/// its sections the pair of poles (distance, damping), and what of its state and of the change of that the torque has, of either sign.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Family {
     /// Order `m`, 1 or 2.
     pub(super) order: usize,
+    /// Whether it filters the innovation.
+    pub(super) filtered: bool,
     pub(super) period: f64,
     pub(super) delay: u32,
 }
@@ -20,6 +23,12 @@ const START: [f64; 6] = [700.0, 110.0, 130.0, 850.0, 0.27, 28.0];
 
 /// The second real pole of order 2 to begin with.
 const SLOW: f64 = 12.0;
+
+/// Poles of a filter's sections to begin with, beside the observer's real pole: distance and damping.
+const SECTIONS: [(f64, f64); 2] = [(0.45, 0.8), (3.0, 0.8)];
+
+/// The damping that a section may have.
+const DAMPED: core::ops::RangeInclusive<f64> = 0.15..=3.0;
 
 /// How the numbers grow with speed: by which power.
 const POWERS: [f64; 6] = [2.0, 1.0, 1.0, 1.0, 0.0, 1.0];
@@ -31,10 +40,28 @@ const FASTEST: f64 = 0.9;
 /// sum up, and no error of a joint's estimate shows it.
 const SLOWEST: f64 = 5e-5;
 
+/// No section is slower than this per sample: what it holds would outgrow single precision.
+const SLOWEST_SECTION: f64 = 4e-3;
+
 impl Family {
-    /// Count of numbers.
-    pub(super) fn length(&self) -> usize {
+    /// Count of numbers without those of a filter.
+    fn length(&self) -> usize {
         START.len() + self.order.saturating_sub(1)
+    }
+
+    /// Whether the numbers are of this family, not of one with a filter or without.
+    pub(super) fn has(&self, x: &[f64]) -> bool {
+        self.filtered == (x.len() > self.length())
+    }
+
+    /// The same law with a filter that does nothing yet.
+    pub(super) fn with_filter(&self, x: &[f64]) -> Vec<f64> {
+        let mut all = x.to_vec();
+        let own = x.get(2).copied().unwrap_or_default();
+        for (distance, damping) in SECTIONS {
+            all.extend([own + distance.ln(), damping.ln(), 0.0, 0.0]);
+        }
+        all
     }
 
     /// A law of a speed, 1 for a loop of some 25 rad/s.
@@ -47,6 +74,7 @@ impl Family {
 
     /// The law of these numbers for a joint; `None` where they are none.
     pub(super) fn record(&self, x: &[f64], name: &str, inertia: f64) -> Option<JointRecord> {
+        let (x, sections) = x.split_at_checked(self.length())?;
         let mut all = x.iter().map(|x| libm::exp(*x));
         let mut next = || all.next().filter(|x| x.is_finite() && *x > 0.0);
         let [kp, kd, w1, w2, z, hz] = [next()?, next()?, next()?, next()?, next()?, next()?];
@@ -72,9 +100,30 @@ impl Family {
                 correction: correction(&poles, self.period),
                 share: -libm::expm1(-TAU * hz * self.period),
                 delay_samples: self.delay,
-                innovation_filter: Vec::new(),
+                // In units of what an innovation of the observer by itself does to the torque.
+                innovation_filter: self.filter(sections, 3.0 * (kp + kd * w1))?,
             }),
         })
+    }
+
+    /// The sections of these numbers, with their weights in a unit; `None` where they are none.
+    fn filter(&self, x: &[f64], unit: f64) -> Option<Vec<FilterSection>> {
+        let (least, most) = (SLOWEST_SECTION / self.period, FASTEST * PI / self.period);
+        let section = |own: &[f64]| {
+            let &[w, z, held, change] = own else { return None };
+            let (w, z) = (libm::exp(w), libm::exp(z));
+            if !(least..=most).contains(&w) || !DAMPED.contains(&z) {
+                return None;
+            }
+            let [c0, c1] = Poles::Pair { w, z }.rates(self.period);
+            // What is held of an innovation that stays, and what of one that just came.
+            let held = unit * held * c0;
+            Some(FilterSection {
+                rates: [c0, c1],
+                weights_per_s2: [held, held + unit * change * c1],
+            })
+        };
+        x.chunks(4).map(section).collect()
     }
 }
 
@@ -84,7 +133,7 @@ mod tests {
 
     #[test]
     fn no_law_has_a_pole_that_is_never_forgotten() {
-        let family = Family { order: 2, period: 1e-3, delay: 1 };
+        let family = Family { order: 2, filtered: false, period: 1e-3, delay: 1 };
         let start = family.start(0.6);
         assert!(family.record(&start, "", 1.0).is_some());
         // A simplex on a joint whose error hardly counts had found K_p/K_d = 0.009 1/s: its certificate was refused.

@@ -3,6 +3,7 @@
 //! From below: `family` is the laws that are looked at, `response` what one does at one inertia, `task` what a joint asks
 //! of it and what that costs, `simplex` the search, `search` all joints and the nominal inertia that they share.
 
+mod evolution;
 mod family;
 mod response;
 mod search;

@@ -51,12 +51,12 @@ pub(super) struct Played<'a, const W: usize> {
     per_mu: Lane<W>,
 }
 
-/// All that the loops remember: at most 5 states of the observer, 4 torques sent, 8 + 8 on their way.
+/// All that the loops remember: at most 5 states of the observer and 4 of a filter, 4 torques sent, 8 + 8 on their way.
 #[derive(Clone)]
 struct State<const W: usize> {
     q: Lane<W>,
     v: Lane<W>,
-    held: [Lane<W>; 5],
+    held: [Lane<W>; 9],
     sent: [Lane<W>; 4],
     line: [Lane<W>; 16],
     mean: Lane<W>,
@@ -67,7 +67,7 @@ impl<const W: usize> State<W> {
     const REST: Self = Self {
         q: Lane::ZERO,
         v: Lane::ZERO,
-        held: [Lane::ZERO; 5],
+        held: [Lane::ZERO; 9],
         sent: [Lane::ZERO; 4],
         line: [Lane::ZERO; 16],
         mean: Lane::ZERO,
@@ -264,10 +264,18 @@ mod tests {
 
     #[test]
     fn the_same_as_by_matrices() {
-        let family = |order, delay| Family { order, period: 1e-3, delay };
-        for (order, delay, drive_bandwidth_hz) in
-            [(1, 1, None), (2, 1, None), (1, 3, None), (2, 0, Some(200.0))]
-        {
+        let family = |order, delay, filtered| Family { order, filtered, period: 1e-3, delay };
+        // What sections hold of an innovation and of its change.
+        let weights: [&[f64]; 3] = [&[], &[0.0, 0.3], &[-0.5, 0.3, 0.2, -0.8]];
+        for (order, delay, drive_bandwidth_hz, weights) in [
+            (1, 1, None, weights[0]),
+            (2, 1, None, weights[0]),
+            (1, 3, None, weights[0]),
+            (2, 0, Some(200.0), weights[0]),
+            (1, 1, None, weights[1]),
+            (1, 2, None, weights[2]),
+            (2, 0, Some(200.0), weights[2]),
+        ] {
             let model = LoopModel {
                 period_s: 1e-3,
                 delay_samples: delay,
@@ -278,8 +286,17 @@ mod tests {
                 form: Form::Positions,
                 drive_bandwidth_hz,
             };
-            let family = family(order, delay);
-            let record = family.record(&family.start(0.6), "joint", 1.0).unwrap();
+            let plain = family(order, delay, false);
+            let start = plain.start(0.6);
+            let mut x = plain.with_filter(&start);
+            x.truncate(start.len() + 2 * weights.len());
+            for (section, own) in x[start.len()..].chunks_exact_mut(4).zip(weights.chunks(2)) {
+                section[2..].copy_from_slice(own);
+            }
+            let family = family(order, delay, !weights.is_empty());
+            let record = family.record(&x, "joint", 1.0).unwrap();
+            let sections = &record.observer.as_ref().unwrap().innovation_filter;
+            assert_eq!(sections.len(), weights.len() / 2);
             for mu in [0.5, 1.0, 2.0] {
                 let own = Response::over(&record, &model, &[mu]).unwrap();
                 let other = Quick::at(&record, &model, mu).unwrap();

@@ -3,6 +3,7 @@
 use phihat_certificate::extremes::larger;
 use phihat_study::Study;
 
+use super::evolution::evolution;
 use super::family::Family;
 use super::simplex::{Found, simplex};
 use super::task::{Task, Worth};
@@ -33,6 +34,10 @@ const ROUGH: (f64, u32) = (0.25, 100);
 const FINE: (f64, u32) = (0.2, 260);
 /// From a law that was found for another share.
 const AGAIN: (f64, u32) = (0.06, 120);
+
+/// The same with a filter on the innovation, which has eight numbers more.
+const FILTERED: (f64, u32) = (0.15, 2100);
+const FILTERED_AGAIN: (f64, u32) = (0.05, 900);
 
 /// A law that costs more than this does not hold.
 const HOLDS: f64 = 500.0;
@@ -75,6 +80,8 @@ pub struct PositionSearch<'a> {
     last: Vec<Option<Chosen>>,
     /// Whether their orders were compared.
     ordered: bool,
+    /// Whether laws may filter their innovation.
+    filtering: bool,
 }
 
 /// What a law is estimated to do for its joint.
@@ -152,7 +159,13 @@ impl<'a> PositionSearch<'a> {
             }
         }
         let (_, asked, last) = best.ok_or(DesignError::NoSpec)?;
-        Ok(Self { asked, known: phi, last, ordered: false })
+        Ok(Self { asked, known: phi, last, ordered: false, filtering: false })
+    }
+
+    /// The same search, from its beginning, for laws that may filter their innovation.
+    #[must_use]
+    pub fn filtering(self) -> Self {
+        Self { filtering: true, ordered: false, ..self }
     }
 
     /// The laws with the least error for a share of the allowed noise, per joint; without a certificate. `None`: some joint
@@ -161,6 +174,8 @@ impl<'a> PositionSearch<'a> {
         let Asked { study, quanta, arm, phi } = &self.asked;
         let joints: Vec<usize> = (0..phi.len()).collect();
         let orders: Vec<usize> = study.design.orders.iter().copied().filter(|m| *m <= 2).collect();
+        // A filter can do what a higher order does.
+        let lowest = orders.first().copied().filter(|_| self.filtering);
         let (asked, last) = (&self.asked, &self.last);
         let found = parallel(&joints, threads(), |joint| {
             let before = last[joint].as_ref();
@@ -169,13 +184,18 @@ impl<'a> PositionSearch<'a> {
                 asked.joint((joint, order), (shares[joint], before), effort)
             };
             let again = before.filter(|_| self.ordered).and_then(|own| of(own.order, AGAIN));
-            again.or_else(|| orders.iter().filter_map(|order| of(*order, FINE)).reduce(better))
+            let best = |order: &usize| {
+                let plain = of(*order, FINE)?;
+                let filters = lowest == Some(*order);
+                Some(if filters { asked.filtered((joint, shares[joint]), plain) } else { plain })
+            };
+            again.or_else(|| orders.iter().filter_map(best).reduce(better))
         });
         let found = found.into_iter().collect::<Option<Vec<Chosen>>>()?;
         let mut records = Vec::new();
         let mut estimates = Vec::new();
         for (joint, chosen) in found.iter().enumerate() {
-            let task = asked.task((joint, chosen.order), shares[joint]);
+            let task = asked.task((joint, chosen.order), shares[joint]).with_filter(&chosen.x);
             let name = &study.robot.joints[joint].name;
             let record = task.family.record(&chosen.x, name, arm.nominal_kg_m2[joint])?;
             let Worth { error, change, .. } = task.worth(&record)?;
@@ -231,7 +251,12 @@ impl Asked<'_> {
         let spec = &study.spec;
         let rates = spec.velocity_error_max.as_ref().zip(spec.error_bound.as_ref());
         Task {
-            family: Family { order, period: model.period_s, delay: model.delay_samples },
+            family: Family {
+                order,
+                filtered: false,
+                period: model.period_s,
+                delay: model.delay_samples,
+            },
             model,
             inertia: self.arm.nominal_kg_m2[joint],
             phi: &self.phi[joint],
@@ -251,7 +276,11 @@ impl Asked<'_> {
         (share, before): (f64, Option<&Chosen>),
         (step, most): (f64, u32),
     ) -> Option<Chosen> {
-        let task = self.task(of, share);
+        let plain = self.task(of, share);
+        if let Some(before) = before.filter(|before| !plain.family.has(&before.x)) {
+            return self.evolved((of.0, share), before, FILTERED_AGAIN);
+        }
+        let task = plain;
         let cost = |x: &[f64]| task.cost(x);
         let start = before.map_or_else(
             || {
@@ -271,6 +300,29 @@ impl Asked<'_> {
     }
 }
 
+impl Asked<'_> {
+    /// A law with a filter on the innovation from one without; that one where none is better.
+    fn filtered(&self, (joint, share): (usize, f64), plain: Chosen) -> Chosen {
+        let task = self.task((joint, plain.order), share);
+        let start = Chosen { x: task.family.with_filter(&plain.x), ..plain.clone() };
+        let found = self.evolved((joint, share), &start, FILTERED);
+        found.filter(|found| found.cost < plain.cost).unwrap_or(plain)
+    }
+
+    /// From a law with a filter to a better one.
+    fn evolved(
+        &self,
+        (joint, share): (usize, f64),
+        from: &Chosen,
+        effort: (f64, u32),
+    ) -> Option<Chosen> {
+        let task = self.task((joint, from.order), share).with_filter(&from.x);
+        let found = evolution(|x| task.cost(x), &from.x, effort);
+        let Found { x, cost } = found;
+        (cost < HOLDS).then_some(Chosen { order: from.order, x, cost })
+    }
+}
+
 /// What an exact encoder counts as per newton metre \[1/rad\]: 20 bits.
 const EXACT: f64 = 3.3e5;
 
@@ -286,7 +338,9 @@ const NEAR: f64 = 1.02;
 
 /// Laws with the least noise whose estimates keep the error, joint by joint; their certificate says what holds.
 pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
-    let mut search = PositionSearch::new(study, arm, phi)?;
+    let search = PositionSearch::new(study, arm, phi)?;
+    let filters = study.design.innovation_filter;
+    let mut search = if filters { search.filtering() } else { search };
     let wanted = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
     let mut shares = vec![MIDDLE; wanted.len()];
     let mut clauses = Vec::new();

@@ -55,6 +55,12 @@ pub(super) struct Worth {
 }
 
 impl Task<'_> {
+    /// The same for laws that filter their innovation, where these numbers are of one.
+    pub(super) fn with_filter(mut self, x: &[f64]) -> Self {
+        self.family.filtered = !self.family.has(x);
+        self
+    }
+
     /// The cost of a law of the family: the logarithm of its error, and more where it is too loud.
     pub(super) fn cost(&self, x: &[f64]) -> f64 {
         let Some(record) = self.family.record(x, "", self.inertia) else { return 2.0 * NONE };

@@ -12,6 +12,13 @@ pub(crate) enum Poles {
 }
 
 impl Poles {
+    /// `c_0, c_1` of the factor in `w = z − 1` that has the sampled poles, `w² + c_1 w + c_0` for a pair.
+    pub(crate) fn rates(self, period: f64) -> [f64; 2] {
+        let factor = self.sampled(period);
+        let at = |i: usize| factor.coefficients().get(i).copied().unwrap_or(0.0);
+        [at(0), at(1)]
+    }
+
     /// The factor in `w = z − 1` with the sampled poles `e^{sT} − 1`.
     fn sampled(self, period: f64) -> Polynomial {
         match self {

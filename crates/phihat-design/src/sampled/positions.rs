@@ -1,7 +1,7 @@
 //! The law from positions per unit of `M̄`, for several runs side by side, and its transfer functions.
 
 use phihat::ORDER_MAX;
-use phihat_certificate::JointRecord;
+use phihat_certificate::{FilterSection, JointRecord};
 
 use super::polynomial::Polynomial;
 use crate::lanes::Lane;
@@ -14,7 +14,9 @@ pub(crate) struct Positions {
     correction: Vec<f64>,
     /// `g`.
     pub(crate) share: f64,
-    /// What `ê`, `ė̂`, `φ̂_0 …` weigh in the torque wanted, once carried on through the delay …
+    /// Filter on the innovation.
+    sections: Vec<FilterSection>,
+    /// What `ê`, `ė̂`, `φ̂_0 …` weigh in the torque wanted, once carried on through the delay, and `x`, `δ` of each section …
     row: Vec<f64>,
     /// … and the torques on their way, the newest first.
     coming: Vec<f64>,
@@ -42,12 +44,21 @@ impl Positions {
             row[1] += period * row[0];
             coming.push(torque);
         }
-        Some(Self { period, correction: own.correction.clone(), share: own.share, row, coming })
+        let sections = own.innovation_filter.clone();
+        row.extend(sections.iter().flat_map(|section| section.weights_per_s2));
+        Some(Self {
+            period,
+            correction: own.correction.clone(),
+            share: own.share,
+            sections,
+            row,
+            coming,
+        })
     }
 
-    /// How many numbers it expects: `ê`, `ė̂`, `φ̂_0 … φ̂_{m−1}`.
+    /// How many numbers it expects and filters: `ê`, `ė̂`, `φ̂_0 … φ̂_{m−1}`, then `x`, `δ` of each section.
     pub(crate) fn length(&self) -> usize {
-        self.correction.len()
+        self.correction.len() + 2 * self.sections.len()
     }
 
     /// How many torques it remembers.
@@ -68,6 +79,10 @@ impl Positions {
         acted: &Lane<W>,
         reading: &Lane<W>,
     ) {
+        let (held, filtered) = held.split_at_mut(self.correction.len());
+        if !filtered.is_empty() {
+            self.filter(held, filtered, (acted, reading));
+        }
         // Of a length that is known when compiled, all of it stays in registers.
         match held.len() {
             3 => self.see_all::<W, 3>(held, acted, reading),
@@ -114,6 +129,31 @@ impl Positions {
         *held = all;
     }
 
+    /// The sections one sample on, by what the observer holds before it.
+    #[inline]
+    fn filter<const W: usize>(
+        &self,
+        held: &[Lane<W>],
+        filtered: &mut [Lane<W>],
+        (acted, reading): (&Lane<W>, &Lane<W>),
+    ) {
+        let t = self.period;
+        let mut innovation = Lane::<W>::ZERO;
+        for c in 0..W {
+            let expected = held[0][c] + t * (held[1][c] + 0.5 * t * (acted[c] - held[2][c]));
+            innovation[c] = reading[c] - expected;
+        }
+        for (own, FilterSection { rates: [c0, c1], .. }) in
+            filtered.chunks_exact_mut(2).zip(&self.sections)
+        {
+            for c in 0..W {
+                let (x, change) = (own[0][c], own[1][c]);
+                own[0][c] = x + change;
+                own[1][c] = change + innovation[c] - (c0 * x + c1 * change);
+            }
+        }
+    }
+
     /// The torque it asks for; `sent` are the last ones, the newest first.
     #[inline]
     pub(crate) fn answer<const W: usize>(&self, held: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
@@ -145,20 +185,18 @@ impl Positions {
     /// # Method
     ///
     /// The correction times the plant of the observer, `x ← (1 − ℓC)F x + (1 − ℓC)G a + ℓ y`; adjugate and determinant of
-    /// `w − ((1 − ℓC)F − 1)` by Faddeev and LeVerrier in units of `T`, where no power of `T` stands beside 1.
+    /// `w − ((1 − ℓC)F − 1)` by Faddeev and LeVerrier in units of `T`, where no power of `T` stands beside 1. Sections of a filter are
+    /// states whose `δ` the innovation corrects by itself.
     pub(crate) fn transfer(&self) -> [Polynomial; 3] {
-        let n = self.length();
-        let power = |i: usize| (0..i).fold(1.0, |power, _| power * self.period);
-        let correction: Vec<f64> = (0..n).map(|i| self.correction[i] * power(i)).collect();
+        let (n, seen_n) = (self.length(), self.correction.len());
+        // x and δ are in units of the reading.
+        let power =
+            |i: usize| (0..i).filter(|_| i < seen_n).fold(1.0, |power, _| power * self.period);
+        let mut correction: Vec<f64> =
+            self.correction.iter().enumerate().map(|(i, l)| l * power(i)).collect();
+        correction.extend(self.sections.iter().flat_map(|_| [0.0, 1.0]));
         let row: Vec<f64> = (0..n).map(|i| self.row[i] / power(i)).collect();
-        // F − 1 and G, of ê, T ė̂, T² φ̂_0, …; a torque counts T².
-        let mut step = vec![vec![0.0; n]; n];
-        for (i, line) in step.iter_mut().enumerate() {
-            if let Some(next) = line.get_mut(i + 1) {
-                *next = if i == 1 { -1.0 } else { 1.0 };
-            }
-        }
-        step[0][2] = -0.5;
+        let step = self.step();
         let torque = self.period * self.period;
         let pushed = [0.5 * torque, torque];
         let seen = step[0].clone();
@@ -192,6 +230,21 @@ impl Positions {
         [Polynomial::new(whole), reading, torque]
     }
 
+    /// `F − 1` of `ê, T ė̂, T² φ̂_0, …`, and of each section's `x, δ` without what they are told.
+    fn step(&self) -> Vec<Vec<f64>> {
+        let (n, seen) = (self.length(), self.correction.len());
+        let mut step = vec![vec![0.0; n]; n];
+        for i in 0..seen - 1 {
+            step[i][i + 1] = if i == 1 { -1.0 } else { 1.0 };
+        }
+        step[0][2] = -0.5;
+        for (x, FilterSection { rates: [c0, c1], .. }) in (seen..n).step_by(2).zip(&self.sections) {
+            step[x][x + 1] = 1.0;
+            (step[x + 1][x], step[x + 1][x + 1]) = (-c0, -c1);
+        }
+        step
+    }
+
     /// `z^d Σ c_j z^{−j}`, `d` at least the samples it predicts across: what the torques on their way weigh.
     pub(crate) fn on_their_way(&self, d: usize) -> Polynomial {
         let none = Polynomial::new(vec![0.0]);
@@ -212,6 +265,9 @@ fn weighed<const W: usize>(weights: &[f64], x: &[Lane<W>]) -> Lane<W> {
         3 => weighed_all::<W, 3>(weights, x),
         4 => weighed_all::<W, 4>(weights, x),
         5 => weighed_all::<W, 5>(weights, x),
+        7 => weighed_all::<W, 7>(weights, x),
+        8 => weighed_all::<W, 8>(weights, x),
+        9 => weighed_all::<W, 9>(weights, x),
         _ => weighed_all::<W, { ORDER_MAX + 2 }>(weights, x),
     }
 }
@@ -238,4 +294,68 @@ fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = a.len();
     let entry = |i: usize, j: usize| (0..n).map(|k| a[i][k] * b[k][j]).sum();
     (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Complex;
+    use phihat_certificate::{FilterSection, JointRecord, PositionObserver};
+
+    use super::Positions;
+    use crate::lanes::Lane;
+
+    /// A law of an order that filters its innovation with so many sections.
+    fn law(order: usize, sections: usize, delay: u32) -> Positions {
+        let correction = [0.4, 110.0, -9e3, -3e5, -5e6];
+        let filter = [([0.02, 0.3], [3000.0, -500.0]), ([0.4, 1.1], [-800.0, 9000.0])];
+        let section = |(rates, weights_per_s2): &([f64; 2], [f64; 2])| FilterSection {
+            rates: *rates,
+            weights_per_s2: *weights_per_s2,
+        };
+        let record = JointRecord {
+            name: String::new(),
+            inertia_kg_m2: 1.0,
+            kp_per_s2: 700.0,
+            kd_per_s: 60.0,
+            a: Vec::new(),
+            observer: Some(PositionObserver {
+                correction: correction[..order + 2].to_vec(),
+                share: 0.3,
+                delay_samples: delay,
+                innovation_filter: filter[..sections].iter().map(section).collect(),
+            }),
+        };
+        Positions::of(&record, 1e-3).unwrap()
+    }
+
+    #[test]
+    fn transfer_functions_are_those_of_the_samples() {
+        for (order, sections, delay) in
+            [(1, 0, 1), (1, 1, 1), (1, 2, 1), (2, 2, 0), (3, 2, 3), (3, 1, 2)]
+        {
+            let law = law(order, sections, delay);
+            let [whole, reading, acted] = law.transfer();
+            for angle in [0.0, 0.01, 0.3, 2.0] {
+                // Outside of the circle an impulse is summed up soon.
+                let z = Complex::from_polar(1.1, angle);
+                for (numerator, told) in [(&reading, [0.0, 1.0]), (&acted, [1.0, 0.0])] {
+                    let mut held = vec![Lane([0.0]); law.length()];
+                    let (mut sum, mut power) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
+                    for k in 0..600 {
+                        let [a, y] = if k == 0 { told } else { [0.0; 2] };
+                        law.see(&mut held, &Lane([a]), &Lane([y]));
+                        let wanted = held.iter().zip(&law.row).map(|(x, w)| x[0] * w).sum::<f64>();
+                        sum += power * wanted;
+                        power /= z;
+                    }
+                    let w = z - 1.0;
+                    let ratio = numerator.at(w) / whole.at(w);
+                    assert!(
+                        (sum - ratio).norm() < 1e-8 * ratio.norm(),
+                        "{order} {sections} {angle}: {sum} {ratio}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -27,6 +27,8 @@ pub(crate) struct Input {
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     memory: usize,
+    /// From positions: where what is filtered of the innovation begins.
+    filtered: usize,
     last_position: Option<usize>,
     last_velocity: Option<usize>,
     mean_torque: Option<usize>,
@@ -39,6 +41,7 @@ struct Layout {
 
 impl Layout {
     fn new(order: usize, model: &LoopModel, positions: Option<&Positions>) -> Self {
+        let filtered = 4 + order;
         let mut length = 2 + positions.map_or(order, Positions::length);
         let mut entry = |wanted: bool| {
             wanted.then(|| {
@@ -58,6 +61,7 @@ impl Layout {
         length += positions.map_or(0, Positions::sent);
         Self {
             memory: 2,
+            filtered,
             last_position,
             last_velocity,
             mean_torque,
@@ -84,7 +88,8 @@ impl Layout {
         let end = ends.into_iter().flatten().min().unwrap_or(self.line);
         let mut unit = first.0;
         for j in self.memory..end {
-            scale[j] = unit;
+            let filtered = form == Form::Positions && j >= self.filtered;
+            scale[j] = if filtered { 1.0 } else { unit };
             unit *= first.1;
         }
         if let Some(i) = self.last_position {
