@@ -12,13 +12,14 @@ use phihat::{
 use super::complex::{Complex, Disc};
 use super::decay::Layout;
 use super::exclusion::{Family, crossing};
-use super::plausible::gains;
 use super::returns::Returns;
 use super::sample::Loop;
 use super::sight::Sight;
 use super::tests::plain;
 use crate::dice::Dice;
-use crate::{FilterSection, InertiaWindow, JointRecord, LoopModel, Matrix, PositionObserver};
+use crate::{
+    FilterSection, InertiaWindow, JointRecord, LoopModel, Matrix, PositionObserver, SampledVarying,
+};
 
 const T: f64 = 1e-3;
 
@@ -223,14 +224,12 @@ fn the_samples_are_the_cores() {
 
 /// Spectral radius by squaring: `‖A^{2^k}‖^{1/2^k}`.
 fn radius(mut a: Matrix) -> f64 {
-    let n = a.len();
     let (mut log, mut power) = (0.0, 1.0);
     for _ in 0..24 {
         let size = a.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         log += size.ln() / power;
         a.iter_mut().flatten().for_each(|x| *x /= size);
-        let entry = |i: usize, j: usize| (0..n).map(|k| a[i][k] * a[k][j]).sum::<f64>();
-        a = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+        a = product(&a, &a);
         power *= 2.0;
     }
     log.exp()
@@ -260,6 +259,65 @@ fn what_is_stable_by_arcs_is_what_does_not_grow() {
     }
     println!("stable {stable}, growing {grows}, near the edge {near}");
     assert!(stable > 100 && grows > 100 && near < 5, "{stable} {grows} {near}");
+}
+
+fn product(x: &Matrix, y: &Matrix) -> Matrix {
+    let n = y.len();
+    let entry = |row: &[f64], j: usize| (0..n).map(|k| row[k] * y[k][j]).sum::<f64>();
+    x.iter().map(|row| (0..n).map(|j| entry(row, j)).collect()).collect()
+}
+
+/// `Σ (Aᵀ)^k A^k`, by doubling.
+fn form(a: &Matrix) -> Matrix {
+    let n = a.len();
+    let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+    let mut p: Matrix = (0..n).map(|i| (0..n).map(|j| unit(i, j)).collect()).collect();
+    let mut power = a.clone();
+    for _ in 0..12 {
+        let turned = (0..n).map(|i| power.iter().map(|row| row[i]).collect()).collect();
+        let more = product(&turned, &product(&p, &power));
+        for i in 0..n {
+            for j in 0..n {
+                p[i][j] += 0.5 * (more[i][j] + more[j][i]);
+            }
+        }
+        power = product(&power, &power);
+    }
+    p
+}
+
+#[test]
+fn a_quadratic_form_is_one_of_the_filters_state_too() {
+    let mut dice = Dice(61);
+    let mut seen = 0;
+    for record in filtered(13, 1) {
+        let model = model(&mut dice, &record);
+        let of = Loop::new(&record, &model, 1.1);
+        let a = Layout::of(&of).matrix(&of);
+        let near = |own: f64, want: f64| (own - want).abs() < 1e-14;
+        // Behind q, q̇ and what is expected: x, δ of each section, as angles.
+        let known = own(&record).unwrap();
+        for (i, section) in known.innovation_filter.iter().enumerate() {
+            let (x, [c0, c1]) = (2 + known.correction.len() + 2 * i, section.rates);
+            let change = x + 1;
+            let others = a[x].iter().map(|entry| entry.abs()).sum::<f64>() - 2.0;
+            assert!(near(others, 0.0) && near(a[x][x], 1.0) && near(a[x][change], 1.0));
+            assert!(near(a[change][x], -c0) && near(a[change][change], 1.0 - c1));
+            // ν is q less what was expected.
+            assert!(near(a[change][0], 1.0) && near(a[change][2], -1.0));
+        }
+        if radius(a.clone()) > 0.97 {
+            continue;
+        }
+        seen += 1;
+        let claim = SampledVarying { low: 1.1, high: 1.1, p: form(&a) };
+        claim.verify(&record, &model).unwrap();
+        let mut other = record.clone();
+        other.observer.as_mut().unwrap().innovation_filter.pop();
+        let why = claim.verify(&other, &model).unwrap_err();
+        assert_eq!(why.inequality, "P = Pᵀ, of the loop's size");
+    }
+    assert!(seen > 5, "{seen}");
 }
 
 /// A law with strong sections in the loop that it is for, and its window by the crossings on both sides of 1.
