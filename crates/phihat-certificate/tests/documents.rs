@@ -352,7 +352,7 @@ fn a_document_carries_a_filter_and_no_controller_runs_one_that_is_none() {
 #[test]
 fn claims_of_one_joint_are_not_those_of_another_law() {
     // Joints that are known one by one may have laws of their own.
-    fn alone(g: &mut Gains) -> &mut phihat_certificate::JointRecord {
+    fn alone(g: &mut Gains) -> &mut JointRecord {
         let whole = claims(g);
         (whole.coupled, whole.moving, whole.tube, whole.arm.searched) = (None, None, None, None);
         whole.arm.basis = ArmBasis::Typed;

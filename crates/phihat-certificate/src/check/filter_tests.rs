@@ -17,6 +17,7 @@ use super::sample::Loop;
 use super::sight::Sight;
 use super::tests::plain;
 use crate::dice::Dice;
+use crate::extremes::Extremes as _;
 use crate::{
     FilterSection, InertiaWindow, JointRecord, LoopModel, Matrix, PositionObserver, SampledVarying,
 };
@@ -226,7 +227,7 @@ fn the_samples_are_the_cores() {
 fn radius(mut a: Matrix) -> f64 {
     let (mut log, mut power) = (0.0, 1.0);
     for _ in 0..24 {
-        let size = a.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let size = a.iter().flatten().map(|x| x.abs()).largest();
         log += size.ln() / power;
         a.iter_mut().flatten().for_each(|x| *x /= size);
         a = product(&a, &a);
