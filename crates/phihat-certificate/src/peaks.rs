@@ -132,7 +132,8 @@ impl Found {
 /// The loop's multiplicity of `w` in `e/φ = −(1 + w/2)T²Δ/(w²μ(Δ + N/μ))`, `Δ` of [`crate::check::returns`]: sums of so
 /// many orders vanish.
 ///
-/// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` where nothing is late, a constant else.
+/// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` where nothing is late, a constant else. A filter adds
+/// `w^m` times something to that of a law from positions, and so takes nothing away.
 fn servo_type(of: &Loop) -> usize {
     let late = of.late > 0 || of.drives();
     match (of.model.form, &of.sight) {

@@ -61,6 +61,8 @@ pub struct VaryingWindow {
 /// x_{k+1} = A(W_k) x_k,   A(1/μ) the state matrix of the loop                                       (V2)
 /// ```
 ///
+/// A filter on the innovation stands behind `φ̂` and its derivatives: `x`, `δ` of each section \[rad\].
+///
 /// # Evidence
 ///
 /// `P`. `A` is affine in `W`, so `V(x_{k+1})` is convex in it, and the ends suffice: `P ≻ 0` and

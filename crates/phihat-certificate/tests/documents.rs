@@ -4,8 +4,10 @@
 
 use std::path::Path;
 
+use phihat::{Form, GainError};
 use phihat_certificate::{
-    AnySpeed, ArmBasis, Certificate, Gains, Motion, Optimality, Phi, PhiBasis, Refutation,
+    AnySpeed, ArmBasis, Certificate, FilterSection, Gains, GainsError, JointRecord, Motion,
+    Optimality, Phi, PhiBasis, PositionObserver, Refutation,
 };
 use phihat_study::Study;
 
@@ -303,6 +305,72 @@ fn claims_of_a_second_joint_are_checked_where_they_are_others() {
         ("sampled peak gains", |g| second(g).sampled.as_mut().unwrap().jump[1] *= 0.5),
         ("reading error", |g| second(g).reading.as_mut().unwrap().error *= 0.5),
         ("reference error", |g| second(g).reference.as_mut().unwrap().acceleration *= 0.5),
+    ];
+    stopped(&list, verify);
+}
+
+#[test]
+fn a_document_carries_a_filter_and_no_controller_runs_one_that_is_none() {
+    let section = FilterSection { rates: [0.02, 0.3], weights_per_s2: [300.0, -50.0] };
+    let gains = |innovation_filter: Vec<FilterSection>| {
+        let joint = JointRecord {
+            name: "pivot".into(),
+            inertia_kg_m2: 0.5,
+            kp_per_s2: 400.0,
+            kd_per_s: 40.0,
+            a: vec![],
+            observer: Some(PositionObserver {
+                correction: vec![0.271, 28.5, -1000.0],
+                share: 0.6,
+                delay_samples: 1,
+                innovation_filter,
+            }),
+        };
+        Gains::stated(vec![joint], 1000.0, "typed")
+    };
+    let runs = |filter: Vec<FilterSection>| {
+        gains(filter).joint_gains(&["pivot".into()], 1_000_000, Form::Positions)
+    };
+    for count in 0..=2 {
+        let own = gains(vec![section; count]);
+        let text = own.to_json().unwrap();
+        assert_eq!(Gains::from_json(&text).unwrap(), own);
+        assert_eq!(text.contains("innovation_filter"), count > 0);
+        assert!(runs(vec![section; count]).is_ok());
+    }
+    let why = |filter| match runs(filter) {
+        Err(GainsError::Joint { error, .. }) => error,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(why(vec![section; 3]), GainError::Sections { count: 3 });
+    let grows = FilterSection { rates: [0.3, 0.2], ..section };
+    assert_eq!(why(vec![section, grows]), GainError::UnstableSection { index: 1 });
+    let endless = FilterSection { weights_per_s2: [f64::INFINITY, 0.0], ..section };
+    assert!(matches!(why(vec![endless]), GainError::NotFinite { .. }));
+}
+
+#[test]
+fn claims_of_one_joint_are_not_those_of_another_law() {
+    // Joints that are known one by one may have laws of their own.
+    fn alone(g: &mut Gains) -> &mut JointRecord {
+        let whole = claims(g);
+        (whole.coupled, whole.moving, whole.tube, whole.arm.searched) = (None, None, None, None);
+        whole.arm.basis = ArmBasis::Typed;
+        for joint in &mut whole.joints {
+            (joint.noise, joint.reading) = (None, None);
+            joint.step.as_mut().unwrap().step_rad = Some(0.0);
+            joint.step.as_mut().unwrap().torque_per_rad_nm *= 10.0;
+            joint.step.as_mut().unwrap().change_per_rad_nm *= 10.0;
+        }
+        &mut g.joints[1]
+    }
+    let mut gains = honest();
+    alone(&mut gains);
+    verify(&gains).unwrap();
+    let list: [Forgery; 3] = [
+        ("joint2: ", |g| alone(g).kp_per_s2 *= 1.3),
+        ("joint2: ", |g| alone(g).kd_per_s *= 0.7),
+        ("joint2: ", |g| alone(g).a[0] *= 1.3),
     ];
     stopped(&list, verify);
 }

@@ -3,7 +3,7 @@
 
 use crate::support::{read, reference};
 use phihat_certificate::tube::{Inputs, Reference, TIGHTER, derive};
-use phihat_certificate::{Tube, TubeJoint};
+use phihat_certificate::{FilterSection, Gains, Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
 use phihat_sim::{Motion, Simulation, fed_along};
@@ -272,6 +272,63 @@ fn a_reference_is_sampled_through_the_run_and_once_more() {
 const POSITIONS: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\norder = 1\nbandwidth_rad_s = 40.0\n\
                          estimator_bandwidth_rad_s = 160.0\ntorque_bandwidth_hz = 120.0\ninertia_kg_m2 = [0.5, 0.25]\n\
                          [loop]\nrate_hz = 1000.0\ndelay_samples = 1\nform = \"positions\"\n";
+
+/// How far a run is outside of a tube at most, as a share of the tube's half width there: 1 is the edge.
+fn farthest(study: &phihat_study::Study, gains: &Gains, tube: &Tube) -> f64 {
+    let names: Vec<String> = gains.joints.iter().map(|joint| joint.name.clone()).collect();
+    let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
+    let run = Simulation::new(study, &law).unwrap().run(|_| ());
+    let mut most = 0.0_f64;
+    for (own, joint) in tube.joints.iter().zip(&run.trace.joints) {
+        for (t, e) in run.trace.t_ns.iter().zip(&joint.e) {
+            let bin = tube.bin_of(*t).min(own.error_low_rad.len() - 1);
+            let (low, high) = (own.error_low_rad[bin], own.error_high_rad[bin]);
+            most = most.max((e - 0.5 * (low + high)).abs() / (0.5 * (high - low)));
+        }
+    }
+    most
+}
+
+#[test]
+fn the_tube_of_laws_that_filter_holds_their_run_and_no_other() {
+    // Hardly anything is uncertain: the tube is narrow.
+    let world = format!("{}{WORLD}", bits(28));
+    let study = read(&format!("{HEAD}{POSITIONS}{world}[start]\ntorque_nm = \"gravity\"\n{SINES}"));
+    let plain = requested_gains(&study).unwrap();
+    let mut filters = plain.clone();
+    let sections = [
+        FilterSection { rates: [0.03, 0.3], weights_per_s2: [-15.0, 100.0] },
+        FilterSection { rates: [0.4, 0.9], weights_per_s2: [60.0, -300.0] },
+    ];
+    for (joint, count) in filters.joints.iter_mut().zip([2, 1]) {
+        joint.observer.as_mut().unwrap().innovation_filter = sections[..count].to_vec();
+    }
+    let motion = Motion::of(&study).unwrap();
+    let inertia: Vec<f64> = plain.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let whole = reference(&study);
+    let fed = fed_along(&study, &motion, &inertia, whole.q.len()).unwrap();
+    let whole = whole.feeding(&fed);
+    let tube_of = |gains: &Gains| {
+        let none = vec![0.0; inertia.len()];
+        let inputs = Inputs {
+            study: &study,
+            joints: &gains.joints,
+            velocity_filter_hz: None,
+            reference: &whole,
+            payload: None,
+            slices: 1,
+            coulomb: (&none, &none),
+            bin_s: study.control.period_ns as f64 * 1e-9,
+        };
+        derive(&inputs, &|_| ()).unwrap()
+    };
+    for (own, other) in [(&plain, &filters), (&filters, &plain)] {
+        let tube = tube_of(own);
+        let (inside, outside) = (farthest(&study, own, &tube), farthest(&study, other, &tube));
+        println!("{inside:.3} {outside:.3}");
+        assert!(inside < 1.0 && outside > 3.0, "{inside} {outside}");
+    }
+}
 
 #[test]
 fn what_is_held_and_what_is_fed_forward_stays_in_both_tubes() {

@@ -41,10 +41,14 @@ impl Layout {
             Form::Literal => (1.0 / w, 1.0 / w),
             Form::Positions => (1.0, w),
         };
-        for j in 0..of.sight.as_ref().map_or(of.order, Sight::length) {
+        let known = of.sight.as_ref().map_or(of.order, Sight::expected);
+        for j in 0..known {
             slots.push((Slot::Memory(j), unit));
             unit *= factor;
         }
+        // A filter on the innovation holds angles.
+        let filtered = of.sight.as_ref().map_or(0, Sight::filtered);
+        slots.extend((known..known + filtered).map(|j| (Slot::Memory(j), 1.0)));
         let fed = form != Form::Positions;
         if fed && of.model.velocity == VelocitySource::Differenced {
             slots.push((Slot::LastPosition, 1.0));

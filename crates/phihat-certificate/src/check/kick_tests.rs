@@ -1,29 +1,16 @@
 //! `N/Δ` and `K/Δ` of laws from positions against the core's own law, cut open where its torque meets the inertia. Wrong if
 //! a kick or an acceleration of one sample were answered by another torque than the proofs count.
 
-use phihat::{
-    Form, JointGains, JointState, Measurement, PositionDesign, Reference, TorqueSource,
-    VelocitySource,
-};
+use phihat::{Form, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 
 use super::complex::{Complex, Disc};
+use super::filter_tests::core;
 use super::returns::Returns;
-use crate::{JointRecord, LoopModel, PositionObserver};
+use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
 
 /// The torques that act, in units of `M̄`, where the joint is at `q`.
 fn answer(record: &JointRecord, model: &LoopModel, q: impl Fn(u32) -> f64) -> Option<Vec<f64>> {
-    let own = record.observer.as_ref()?;
-    let law = JointGains::from_positions(&PositionDesign {
-        inertia: record.inertia_kg_m2,
-        kp: record.kp_per_s2,
-        kd: record.kd_per_s,
-        correction: &own.correction,
-        velocity_correction: &[],
-        share: own.share,
-        delay: own.delay_samples as usize,
-        period: model.period_s,
-    })
-    .ok()?;
+    let law = core(record)?;
     let mut state = JointState::new();
     let mut line = vec![0.0; (model.delay_samples + model.sample_delay_samples) as usize];
     let mut acted = Vec::new();
@@ -45,7 +32,10 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
     let t = 1e-3;
     let cases =
         [(0, 0, 0, 1), (1, 1, 0, 1), (2, 1, 1, 2), (3, 2, 1, 2), (1, 4, 0, 3), (4, 1, 0, 1)];
-    for (delay_samples, late, sampled, order) in cases {
+    let sections = [([0.03, 0.2], [-90.0, 4000.0]), ([1.1, 1.6], [800.0, -300.0])]
+        .map(|(rates, weights_per_s2)| FilterSection { rates, weights_per_s2 });
+    for (case, count) in cases.into_iter().flat_map(|case| [0, 1, 2].map(|count| (case, count))) {
+        let (delay_samples, late, sampled, order) = case;
         let record = JointRecord {
             name: "joint".into(),
             inertia_kg_m2: 0.7,
@@ -56,7 +46,7 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
                 correction: [0.4, 110.0, -9e3, -3e5, -5e6][..order + 2].to_vec(),
                 share: 0.3,
                 delay_samples,
-                innovation_filter: Vec::new(),
+                innovation_filter: sections[..count].to_vec(),
             }),
         };
         let model = LoopModel {
@@ -87,7 +77,7 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
                 }
                 let wanted = -back.centre.over(at.open.centre);
                 let off = (sum - wanted).size() / wanted.size();
-                assert!(off < 1e-9, "{off} {turn} {order} {delay_samples} {late}");
+                assert!(off < 1e-9, "{off} {turn} {order} {delay_samples} {late} {count}");
             }
         }
     }

@@ -15,6 +15,8 @@ pub(crate) mod sample;
 pub(crate) mod sight;
 
 #[cfg(test)]
+mod filter_tests;
+#[cfg(test)]
 mod kick_tests;
 #[cfg(test)]
 pub(crate) mod tests;

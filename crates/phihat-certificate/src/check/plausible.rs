@@ -4,7 +4,7 @@ use phihat::Form;
 
 use super::sample::SENT;
 use crate::refutation::refuse;
-use crate::{JointRecord, LoopModel, PositionObserver, Refutation};
+use crate::{FilterSection, JointRecord, LoopModel, PositionObserver, Refutation};
 
 /// Highest order of an estimate from positions.
 const POSITIONS_ORDER_MAX: usize = 3;
@@ -58,7 +58,32 @@ fn observer(claim: &str, own: &PositionObserver) -> Result<(), Refutation> {
     let share = own.share;
     let sensible = share > 0.0 && share <= 1.0;
     Refutation::unless(claim, "0 < g ≤ 1", share, 1.0, sensible)?;
-    at_most(claim, "delay of the law ≤ 4 samples", f64::from(own.delay_samples), SENT as f64)
+    at_most(claim, "delay of the law ≤ 4 samples", f64::from(own.delay_samples), SENT as f64)?;
+    let (sections, most) = (own.innovation_filter.len() as f64, phihat::SECTIONS_MAX as f64);
+    at_most(claim, "sections of the innovation filter ≤ 2", sections, most)?;
+    own.innovation_filter.iter().try_for_each(|section| settles(claim, section))
+}
+
+/// A section of an innovation filter that settles: both roots of `z² − (2 − c_1)z + 1 − c_1 + c_0` lie inside the unit
+/// circle, by Jury's table.
+fn settles(claim: &str, section: &FilterSection) -> Result<(), Refutation> {
+    let FilterSection { rates: [c0, c1], weights_per_s2 } = *section;
+    for value in [c0, c1].into_iter().chain(weights_per_s2) {
+        let what = "|number of a filter's section| < ∞";
+        Refutation::unless(claim, what, value.abs(), f64::INFINITY, value.is_finite())?;
+    }
+    let stable = |what: &str, low: f64, high: f64| {
+        Refutation::unless(
+            claim,
+            &format!("a filter's section settles: {what}"),
+            low,
+            high,
+            low < high,
+        )
+    };
+    stable("0 < c_0", 0.0, c0)?;
+    stable("c_0 < c_1", c0, c1)?;
+    stable("2 c_1 < 4 + c_0", 2.0 * c1, 4.0 + c0)
 }
 
 /// A loop that can be run with these gains.

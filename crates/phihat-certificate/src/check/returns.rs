@@ -120,7 +120,8 @@ impl Returns {
     pub(crate) fn degree(&self) -> usize {
         if let Some(sight) = &self.sight {
             let longer = self.late.max(sight.ahead);
-            return 5 + self.order + longer + usize::from(self.drive.is_some());
+            let law = 5 + self.order + sight.filtered();
+            return law + longer + usize::from(self.drive.is_some());
         }
         let filters = self.velocity == VelocitySource::Differenced || self.filter.is_some();
         2 + self.order + self.late + usize::from(filters) + usize::from(self.drive.is_some())
@@ -169,7 +170,8 @@ impl Returns {
     }
 
     /// `Δ = w² (A_o (z^D X (z − 1 + g) − g X Σ c_j z^{D−j}) − g R_a (X − cw) z^{D−d})`, `N = −g z^{D+1−d} R_y n_q`:
-    /// `R_y`, `R_a`, `c` of the torque wanted, `D` the longer of the delay and what the law predicts across.
+    /// `R_y`, `R_a`, `c` of the torque wanted, `D` the longer of the delay and what the law predicts across. A filter's `P` is
+    /// in `A_o`: its modes are among the roots, whatever the torque makes of them.
     fn positions(&self, sight: &Sight, w: Disc, (x, mean): (Disc, Disc), n_q: Disc) -> Return {
         let z = w + Disc::real(1.0);
         let (g, longer) = (sight.share(), self.late.max(sight.ahead));

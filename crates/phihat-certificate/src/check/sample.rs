@@ -9,8 +9,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
 
-/// Most that an estimator remembers.
-pub(crate) const MEMORY: usize = 5;
+/// Most that an estimator remembers: what it expects, and two numbers of each section of a filter.
+pub(crate) const MEMORY: usize = 5 + 2 * phihat::SECTIONS_MAX;
 
 /// Most torques that a law from positions remembers.
 pub(crate) const SENT: usize = 4;
@@ -22,7 +22,8 @@ pub(crate) struct Signals {
     pub(crate) q: f64,
     /// `ė` \[rad/s\].
     pub(crate) v: f64,
-    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`.
+    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`, and `x`, `δ` of each section of
+    /// the filter.
     pub(crate) memory: [f64; MEMORY],
     /// From positions: the last commands, the newest first.
     pub(crate) sent: [f64; SENT],

@@ -1,7 +1,7 @@
 //! The law from positions, one joint, per unit of `M̄`: sample by sample, and in frequency.
 
-use super::complex::Disc;
-use crate::JointRecord;
+use super::complex::{Disc, horner};
+use crate::{FilterSection, JointRecord};
 
 /// What the law knows of itself.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub(crate) struct Sight {
     share: f64,
     /// Samples that it predicts across.
     pub(crate) ahead: usize,
+    /// Sections that filter the innovation.
+    filter: Vec<FilterSection>,
     /// What each thing expected weighs in the torque wanted, and each torque on its way, the newest first.
     weights: (Vec<f64>, Vec<f64>),
 }
@@ -23,7 +25,7 @@ const EXPECTED: usize = phihat::ORDER_MAX + 2;
 
 /// What of the law's answer comes from where, over a common denominator: the reading, the torque that acted.
 pub(crate) struct Answer {
-    /// `A_o`.
+    /// `A_o`; with a filter `A_o P`.
     pub(crate) whole: Disc,
     pub(crate) reading: Disc,
     pub(crate) acted: Disc,
@@ -40,10 +42,11 @@ impl Sight {
             correction: own.correction.clone(),
             share: own.share,
             ahead: own.delay_samples as usize,
+            filter: own.innovation_filter.clone(),
             weights: (Vec::new(), Vec::new()),
         };
         // Others are no laws that the core runs, and every claim about them is refused.
-        if (3..=EXPECTED).contains(&law.length()) {
+        if (3..=EXPECTED).contains(&law.expected()) {
             law.weights = law.weighed();
         }
         Some(law)
@@ -60,8 +63,18 @@ impl Sight {
     }
 
     /// Length of what it expects: `ê`, `ė̂`, `φ̂_0 … φ̂_{m−1}`.
-    pub(crate) fn length(&self) -> usize {
+    pub(crate) fn expected(&self) -> usize {
         self.correction.len()
+    }
+
+    /// Degree of the filter: two per section.
+    pub(crate) fn filtered(&self) -> usize {
+        2 * self.filter.len()
+    }
+
+    /// Length of what it holds: what it expects, then `x`, `δ` of each section.
+    pub(crate) fn length(&self) -> usize {
+        self.expected() + self.filtered()
     }
 
     /// `g`.
@@ -80,27 +93,43 @@ impl Sight {
         }
     }
 
-    /// What it expects after an interval with a torque, and a reading of the error at its end.
+    /// What it holds after an interval with a torque, and a reading of the error at its end.
     pub(crate) fn see(&self, held: &mut [f64], acted: f64, reading: f64) {
-        self.carry(held, acted);
-        let off = reading - held[0];
-        for (value, gain) in held.iter_mut().zip(&self.correction) {
+        let (expected, filtered) = held.split_at_mut(self.expected());
+        self.carry(expected, acted);
+        let off = reading - expected[0];
+        for (value, gain) in expected.iter_mut().zip(&self.correction) {
             *value += gain * off;
+        }
+        for (own, section) in filtered.chunks_exact_mut(2).zip(&self.filter) {
+            let ([x, change], [c0, c1]) = ([own[0], own[1]], section.rates);
+            own[0] = x + change;
+            own[1] = change + off - c0 * x - c1 * change;
         }
     }
 
     /// The torque that it asks for; `sent` are the last ones, the newest first.
     pub(crate) fn answer(&self, held: &[f64], sent: &[f64]) -> f64 {
         let mut all = [0.0; EXPECTED];
-        let then = &mut all[..held.len().min(EXPECTED)];
+        let then = &mut all[..self.expected().min(EXPECTED)];
         then.copy_from_slice(&held[..then.len()]);
         for torque in sent.iter().take(self.ahead).rev() {
             self.carry(then, *torque);
         }
         let slope = then.get(3).copied().unwrap_or(0.0);
         let phi = then[2] + self.period * (1.0 / self.share - 1.0) * slope;
-        let wanted = phi - self.kp * then[0] - self.kd * then[1];
+        let wanted = phi - self.kp * then[0] - self.kd * then[1] + self.beside(held);
         sent[0] + self.share * (wanted - sent[0])
+    }
+
+    /// What the filter adds to the torque wanted.
+    fn beside(&self, held: &[f64]) -> f64 {
+        let sections = held[self.expected()..].chunks_exact(2).zip(&self.filter);
+        let torque = |(own, section): (&[f64], &FilterSection)| {
+            let [on_x, on_change] = section.weights_per_s2;
+            on_x * own[0] + on_change * own[1]
+        };
+        sections.map(torque).sum()
     }
 
     /// The torque that it wants, in frequency.
@@ -115,8 +144,17 @@ impl Sight {
     /// ė̂ = (Vw y + zTw^m(zℓ_0 + (1 − ℓ_0)w − Tzℓ_1/2) a)/A_o
     /// φ̂_j = Φ_j (w^{2+j} y − w^j B a)/A_o
     /// ```
+    ///
+    /// `ê` stands `(1 − ℓ_0)ν` below what is read, so that `(1 − ℓ_0)` is in `A_o y − A_o ê` and goes out. A section is
+    /// `wx = δ`, `(w + c_1)δ + c_0x = zν`:
+    ///
+    /// ```text
+    /// ν = (w^{m+2} y − w^m B a)/A_o,    Σ (b_0x + b_1δ) = ν Σ z(b_0 + b_1w)/(w² + c_1w + c_0) =: ν S/P
+    /// ```
+    ///
+    /// With a filter the common denominator is `A_o P`, `P` the product of all `w² + c_1w + c_0`.
     pub(crate) fn at(&self, w: Disc) -> Answer {
-        let (t, m) = (self.period, self.length() - 2);
+        let (t, m) = (self.period, self.expected() - 2);
         let z = w + Disc::real(1.0);
         let [on_e, on_de] = [self.correction[0], self.correction[1]];
         let mut phis = [Disc::real(0.0); EXPECTED];
@@ -138,10 +176,31 @@ impl Sight {
         };
         add((e, rest * b), row[0]);
         add((v * w, de_acted), row[1]);
-        for (j, (phi, weight)) in phis.iter().zip(&row[2..]).enumerate() {
+        for (j, (phi, weight)) in phis[..m].iter().zip(&row[2..]).enumerate() {
             add((*phi * w.power(2 + j), (*phi * w.power(j) * b).times(-1.0)), *weight);
         }
-        Answer { whole, reading, acted }
+        if self.filter.is_empty() {
+            return Answer { whole, reading, acted };
+        }
+        let (poles, sum) = self.filter_at(w);
+        let seen = sum * w.power(m);
+        Answer {
+            whole: whole * poles,
+            reading: reading * poles + seen * w.power(2),
+            acted: acted * poles + (seen * b).times(-1.0),
+        }
+    }
+
+    /// `P` and `S` of the filter.
+    fn filter_at(&self, w: Disc) -> (Disc, Disc) {
+        let z = w + Disc::real(1.0);
+        let none = (Disc::real(1.0), Disc::real(0.0));
+        self.filter.iter().fold(none, |(poles, sum), section| {
+            let [c0, c1] = section.rates;
+            let own = horner(&[c0, c1, 1.0], w);
+            let top = z * horner(&section.weights_per_s2, w);
+            (poles * own, sum * own + top * poles)
+        })
     }
 
     /// What each thing expected, and each torque on its way, weighs in the torque wanted: told by the law itself.
@@ -157,7 +216,7 @@ impl Sight {
             list[at] = 1.0;
             list
         };
-        let row = (0..n).map(|i| of(&unit(n, i), &vec![0.0; self.sent()])).collect();
+        let row = (0..self.expected()).map(|i| of(&unit(n, i), &vec![0.0; self.sent()])).collect();
         let coming = (0..self.ahead).map(|j| of(&vec![0.0; n], &unit(self.sent(), j))).collect();
         (row, coming)
     }

@@ -13,7 +13,7 @@ use super::plausible::{at_most, enough, gains, model, ratios};
 use super::polynomial::{not_negative, product, squared, value};
 use super::returns::{Drive, literal};
 use crate::dice::Dice;
-use crate::{JointRecord, LoopModel};
+use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
 
 impl Dice {
     fn disc(&mut self) -> Disc {
@@ -280,6 +280,55 @@ fn fed() -> JointRecord {
         kd_per_s: 3.0,
         a: vec![7.0; 4],
         observer: None,
+    }
+}
+
+#[test]
+fn what_is_no_filter_is_refused() {
+    let fine = FilterSection { rates: [0.02, 0.3], weights_per_s2: [300.0, -50.0] };
+    let of = |innovation_filter: Vec<FilterSection>| {
+        let own = PositionObserver {
+            correction: vec![0.271, 28.5, -1000.0],
+            share: 0.6,
+            delay_samples: 1,
+            innovation_filter,
+        };
+        let record = JointRecord { a: vec![], observer: Some(own), ..fed() };
+        gains("claim", &record).map_err(|why| why.inequality)
+    };
+    assert!(of(vec![]).is_ok() && of(vec![fine]).is_ok() && of(vec![fine; 2]).is_ok());
+    let many = of(vec![fine; 3]).unwrap_err();
+    assert_eq!(many, "sections of the innovation filter ≤ 2");
+    // On the circle at 1, inside it, a pair on it, outside, and at −1 and beyond.
+    let edges = [
+        ([0.0, 0.5], "0 < c_0"),
+        ([1e-9, 0.5], ""),
+        ([-1e-9, 0.5], "0 < c_0"),
+        ([0.3, 0.3], "c_0 < c_1"),
+        ([0.3, 0.3 + 1e-9], ""),
+        ([0.3, 0.3 - 1e-9], "c_0 < c_1"),
+        ([1.0, 2.5], "2 c_1 < 4 + c_0"),
+        ([1.0, 2.5 - 1e-9], ""),
+        ([1.0, 2.5 + 1e-9], "2 c_1 < 4 + c_0"),
+        ([4.0, 4.0 - 1e-9], "c_0 < c_1"),
+    ];
+    for (rates, why) in edges {
+        let told = of(vec![fine, FilterSection { rates, ..fine }]).err().unwrap_or_default();
+        let wanted = if why.is_empty() {
+            String::new()
+        } else {
+            format!("a filter's section settles: {why}")
+        };
+        assert_eq!(told, wanted, "{rates:?}");
+    }
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for at in 0..4 {
+            let mut own = fine;
+            let numbers = own.rates.iter_mut().chain(&mut own.weights_per_s2);
+            numbers.skip(at).take(1).for_each(|value| *value = bad);
+            let told = of(vec![own]).unwrap_err();
+            assert_eq!(told, "|number of a filter's section| < ∞", "{bad} {at}");
+        }
     }
 }
 

@@ -79,9 +79,9 @@ impl<'a> PlayedJoint<'a> {
         }
     }
 
-    /// Length of what a law from positions expects.
-    fn seen(&self) -> usize {
-        self.sight.as_ref().map_or(0, Sight::length)
+    /// Length of what a law from positions expects, and of that with what its filter holds.
+    fn seen(&self) -> (usize, usize) {
+        self.sight.as_ref().map_or((0, 0), |sight| (sight.expected(), sight.length()))
     }
 
     fn length(&self) -> usize {
@@ -92,12 +92,15 @@ impl<'a> PlayedJoint<'a> {
     fn unit(&self, place: usize) -> f64 {
         let (w, root) = (self.kp.sqrt(), self.inertia.sqrt());
         let power = |k: usize| (0..k).fold(1.0, |power, _| power * w);
+        let (expected, held) = self.seen();
         match (place, self.model.form) {
             (Q | LAST_Q, _) => 1.0 / root,
             (DQ | LAST_V, _) => w / root,
             (MEAN | END, _) => w * w / root,
             (k, Form::Observer) if k < MEMORY + self.memory => power(k - MEMORY + 2) / root,
-            (k, Form::Positions) if k < MEMORY + self.seen() => power(k - MEMORY) / root,
+            (k, Form::Positions) if k < MEMORY + expected => power(k - MEMORY) / root,
+            // A filter on the innovation holds angles.
+            (k, Form::Positions) if k < MEMORY + held => 1.0 / root,
             (k, Form::Literal) if k < MEMORY + self.memory => 1.0 / power(k - MEMORY + 1) / root,
             _ => w * w / root,
         }
@@ -285,6 +288,58 @@ impl<'a> Played<'a> {
                 let x = &mut self.states[i][run];
                 x[Q] += self.laws[i].model.period_s * x[DQ] + lever;
                 x[DQ] += push;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Played;
+    use crate::check::sample::{Loop, Outside, Signals};
+    use crate::check::tests::plain;
+    use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
+    use phihat::Form;
+
+    #[test]
+    fn a_joint_alone_does_what_its_loop_does() {
+        let sections = [([0.03, 0.2], [-9.0, 400.0]), ([1.1, 1.6], [80.0, -30.0])]
+            .map(|(rates, weights_per_s2)| FilterSection { rates, weights_per_s2 });
+        for (count, delay_samples) in [(0, 1), (1, 0), (2, 2)] {
+            let record = JointRecord {
+                name: "joint".into(),
+                inertia_kg_m2: 0.7,
+                kp_per_s2: 600.0,
+                kd_per_s: 50.0,
+                a: vec![],
+                observer: Some(PositionObserver {
+                    correction: vec![0.4, 60.0, -3e3, -4e4],
+                    share: 0.6,
+                    delay_samples,
+                    innovation_filter: sections[..count].to_vec(),
+                }),
+            };
+            let model = LoopModel { form: Form::Positions, delay_samples, ..plain() };
+            let mu = 1.2;
+            let inverse = [vec![1.0 / (mu * record.inertia_kg_m2)]];
+            let of = Loop::new(&record, &model, mu);
+            let mut played = Played::new(&[(&record, &model)], &inverse, 1);
+            assert_eq!(
+                played.length(),
+                6 + 4 + 2 * count + 1.max(delay_samples as usize) + delay_samples as usize
+            );
+            played.kick(0, 0, 0.0);
+            let mut x = Signals { v: inverse[0][0], ..Signals::REST };
+            for k in 0..500 {
+                let (next, u) = of.step(&x, &Outside::default());
+                let wanted = [x.q, x.v, u * record.inertia_kg_m2];
+                played.step(|_, _, outputs| {
+                    let own = [outputs[0], outputs[1], outputs[3]];
+                    for ((own, wanted), size) in own.iter().zip(wanted).zip([1e-2, 1.0, 100.0]) {
+                        assert!((own - wanted).abs() < 1e-12 * size, "{k} {own} {wanted}");
+                    }
+                });
+                x = next;
             }
         }
     }

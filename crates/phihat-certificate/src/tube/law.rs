@@ -12,8 +12,9 @@ use crate::check::sight::Sight;
 /// One joint's loop from reading to the torque that is told to the drive.
 ///
 /// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator (from positions:
-/// `ê`, `ė̂`, `φ̂`, all per unit of inertia, and the torques sent beside their feed-forward), commands from the newest to
-/// the one that acts, [what a drive's torque is off at the start of the interval].
+/// `ê`, `ė̂`, `φ̂`, all per unit of inertia, [`x`, `δ` of each section that filters the innovation], and the torques sent
+/// beside their feed-forward), commands from the newest to the one that acts, [what a drive's torque is off at the start of
+/// the interval].
 ///
 /// # Law of a drive
 ///

@@ -3,8 +3,8 @@
 use crate::check::agree::agrees;
 use crate::check::plausible::{self, at_most};
 use crate::{
-    ArmBasis, Certificate, FORMAT, Gains, JointCertificate, LoopModel, Moving, Refutation, UnitLaw,
-    VERSION,
+    ArmBasis, Certificate, FORMAT, Gains, JointCertificate, JointRecord, LoopModel, Moving,
+    Refutation, UnitLaw, VERSION,
 };
 
 const CLAIM: &str = "certificate";
@@ -69,11 +69,14 @@ impl Certificate {
     pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         self.whole(gains)?;
         self.tube_fits()?;
-        let mut checked: Vec<&JointCertificate> = Vec::new();
+        let mut checked: Vec<(&JointCertificate, &JointRecord)> = Vec::new();
         for (joint, record) in self.joints.iter().zip(&gains.joints) {
-            let told = checked.iter().any(|before| joint.tells_the_same(before));
+            let same = |(before, law): &(&JointCertificate, &JointRecord)| {
+                joint.tells_the_same(before) && one_law(record, law)
+            };
+            let told = checked.iter().any(same);
             joint.verify(record, self, told).map_err(|why| why.on(&joint.name))?;
-            checked.push(joint);
+            checked.push((joint, record));
         }
         if let Some(coupled) = &self.coupled {
             let whole = self.refused().is_none();
@@ -185,12 +188,16 @@ impl Certificate {
     }
 }
 
+/// Whether two joints differ in name and `M̄` alone.
+fn one_law(one: &JointRecord, other: &JointRecord) -> bool {
+    UnitLaw::from(one) == UnitLaw::from(other) && one.observer == other.observer
+}
+
 /// The eigenvalue argument for a coupled arm needs one law for all joints.
 fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     let Some(first) = gains.joints.first() else { return Ok(()) };
-    let law = UnitLaw::from(first);
     for joint in &gains.joints {
-        let same = UnitLaw::from(joint) == law && joint.observer == first.observer;
+        let same = one_law(joint, first);
         let claim = format!("{}: inertia window of the arm", joint.name);
         let what = "the law is that of the first joint (only M̄ may differ)";
         Refutation::unless(&claim, what, joint.kp_per_s2, first.kp_per_s2, same)?;

@@ -1,7 +1,9 @@
 //! An arm at one posture under the core's own laws from positions: `M q̈ = τ − φ` between samples, exactly. Knows nothing
 //! of the checker.
 
-use phihat::{JointGains, JointState, Measurement, PositionDesign, Reference, TorqueSource};
+use phihat::{
+    InnovationSection, JointGains, JointState, Measurement, PositionDesign, Reference, TorqueSource,
+};
 use phihat_certificate::{JointRecord, LoopModel};
 use std::collections::VecDeque;
 
@@ -40,24 +42,34 @@ pub(crate) struct Arm {
     pub(crate) asked: Vec<f64>,
 }
 
+/// `None`: the core does not run these gains.
+fn law(record: &JointRecord, period: f64) -> Option<JointGains<f64>> {
+    let own = record.observer.as_ref()?;
+    let design = PositionDesign {
+        inertia: record.inertia_kg_m2,
+        kp: record.kp_per_s2,
+        kd: record.kd_per_s,
+        correction: &own.correction,
+        velocity_correction: &[],
+        share: own.share,
+        delay: own.delay_samples as usize,
+        period,
+    };
+    let law = JointGains::from_positions(&design).ok()?;
+    let filter = own.innovation_filter.iter();
+    let sections: Vec<InnovationSection> = filter
+        .map(|own| InnovationSection { rates: own.rates, weights: own.weights_per_s2 })
+        .collect();
+    if sections.is_empty() { Some(law) } else { law.with_innovation_filter(&sections).ok() }
+}
+
 impl Arm {
     /// `None`: the core does not run these gains.
     pub(crate) fn new(joints: &[Joint], inverse: Vec<Vec<f64>>) -> Option<Self> {
         let of = |(record, model): &Joint| {
-            let own = record.observer.as_ref()?;
-            let design = PositionDesign {
-                inertia: record.inertia_kg_m2,
-                kp: record.kp_per_s2,
-                kd: record.kd_per_s,
-                correction: &own.correction,
-                velocity_correction: &[],
-                share: own.share,
-                delay: own.delay_samples as usize,
-                period: model.period_s,
-            };
             let late = (model.delay_samples + model.sample_delay_samples) as usize;
             Some(Torques {
-                law: JointGains::from_positions(&design).ok()?,
+                law: law(record, model.period_s)?,
                 state: JointState::new(),
                 model: *model,
                 inertia: record.inertia_kg_m2,
