@@ -97,7 +97,7 @@ pub use phihat_certificate::{
     PhiBasis, PositionObserver, Proved, Quantity, Searched, Settle, SettleFrom, Statement,
     TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION, Verified, Witness,
 };
-pub use positions::{PositionEstimate, PositionSearch};
+pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;
 pub use reversals::DryFriction;
 pub use smoothed::{RecordedJoint, Smoothed};

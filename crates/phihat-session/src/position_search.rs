@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, FINER, PARTS, tube_in_parts, tube_of_heaviest, tubes_behind};
-use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch, Tube};
+use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch, Tube, TubeParts};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
 
@@ -74,31 +74,28 @@ pub(crate) fn by_positions(
     };
     // Where a limit can act there is no tube, and no figure to go by.
     let unlimited = without_rate_limits(study);
-    let begin = |filtering: bool, least: bool| {
-        let new = if least { PositionSearch::with_least_error } else { PositionSearch::new };
-        new(study, arm, &phi).map(|search| if filtering { search.filtering() } else { search })
-    };
-    let (least, least_filtering) = (|| begin(false, true), || begin(true, true));
+    let search = PositionSearch::new(study, arm, &phi).map_err(|e| SessionError::at(path, e))?;
+    let least = || PositionSearch::with_least_error(study, arm, &phi);
     let mut rounds = Rounds {
         study,
         unlimited: &unlimited,
         path,
         motion: &motion,
-        search: begin(false, false).map_err(|e| SessionError::at(path, e))?,
+        search,
         least: Some(&least),
         thorough: false,
         beside: None,
     };
-    let mut best = rounds.best()?;
-    if study.design.innovation_filter {
-        rounds.search = begin(true, false).map_err(|e| SessionError::at(path, e))?;
-        rounds.least = Some(&least_filtering);
-        rounds.thorough = false;
-        let filtered = rounds.best()?;
-        best = match (best, filtered) {
-            (Some(plain), Some(own)) if !own.rank.beats(&plain.rank, 0.0) => Some(plain),
-            (plain, filtered) => filtered.or(plain),
-        };
+    let joints = study.robot.joints.len();
+    let mut best = rounds.best(&vec![FIRST; joints])?;
+    let found = best.as_ref().filter(|best| study.design.innovation_filter && best.found.is_some());
+    if let Some(plain) = found
+        && let Some(parts) = rounds.parts(plain)?
+    {
+        rounds.search.weigh(&plain.gains, &parts);
+        rounds.search.filter();
+        let filtered = rounds.best(&vec![ROOM; joints])?;
+        best = filtered.filter(|own| own.rank.pays(&plain.rank)).or(best);
     }
     // Laws of which a claim is refused do not arm.
     let Some(Best { rank, mut gains, parts, .. }) = best.filter(|best| best.rank.armed) else {
@@ -151,10 +148,44 @@ struct Rounds<'a> {
 }
 
 impl Rounds<'_> {
-    /// The best laws of the search, with every claim.
-    fn best(&mut self) -> Result<Option<Best>, SessionError> {
+    /// What the tube of gains has from where; `None` where one of its parts has none.
+    fn parts(&self, of: &Best) -> Result<Option<Vec<TubeParts>>, SessionError> {
+        let (gains, desired) = (&of.gains, self.told(&of.gains)?);
+        let tube = |exact: bool, smooth: bool| {
+            let mut own = self.unlimited.clone();
+            if exact {
+                own.sensor.encoder_bits = None;
+            }
+            if smooth {
+                own.design.coulomb.0.fill(0.0);
+                own.design.coulomb.1.fill(0.0);
+            }
+            promised(&own, gains, |own, gains| tube_of_heaviest(own, gains, (&desired, of.parts))).1
+        };
+        let tubes = [(false, false), (true, false), (false, true), (true, true)];
+        let [Some(all), Some(exact), Some(smooth), Some(neither)] =
+            tubes.map(|(exact, without)| tube(exact, without))
+        else {
+            return Ok(None);
+        };
+        let joint = |i: usize| {
+            let error = |tube: &Tube| tube.joints[i].error_max_rad;
+            let step = |tube: &Tube| tube.joints[i].torque_step_steady_max_nm;
+            TubeParts {
+                motion_rad: error(&neither),
+                jumps_rad: error(&exact) - error(&neither),
+                reading_rad: error(&all) - error(&exact),
+                noise_nm: step(&smooth),
+                jolt_nm: step(&all) - step(&smooth),
+            }
+        };
+        Ok(Some((0..gains.joints.len()).map(joint).collect()))
+    }
+
+    /// The best laws of the search from these shares on, with every claim.
+    fn best(&mut self, first: &[f64]) -> Result<Option<Best>, SessionError> {
         let study = self.study;
-        let mut best = self.settled(&vec![FIRST; study.robot.joints.len()], PARTS)?;
+        let mut best = self.settled(first, PARTS)?;
         let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
         if let Some(coarse) = asked.filter(|_| divisible(study)) {
             let first = coarse.next.as_ref().unwrap_or(&coarse.shares).iter();
@@ -398,6 +429,15 @@ impl Rank {
             (2, self.error)
         } else {
             (1, self.loudest)
+        }
+    }
+
+    /// Whether laws of one kind are better than those of another, whose noise is shares of something else.
+    fn pays(&self, other: &Self) -> bool {
+        if self.armed && self.kept() && other.kept() {
+            self.loudest < other.loudest
+        } else {
+            self.beats(other, 0.0)
         }
     }
 

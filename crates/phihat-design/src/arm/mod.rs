@@ -199,6 +199,24 @@ impl Arm {
         few
     }
 
+    /// The inertia \[kg·m²\] that each joint shows along the reference: least where all others are free, `1/(M⁻¹)_ii`, most where they are
+    /// held, `M_ii`. `None`: nothing is known of a reference.
+    pub(crate) fn shown(&self) -> Option<Vec<(f64, f64)>> {
+        let Knowledge::Postures(postures) = &self.knowledge else { return None };
+        let passing = postures.of_reference() as usize;
+        let light = postures.light.iter().rev().take(passing);
+        let heavy = postures.heavy.iter().rev().take(passing * postures.heaviest);
+        let mut shown = vec![(f64::INFINITY, 0.0_f64); postures.travel.len()];
+        for tried in light.chain(heavy) {
+            let inverse = tried.matrix.clone().cholesky()?.inverse();
+            for (i, (low, high)) in shown.iter_mut().enumerate() {
+                *low = smaller(*low, inverse[(i, i)].recip());
+                *high = larger(*high, tried.matrix[(i, i)]);
+            }
+        }
+        (passing > 0).then_some(shown)
+    }
+
     /// The range of inertia, measured in given nominal inertias \[kg·m²\].
     ///
     /// # Errors

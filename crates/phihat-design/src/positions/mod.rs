@@ -12,4 +12,4 @@ mod task;
 
 pub(crate) use response::worst_kick;
 pub(crate) use search::search;
-pub use search::{PositionEstimate, PositionSearch};
+pub use search::{PositionEstimate, PositionSearch, TubeParts};

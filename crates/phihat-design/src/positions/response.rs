@@ -30,6 +30,8 @@ pub(super) struct Response {
     pub(super) kick: [f64; 2],
     /// From the encoder's error to the change of torque per sample, over `M̄`.
     pub(super) change: f64,
+    /// From `φ/M̄` to the change of torque per sample, over `M̄`.
+    pub(super) jolt: f64,
 }
 
 /// Inertia ratios at which a loop is played side by side.
@@ -220,6 +222,7 @@ impl Played<'_, PLAYS> {
             reading: of(&size, READING + c),
             kick: of(&size, KICK + c),
             change: change[READING + c],
+            jolt: change[PUSH + c],
         });
         Some(each.fold(Response::default(), Response::worse))
     }
@@ -235,6 +238,7 @@ impl Response {
             reading: larger(self.reading, other.reading),
             kick: larger(self.kick, other.kick),
             change: self.change.max(other.change),
+            jolt: self.jolt.max(other.jolt),
         }
     }
 

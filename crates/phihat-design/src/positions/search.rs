@@ -6,7 +6,7 @@ use phihat_study::Study;
 use super::evolution::evolution;
 use super::family::Family;
 use super::simplex::{Found, simplex};
-use super::task::{Task, Worth};
+use super::task::{Task, Weights, Worth};
 use crate::designer::error::DesignError;
 use crate::designer::infeasible::{Clause, Infeasible};
 use crate::designer::known::PhiOf;
@@ -61,7 +61,12 @@ struct Asked<'a> {
     study: &'a Study,
     quanta: Vec<f64>,
     arm: ArmInertia,
+    /// The inertia that each joint shows along the reference \[kg·m²\].
+    shown: Option<Vec<(f64, f64)>>,
     phi: Vec<Phi>,
+    /// Whether tubes have told, and what each joint's estimates count then; empty: as they are.
+    told: bool,
+    weights: Vec<Option<Weights>>,
 }
 
 /// A search for laws from positions, one for each joint.
@@ -83,6 +88,24 @@ pub struct PositionSearch<'a> {
     /// Whether laws may filter their innovation.
     filtering: bool,
 }
+
+/// What of a joint's tube comes from where: the parts add up to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TubeParts {
+    /// `|e|` \[rad\] of the motion, payloads and all, without dry friction and with an exact encoder.
+    pub motion_rad: f64,
+    /// What dry friction adds to that \[rad\].
+    pub jumps_rad: f64,
+    /// What the encoder adds to both \[rad\].
+    pub reading_rad: f64,
+    /// Change of torque per sample \[N·m\] that the encoder causes without dry friction.
+    pub noise_nm: f64,
+    /// What dry friction adds to that \[N·m\].
+    pub jolt_nm: f64,
+}
+
+/// A part that a tube says is nothing still counts so much of its estimate.
+const LEAST_WEIGHT: f64 = 0.1;
 
 /// What a law is estimated to do for its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,7 +156,10 @@ impl<'a> PositionSearch<'a> {
             study,
             quanta: (0..own.len()).map(|joint| quantum(joint).unwrap_or(0.0)).collect(),
             arm: arm.against(own.clone())?,
+            shown: arm.shown(),
             phi: Vec::new(),
+            told: false,
+            weights: Vec::new(),
         };
         let share = |joint: usize| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error[joint];
         let of_error: Vec<f64> = (0..own.len()).map(share).collect();
@@ -146,7 +172,8 @@ impl<'a> PositionSearch<'a> {
             let arm = middle.scaled(scale);
             let inertia = arm.nominal_kg_m2.iter().enumerate();
             let phi = inertia.map(|(joint, inertia)| phi(joint, *inertia)).collect();
-            let tried = Asked { study, quanta: asked.quanta.clone(), arm, phi };
+            let (quanta, shown) = (asked.quanta.clone(), asked.shown.clone());
+            let tried = Asked { study, quanta, arm, shown, phi, told: false, weights: Vec::new() };
             let found = parallel(&joints, threads(), |joint| {
                 tried.joint((joint, 1), (MIDDLE, None), ROUGH)
             });
@@ -162,16 +189,48 @@ impl<'a> PositionSearch<'a> {
         Ok(Self { asked, known: phi, last, ordered: false, filtering: false })
     }
 
-    /// The same search, from its beginning, for laws that may filter their innovation.
-    #[must_use]
-    pub fn filtering(self) -> Self {
-        Self { filtering: true, ordered: false, ..self }
+    /// From here on laws may filter their innovation.
+    pub fn filter(&mut self) {
+        (self.filtering, self.ordered) = (true, false);
+    }
+
+    /// From here on estimates are weighed so that they say of these laws what their tube said; a share is one of all that turns the
+    /// torque then, not of the encoder's part.
+    pub fn weigh(&mut self, gains: &Gains, found: &[TubeParts]) {
+        self.asked.told = true;
+        let joints = gains.joints.iter().zip(found).enumerate();
+        let weights = |(joint, (record, found)): (usize, (&JointRecord, &TubeParts))| {
+            let task = self.asked.task((joint, record.order()), 1.0);
+            let quantum = self.asked.quanta[joint];
+            let per_reading = if quantum > 0.0 { 0.5 * quantum } else { 1.0 / EXACT };
+            task.parts(record).map(|own| {
+                let over = |found: f64, own: f64| {
+                    if own > 0.0 { (found / own).max(LEAST_WEIGHT) } else { 1.0 }
+                };
+                let [motion, jumps, reading] = own.errors[0];
+                let [change, jolt] = own.change;
+                Weights {
+                    error: [
+                        over(found.motion_rad, motion),
+                        over(found.jumps_rad, jumps),
+                        over(found.reading_rad, reading),
+                    ],
+                    change: [
+                        over(found.noise_nm, change * per_reading),
+                        over(found.jolt_nm, jolt * per_reading),
+                    ],
+                }
+            })
+        };
+        let weights = joints.map(weights).collect();
+        self.asked.weights = weights;
+        self.ordered = false;
     }
 
     /// The laws with the least error for a share of the allowed noise, per joint; without a certificate. `None`: some joint
     /// has no law that holds.
     pub fn laws(&mut self, shares: &[f64]) -> Option<(Gains, Vec<PositionEstimate>)> {
-        let Asked { study, quanta, arm, phi } = &self.asked;
+        let Asked { study, quanta, arm, phi, .. } = &self.asked;
         let joints: Vec<usize> = (0..phi.len()).collect();
         let orders: Vec<usize> = study.design.orders.iter().copied().filter(|m| *m <= 2).collect();
         // A filter can do what a higher order does.
@@ -244,6 +303,15 @@ impl Asked<'_> {
         if quantum > 0.0 { most / (0.5 * quantum) } else { most * EXACT }
     }
 
+    /// The range of inertia over which a joint is looked at: once tubes have told, its own along the reference, of that of the arm.
+    fn shown(&self, joint: usize) -> (f64, f64) {
+        let (nominal, low, high) = (self.arm.nominal_kg_m2[joint], self.arm.low, self.arm.high);
+        let own = self.shown.as_ref().map(|all| all[joint]).filter(|_| self.told);
+        own.map_or((low, high), |(least, most)| {
+            ((least / nominal).clamp(low, high), (most / nominal).clamp(low, high))
+        })
+    }
+
     fn task(&self, (joint, order): (usize, usize), share: f64) -> Task<'_> {
         let study = self.study;
         let model =
@@ -262,9 +330,11 @@ impl Asked<'_> {
             phi: &self.phi[joint],
             quantum: self.quanta[joint],
             range: (self.arm.low, self.arm.high),
+            shown: self.shown(joint),
             margin: study.design.window_margin,
             modulus: study.design.modulus_min,
             change: share * self.allowed(joint),
+            weights: self.weights.get(joint).copied().flatten(),
             velocity: rates.map(|(velocity, error)| velocity[joint] / error[joint]),
         }
     }
@@ -338,9 +408,10 @@ const NEAR: f64 = 1.02;
 
 /// Laws with the least noise whose estimates keep the error, joint by joint; their certificate says what holds.
 pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
-    let search = PositionSearch::new(study, arm, phi)?;
-    let filters = study.design.innovation_filter;
-    let mut search = if filters { search.filtering() } else { search };
+    let mut search = PositionSearch::new(study, arm, phi)?;
+    if study.design.innovation_filter {
+        search.filter();
+    }
     let wanted = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
     let mut shares = vec![MIDDLE; wanted.len()];
     let mut clauses = Vec::new();

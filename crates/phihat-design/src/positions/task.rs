@@ -36,12 +36,37 @@ pub(super) struct Task<'a> {
     pub(super) quantum: f64,
     /// The arm's range of inertia, without margin, and the margin.
     pub(super) range: (f64, f64),
+    /// The range of inertia over which errors and noise are looked at.
+    pub(super) shown: (f64, f64),
     pub(super) margin: f64,
     pub(super) modulus: f64,
     /// Allowed change of torque per sample, per radian that a reading is off \[N·m/rad\].
     pub(super) change: f64,
     /// Allowed `|ė|` over allowed `|e|` \[1/s\], where both are asked for.
     pub(super) velocity: Option<f64>,
+    /// What its estimates count; `None`: as they are.
+    pub(super) weights: Option<Weights>,
+}
+
+/// What each part of an estimate counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Weights {
+    /// Of the error: what moves smoothly, what jumps, what the encoder does.
+    pub(super) error: [f64; 3],
+    /// Of the change of torque: what the encoder does \[1\], and what `φ` does by its jumps \[1/rad\].
+    pub(super) change: [f64; 2],
+}
+
+/// The parts of what a law does for its joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Parts {
+    /// Of `|e|` \[rad\], and of `|ė|` \[rad/s\]: what moves smoothly, what jumps, what the encoder does.
+    pub(super) errors: [[f64; 3]; 2],
+    /// Bounds of `|e|` and `|ė|` as a whole.
+    whole: [f64; 2],
+    /// Of the change of torque per sample: what the encoder does \[N·m\] per radian that a reading is off, and what `φ` does by its
+    /// jumps \[N·m\].
+    pub(super) change: [f64; 2],
 }
 
 /// What a law does for a joint.
@@ -98,14 +123,14 @@ impl Task<'_> {
             .least()
     }
 
-    /// What a law does, over the range; `None` where it does not hold.
-    pub(super) fn worth(&self, record: &JointRecord) -> Option<Worth> {
-        let (low, high) = self.range;
+    /// The parts of what a law does, over the range; `None` where it does not hold.
+    pub(super) fn parts(&self, record: &JointRecord) -> Option<Parts> {
+        let (low, high) = self.shown;
         let share = |k: u32| f64::from(k) / f64::from(RATIOS - 1);
         let mu: Vec<f64> = (0..RATIOS).map(|k| low * (high / low).powf(share(k))).collect();
         let gains = Response::over(record, &self.model, &mu)?;
         let t = self.model.period_s;
-        let of = |i: usize| {
+        let part = |i: usize| {
             let jump = JUMP * gains.jump[i];
             let own = self.phi.bound(jump, Some(gains.ramp[i])) / self.inertia;
             let kick = gains.kick[i] * t * t;
@@ -113,8 +138,33 @@ impl Task<'_> {
                 .phi
                 .motion
                 .map_or(0.0, |motion| motion.costs(0.25 * kick, Some(t * kick / 12.0)));
-            own + moved + 0.5 * self.quantum * gains.reading[i]
+            let reading = 0.5 * self.quantum * gains.reading[i];
+            let jumps = jump * self.phi.jump_nm / self.inertia;
+            ([(own - jumps).max(0.0) + moved, jumps.min(own), reading], own + moved + reading)
         };
-        Some(Worth { error: of(0), velocity: of(1), change: self.inertia * gains.change })
+        let ((error, whole), (rate, whole_rate)) = (part(0), part(1));
+        let jolt = JUMP * gains.jolt * self.phi.jump_nm;
+        Some(Parts {
+            errors: [error, rate],
+            whole: [whole, whole_rate],
+            change: [self.inertia * gains.change, jolt],
+        })
+    }
+
+    /// What a law does, as its parts are weighed; `None` where it does not hold.
+    pub(super) fn worth(&self, record: &JointRecord) -> Option<Worth> {
+        let Parts { errors, whole: [error, velocity], change } = self.parts(record)?;
+        let Some(weights) = &self.weights else {
+            return Some(Worth { error, velocity, change: change[0] });
+        };
+        let sum = |parts: &[f64], weights: &[f64]| -> f64 {
+            parts.iter().zip(weights).map(|(part, weight)| part * weight).sum()
+        };
+        Some(Worth {
+            error: sum(&errors[0], &weights.error),
+            velocity: sum(&errors[1], &weights.error),
+            // A jolt counts as the reading that does as much.
+            change: sum(&change, &weights.change),
+        })
     }
 }
