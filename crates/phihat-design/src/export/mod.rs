@@ -18,7 +18,7 @@ pub use pid::{Pid, PidClaims};
 use period::period_ns;
 use phihat::Form;
 
-use crate::Gains;
+use crate::{FilterSection, Gains, JointRecord};
 
 /// The format that gains are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,6 +69,11 @@ pub fn export(gains: &Gains, target: Target) -> Result<String, ExportError> {
         Target::CHeader => Ok(c_header::text(gains)),
         Target::Csv => Ok(csv::text(gains)),
     }
+}
+
+/// Sections of the filter on a joint's innovation; empty: none.
+fn filter(joint: &JointRecord) -> &[FilterSection] {
+    joint.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
 }
 
 fn check(gains: &Gains) -> Result<(), ExportError> {
