@@ -63,14 +63,14 @@ fn from_positions(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, 
         period,
     };
     let gains = JointGains::from_positions(&design).map_err(Refusal::of_positions)?;
-    filtered(gains, joint)
+    filtered(&gains, joint)
 }
 
 /// With the filter on the innovation that the joint asks for.
-fn filtered(gains: JointGains<f64>, joint: &phihat_joint) -> Result<JointGains<f64>, Refusal> {
+fn filtered(gains: &JointGains<f64>, joint: &phihat_joint) -> Result<JointGains<f64>, Refusal> {
     let count = usize::try_from(joint.sections).unwrap_or(usize::MAX);
     if count == 0 {
-        return Ok(gains);
+        return Ok(*gains);
     }
     let rates = joint.section_rates.get(..count);
     let rates = rates.ok_or(Refusal::of_positions(GainError::Sections { count }))?;

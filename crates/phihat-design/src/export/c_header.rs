@@ -2,7 +2,7 @@
 
 use core::fmt::Write;
 
-use super::filter;
+use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;
@@ -127,7 +127,8 @@ fn filters(gains: &Gains) -> String {
             format!("    {{{}}},\n", pairs.join(", "))
         };
         let rows: String = own.iter().map(row).collect();
-        text += &format!(
+        let _ = write!(
+            text,
             "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_FILTER_SECTIONS][2] = {{\n{rows}}};\n"
         );
     };

@@ -1,6 +1,6 @@
 //! The gains as a table.
 
-use super::filter;
+use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;

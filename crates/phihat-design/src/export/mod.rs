@@ -6,6 +6,7 @@
 mod c_header;
 mod csv;
 mod error;
+mod filter;
 mod notes;
 mod number;
 mod period;
@@ -18,7 +19,7 @@ pub use pid::{Pid, PidClaims};
 use period::period_ns;
 use phihat::Form;
 
-use crate::{FilterSection, Gains, JointRecord};
+use crate::Gains;
 
 /// The format that gains are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,11 +70,6 @@ pub fn export(gains: &Gains, target: Target) -> Result<String, ExportError> {
         Target::CHeader => Ok(c_header::text(gains)),
         Target::Csv => Ok(csv::text(gains)),
     }
-}
-
-/// Sections of the filter on a joint's innovation; empty: none.
-fn filter(joint: &JointRecord) -> &[FilterSection] {
-    joint.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
 }
 
 fn check(gains: &Gains) -> Result<(), ExportError> {

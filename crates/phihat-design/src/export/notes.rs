@@ -1,6 +1,6 @@
 //! What stands in every exported file for people: origin, law, what the target lacks, what is claimed.
 
-use super::filter;
+use super::filter::filter;
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
 use crate::Gains;

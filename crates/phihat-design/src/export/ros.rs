@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use super::error::ExportError;
-use super::filter;
+use super::filter::filter;
 use super::notes;
 use super::number::{exact, up};
 use super::pid::{Pid, PidClaims};
