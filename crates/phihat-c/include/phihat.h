@@ -12,7 +12,7 @@
  *
  * Every structure begins with its own size, set by the caller (`.size = sizeof(phihat_joint)`), so that
  * later versions can add members at the end. What was compiled with a header whose phihat_joint ended before
- * `correction` runs as it did. Every function answers a phihat_status.
+ * `correction`, or before `sections`, runs as it did. Every function answers a phihat_status.
  *
  * phihat_controller is the law and its limits. phihat_supervisor puts around it what a real arm needs: a
  * guard for bad, late and lost samples, joint limits, modes with a latched safe stop, bumpless starts.
@@ -44,6 +44,11 @@
  * Longest delay that PHIHAT_FORM_POSITIONS predicts across [samples].
  */
 #define PHIHAT_DELAY_MAX 4
+
+/**
+ * Most sections of an innovation filter.
+ */
+#define PHIHAT_SECTIONS_MAX 2
 
 /**
  * Form of the law: a disturbance observer fed with the torque that acted. The default.
@@ -183,14 +188,18 @@ typedef struct phihat_supervisor phihat_supervisor;
  * Gains and limits of one joint. What a form does not use is not looked at.
  *
  * PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
- * instead, l = correction, v = velocity_correction, g = share, d = delay_samples; at sample k:
+ * instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of each section c = section_rates,
+ * b = section_weights_per_s2; at sample k:
  *
  *   z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
- *   z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+ *   nu    = q - q_des - z_e
+ *   z    += l nu                                   (and v (dq - dq_des - z_de), where v is not zero)
+ *   x, y  = x + y, y + nu - c_0 x - c_1 y          of each section, from 0, 0 at the first sample
  *   z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
  *   ff    = M ddq_des
  *   r     = the last torque, as the limits let it through, less its ff
- *   tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+ *   want  = phi+ - M (K_d de+ + K_p e+) + M (sum of b_0 x + b_1 y over the sections)
+ *   tau   = ff + r + g (want - r)
  *
  * tau acts from sample k + d to k + d + 1. Its feed-forward ff enters with the reference, so that ddq_des of
  * phihat_sample is the mean of that interval.
@@ -251,6 +260,19 @@ typedef struct phihat_joint {
    * Transport delay from a sample to its torque, 0 ... PHIHAT_DELAY_MAX [samples].
    */
   uint64_t delay_samples;
+  /**
+   * Sections of the filter on the innovation nu, 0 ... PHIHAT_SECTIONS_MAX; 0: no filter.
+   */
+  uint64_t sections;
+  /**
+   * c_0, c_1 of each section, per sample [1]: its poles are z = 1 + w with w^2 + c_1 w + c_0 = 0, inside of the
+   * circle where 0 < c_0 < c_1 and 2 c_1 < 4 + c_0.
+   */
+  double section_rates[PHIHAT_SECTIONS_MAX][2];
+  /**
+   * b_0, b_1 of each section: what its x and its y weigh in the torque that is wanted, per M [1/s^2].
+   */
+  double section_weights_per_s2[PHIHAT_SECTIONS_MAX][2];
 } phihat_joint;
 
 /**

@@ -24,8 +24,8 @@ pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
     Ok(unsafe { &*at })
 }
 
-/// A copy of the `index`-th of an array of structures, each with its size: that of this header, or `older`, that of a
-/// header in which the structure ended earlier. What is missing is zero then.
+/// A copy of the `index`-th of an array of structures, each with its size: that of this header, or one of `older`, those
+/// of headers in which the structure ended earlier. What is missing is zero then.
 ///
 /// # Safety
 ///
@@ -34,7 +34,7 @@ pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
 pub(crate) unsafe fn element<T: Copy>(
     first: *const T,
     index: usize,
-    older: usize,
+    older: &[usize],
 ) -> Result<T, Refusal> {
     if first.is_null() {
         return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
@@ -42,7 +42,7 @@ pub(crate) unsafe fn element<T: Copy>(
     // SAFETY: one size, that of the first, is how far apart they all are; as much as that is read of each.
     unsafe {
         let size = first.cast::<usize>().read();
-        if size != size_of::<T>() && size != older {
+        if size != size_of::<T>() && !older.contains(&size) {
             return Err(wrong_size().at(index));
         }
         let at = first.byte_add(index * size);

@@ -77,7 +77,7 @@ pub unsafe extern "C" fn phihat_controller_create(
         };
         for index in 0..count {
             // SAFETY: the caller's array has `count` elements.
-            let joint = unsafe { element(joints, index, phihat_joint::FIRST) }?;
+            let joint = unsafe { element(joints, index, phihat_joint::OLDER) }?;
             made.gains.push(law(&joint, period_s).map_err(|why| why.at(index))?);
         }
         made.states.resize(count, JointState::new());

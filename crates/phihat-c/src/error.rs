@@ -86,6 +86,19 @@ impl Refusal {
         Self { member, value, ..Self::gain(error) }
     }
 
+    /// The innovation filter of a law from positions; `rates` are those of its sections.
+    pub(crate) fn of_filter(error: GainError, rates: &[[f64; 2]]) -> Self {
+        let refusal = Self::of_positions(error);
+        let fine = |i: usize| rates.get(i).is_some_and(|of| of.iter().all(|rate| rate.is_finite()));
+        match error {
+            // The core names the section, and there are two members of it.
+            GainError::NotFinite { gain: Gain::Section(i), .. } if fine(i) => {
+                Self { member: Member("section_weights_per_s2", Some(i)), ..refusal }
+            }
+            _ => refusal,
+        }
+    }
+
     pub(crate) fn option(joint: Option<usize>, error: OptionError) -> Self {
         let (member, value) = match error {
             OptionError::Value { option, value, .. } => (Member(option, None), value),
@@ -143,8 +156,8 @@ fn blamed(error: GainError, estimator: &'static str) -> (Member, f64) {
         GainError::UnstableEstimator { .. } => (estimator, None, none),
         GainError::Share { value } => ("share", None, value),
         GainError::Delay { samples } => ("delay_samples", None, samples as f64),
-        GainError::Sections { .. } => ("sections", None, none),
-        GainError::UnstableSection { index } => ("section", Some(index), none),
+        GainError::Sections { count } => ("sections", None, count as f64),
+        GainError::UnstableSection { index } => ("section_rates", Some(index), none),
         GainError::Form => ("form", None, none),
         GainError::Overflow => ("", None, none),
     };
@@ -163,7 +176,7 @@ fn named(gain: Gain) -> (&'static str, Option<usize>) {
         Gain::Share => ("share", None),
         Gain::Correction(i) => ("correction", Some(i)),
         Gain::VelocityCorrection(i) => ("velocity_correction", Some(i)),
-        Gain::Section(i) => ("section", Some(i)),
+        Gain::Section(i) => ("section_rates", Some(i)),
         // Of no structure here.
         Gain::VelocityMax | Gain::AccelerationMax | Gain::JerkMax | Gain::VelocityFilter => {
             ("", None)

@@ -1,10 +1,11 @@
 //! A joint's gains, as C states them, checked.
 
-use phihat::{Form, GainError, JointDesign, JointGains, Limits, PositionDesign};
+use phihat::{Form, GainError, InnovationSection, JointDesign, JointGains, Limits, PositionDesign};
 
 use crate::error::{Refusal, Status};
 use crate::types::{
-    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, phihat_joint,
+    PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER, PHIHAT_FORM_POSITIONS, PHIHAT_SECTIONS_MAX,
+    phihat_joint,
 };
 
 /// The law of a joint, behind its limits.
@@ -61,5 +62,23 @@ fn from_positions(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, 
         delay: usize::try_from(joint.delay_samples).unwrap_or(usize::MAX),
         period,
     };
-    JointGains::from_positions(&design).map_err(Refusal::of_positions)
+    let gains = JointGains::from_positions(&design).map_err(Refusal::of_positions)?;
+    filtered(&gains, joint)
+}
+
+/// With the filter on the innovation that the joint asks for.
+fn filtered(gains: &JointGains<f64>, joint: &phihat_joint) -> Result<JointGains<f64>, Refusal> {
+    let count = usize::try_from(joint.sections).unwrap_or(usize::MAX);
+    if count == 0 {
+        return Ok(*gains);
+    }
+    let rates = joint.section_rates.get(..count);
+    let rates = rates.ok_or(Refusal::of_positions(GainError::Sections { count }))?;
+    let own = rates.iter().zip(&joint.section_weights_per_s2);
+    let own = own.map(|(rates, weights)| InnovationSection { rates: *rates, weights: *weights });
+    let mut sections = [InnovationSection::default(); PHIHAT_SECTIONS_MAX];
+    for (place, section) in sections.iter_mut().zip(own) {
+        *place = section;
+    }
+    gains.with_innovation_filter(&sections[..count]).map_err(|why| Refusal::of_filter(why, rates))
 }

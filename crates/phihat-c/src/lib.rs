@@ -43,5 +43,5 @@ pub use supervisor::{
 pub use types::{
     PHIHAT_CORRECTION_MAX, PHIHAT_DELAY_MAX, PHIHAT_FORM_LITERAL, PHIHAT_FORM_OBSERVER,
     PHIHAT_FORM_POSITIONS, PHIHAT_ORDER_MAX, PHIHAT_RATE_LIMITED, PHIHAT_REFUSED, PHIHAT_SATURATED,
-    phihat_command, phihat_joint, phihat_sample,
+    PHIHAT_SECTIONS_MAX, phihat_command, phihat_joint, phihat_sample,
 };

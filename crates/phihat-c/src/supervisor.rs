@@ -76,7 +76,7 @@ pub struct phihat_request {
 
 impl phihat_request {
     /// sizeof(phihat_request) of the first header, which had no member from `feed_forward` on.
-    pub(crate) const FIRST: usize = offset_of!(Self, feed_forward);
+    pub(crate) const OLDER: &[usize] = &[offset_of!(Self, feed_forward)];
 }
 
 /// What a sample brought.
@@ -138,15 +138,13 @@ pub unsafe extern "C" fn phihat_supervisor_create(
         let mut rules = room(count)?;
         for index in 0..count {
             // SAFETY: the caller's array has `count` elements.
-            let joint = unsafe { element(joints, index, phihat_joint::FIRST) }?;
+            let joint = unsafe { element(joints, index, phihat_joint::OLDER) }?;
             let law = law(&joint, period).map_err(|why| why.at(index))?;
             let guard = if guards.is_null() {
                 phihat::JointOptions::default()
             } else {
                 // SAFETY: the caller's array has `count` elements.
-                unsafe { element(guards, index, size_of::<phihat_guard>()) }?
-                    .options()
-                    .map_err(|why| why.at(index))?
+                unsafe { element(guards, index, &[]) }?.options().map_err(|why| why.at(index))?
             };
             let rule = JointRules::new(index, &law, &guard, &options);
             rules.push(rule.map_err(|e| refused(e, Some(index)))?);
@@ -211,7 +209,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         let s = living.ok_or_else(|| Refusal::new(Status::NullPointer, why))?;
         // SAFETY: the caller's.
         let (sample, request, to) = unsafe {
-            let request = element(request, 0, phihat_request::FIRST)?;
+            let request = element(request, 0, phihat_request::OLDER)?;
             (structure(sample)?, request, structure(command)?)
         };
         let mode = match request.mode {

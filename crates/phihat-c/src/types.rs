@@ -8,6 +8,8 @@ pub const PHIHAT_ORDER_MAX: usize = 4;
 pub const PHIHAT_CORRECTION_MAX: usize = 5;
 /// Longest delay that PHIHAT_FORM_POSITIONS predicts across [samples].
 pub const PHIHAT_DELAY_MAX: u32 = 4;
+/// Most sections of an innovation filter.
+pub const PHIHAT_SECTIONS_MAX: usize = 2;
 
 /// Form of the law: a disturbance observer fed with the torque that acted. The default.
 pub const PHIHAT_FORM_OBSERVER: u32 = 0;
@@ -26,14 +28,18 @@ pub const PHIHAT_REFUSED: u32 = 4;
 /// Gains and limits of one joint. What a form does not use is not looked at.
 ///
 /// PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
-/// instead, l = correction, v = velocity_correction, g = share, d = delay_samples; at sample k:
+/// instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of each section c = section_rates,
+/// b = section_weights_per_s2; at sample k:
 ///
 ///   z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
-///   z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+///   nu    = q - q_des - z_e
+///   z    += l nu                                   (and v (dq - dq_des - z_de), where v is not zero)
+///   x, y  = x + y, y + nu - c_0 x - c_1 y          of each section, from 0, 0 at the first sample
 ///   z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
 ///   ff    = M ddq_des
 ///   r     = the last torque, as the limits let it through, less its ff
-///   tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+///   want  = phi+ - M (K_d de+ + K_p e+) + M (sum of b_0 x + b_1 y over the sections)
+///   tau   = ff + r + g (want - r)
 ///
 /// tau acts from sample k + d to k + d + 1. Its feed-forward ff enters with the reference, so that ddq_des of
 /// phihat_sample is the mean of that interval.
@@ -70,11 +76,19 @@ pub struct phihat_joint {
     /// Transport delay from a sample to its torque, 0 ... PHIHAT_DELAY_MAX [samples].
     // 64 bits leave no gap at the end: whatever a later header adds makes the structure larger.
     pub delay_samples: u64,
+    /// Sections of the filter on the innovation nu, 0 ... PHIHAT_SECTIONS_MAX; 0: no filter.
+    pub sections: u64,
+    /// c_0, c_1 of each section, per sample [1]: its poles are z = 1 + w with w^2 + c_1 w + c_0 = 0, inside of the
+    /// circle where 0 < c_0 < c_1 and 2 c_1 < 4 + c_0.
+    pub section_rates: [[f64; 2]; PHIHAT_SECTIONS_MAX],
+    /// b_0, b_1 of each section: what its x and its y weigh in the torque that is wanted, per M [1/s^2].
+    pub section_weights_per_s2: [[f64; 2]; PHIHAT_SECTIONS_MAX],
 }
 
 impl phihat_joint {
-    /// sizeof(phihat_joint) of the first header, which had no member from `correction` on.
-    pub(crate) const FIRST: usize = offset_of!(Self, correction);
+    /// sizeof(phihat_joint) of older headers: of the first, which had no member from `correction` on, and of the one
+    /// that had none from `sections` on.
+    pub(crate) const OLDER: &[usize] = &[offset_of!(Self, correction), offset_of!(Self, sections)];
 }
 
 /// What the sensors say at a sample, and what the arm shall do.

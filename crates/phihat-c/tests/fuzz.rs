@@ -47,10 +47,11 @@ fn or<T>(choices: &mut Choices<'_>, usual: T, unlikely: T) -> T {
 }
 
 fn joint(choices: &mut Choices<'_>) -> phihat_joint {
-    let usual = [crate::support::joint(), crate::support::seeing()][choices.byte_or_0() % 2];
+    let forms = [crate::support::joint(), crate::support::seeing(), crate::support::filtered()];
+    let usual = forms[choices.byte_or_0() % 3];
     let mut joint = phihat_joint { torque_rate_max_nm_s: 1000.0, ..usual };
     if seldom(choices) {
-        match choices.byte_or_0() % 12 {
+        match choices.byte_or_0() % 15 {
             0 => joint.inertia_kg_m2 = number(choices),
             1 => joint.kp_per_s2 = number(choices),
             2 => joint.kd_per_s = number(choices),
@@ -62,6 +63,9 @@ fn joint(choices: &mut Choices<'_>) -> phihat_joint {
             8 => joint.velocity_correction[choices.byte_or_0() % 5] = number(choices),
             9 => joint.share = number(choices),
             10 => joint.delay_samples = choices.byte_or_0() as u64,
+            11 => joint.sections = choices.byte_or_0() as u64,
+            12 => joint.section_rates[choices.byte_or_0() % 2][0] = number(choices),
+            13 => joint.section_weights_per_s2[choices.byte_or_0() % 2][1] = number(choices),
             _ => joint.size = choices.byte_or_0(),
         }
     }

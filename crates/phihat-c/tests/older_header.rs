@@ -1,5 +1,6 @@
-//! A program that was compiled with the first header, whose phihat_joint had no member from `correction` on. Wrong if it
-//! is refused, gets another torque than before, or has more read than it handed over.
+//! Programs that were compiled with older headers: the first, whose phihat_joint had no member from `correction` on, and
+//! the second, whose had none from `sections` on. Wrong if one is refused, gets another torque than before, or has more
+//! read than it handed over.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
 use core::ptr::{null, null_mut};
@@ -13,7 +14,7 @@ use phihat_c::{
 
 const N: usize = 3;
 
-/// phihat_joint as it was, written down again.
+/// phihat_joint as it was in the first header, written down again.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 struct Joint {
@@ -28,8 +29,22 @@ struct Joint {
     torque_rate_max_nm_s: f64,
 }
 
+/// As it was in the second.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+struct Seeing {
+    first: Joint,
+    correction: [f64; 5],
+    velocity_correction: [f64; 5],
+    share: f64,
+    delay_samples: u64,
+}
+
 fn joint(k: u32, form: u32) -> phihat_joint {
     let kp_per_s2 = 300.0 + 50.0 * f64::from(k);
+    if form == PHIHAT_FORM_POSITIONS {
+        return phihat_joint { kp_per_s2, ..crate::support::seeing() };
+    }
     phihat_joint { kp_per_s2, form, ..crate::support::joint() }
 }
 
@@ -44,6 +59,17 @@ fn as_it_was(joint: &phihat_joint) -> Joint {
         form: joint.form,
         torque_max_nm: joint.torque_max_nm,
         torque_rate_max_nm_s: joint.torque_rate_max_nm_s,
+    }
+}
+
+/// As a program of the second header says it.
+fn as_it_saw(joint: &phihat_joint) -> Seeing {
+    Seeing {
+        first: Joint { size: size_of::<Seeing>(), ..as_it_was(joint) },
+        correction: joint.correction,
+        velocity_correction: joint.velocity_correction,
+        share: joint.share,
+        delay_samples: joint.delay_samples,
     }
 }
 
@@ -72,7 +98,8 @@ fn answers(joints: *const phihat_joint, count: usize) -> (Status, Vec<[u64; N]>)
 #[test]
 fn it_runs_as_it_did() {
     if size_of::<usize>() == 8 {
-        assert_eq!(size_of::<Joint>(), 88, "what a program of then says");
+        let sizes = (size_of::<Joint>(), size_of::<Seeing>());
+        assert_eq!(sizes, (88, 184), "what programs of then say");
     }
     for form in [PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL] {
         let now: Vec<_> = (0..3).map(|k| joint(k, form)).collect();
@@ -81,20 +108,29 @@ fn it_runs_as_it_did() {
         assert_eq!(status, Status::Ok);
         assert_eq!(torques, answers(now.as_ptr(), N).1);
     }
+    for form in [PHIHAT_FORM_OBSERVER, PHIHAT_FORM_LITERAL, PHIHAT_FORM_POSITIONS] {
+        let now: Vec<_> = (0..3).map(|k| joint(k, form)).collect();
+        let then: Vec<_> = now.iter().map(as_it_saw).collect();
+        let (status, torques) = answers(then.as_ptr().cast(), N);
+        assert_eq!(status, Status::Ok);
+        assert_eq!(torques, answers(now.as_ptr(), N).1, "no filter");
+    }
 }
 
 #[test]
 fn it_runs_under_supervision() {
-    let then: Vec<_> = (0..3).map(|k| as_it_was(&joint(k, PHIHAT_FORM_OBSERVER))).collect();
-    let mut handle = null_mut();
+    let first: Vec<_> = (0..3).map(|k| as_it_was(&joint(k, PHIHAT_FORM_OBSERVER))).collect();
+    let second: Vec<_> = (0..3).map(|k| as_it_saw(&joint(k, PHIHAT_FORM_POSITIONS))).collect();
     let options = supervision();
-    // SAFETY: all pointers are to living values, or null where that is allowed.
-    unsafe {
-        let (joints, options) = (then.as_ptr().cast(), &raw const options);
-        let (to, unheard) = (&raw mut handle, null_mut());
-        let status = phihat_supervisor_create(joints, null(), N, options, to, unheard);
-        assert_eq!(status, Status::Ok);
-        phihat_supervisor_destroy(handle);
+    for then in [first.as_ptr().cast::<phihat_joint>(), second.as_ptr().cast()] {
+        let mut handle = null_mut();
+        // SAFETY: all pointers are to living values, or null where that is allowed.
+        unsafe {
+            let (to, unheard) = (&raw mut handle, null_mut());
+            let status = phihat_supervisor_create(then, null(), N, &raw const options, to, unheard);
+            assert_eq!(status, Status::Ok);
+            phihat_supervisor_destroy(handle);
+        }
     }
 }
 
@@ -104,13 +140,19 @@ fn what_it_cannot_say_is_refused() {
     assert_eq!(seeing.form, PHIHAT_FORM_POSITIONS);
     assert_eq!(answers([seeing; N].as_ptr().cast(), N).0, Status::BadGain);
     // Joints of two headers in one array: their places are not known.
-    let mut mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
-    mixed[1].size = size_of::<Joint>();
-    assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
-    mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
-    mixed[0].size = size_of::<Joint>();
-    assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
-    for size in [0, 8, size_of::<Joint>() - 8, size_of::<Joint>() + 8, usize::MAX] {
+    for older in [size_of::<Joint>(), size_of::<Seeing>()] {
+        let mut mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
+        mixed[1].size = older;
+        assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
+        mixed = [joint(0, PHIHAT_FORM_OBSERVER); N];
+        mixed[0].size = older;
+        assert_eq!(answers(mixed.as_ptr(), N).0, Status::WrongSize);
+        for size in [older - 8, older + 8] {
+            let joints = [phihat_joint { size, ..joint(0, PHIHAT_FORM_OBSERVER) }; N];
+            assert_eq!(answers(joints.as_ptr(), N).0, Status::WrongSize, "{size}");
+        }
+    }
+    for size in [0, 8, size_of::<phihat_joint>() - 8, usize::MAX] {
         let joints = [phihat_joint { size, ..joint(0, PHIHAT_FORM_OBSERVER) }; N];
         assert_eq!(answers(joints.as_ptr(), N).0, Status::WrongSize, "{size}");
     }

@@ -5,8 +5,11 @@
 use core::ffi::{CStr, c_char};
 use core::ptr::{null, null_mut};
 
-use crate::support::{TORQUE, seeing, supervision};
-use phihat::{Command, JointGains, JointState, Limits, Measurement, PositionDesign, Reference};
+use crate::support::{TORQUE, filtered, seeing, supervision};
+use phihat::{
+    Command, InnovationSection, JointGains, JointState, Limits, Measurement, PositionDesign,
+    Reference,
+};
 use phihat_c::{
     PHIHAT_DELAY_MAX, PHIHAT_MODE_HOLDING, PHIHAT_REQUEST_ARM, PHIHAT_REQUEST_HOLD, Status,
     phihat_command, phihat_controller_create, phihat_controller_destroy, phihat_controller_update,
@@ -44,11 +47,48 @@ fn text(of: &[c_char]) -> String {
     unsafe { CStr::from_ptr(of.as_ptr()) }.to_string_lossy().into_owned()
 }
 
+/// What is changed, the member that is told and its value.
+type Case = (fn(&mut phihat_joint), &'static str, f64);
+
+fn refused_by_name(joint: phihat_joint, (change, member, value): Case) {
+    let mut joints = [joint; 3];
+    change(&mut joints[2]);
+    for (status, why) in made(&joints) {
+        assert_eq!(status, Status::BadGain, "{member}");
+        assert_eq!((why.joint, text(&why.member)), (2, member.to_owned()));
+        assert_eq!(why.value.is_nan(), value.is_nan(), "{member}: {}", why.value);
+        assert!(value.is_nan() || why.value.to_bits() == value.to_bits(), "{member}");
+        assert!(text(&why.text).starts_with("joint 2: "), "{}", text(&why.text));
+    }
+}
+
+#[test]
+fn what_is_no_innovation_filter_is_refused_by_the_name_of_its_member() {
+    let cases: [Case; 9] = [
+        (|j| j.sections = 3, "sections", 3.0),
+        (|j| j.sections = u64::MAX, "sections", u64::MAX as f64),
+        // On the circle, beyond -1, growing.
+        (|j| j.section_rates[0] = [0.0, 0.3], "section_rates[0]", f64::NAN),
+        (|j| j.section_rates[1] = [1.0, 2.5], "section_rates[1]", f64::NAN),
+        (|j| j.section_rates[1] = [0.1, 0.05], "section_rates[1]", f64::NAN),
+        (|j| j.section_rates[1][0] = f64::INFINITY, "section_rates[1]", f64::INFINITY),
+        (|j| j.section_rates[0][1] = f64::NAN, "section_rates[0]", f64::NAN),
+        (
+            |j| j.section_weights_per_s2[1][1] = f64::NEG_INFINITY,
+            "section_weights_per_s2[1]",
+            f64::NEG_INFINITY,
+        ),
+        (|j| j.section_weights_per_s2[0][0] = f64::NAN, "section_weights_per_s2[0]", f64::NAN),
+    ];
+    for case in cases {
+        refused_by_name(filtered(), case);
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused_by_the_name_of_its_member() {
-    type Change = fn(&mut phihat_joint);
     let most = u64::from(PHIHAT_DELAY_MAX);
-    let cases: [(Change, &str, f64); 17] = [
+    let cases: [Case; 17] = [
         (|j| j.order = 0, "order", 0.0),
         (|j| j.order = 4, "order", 4.0),
         (|j| j.order = u32::MAX, "order", f64::from(u32::MAX)),
@@ -67,16 +107,8 @@ fn what_cannot_be_is_refused_by_the_name_of_its_member() {
         (|j| j.inertia_kg_m2 = 0.0, "inertia_kg_m2", 0.0),
         (|j| j.torque_max_nm = -87.0, "torque_max_nm", -87.0),
     ];
-    for (change, member, value) in cases {
-        let mut joints = [seeing(); 3];
-        change(&mut joints[2]);
-        for (status, why) in made(&joints) {
-            assert_eq!(status, Status::BadGain, "{member}");
-            assert_eq!((why.joint, text(&why.member)), (2, member.to_owned()));
-            assert_eq!(why.value.is_nan(), value.is_nan(), "{member}: {}", why.value);
-            assert!(value.is_nan() || why.value.to_bits() == value.to_bits(), "{member}");
-            assert!(text(&why.text).starts_with("joint 2: "), "{}", text(&why.text));
-        }
+    for case in cases {
+        refused_by_name(seeing(), case);
     }
     let unused = [
         phihat_joint { delay_samples: most, ..seeing() },
@@ -86,6 +118,10 @@ fn what_cannot_be_is_refused_by_the_name_of_its_member() {
         phihat_joint { velocity_correction: [0.0, 0.0, 0.0, f64::NAN, 1e9], ..seeing() },
         phihat_joint { a: [f64::NAN; 4], ..seeing() },
         phihat_joint { share: f64::NAN, delay_samples: u64::MAX, ..crate::support::joint() },
+        // Sections beyond those that are counted, and of other forms.
+        phihat_joint { section_rates: [[f64::NAN; 2]; 2], ..seeing() },
+        phihat_joint { sections: 1, section_rates: [[0.02, 0.3], [-1.0, 9.0]], ..filtered() },
+        phihat_joint { sections: u64::MAX, ..crate::support::joint() },
     ];
     for (status, why) in made(&unused) {
         assert_eq!(status, Status::Ok, "{}", text(&why.text));
@@ -140,14 +176,35 @@ fn every_number_arrives_where_it_belongs() {
     };
     let limits = Limits::new(Some(TORQUE), None, T).unwrap();
     let law = JointGains::<f64>::from_positions(&design).unwrap().with_limits(limits);
+    let plain = same_bits(&joint, &law);
+    // And two sections, in their places.
+    let own = filtered();
+    let sections = [0, 1].map(|i| InnovationSection {
+        rates: own.section_rates[i],
+        weights: own.section_weights_per_s2[i],
+    });
+    for count in [1, 2] {
+        let with = phihat_joint {
+            sections: count as u64,
+            section_rates: own.section_rates,
+            section_weights_per_s2: own.section_weights_per_s2,
+            ..joint
+        };
+        let filtered = law.with_innovation_filter(&sections[..count]).unwrap();
+        assert_ne!(same_bits(&with, &filtered), plain, "a filter acts");
+    }
+}
+
+/// The torques of a joint in C, which are those of a law of the core.
+fn same_bits(joint: &phihat_joint, law: &JointGains<f64>) -> Vec<u64> {
+    let mut told = Vec::new();
     let mut state = JointState::new();
     let mut handle = null_mut();
     // SAFETY: all pointers are to living values, or null where that is allowed.
-    let status =
-        unsafe { phihat_controller_create(&raw const joint, 1, T, &raw mut handle, null_mut()) };
+    let status = unsafe { phihat_controller_create(joint, 1, T, &raw mut handle, null_mut()) };
     assert_eq!(status, Status::Ok);
     let mut last = 0.0;
-    for k in 0..200 {
+    for k in 0..400 {
         let of = signals(k, last);
         let (sample, mut tau) = (sample(&of), 0.0);
         let command = command(&mut tau);
@@ -160,19 +217,27 @@ fn every_number_arrives_where_it_belongs() {
             (Measurement { q, dq, tau_applied }, Reference { q: q_des, dq: dq_des, ddq: ddq_des });
         let Command { tau: wanted, .. } = law.update(&mut state, &m, &r);
         assert_eq!(tau.to_bits(), wanted.to_bits(), "sample {k}");
+        told.push(tau.to_bits());
         last = tau;
     }
     // SAFETY: a living handle, once.
     unsafe { phihat_controller_destroy(handle) };
+    told
 }
 
 #[test]
 fn it_runs_under_supervision() {
-    let (joint, options) = (seeing(), supervision());
+    for joint in [seeing(), filtered()] {
+        holds(&joint);
+    }
+}
+
+fn holds(joint: &phihat_joint) {
+    let options = supervision();
     let mut handle = null_mut();
     // SAFETY: all pointers are to living values, or null where that is allowed.
     let status = unsafe {
-        let (joint, options) = (&raw const joint, &raw const options);
+        let options = &raw const options;
         phihat_supervisor_create(joint, null(), 1, options, &raw mut handle, null_mut())
     };
     assert_eq!(status, Status::Ok);

@@ -37,6 +37,7 @@ static uint32_t form(const char *word) {
   if (!strncmp(word, "observer ", 9)) return PHIHAT_FORM_OBSERVER;
   if (!strncmp(word, "literal ", 8)) return PHIHAT_FORM_LITERAL;
   if (!strncmp(word, "positions ", 10)) return PHIHAT_FORM_POSITIONS;
+  if (!strncmp(word, "filtered ", 9)) return PHIHAT_FORM_POSITIONS;
   fail("form");
   return 0;
 }
@@ -51,7 +52,7 @@ int main(int argc, char **argv) {
   uint32_t flags[JOINTS_MAX];
   double period = 0.0;
   size_t n = 0, have = 0, i;
-  unsigned answers = 0, refused = 0, cases = 0, seeing = 0;
+  unsigned answers = 0, refused = 0, cases = 0, seeing = 0, sections = 0;
   phihat_sample sample;
   phihat_command command;
 
@@ -85,6 +86,15 @@ int main(int argc, char **argv) {
         numbers(&at, joint->velocity_correction, joint->order + 2);
         joint->share = number_(&at);
         joint->delay_samples = (uint64_t)number_(&at);
+        if (line[6] == 'f') {
+          joint->sections = (uint64_t)number_(&at);
+          if (joint->sections > PHIHAT_SECTIONS_MAX) fail("sections");
+          for (i = 0; i < joint->sections; ++i) {
+            numbers(&at, joint->section_rates[i], 2);
+            numbers(&at, joint->section_weights_per_s2[i], 2);
+            ++sections;
+          }
+        }
         ++seeing;
       } else {
         numbers(&at, joint->a, joint->order);
@@ -140,7 +150,7 @@ int main(int argc, char **argv) {
   if (phihat_controller_reset(controller) != PHIHAT_STATUS_OK) fail("reset");
   phihat_controller_destroy(controller);
   phihat_controller_destroy(NULL);
-  if (cases < 15 || answers < 600 || refused != cases || seeing < 21) fail("too few vectors");
+  if (cases < 18 || answers < 720 || refused != cases || seeing < 30 || sections < 9) fail("too few vectors");
   printf("%u cases, %u answers: the same bits\n", cases, answers);
   return 0;
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use phihat::{Form, JointDesign, JointGains, PositionDesign};
+use phihat::{Form, InnovationSection, JointDesign, JointGains, PositionDesign};
 use phihat_compare::{Adapter, supply};
 use phihat_rivals::{DesignedPosition, Entry, Tuning, rival};
 use phihat_sim::Simulation;
@@ -66,7 +66,13 @@ fn is_the_core(
             period,
         })
     });
-    let gains: Vec<_> = gains.map(Result::unwrap).collect();
+    let filtered = gains.map(Result::unwrap).zip(joints).map(|(gains, joint)| {
+        if joint.innovation_filter.is_empty() {
+            return gains;
+        }
+        gains.with_innovation_filter(&joint.innovation_filter).unwrap()
+    });
+    let gains: Vec<_> = filtered.collect();
     let core = Simulation::new(study, &gains).unwrap().run(|_| ()).trace;
     let inertia: Vec<f64> = joints.iter().map(|joint| joint.inertia).collect();
     let mut handed = supply(study, &inertia, 1.0).unwrap();
@@ -99,6 +105,7 @@ fn the_law_from_positions_as_a_rival_is_the_core() {
         kd: 2.0 * kp.sqrt(),
         correction: closed.to_vec(),
         share,
+        innovation_filter: Vec::new(),
     };
     let designed = rival("proposed-positions-designed").unwrap();
     let own: Vec<_> = (0..7_u32)
@@ -111,6 +118,15 @@ fn the_law_from_positions_as_a_rival_is_the_core() {
         let error = is_the_core(&study, (designed, &[]), &own);
         assert!(error > 1e-5, "it moved: {error}");
     }
+    // And with a filter on the innovation of every other joint, which the rival does not lose.
+    let study = positions("");
+    let mut filtered = own.clone();
+    for joint in filtered.iter_mut().step_by(2) {
+        joint.innovation_filter =
+            vec![InnovationSection { rates: [0.02, 0.3], weights: [-200.0, 50.0] }];
+    }
+    let [plain, with] = [&own, &filtered].map(|own| is_the_core(&study, (designed, &[]), own));
+    assert!((plain - with).abs() > 1e-9, "it acts: {plain} {with}");
     let first = rival("proposed-positions-1").unwrap();
     let values: Vec<f64> = first.scalars.iter().map(|scalar| scalar.default).collect();
     let study = positions("");

@@ -8,7 +8,9 @@ use std::process::Command;
 
 use phihat::{Form, JointState, Measurement, Reference};
 use phihat_design::export::{PidClaims, Target, export};
-use phihat_design::{Arm, Gains, Outcome, Phi, PhiBasis, design, requested_gains};
+use phihat_design::{
+    Arm, FilterSection, Gains, Outcome, Phi, PhiBasis, PositionObserver, design, requested_gains,
+};
 use phihat_study::Study;
 use yaml_rust2::{Yaml, YamlLoader};
 
@@ -359,6 +361,164 @@ fn the_c_header_compiles_clean_and_is_the_law() {
             assert_eq!(bytes, name.as_bytes());
         }
     }
+}
+
+/// The law from positions as the header's comment states it, on the signals of the test; torque with all digits.
+const SEEING: &str = r#"
+#include <stdio.h>
+#include <math.h>
+#include "phihat.h"
+#include "gains.h"
+static double signal(int k, double seed) {
+    double t = k * 1e-3;
+    return 1e-3 * (sin(17.0 * t) * seed + cos(53.0 * t) - 1.0);
+}
+static void carry(double x[PHIHAT_STATES_MAX + 1], double u, double M) {
+    double T = PHIHAT_PERIOD_S, a = (u - x[2]) / M;
+    int j;
+    x[0] += T * x[1] + 0.5 * T * T * a;
+    x[1] += T * a;
+    for (j = 2; j < PHIHAT_STATES_MAX; j++) x[j] += T * x[j + 1];
+}
+int main(void) {
+    int i, j, k;
+    for (i = 0; i < PHIHAT_JOINTS; i++) {
+        /* Torques less their feed-forward, the newest first: on the way, and the one that acted. */
+        double x[PHIHAT_STATES_MAX + 1] = {0.0}, sent[6] = {0.0}, M = phihat_inertia_kg_m2[i], T = PHIHAT_PERIOD_S;
+        int d = (int)phihat_delay_samples[i];
+#ifdef PHIHAT_FILTER_SECTIONS
+        double filter[PHIHAT_FILTER_SECTIONS][2] = {{0.0}};
+#endif
+        for (k = 0; k < 500; k++) {
+            double q = signal(k, 3.5), e = q - signal(k, 1.0 + i), f = 0.0, g = phihat_share[i], ff, tau;
+            double on[PHIHAT_STATES_MAX + 1] = {0.0};
+            x[0] = k == 0 ? e : x[0];
+            x[1] = k == 0 ? 9.0 * signal(k, 4.0) - signal(k, -1.0 - i) : x[1];
+            if (k > 0) {
+                double nu;
+                carry(x, sent[d], M);
+                nu = e - x[0];
+                for (j = 0; j < PHIHAT_STATES_MAX; j++) x[j] += (j > 1 ? M : 1.0) * phihat_correction[i][j] * nu;
+#ifdef PHIHAT_FILTER_SECTIONS
+                for (j = 0; j < phihat_sections[i]; j++) {
+                    const double *c = phihat_section_rates[i][j], *b = phihat_section_weights_per_s2[i][j];
+                    double v = filter[j][0], w = filter[j][1];
+                    filter[j][0] = v + w;
+                    filter[j][1] = w + nu - c[0] * v - c[1] * w;
+                    f += M * (b[0] * filter[j][0] + b[1] * filter[j][1]);
+                }
+#endif
+            }
+            for (j = 0; j < PHIHAT_STATES_MAX; j++) on[j] = x[j];
+            for (j = d; j > 0; j--) carry(on, sent[j - 1], M);
+            on[2] += T * (1.0 / g - 1.0) * on[3];
+            ff = M * 90.0 * signal(k, 2.0);
+            tau = sent[0] + g * (on[2] - M * (phihat_kd_per_s[i] * on[1] + phihat_kp_per_s2[i] * on[0]) + f - sent[0]);
+            for (j = 5; j > 0; j--) sent[j] = sent[j - 1];
+            sent[0] = tau;
+            printf("%.17g\n", ff + tau);
+        }
+    }
+    return 0;
+}
+"#;
+
+/// Laws from positions with 2, 0 and 1 sections; without, the same laws unfiltered.
+fn seeing(filtered: bool) -> Gains {
+    let mut gains = uncertified("[60.0]");
+    let section = |rates, weights_per_s2| FilterSection { rates, weights_per_s2 };
+    let first = section([0.02, 0.3], [800.0, -300.0]);
+    let filters = [vec![first, section([0.5, 1.2], [2500.0, 90.0])], Vec::new(), vec![first]];
+    let corrections = [&[0.271, 28.5, -1000.0][..], &[0.344, 52.2, -3600.0, -1e5]];
+    for (j, (joint, filter)) in gains.joints.iter_mut().zip(filters).enumerate() {
+        joint.a.clear();
+        joint.observer = Some(PositionObserver {
+            correction: corrections[j % 2].to_vec(),
+            share: 0.5 + 0.2 * j as f64,
+            delay_samples: [1, 3, 0][j],
+            innovation_filter: if filtered { filter } else { Vec::new() },
+        });
+    }
+    gains
+}
+
+/// Torques of the core for one joint on the signals of the C program, whose torques act as told.
+fn torques(law: &phihat::JointGains<f64>, joint: usize, delay: usize) -> Vec<f64> {
+    let (mut state, mut told) = (JointState::new(), Vec::new());
+    let seed = 1.0 + joint as f64;
+    for k in 0..500_usize {
+        let at = u32::try_from(k).unwrap();
+        let reference =
+            Reference { q: signal(at, seed), dq: signal(at, -seed), ddq: 90.0 * signal(at, 2.0) };
+        let tau_applied = k.checked_sub(1 + delay).map_or(0.0, |then: usize| told[then]);
+        let measurement =
+            Measurement { q: signal(at, 3.5), dq: 9.0 * signal(at, 4.0), tau_applied };
+        told.push(law.update(&mut state, &measurement, &reference).tau);
+    }
+    told
+}
+
+#[test]
+fn the_c_header_of_a_law_from_positions_is_the_law_with_its_filter() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("export-c-seeing");
+    fs::create_dir_all(&folder).unwrap();
+    let mut seen = Vec::new();
+    for filtered in [false, true] {
+        let gains = seeing(filtered);
+        let header = export(&gains, Target::CHeader).unwrap();
+        assert_eq!(header.contains("sections"), filtered, "told where there is one");
+        fs::write(folder.join("gains.h"), header).unwrap();
+        let printed = run_c(&folder, "cc", "-std=c99", SEEING);
+        assert_eq!(printed, run_c(&folder, "c++", "-std=c++11", SEEING), "C and C++ differ");
+        let mut lines = printed.lines();
+        let names: Vec<String> = gains.joints.iter().map(|joint| joint.name.clone()).collect();
+        let laws = gains.joint_gains(&names, 1_000_000, Form::Positions).unwrap();
+        for (j, law) in laws.iter().enumerate() {
+            let told =
+                torques(law, j, gains.joints[j].observer.as_ref().unwrap().delay_samples as usize);
+            for (k, tau) in told.iter().enumerate() {
+                let c: f64 = lines.next().unwrap().parse().unwrap();
+                assert!(
+                    (c - tau).abs() <= 1e-9 * (1.0 + tau.abs()),
+                    "joint {j} sample {k}: {c} {tau}"
+                );
+            }
+            seen.push(told);
+        }
+    }
+    let differ = [0, 1, 2].map(|j| seen[j] != seen[j + 3]);
+    assert_eq!(differ, [true, false, true], "a filter acts where there is one");
+}
+
+#[test]
+fn a_filter_reads_back_from_the_table_and_is_why_ros_refuses() {
+    let gains = seeing(true);
+    let text = export(&gains, Target::Csv).unwrap();
+    assert!(text.contains("b_0 v + b_1 w"), "the law is stated: {text}");
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap();
+    for (record, joint) in reader.records().map(Result::unwrap).zip(&gains.joints) {
+        let filter = &joint.observer.as_ref().unwrap().innovation_filter;
+        for i in 0..2 {
+            let own = filter.get(i).map_or([None; 4], |own| {
+                let ([c0, c1], [b0, b1]) = (own.rates, own.weights_per_s2);
+                [c0, c1, b0, b1].map(|value| Some(value.to_bits()))
+            });
+            let names = ["rate_0", "rate_1", "weight_0_per_s2", "weight_1_per_s2"];
+            for (name, value) in names.iter().zip(own) {
+                let cell = &record[column(&format!("section_{i}_{name}"))];
+                let read = cell.parse::<f64>().ok().map(f64::to_bits);
+                assert_eq!((read, cell.is_empty()), (value, value.is_none()), "{name} of {i}");
+            }
+        }
+    }
+    let plain = export(&seeing(false), Target::Csv).unwrap();
+    assert!(!plain.contains("section") && !plain.contains("b_0"), "{plain}");
+    let why = export(&gains, Target::Ros).unwrap_err().to_string();
+    assert!(why.contains("an observer and a filter on its innovation"), "{why}");
+    let why = export(&seeing(false), Target::Ros).unwrap_err().to_string();
+    assert!(why.contains("has an observer, which"), "{why}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `phihat.PositionGains`: gains of the law whose observer sees the position alone.
 
-use phihat::{Gain, GainError, JointGains, PositionDesign};
+use phihat::{Gain, GainError, InnovationSection, JointGains, PositionDesign};
 use phihat_design::GainsError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -40,16 +40,24 @@ pub(crate) struct PositionGains {
     /// What an innovation of each joint's velocity corrects; None: it is not used.
     #[pyo3(get)]
     velocity_correction: Option<Vec<Vec<f64>>>,
+    /// Sections of each joint's filter on the innovation: rates and weights; None: there is none.
+    innovation_filter: Option<Vec<Vec<Section>>>,
     pub(crate) laws: Vec<JointGains<f64>>,
     pub(crate) period_ns: u64,
 }
+
+/// A section as it is stated, by any sequences: `(c_0, c_1), (b_0, b_1)`.
+type Section = [[f64; 2]; 2];
+
+/// And as it is told: tuples.
+type ToldSection = ((f64, f64), (f64, f64));
 
 #[pymethods]
 impl PositionGains {
     #[new]
     #[pyo3(signature = (
         *, joint_names, rate_hz, inertia, kp, kd, correction, share, delay_samples,
-        velocity_correction = None
+        velocity_correction = None, innovation_filter = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -63,6 +71,7 @@ impl PositionGains {
         share: Vec<f64>,
         delay_samples: Vec<i64>,
         velocity_correction: Option<Vec<Vec<f64>>>,
+        innovation_filter: Option<Vec<Vec<Section>>>,
     ) -> PyResult<Self> {
         if joint_names.is_empty() {
             let (limit, message) = ("at least one name", "joint_names: there is none");
@@ -76,6 +85,7 @@ impl PositionGains {
             ("share", Some(share.len())),
             ("delay_samples", Some(delay_samples.len())),
             ("velocity_correction", velocity_correction.as_ref().map(Vec::len)),
+            ("innovation_filter", innovation_filter.as_ref().map(Vec::len)),
         ] {
             per_joint_values(py, field, found, joint_names.len())?;
         }
@@ -89,11 +99,23 @@ impl PositionGains {
             share,
             delay_samples,
             velocity_correction,
+            innovation_filter,
             laws: Vec::new(),
             period_ns: period_ns(py, rate_hz)?,
         };
         gains.laws = (0..gains.names.len()).map(|i| gains.law(py, i)).collect::<PyResult<_>>()?;
         Ok(gains)
+    }
+
+    /// Sections of each joint's filter on the innovation; None: there is none.
+    #[getter]
+    fn innovation_filter(&self) -> Option<Vec<Vec<ToldSection>>> {
+        let told = |own: &Section| {
+            let [[c0, c1], [b0, b1]] = *own;
+            ((c0, c1), (b0, b1))
+        };
+        let joints = self.innovation_filter.as_ref()?.iter();
+        Some(joints.map(|sections| sections.iter().map(told).collect()).collect())
     }
 
     fn __repr__(&self) -> String {
@@ -118,7 +140,16 @@ impl PositionGains {
             })?,
             period: self.period_ns as f64 * 1e-9,
         };
-        JointGains::from_positions(&design).map_err(|error| refused(py, joint, error))
+        let gains = JointGains::from_positions(&design);
+        let stated = self.innovation_filter.as_ref().map_or(&[][..], |of| &of[i]);
+        let section = |own: &Section| InnovationSection { rates: own[0], weights: own[1] };
+        let sections: Vec<InnovationSection> = stated.iter().map(section).collect();
+        let gains = if sections.is_empty() {
+            gains
+        } else {
+            gains.and_then(|gains| gains.with_innovation_filter(&sections))
+        };
+        gains.map_err(|error| refused(py, joint, error))
     }
 }
 
@@ -140,9 +171,10 @@ fn refused(py: Python<'_>, joint: &str, error: GainError) -> PyErr {
             ("correction", None, "3 to 5 numbers: two more than the order")
         }
         GainError::UnstableEstimator { .. } => ("correction", None, "a stable observer"),
-        GainError::Sections { .. } | GainError::UnstableSection { .. } => {
-            ("innovation_filter", None, "one or two stable sections")
+        GainError::Sections { count } => {
+            ("innovation_filter", Some(count as f64), "one or two sections, or none")
         }
+        GainError::UnstableSection { .. } => ("innovation_filter", None, "stable sections"),
         GainError::Form | GainError::Overflow => ("gains", None, "see the message"),
     };
     let carried = PyDict::new(py);
@@ -166,6 +198,7 @@ fn keyword(gain: Gain) -> &'static str {
         Gain::Share => "share",
         Gain::Correction(_) => "correction",
         Gain::VelocityCorrection(_) => "velocity_correction",
+        Gain::Section(_) => "innovation_filter",
         // Of no argument here.
         _ => "gains",
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,9 @@ import phihat
 import pytest
 
 T = 1e-3
+NAN = float("nan")
+SECTION = ((0.02, 0.3), (800.0, -300.0))
+OTHER = ((0.5, 1.2), (2500.0, 90.0))
 
 
 def stated(**changes: Any) -> dict[str, Any]:
@@ -40,12 +44,17 @@ def stated(**changes: Any) -> dict[str, Any]:
         ("delay_samples", [1, 5], 5, "a delay of 5 samples"),
         ("velocity_correction", [[], [0.1, 0.2]], None, "3 corrections by position and 2 by velocity"),
         ("velocity_correction", [[], [0.0, 0.0, float("inf")]], float("inf"), r"velocity_correction\[2\] is inf"),
+        ("innovation_filter", [[SECTION], [SECTION] * 3], 3, "3 sections of an innovation filter"),
+        ("innovation_filter", [[], [SECTION, ((0.3, 0.02), (1.0, 0.0))]], None, "section 1 of the innovation filter is not stable"),
+        ("innovation_filter", [[], [((0.02, float("nan")), (1.0, 0.0))]], NAN, "section 0 of the innovation filter is NaN"),
+        ("innovation_filter", [[], [SECTION, ((0.02, 0.3), (1.0, float("inf")))]], float("inf"), "section 1 .* is inf"),
     ],
 )
 def test_what_cannot_be_is_refused(field: str, value: Any, found: Any, says: str) -> None:
     with pytest.raises(phihat.GainsError, match=says) as caught:
         phihat.PositionGains(**stated(**{field: value}))
-    assert (caught.value.field, caught.value.joint, caught.value.value) == (field, "elbow", found)
+    assert (caught.value.field, caught.value.joint) == (field, "elbow")
+    assert caught.value.value == found or found is NAN and np.isnan(caught.value.value)
     assert caught.value.limit
 
 
@@ -55,6 +64,7 @@ def test_what_cannot_be_is_refused(field: str, value: Any, found: Any, says: str
         ("kp", [900.0], "kp: 1 values; it must be 2 values, one per joint"),
         ("correction", [[0.271, 28.5, -1000.0]] * 3, "correction: 3 values"),
         ("velocity_correction", [], "velocity_correction: 0 values"),
+        ("innovation_filter", [[SECTION]], "innovation_filter: 1 values"),
         ("joint_names", [], "there is none"),
         ("rate_hz", 0.0, "rate_hz: 0 Hz"),
         ("delay_samples", [1, -1], "a delay of -1 samples"),
@@ -67,9 +77,13 @@ def test_what_does_not_fit_is_refused(field: str, value: Any, says: str) -> None
 
 
 def test_gains_are_what_was_stated() -> None:
-    told = stated(velocity_correction=[[], [0.0, 0.2, -15.0]])
+    told = stated(velocity_correction=[[], [0.0, 0.2, -15.0]], innovation_filter=[[SECTION, OTHER], []])
     gains = phihat.PositionGains(**told)
     assert {name: getattr(gains, name) for name in told} == told
+    # As a document of gains has them: lists.
+    listed = phihat.PositionGains(**stated(innovation_filter=[[[[0.02, 0.3], [800.0, -300.0]]], []]))
+    assert listed.innovation_filter == [[SECTION], []]
+    assert phihat.PositionGains(**stated()).innovation_filter is None
     assert repr(gains) == "PositionGains(2 joints, 1000 Hz)"
     assert phihat.PositionGains(**stated()).velocity_correction is None
 
@@ -119,3 +133,69 @@ def test_it_runs_under_supervision() -> None:
     assert arm.events == ["reference-refused"] and np.abs(arm.tau - load).max() < 1e-6
     with pytest.raises(phihat.ArgumentError, match="feed_forward"):
         arm.step(*sample, request="hold", sequence=3001, feed_forward=np.zeros(3))
+
+
+def documented(filters: list[list[tuple[tuple[float, float], tuple[float, float]]]]) -> phihat.Gains:
+    """The same laws as a document of gains."""
+    said = stated()
+    joints = []
+    for j, name in enumerate(said["joint_names"]):
+        sections = [{"rates": rates, "weights_per_s2": weights} for rates, weights in filters[j]]
+        observer = {"correction": said["correction"][j], "share": said["share"][j], "delay_samples": 1}
+        if sections:
+            observer["innovation_filter"] = sections
+        outer = {"inertia_kg_m2": said["inertia"][j], "kp_per_s2": said["kp"][j], "kd_per_s": said["kd"][j]}
+        joints.append({"name": name, **outer, "a": [], "observer": observer})
+    about = {"format": "phihat-gains", "version": 3, "study": "", "study_sha256": "", "method": "by hand"}
+    return phihat.Gains.from_json(json.dumps({**about, "rate_hz": 1.0 / T, "joints": joints}))
+
+
+def test_a_filter_is_the_same_from_a_document_and_its_difference_equation() -> None:
+    """What a filter adds to the torque of a law with share 1 and no delay, of which ``nu`` is known from the torques alone."""
+    changes = {"share": [1.0, 1.0], "delay_samples": [0, 0]}
+    filters = [[SECTION, OTHER], []]
+    random, rest = np.random.default_rng(3), np.zeros(2)
+    plain, filtered = (
+        phihat.Controller(phihat.PositionGains(**stated(**changes, innovation_filter=filter))) for filter in (None, filters)
+    )
+    state, estimate = np.zeros((2, 2)), np.zeros(3)
+    for k in range(300):
+        q, tau = random.normal(size=2), random.normal(size=2)
+        more = filtered.update(q, rest, rest, rest, rest, tau) - plain.update(q, rest, rest, rest, rest, tau)
+        # The observer of the first joint, written down again.
+        e, de, phi = estimate
+        if k > 0:
+            a = (tau[0] - phi) / 0.8
+            e, de = e + T * de + 0.5 * T * T * a, de + T * a
+            nu = q[0] - e
+            e, de, phi = e + 0.271 * nu, de + 28.5 * nu, phi - 0.8 * 1000.0 * nu
+            for own, (c, _) in zip(state, (SECTION, OTHER), strict=True):
+                own[:] = own[0] + own[1], own[1] + nu - c[0] * own[0] - c[1] * own[1]
+        else:
+            e = q[0]
+        estimate = np.array([e, de, phi])
+        wanted = 0.8 * sum(np.dot(b, own) for own, (_, b) in zip(state, (SECTION, OTHER), strict=True))
+        assert more == pytest.approx([wanted, 0.0], rel=1e-9, abs=1e-9)
+    # One document, the same bits; and through the text once more.
+    with_delay = phihat.Controller(phihat.PositionGains(**stated(innovation_filter=filters)))
+    gains = documented(filters)
+    others = [phihat.Controller(gains), phihat.Controller(phihat.Gains.from_json(gains.to_json()))]
+    for _ in range(100):
+        q, tau = random.normal(size=2), random.normal(size=2)
+        answer = with_delay.update(q, rest, rest, rest, rest, tau)
+        for other in others:
+            assert other.update(q, rest, rest, rest, rest, tau).tobytes() == answer.tobytes()
+
+
+def test_a_filtered_law_holds_a_load_without_error() -> None:
+    gains = phihat.PositionGains(**stated(innovation_filter=[[SECTION, OTHER], [SECTION]]))
+    controller = phihat.Controller(gains)
+    inertia, load, rest = np.array([0.8, 0.5]), np.array([6.0, 2.0]), np.zeros(2)
+    q, dq, acting, coming = np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2)
+    for _ in range(3000):
+        tau = controller.update(q, rest, rest, rest, rest, acting)
+        acting, coming = coming, tau
+        ddq = (acting - load) / inertia
+        q = q + T * (dq + 0.5 * T * ddq)
+        dq = dq + T * ddq
+    assert np.abs(q).max() < 1e-9 and np.abs(controller.phi_hat - load).max() < 1e-6

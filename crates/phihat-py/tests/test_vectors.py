@@ -46,6 +46,11 @@ def seeing(joints: list[list[str]], period: float) -> phihat.PositionGains:
     for _form, order, *rest in joints:
         states, numbers = int(order) + 2, [float(x) for x in rest]
         records.append((numbers[:3], numbers[3 : 3 + states], numbers[3 + states : 3 + 2 * states], numbers[3 + 2 * states :]))
+    # Behind share and delay stand the number of sections, and four numbers of each.
+    fours = [[rest[i : i + 4] for i in range(3, len(rest) - 2, 4)] for _, _, _, rest in records]
+    filters = [[((c0, c1), (b0, b1)) for c0, c1, b0, b1 in own] for own in fours]
+    filtered = joints[0][0] == "filtered"
+    assert not filtered or [len(filter) for filter in filters] == [rest[2] for _, _, _, rest in records]
     return phihat.PositionGains(
         joint_names=[f"joint{number}" for number in range(len(joints))],
         rate_hz=1.0 / period,
@@ -56,6 +61,7 @@ def seeing(joints: list[list[str]], period: float) -> phihat.PositionGains:
         velocity_correction=[velocity for _, _, velocity, _ in records],
         share=[rest[0] for _, _, _, rest in records],
         delay_samples=[int(rest[1]) for _, _, _, rest in records],
+        innovation_filter=filters if filtered else None,
     )
 
 
@@ -82,7 +88,7 @@ def test_same_bits(name: str) -> None:
     torque_max, torque_rate_max = ([float(words[at]) for words in joints] for at in (-2, -1))
     controller = (
         phihat.Controller(seeing(joints, period), torque_max=torque_max, torque_rate_max=torque_rate_max)
-        if joints[0][0] == "positions"
+        if joints[0][0] in ("positions", "filtered")
         else phihat.Controller(
             phihat.Gains.from_json(document(joints, period)),
             torque_max=torque_max,

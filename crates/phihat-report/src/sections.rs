@@ -2,6 +2,7 @@
 
 use crate::kit::number::stated;
 use crate::kit::text::{line, visible};
+use crate::poles::section_poles;
 use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
 use maud::{Markup, html};
@@ -15,7 +16,7 @@ pub(crate) fn gains(gains: &Gains) -> Markup {
     html! {
         h2 id="gains" { "Gains" }
         p { "How they were found: " (line(&gains.method)) }
-        @if !seen.is_empty() { (observers(&seen)) } @else {
+        @if !seen.is_empty() { (observers(&seen)) (filters(&seen, gains.rate_hz)) } @else {
         div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
             table {
                 caption { span { "Law: τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂, estimator of order m" } }
@@ -87,6 +88,31 @@ fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
                     td { (own.delay_samples) }
                     @for i in 0..states { td { (own.correction.get(i).map_or("–".to_owned(), |l| stated(*l))) } }
                 } } }
+            }
+        }
+    }
+}
+
+/// Filters on what the position is off; nothing where no law has one.
+fn filters(joints: &[(&JointRecord, &PositionObserver)], rate_hz: f64) -> Markup {
+    if joints.iter().all(|(_, own)| own.innovation_filter.is_empty()) {
+        return html! {};
+    }
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: filter on the innovation per joint" {
+            table {
+                caption { span { "Filter on the innovation ν, what the position is off: the torque goes its share to M̄ Σ (b_0 x + b_1 δ) more, with x ← x + δ and δ ← δ + ν − c_0 x − c_1 δ per section" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "poles " span.unit { "[rad/s]" } }
+                    th scope="col" { "b_0 " span.unit { "[1/s²]" } }
+                    th scope="col" { "b_1 " span.unit { "[1/s²]" } }
+                } }
+                tbody { @for (joint, own) in joints { @for own in &own.innovation_filter { tr {
+                    th scope="row" { (line(&joint.name)) }
+                    td { (section_poles(own, rate_hz)) }
+                    @for weight in own.weights_per_s2 { td { (stated(weight)) } }
+                } } } }
             }
         }
     }

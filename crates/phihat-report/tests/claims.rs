@@ -4,10 +4,13 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use phihat_design::{Arm, Gains, JointLimit, Outcome, Phi, PhiBasis, design};
+use phihat_design::{
+    Arm, FilterSection, Gains, JointLimit, Outcome, Phi, PhiBasis, PositionObserver, design,
+};
 use phihat_report::{FIGURES, figures, page};
 use phihat_study::Study;
 use roxmltree::Document;
+use scraper::{ElementRef, Html, Selector};
 
 use crate::support::{Fixture, fixture};
 
@@ -89,6 +92,48 @@ fn bars_are_the_windows_and_the_ranges() {
         assert!(words(&drawn).contains(&joint.name));
     }
     assert!(words(&drawn).contains("kg·m²"));
+}
+
+/// Text of the cells of a table's rows.
+fn cells(page: &str, label: &str) -> Vec<Vec<String>> {
+    let document = Html::parse_document(page);
+    let select = |text: &str| Selector::parse(text).unwrap();
+    let rows = select(&format!("div[aria-label='{label}'] tbody tr"));
+    let text = |cell: ElementRef<'_>| cell.text().collect::<String>();
+    document.select(&rows).map(|row| row.select(&select("th, td")).map(text).collect()).collect()
+}
+
+#[test]
+fn a_filter_on_the_innovation_is_told_by_its_poles_and_weights() {
+    let filter = "Table: filter on the innovation per joint";
+    let mut fixture = fixture(3, 600);
+    assert!(cells(&page(&fixture.record()), filter).is_empty());
+    // s = −100 ± 200j rad/s, and −50 and −400 rad/s, at 1 kHz: z by sum and product.
+    let [decay, slow, fast] = [(-0.1_f64).exp(), (-0.05_f64).exp(), (-0.4_f64).exp()];
+    let section = |sum: f64, product: f64, weights_per_s2| FilterSection {
+        rates: [1.0 - sum + product, 2.0 - sum],
+        weights_per_s2,
+    };
+    let pair = section(2.0 * decay * 0.2_f64.cos(), decay * decay, [800.0, -300.0]);
+    let apart = section(slow + fast, slow * fast, [12.5, 0.0]);
+    for (joint, innovation_filter) in
+        fixture.gains.joints.iter_mut().zip([vec![pair, apart], Vec::new(), vec![apart]])
+    {
+        joint.a.clear();
+        let correction = vec![0.271, 28.5, -1000.0];
+        let own = PositionObserver { correction, share: 0.5, delay_samples: 1, innovation_filter };
+        joint.observer = Some(own);
+    }
+    let page = page(&fixture.record());
+    let apart = ["−50.00, −400.0", "12.5", "0"];
+    let expected = [
+        ["joint1", "−100.0 ± 200.0j", "800", "-300"],
+        ["joint1", apart[0], apart[1], apart[2]],
+        ["joint3", apart[0], apart[1], apart[2]],
+    ];
+    assert_eq!(cells(&page, filter), expected);
+    assert_eq!(cells(&page, "Table: gains per joint").len(), 3);
+    assert!(page.contains("x ← x + δ and δ ← δ + ν − c_0 x − c_1 δ"), "the law is stated");
 }
 
 #[test]

@@ -17,7 +17,8 @@ fn triangle(k: u32, joint: usize) -> (f64, f64) {
 /// A law from positions of order 1.
 fn position(inertia: f64) -> DesignedPosition {
     let correction = vec![0.271, 28.5, -1000.0];
-    DesignedPosition { inertia, kp: 400.0, kd: 40.0, correction, share: 0.5 }
+    let innovation_filter = Vec::new();
+    DesignedPosition { inertia, kp: 400.0, kd: 40.0, correction, share: 0.5, innovation_filter }
 }
 
 /// The sum of all torques \[N·m\]; `None` where the rival does not apply.

@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 use std::sync::Arc;
 
+use phihat::InnovationSection;
 use phihat_model::Model;
 
 use crate::error::Refusal;
@@ -69,6 +70,8 @@ pub struct DesignedPosition {
     pub correction: Vec<f64>,
     /// `g`: share of the way to the wanted torque that is gone in one sample.
     pub share: f64,
+    /// Sections of the filter on its innovation; empty: none.
+    pub innovation_filter: Vec<InnovationSection>,
 }
 
 /// A closed path `q = Φ(θ)` in joint space, with the task's own speed: `θ` runs at 1 s/s.

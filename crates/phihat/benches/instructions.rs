@@ -77,7 +77,8 @@ fn law(gains: &JointGains<f64>, samples: usize) -> f64 {
     sum
 }
 
-fn arm(class: &str, samples: usize) -> f64 {
+/// By itself: a result that holds an arm is as large as the arm.
+fn supervisor(class: &str) -> Supervisor<f64, N> {
     let motion = MotionLimits { velocity: 2.0, acceleration: 10.0, jerk: 500.0 };
     let plain =
         JointOptions { velocity_max: Some(3.0), error_stop: Some(10.0), ..JointOptions::default() };
@@ -91,7 +92,11 @@ fn arm(class: &str, samples: usize) -> f64 {
         ..JointOptions::default()
     };
     let joint = if class == "plain" { plain } else { full };
-    let arm = Supervisor::new([gains(); N], &[joint; N], &Options::new(1_000_000)).unwrap();
+    Supervisor::new([gains(); N], &[joint; N], &Options::new(1_000_000)).unwrap()
+}
+
+fn arm(class: &str, samples: usize) -> f64 {
+    let arm = supervisor(class);
     let mut state = SupervisorState::new();
     let mut sum = 0.0;
     let mut t_ns = 0;

@@ -18,9 +18,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use phihat::{
-    Fault, Form, GainError, JointDesign, JointGains, JointOptions, JointRange, Limits, Measurement,
-    Mode, ModeRequest, MotionLimits, Options, PositionDesign, Reference, Request, Sample, Stamp,
-    Supervisor, SupervisorState,
+    Fault, Form, GainError, InnovationSection, JointDesign, JointGains, JointOptions, JointRange,
+    Limits, Measurement, Mode, ModeRequest, MotionLimits, Options, PositionDesign, Reference,
+    Request, Sample, Stamp, Supervisor, SupervisorState,
 };
 
 const T_NS: u64 = 1_000_000;
@@ -35,17 +35,24 @@ const LENGTH: [f64; 2] = [0.4, 0.3];
 /// Nominal inertia \[kg·m²\].
 const INERTIA: [f64; 2] = [0.4, 0.06];
 
+/// The innovation filter of the second joint's law from positions.
+const SECTIONS: [InnovationSection; 2] = [
+    InnovationSection { rates: [0.02, 0.3], weights: [80.0, -30.0] },
+    InnovationSection { rates: [0.5, 1.2], weights: [250.0, 90.0] },
+];
+
 /// The laws, as `phihat design` would write them down.
 fn document(positions: bool) -> String {
     let law = if positions {
-        r#""observer": {"correction": [0.271, 28.5, -1000.0], "share": 0.5, "delay_samples": 1}"#
+        r#""observer": {"correction": [0.271, 28.5, -1000.0], "share": 0.5, "delay_samples": 1"#
     } else {
         r#""a": [4900.0, 140.0]"#
     };
     let joint = |i: usize| {
         let (name, inertia) = (NAMES[i], INERTIA[i]);
+        let rest = if positions { filter(i) + "}" } else { String::new() };
         format!(
-            r#"{{"name": "{name}", "inertia_kg_m2": {inertia}, "kp_per_s2": 400.0, "kd_per_s": 40.0, {law}}}"#
+            r#"{{"name": "{name}", "inertia_kg_m2": {inertia}, "kp_per_s2": 400.0, "kd_per_s": 40.0, {law}{rest}}}"#
         )
     };
     format!(
@@ -59,6 +66,18 @@ fn document(positions: bool) -> String {
         joint(0),
         joint(1)
     )
+}
+
+/// The innovation filter of the second joint's law from positions, as a document has it; the first joint has none.
+fn filter(i: usize) -> String {
+    let section = |own: &InnovationSection| {
+        format!(r#"{{"rates": {:?}, "weights_per_s2": {:?}}}"#, own.rates, own.weights)
+    };
+    let sections: Vec<String> = SECTIONS.iter().map(section).collect();
+    if i == 0 {
+        return String::new();
+    }
+    format!(r#", "innovation_filter": [{}]"#, sections.join(", "))
 }
 
 /// The same laws in the core.
@@ -75,6 +94,7 @@ fn law(positions: bool, i: usize) -> Result<JointGains<f64>, GainError> {
             delay: 1,
             period,
         })
+        .and_then(|law| if i == 0 { Ok(law) } else { law.with_innovation_filter(&SECTIONS) })
     } else {
         let a = &[4900.0, 140.0];
         JointGains::new(&JointDesign { inertia, kp, kd, a, period, form: Form::Observer })

@@ -66,6 +66,7 @@
 mod controller;
 mod delay;
 mod estimate;
+mod filtered_gains;
 mod gain_error;
 mod gains;
 mod innovation;

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use phihat::{
-    Command, Form, JointDesign, JointGains, JointState, Limits, Measurement, PositionDesign,
-    Reference, update_joints,
+    Command, Form, InnovationSection, JointDesign, JointGains, JointState, Limits, Measurement,
+    PositionDesign, Reference, update_joints,
 };
 
 const HEADER: &str = "\
@@ -17,6 +17,8 @@ const HEADER: &str = "\
 # joint positions ORDER INERTIA KP KD CORRECTION_0 ... CORRECTION_(ORDER+1)           of a law from positions, likewise;
 #       VELOCITY_CORRECTION_0 ... VELOCITY_CORRECTION_(ORDER+1)                       all zero: the velocity is not used
 #       SHARE DELAY_SAMPLES TORQUE_MAX TORQUE_RATE_MAX                                (one line, broken here)
+# joint filtered ORDER ... SHARE DELAY_SAMPLES                                        the same with an innovation filter
+#       SECTIONS C_0 C_1 B_0 B_1 ... TORQUE_MAX TORQUE_RATE_MAX                       of so many sections; 0: none
 # sample Q DQ TAU_APPLIED Q_DES DQ_DES DDQ_DES      each one number per joint; what goes in
 # answer TAU PHI_HAT FLAGS                          flags: 1 saturated, 2 rate limited, 4 refused
 # resume Q DQ TAU_APPLIED Q_DES DQ_DES DDQ_DES TAU  takes over at a torque; answers nothing
@@ -48,6 +50,15 @@ const SEEN: [(&str, usize, bool, bool); 7] = [
 ];
 
 const DELAYS: [usize; 3] = [0, 1, 3];
+
+/// Likewise of laws with an innovation filter; the joints have as many sections each.
+const FILTERED: [(&str, usize, bool, bool); 3] = [
+    ("filtered_1", 1, false, false),
+    ("filtered_3_velocity", 3, true, true),
+    ("filtered_resumed", 2, false, true),
+];
+
+const SECTIONS: [usize; 3] = [1, 2, 0];
 
 /// Of observers of each order, in time units of a sample, with poles at 0.70 to 0.80.
 const CORRECTIONS: [&[f64]; 3] = [
@@ -132,14 +143,13 @@ fn joint(
     JointGains::new(&design).unwrap().with_limits(checked(limits))
 }
 
-/// A law from positions. The first number that corrects is in \[1\], the others in as many \[1/s\] more each.
-fn seeing(
-    text: &mut String,
+/// A law from positions, and what its line begins with. The first number that corrects is in \[1\], the others in as many
+/// \[1/s\] more each.
+fn seen(
     draw: &mut Draw,
     (order, delay): (usize, usize),
     velocity: bool,
-    limited: bool,
-) -> JointGains<f64> {
+) -> (Vec<f64>, JointGains<f64>) {
     let (inertia, w) = (draw.within(0.05, 3.0), draw.within(5.0, 30.0));
     let (kp, kd, share) = (w * w, 2.0 * w, draw.within(0.2, 1.0));
     let mut scaled = |of: &[f64], first: f64| {
@@ -155,13 +165,10 @@ fn seeing(
     let states = correction.len();
     let on_velocity =
         if velocity { scaled(&VELOCITY_CORRECTION[..states], 1e-3) } else { vec![0.0; states] };
-    let limits = limits(draw, limited);
     let mut values = vec![inertia, kp, kd];
     values.extend(&correction);
     values.extend(&on_velocity);
     values.extend([share, delay as f64]);
-    values.extend(limits);
-    line(text, &format!("joint positions {order}"), &values);
     let design = PositionDesign {
         inertia,
         kp,
@@ -172,7 +179,50 @@ fn seeing(
         delay,
         period: 1e-3,
     };
-    JointGains::from_positions(&design).unwrap().with_limits(checked(limits))
+    (values, JointGains::from_positions(&design).unwrap())
+}
+
+fn seeing(
+    text: &mut String,
+    draw: &mut Draw,
+    of: (usize, usize),
+    velocity: bool,
+    limited: bool,
+) -> JointGains<f64> {
+    let (mut values, gains) = seen(draw, of, velocity);
+    let limits = limits(draw, limited);
+    values.extend(limits);
+    line(text, &format!("joint positions {}", of.0), &values);
+    gains.with_limits(checked(limits))
+}
+
+/// The same with an innovation filter of so many sections.
+fn filtered(
+    text: &mut String,
+    draw: &mut Draw,
+    of: (usize, usize),
+    (sections, velocity): (usize, bool),
+    limited: bool,
+) -> JointGains<f64> {
+    let (mut values, mut gains) = seen(draw, of, velocity);
+    let section = |_| {
+        let c1 = draw.within(0.1, 0.6);
+        let rates = [c1 * draw.within(0.1, 0.9), c1];
+        InnovationSection { rates, weights: [draw.within(200.0, 900.0), draw.within(-900.0, 0.0)] }
+    };
+    let own: Vec<InnovationSection> = (0..sections).map(section).collect();
+    values.push(sections as f64);
+    for section in &own {
+        values.extend(section.rates);
+        values.extend(section.weights);
+    }
+    if !own.is_empty() {
+        gains = gains.with_innovation_filter(&own).unwrap();
+    }
+    let limits = limits(draw, limited);
+    values.extend(limits);
+    line(text, &format!("joint filtered {}", of.0), &values);
+    gains.with_limits(checked(limits))
 }
 
 fn columns(measurements: &[Measurement<f64>], references: &[Reference<f64>]) -> Vec<f64> {
@@ -250,6 +300,12 @@ fn the_vectors_are_what_this_crate_answers() {
             seeing(text, draw, (order, DELAYS[joint]), velocity, limited)
         };
         case(&mut text, 2000 + i as u64, (name, DELAYS.len()), own);
+    }
+    for (i, (name, order, velocity, limited)) in FILTERED.into_iter().enumerate() {
+        let own = |text: &mut String, draw: &mut Draw, joint: usize| {
+            filtered(text, draw, (order, DELAYS[joint]), (SECTIONS[joint], velocity), limited)
+        };
+        case(&mut text, 3000 + i as u64, (name, DELAYS.len()), own);
     }
     for part in [&text[..torque_observers], &text[torque_observers..]] {
         for flag in ["1", "2", "4"] {

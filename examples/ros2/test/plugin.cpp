@@ -368,14 +368,19 @@ void refused(const std::string & folder)
       std::ofstream(path) << text;
       return path;
     };
-  std::stringstream whole;
-  whole << std::ifstream(file).rdbuf();
-  const std::string text = whole.str();
-  const auto instead = [&](const std::string & from, const std::string & to) {
-      const std::size_t at = text.find(from);
-      CHECK(at != std::string::npos);
-      return written(std::string(text).replace(at, from.size(), to));
+  const auto contents = [](const std::string & path) {
+      std::stringstream whole;
+      whole << std::ifstream(path).rdbuf();
+      return whole.str();
     };
+  const auto replaced = [&](std::string in, const std::string & from, const std::string & to) {
+      const std::size_t at = in.find(from);
+      CHECK(at != std::string::npos);
+      return written(in.replace(at, from.size(), to));
+    };
+  const std::string text = contents(file), seeing = contents(folder + "/positions.json");
+  const auto instead = [&](const std::string & from, const std::string & to) {return replaced(text, from, to);};
+  const auto filtered = [&](const std::string & to) {return replaced(seeing, "[{\"rates\": [0.02, 0.3]", to);};
   struct Case
   {
     std::string said, expected;
@@ -404,6 +409,10 @@ void refused(const std::string & folder)
     {why(own, [&](Robot & r) {r.set("gains_file", instead("400.0", "1e999"));}), "not a number of a double's range"},
     {why(own, [&](Robot & r) {r.set("gains_file", instead("400.0", "-400.0"));}), "gains or limits are refused"},
     {why(own, [&](Robot & r) {r.set("gains_file", instead("\"elbow\"", "\"shoulder\""));}), "there twice"},
+    {why(own, [&](Robot & r) {r.set("gains_file", filtered("[{\"rates\": [0.02]"));}), "section 0: rates: two numbers"},
+    {why(own, [&](Robot & r) {r.set("gains_file", filtered("[{\"rate\": [0.02, 0.3]"));}), "section 0: rates: a list"},
+    {why(own, [&](Robot & r) {r.set("gains_file", filtered("[{\"rates\": [0.3, 0.02]"));}), "section 0 of the innovation filter"},
+    {why(own, [&](Robot & r) {r.set("gains_file", filtered("[{}, {\"rates\": [0.02, 0.3]"));}), "up to 2 sections"},
   };
   for (const Case & one : cases) {
     if (!has(one.said, one.expected)) {

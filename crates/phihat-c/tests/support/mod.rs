@@ -5,8 +5,8 @@
 use core::ptr::null_mut;
 
 use phihat_c::{
-    PHIHAT_CORRECTION_MAX, PHIHAT_FORM_POSITIONS, Status, phihat_command, phihat_joint,
-    phihat_sample, phihat_supervision, phihat_supervision_default,
+    PHIHAT_CORRECTION_MAX, PHIHAT_FORM_POSITIONS, PHIHAT_SECTIONS_MAX, Status, phihat_command,
+    phihat_joint, phihat_sample, phihat_supervision, phihat_supervision_default,
 };
 
 /// Largest torque \[N·m\].
@@ -28,6 +28,9 @@ pub(crate) fn joint() -> phihat_joint {
         velocity_correction: [0.0; PHIHAT_CORRECTION_MAX],
         share: 0.0,
         delay_samples: 0,
+        sections: 0,
+        section_rates: [[0.0; 2]; PHIHAT_SECTIONS_MAX],
+        section_weights_per_s2: [[0.0; 2]; PHIHAT_SECTIONS_MAX],
     }
 }
 
@@ -41,6 +44,16 @@ pub(crate) fn seeing() -> phihat_joint {
         share: 0.5,
         delay_samples: 1,
         ..joint()
+    }
+}
+
+/// The same with two sections on the innovation, no two numbers alike.
+pub(crate) fn filtered() -> phihat_joint {
+    phihat_joint {
+        sections: 2,
+        section_rates: [[0.02, 0.3], [0.5, 1.2]],
+        section_weights_per_s2: [[800.0, -300.0], [2500.0, 90.0]],
+        ..seeing()
     }
 }
 

@@ -1,8 +1,10 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use phihat_design::{
-    Certificate, ErrorBound, Gains, JointCertificate, LeftOut, NotCounted, Settle, SettleFrom,
+    Certificate, ErrorBound, FilterSection, Gains, JointCertificate, JointRecord, LeftOut,
+    NotCounted, Settle, SettleFrom,
 };
+use phihat_report::section_poles;
 
 use super::coupled::coupled;
 use super::{Fitted, MILLI, align, figure, in_unit, plain_table};
@@ -11,7 +13,12 @@ use super::{Fitted, MILLI, align, figure, in_unit, plain_table};
 pub(crate) fn gains(gains: &Gains) -> Fitted {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
     let last = if seen { "g; ℓ_0 … ℓ_(m+1)" } else { "a_0 … a_(m−1)" };
-    let mut table = plain_table(["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last]);
+    let mut header = vec!["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last];
+    let filtered = gains.joints.iter().any(|joint| !filter(joint).is_empty());
+    if filtered {
+        header.extend(["poles of the filter\nrad/s", "b_0, b_1\n1/s²"]);
+    }
+    let mut table = plain_table(header);
     for joint in &gains.joints {
         let estimator = joint.observer.as_ref().map_or_else(
             || joint.a.iter().map(|a| format!("{a:.1}")).collect::<Vec<_>>().join(", "),
@@ -20,17 +27,35 @@ pub(crate) fn gains(gains: &Gains) -> Fitted {
                 format!("{:.4}; {}", own.share, l.join(", "))
             },
         );
-        table.add_row([
+        let mut row = vec![
             joint.name.clone(),
             in_unit(figure(joint.inertia_kg_m2, 4), "kg·m²", gains.slides(&joint.name)),
             format!("{:.1}", joint.kp_per_s2),
             format!("{:.2}", joint.kd_per_s),
             joint.order().to_string(),
             estimator,
-        ]);
+        ];
+        if filtered {
+            row.extend(sections(filter(joint), gains.rate_hz));
+        }
+        table.add_row(row);
     }
     align(&mut table);
     table
+}
+
+/// Sections of the filter on a joint's innovation; empty: none.
+fn filter(joint: &JointRecord) -> &[FilterSection] {
+    joint.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
+}
+
+/// Their poles and their weights, a line each.
+fn sections(filter: &[FilterSection], rate_hz: f64) -> [String; 2] {
+    let lines = |of: &dyn Fn(&FilterSection) -> String| {
+        filter.iter().map(of).collect::<Vec<_>>().join("\n")
+    };
+    let weights = |own: &FilterSection| own.weights_per_s2.map(|b| format!("{b:.1}")).join(", ");
+    [lines(&|own| section_poles(own, rate_hz)), lines(&weights)]
 }
 
 /// What is claimed, one row per joint; what is refused, below.
@@ -230,4 +255,39 @@ fn jumps(joint: &JointCertificate) -> String {
             format!("inertia may jump from sample to sample within μ = {low:.3} … {high:.3}")
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gains;
+    use phihat_design::Gains;
+
+    fn table(filter: &str) -> String {
+        let text = format!(
+            r#"{{"format": "phihat-gains", "version": 3, "study": "", "study_sha256": "", "rate_hz": 1000.0,
+            "method": "by hand", "joints": [{{"name": "elbow", "inertia_kg_m2": 0.5, "kp_per_s2": 400.0,
+            "kd_per_s": 40.0, "a": [], "observer": {{"correction": [0.271, 28.5, -1000.0], "share": 0.5,
+            "delay_samples": 1{filter}}}}}]}}"#
+        );
+        gains(&Gains::from_json(&text).unwrap()).to_string()
+    }
+
+    #[test]
+    fn a_filter_stands_beside_its_law_by_poles_and_weights() {
+        let plain = table("");
+        assert!(plain.contains("0.2710, 28.5000") && !plain.contains("filter"), "{plain}");
+        // z = 0.5 and 0.8; and 0.5 twice.
+        let filter = r#", "innovation_filter": [{"rates": [0.1, 0.7], "weights_per_s2": [800.0, -300.0]},
+            {"rates": [0.25, 1.0], "weights_per_s2": [12.5, 0.0]}]"#;
+        let told = table(filter);
+        for expected in [
+            "poles of the filter",
+            "−223.1, −693.1",
+            "800.0, -300.0",
+            "−693.1, −693.1",
+            "12.5, 0.0",
+        ] {
+            assert!(told.contains(expected), "no {expected}:\n{told}");
+        }
+    }
 }

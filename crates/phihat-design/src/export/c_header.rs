@@ -2,11 +2,12 @@
 
 use core::fmt::Write;
 
+use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;
 use crate::sampled::estimator_coefficients;
-use crate::{Gains, JointRecord, PositionObserver};
+use crate::{FilterSection, Gains, JointRecord, PositionObserver};
 
 pub(super) fn text(gains: &Gains) -> String {
     let order = gains.joints.iter().map(JointRecord::order).max().unwrap_or(0);
@@ -98,7 +99,43 @@ fn observers(gains: &Gains) -> String {
         "\n/* Most states of an observer: order + 2. */\n#define PHIHAT_STATES_MAX {states}\n"
     );
     let what = "Correction l_0 .. l_(m+1), l_i in [1/s^i].";
-    text + &table("correction", what, states, &rows).replace("PHIHAT_A_MAX", "PHIHAT_STATES_MAX")
+    text += &table("correction", what, states, &rows).replace("PHIHAT_A_MAX", "PHIHAT_STATES_MAX");
+    text + &filters(gains)
+}
+
+/// Innovation filters; nothing where no joint has one.
+fn filters(gains: &Gains) -> String {
+    let own: Vec<&[FilterSection]> = gains.joints.iter().map(filter).collect();
+    let most = own.iter().map(|sections| sections.len()).max().unwrap_or(0);
+    if most == 0 {
+        return String::new();
+    }
+    let counts: Vec<String> = own.iter().map(|sections| sections.len().to_string()).collect();
+    // Not the name of phihat.h, which may be read beside this.
+    let mut text = format!(
+        "\n/* Sections of the filter on each innovation, and the most of them. */\n#define PHIHAT_FILTER_SECTIONS {most}\n\
+         static const int phihat_sections[PHIHAT_JOINTS] = {{{}}};\n",
+        counts.join(", ")
+    );
+    let mut table = |name: &str, what: &str, of: fn(&FilterSection) -> [f64; 2]| {
+        let pair = |section: Option<&FilterSection>| {
+            let [first, second] = section.map_or([0.0; 2], of).map(exact);
+            format!("{{{first}, {second}}}")
+        };
+        let row = |sections: &&[FilterSection]| {
+            let pairs: Vec<String> = (0..most).map(|i| pair(sections.get(i))).collect();
+            format!("    {{{}}},\n", pairs.join(", "))
+        };
+        let rows: String = own.iter().map(row).collect();
+        let _ = write!(
+            text,
+            "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_FILTER_SECTIONS][2] = {{\n{rows}}};\n"
+        );
+    };
+    table("section_rates", "Of each section c_0, c_1, per sample.", |own| own.rates);
+    let what = "And b_0, b_1, per M [1/s^2].";
+    table("section_weights_per_s2", what, |own| own.weights_per_s2);
+    text
 }
 
 fn array(name: &str, what: &str, values: &[f64]) -> String {

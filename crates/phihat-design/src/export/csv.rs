@@ -1,10 +1,11 @@
 //! The gains as a table.
 
+use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;
-use crate::Gains;
 use crate::sampled::estimator_coefficients;
+use crate::{FilterSection, Gains};
 
 pub(super) fn text(gains: &Gains) -> String {
     let order = gains.joints.iter().map(|joint| joint.a.len()).max().unwrap_or(0);
@@ -23,6 +24,8 @@ pub(super) fn text(gains: &Gains) -> String {
         header.extend(["share", "delay_samples"].map(str::to_owned));
         header.extend((0..states).map(|i| format!("correction_{i}")));
     }
+    let sections = gains.joints.iter().map(|joint| filter(joint).len()).max().unwrap_or(0);
+    header.extend((0..sections).flat_map(section));
     header.extend(["p_nm_per_rad", "i_nm_per_rad_s", "d_nm_s_per_rad"].map(str::to_owned));
     header.extend(["torque_max_nm", "error_bound_rad"].map(str::to_owned));
     text += &(header.join(",") + "\n");
@@ -44,6 +47,7 @@ pub(super) fn text(gains: &Gains) -> String {
             let correction = own.map_or(&[][..], |own| &own.correction);
             row.extend((0..states).map(|i| padded(correction, i)));
         }
+        row.extend((0..sections).flat_map(|i| filtered(filter(joint).get(i))));
         let pid = pids.as_ref().and_then(|pids| pids.get(j));
         row.extend(pid.map_or([const { String::new() }; 3], |g| [g.p, g.i, g.d].map(exact)));
         let claims = gains.certificate.as_ref().and_then(|c| c.joints.get(j));
@@ -53,6 +57,20 @@ pub(super) fn text(gains: &Gains) -> String {
         text += &(row.join(",") + "\n");
     }
     text
+}
+
+/// Columns of a section of the innovation filters: c_0, c_1, b_0, b_1.
+fn section(i: usize) -> [String; 4] {
+    ["rate_0", "rate_1", "weight_0_per_s2", "weight_1_per_s2"]
+        .map(|what| format!("section_{i}_{what}"))
+}
+
+/// What stands in them.
+fn filtered(section: Option<&FilterSection>) -> [String; 4] {
+    section.map_or([const { String::new() }; 4], |own| {
+        let ([c0, c1], [b0, b1]) = (own.rates, own.weights_per_s2);
+        [c0, c1, b0, b1].map(exact)
+    })
 }
 
 fn field(text: &str) -> String {

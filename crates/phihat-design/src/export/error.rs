@@ -34,12 +34,15 @@ pub enum ExportError {
     },
     /// A law from positions.
     #[error(
-        "joint {joint}: a law from positions has an observer, which no PID of ROS 2 controllers has\n  = help: take \
-         --format c-header and run the law, or design with `form = \"observer\"` under [loop]"
+        "joint {joint}: a law from positions has an observer{}, which no PID of ROS 2 controllers has\n  = help: take \
+         --format c-header and run the law, or design with `form = \"observer\"` under [loop]",
+        if *.filtered { " and a filter on its innovation" } else { "" }
     )]
     Positions {
         /// The joint.
         joint: String,
+        /// Whether it filters its innovation.
+        filtered: bool,
     },
     /// The rate is no whole number.
     #[error("rate_hz is {0}; a ROS 2 controller manager runs at a whole number of Hz")]

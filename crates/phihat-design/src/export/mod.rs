@@ -6,6 +6,7 @@
 mod c_header;
 mod csv;
 mod error;
+mod filter;
 mod notes;
 mod number;
 mod period;

@@ -1,5 +1,6 @@
 //! What stands in every exported file for people: origin, law, what the target lacks, what is claimed.
 
+use super::filter::filter;
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
 use crate::Gains;
@@ -36,7 +37,8 @@ pub(super) fn origin(gains: &Gains) -> Vec<String> {
 /// The law of `phihat`, and what is certified of it.
 pub(super) fn law(gains: &Gains) -> Vec<String> {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
-    let mut lines = if seen { from_positions() } else { fed() };
+    let filtered = gains.joints.iter().any(|joint| !filter(joint).is_empty());
+    let mut lines = if seen { from_positions(filtered) } else { fed() };
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());
         lines.extend(arm(certificate));
@@ -184,17 +186,28 @@ fn fed() -> Vec<String> {
     ]
 }
 
-/// The law from positions.
-fn from_positions() -> Vec<String> {
-    [
+/// The law from positions, with a filter on the innovation or without one.
+fn from_positions(filtered: bool) -> Vec<String> {
+    let observer = [
         "The controller, per joint, e = q - q_d (measured minus desired), x = (e, de, phi[0], phi[1], ...):",
         "  x   <- x carried over the last period by the torque that acted less its feed-forward:",
         "         e += T de + T^2/2 (u - phi[0])/M, de += T (u - phi[0])/M, phi[j] += T phi[j+1]",
         "  x_i <- x_i + l_i (e measured - e expected), the phi times M",
+    ];
+    let filter = [
+        "  and each section of the filter, with v = w = 0 at the first sample, from the second on:",
+        "         v, w <- v + w, w + (e measured - e expected) - c_0 v - c_1 w, both from what was before",
+        "  f   =  M times the sum of b_0 v + b_1 w over the sections",
+    ];
+    let answer = [
         "  x+  =  x carried on through the torques on their way, phi[0] by T (1/g - 1) phi[1] more",
-        "  tau =  ff + r + g (phi+[0] - M (K_d de+ + K_p e+) - r),  r = tau - ff of the last sample,",
+        if filtered {
+            "  tau =  ff + r + g (phi+[0] - M (K_d de+ + K_p e+) + f - r),  r = tau - ff of the last sample,"
+        } else {
+            "  tau =  ff + r + g (phi+[0] - M (K_d de+ + K_p e+) - r),  r = tau - ff of the last sample,"
+        },
         "  ff  =  M times the mean qdd_d of the interval in which tau acts.",
-    ]
-    .map(str::to_owned)
-    .to_vec()
+    ];
+    let filter = if filtered { &filter[..] } else { &[] };
+    [&observer, filter, &answer].concat().into_iter().map(str::to_owned).collect()
 }

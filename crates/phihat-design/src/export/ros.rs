@@ -3,6 +3,7 @@
 use core::fmt::Write;
 
 use super::error::ExportError;
+use super::filter::filter;
 use super::notes;
 use super::number::{exact, up};
 use super::pid::{Pid, PidClaims};
@@ -26,7 +27,8 @@ const ROOM: f64 = 2.0;
 
 pub(super) fn text(gains: &Gains) -> Result<String, ExportError> {
     if let Some(joint) = gains.joints.iter().find(|joint| joint.observer.is_some()) {
-        return Err(ExportError::Positions { joint: joint.name.clone() });
+        let filtered = !filter(joint).is_empty();
+        return Err(ExportError::Positions { joint: joint.name.clone(), filtered });
     }
     let other = gains.joints.iter().find(|joint| joint.a.len() != 1);
     if let Some(joint) = other {

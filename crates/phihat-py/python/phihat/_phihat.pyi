@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 _Array = NDArray[np.float64]
 _Numbers = _Array | Sequence[float]
 _Path = str | os.PathLike[str]
+_Section = tuple[tuple[float, float], tuple[float, float]]
 
 class _CoupledGains(TypedDict):
     """Coupled gains at frozen postures; each an array of one row and one column per joint."""
@@ -346,14 +347,18 @@ class Gains:
 class PositionGains:
     """Gains for the law whose observer sees the position and the torque that acted, not a velocity.
 
-    With ``l = correction``, ``v = velocity_correction``, ``g = share`` and ``d = delay_samples``, at sample ``k``::
+    With ``l = correction``, ``v = velocity_correction``, ``g = share`` and ``d = delay_samples``, and ``((c_0, c_1), (b_0, b_1))``
+    each section of ``innovation_filter``, at sample ``k``::
 
         z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
-        z    += l (q - q_des - z_e)                    (and v (dq - dq_des - z_de), where v is not zero)
+        nu    = q - q_des - z_e
+        z    += l nu                                   (and v (dq - dq_des - z_de), where v is not zero)
+        x, y  = x + y, y + nu - c_0 x - c_1 y          of each section, from 0, 0 at the first sample
         z+    = z carried on through the d torques that are on their way, and phi by T (1/g - 1) more
         ff    = M ddq_des
         r     = the last torque, as the limits let it through, less its ff
-        tau   = ff + r + g (phi+ - M (K_d de+ + K_p e+) - r)
+        want  = phi+ - M (K_d de+ + K_p e+) + M (sum of b_0 x + b_1 y over the sections)
+        tau   = ff + r + g (want - r)
 
     ``tau`` acts from sample ``k + d`` to ``k + d + 1``. Its feed-forward enters with the reference: ``ddq_des`` is the mean
     of that interval, the desired velocity at its end less that at its begin, over the period; ``q_des`` and ``dq_des`` are
@@ -369,6 +374,10 @@ class PositionGains:
         delay_samples: transport delay of each joint from a sample to its torque, 0 to 4 [samples].
         velocity_correction: as ``correction``, per rad/s of the measured velocity; left out or, of a joint, all zero: this law
             uses a velocity only where it starts or takes over. A number has to be there always, and a supervisor judges it.
+        innovation_filter: of each joint, up to two sections ``((c_0, c_1), (b_0, b_1))`` of a filter on what its position tells
+            that was not expected; left out or, of a joint, an empty list: none. ``c`` are rates per sample [1]: a section's
+            poles are ``z = 1 + w`` with ``w**2 + c_1 w + c_0 = 0``, inside of the circle where ``0 < c_0 < c_1`` and
+            ``2 c_1 < 4 + c_0``. ``b`` are weights in the torque that is wanted, per ``M`` [1/s^2].
 
     Raises:
         GainsError: gains that cannot be; ``field`` is the argument.
@@ -387,6 +396,7 @@ class PositionGains:
         share: Sequence[float],
         delay_samples: Sequence[int],
         velocity_correction: Sequence[Sequence[float]] | None = None,
+        innovation_filter: Sequence[Sequence[_Section]] | None = None,
     ) -> PositionGains: ...
     @property
     def joint_names(self) -> list[str]: ...
@@ -421,6 +431,10 @@ class PositionGains:
     @property
     def velocity_correction(self) -> list[list[float]] | None:
         """What an innovation of each joint's velocity corrects; ``None``: it is not used."""
+
+    @property
+    def innovation_filter(self) -> list[list[_Section]] | None:
+        """Sections of the filter on each joint's innovation; ``None``: there is none."""
 
 @final
 class Controller:

@@ -63,6 +63,8 @@ struct FromPositions {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     delay: usize,
+    /// Sections of the innovation filters of all joints.
+    sections: usize,
 }
 
 const REAL_POLE: Scalar = Scalar {
@@ -118,7 +120,14 @@ pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPos
     let mut poles = vec![Poles::Real(real), Poles::Pair([pair, damping])];
     poles.extend(slow.map(Poles::Real));
     let share = -(-TAU * hz * period).exp_m1();
-    Some(DesignedPosition { inertia: 1.0, kp, kd, correction: correction(&poles, period), share })
+    Some(DesignedPosition {
+        inertia: 1.0,
+        kp,
+        kd,
+        correction: correction(&poles, period),
+        share,
+        innovation_filter: Vec::new(),
+    })
 }
 
 impl FromPositions {
@@ -152,12 +161,17 @@ impl FromPositions {
             };
             let (most, rate) = drives.limits(i);
             let limits = Limits::new(most, rate, period)?;
-            Ok(JointGains::from_positions(&design)?.with_limits(limits))
+            let mut gains = JointGains::from_positions(&design)?;
+            if !joint.innovation_filter.is_empty() {
+                gains = gains.with_innovation_filter(&joint.innovation_filter)?;
+            }
+            Ok(gains.with_limits(limits))
         };
         let gains: Result<Vec<_>, phihat::GainError> =
             joints.iter().enumerate().map(each).collect();
         let gains = gains.map_err(|e| Refusal::Tuning(e.to_string()))?;
-        Ok(Self { states: vec![JointState::new(); gains.len()], gains, delay })
+        let sections = joints.iter().map(|joint| joint.innovation_filter.len()).sum();
+        Ok(Self { states: vec![JointState::new(); gains.len()], gains, delay, sections })
     }
 
     fn update(&mut self, sees: PositionsAndTorque<'_>, wants: Preview<'_>, tau: &mut [f64]) {
@@ -170,10 +184,11 @@ impl FromPositions {
     }
 
     /// Of a joint: `ê`, `ė̂`, `φ̂` and its derivatives, the torques on their way, and what is fed forward in them and in the one
-    /// that acted.
+    /// that acted; two of every section of a filter.
     fn states(&self) -> usize {
         let pending = self.delay.max(1) + self.delay + 1;
-        self.gains.iter().map(|gains| 2 + gains.order() + pending).sum()
+        let joints = self.gains.iter().map(|gains| 2 + gains.order() + pending);
+        joints.sum::<usize>() + 2 * self.sections
     }
 }
 

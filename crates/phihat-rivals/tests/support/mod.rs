@@ -77,6 +77,7 @@ fn designed_positions(inertia: &[f64]) -> Vec<DesignedPosition> {
         kd: 40.0,
         correction: vec![1.0 - 0.729, 0.0285 / PERIOD, -0.001 / (PERIOD * PERIOD)],
         share: 0.5,
+        innovation_filter: Vec::new(),
     };
     inertia.iter().map(joint).collect()
 }

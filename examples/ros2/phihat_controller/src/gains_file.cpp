@@ -50,6 +50,29 @@ unsigned samples(double value, const std::string & where)
   return static_cast<unsigned>(value);
 }
 
+/// The filter on the innovation; without one in the document there is none.
+void filter(const Json & sections, phihat_joint & joint, const std::string & where)
+{
+  if (sections.is(Json::Kind::Null)) {
+    return;
+  }
+  if (!sections.is(Json::Kind::List) || sections.list.size() > PHIHAT_SECTIONS_MAX) {
+    throw std::runtime_error(
+      where + ": innovation_filter is no list of up to " + std::to_string(PHIHAT_SECTIONS_MAX) + " sections");
+  }
+  for (std::size_t i = 0; i < sections.list.size(); ++i) {
+    const auto pair = [&](const char * name, double * to) {
+        const std::string what = where + ": innovation_filter: section " + std::to_string(i) + ": " + name;
+        if (numbers(sections.list[i][name], to, 2, what) != 2) {
+          throw std::runtime_error(what + ": two numbers are expected");
+        }
+      };
+    pair("rates", joint.section_rates[i]);
+    pair("weights_per_s2", joint.section_weights_per_s2[i]);
+  }
+  joint.sections = sections.list.size();
+}
+
 /// One joint's law; its limits are not known here.
 phihat_joint law(const Json & record, const std::string & where, unsigned & delay)
 {
@@ -73,6 +96,7 @@ phihat_joint law(const Json & record, const std::string & where, unsigned & dela
     joint.share = number(observer, "share", where);
     delay = samples(number(observer, "delay_samples", where), where);
     joint.delay_samples = delay;
+    filter(observer["innovation_filter"], joint, where);
   } else {
     joint.form = PHIHAT_FORM_OBSERVER;
     joint.order = static_cast<uint32_t>(numbers(record["a"], joint.a, PHIHAT_ORDER_MAX, where + ": a"));
