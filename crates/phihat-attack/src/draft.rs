@@ -49,8 +49,13 @@ pub struct Scope {
 pub enum Laws {
     /// From its design.
     Designed,
-    /// From its `[gains]`, as text.
-    Typed(String),
+    /// From its `[gains]`.
+    Typed {
+        /// They, as text.
+        gains: String,
+        /// What draws filters on their innovation; `None`: they have none.
+        filter: Option<u64>,
+    },
     /// From the search by positions, once: the shares of the allowed torque noise, per joint.
     Sketched(Vec<f64>),
 }
@@ -105,8 +110,8 @@ impl Draft {
         let _ =
             writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.known());
         self.ranges(&mut text);
-        if let Laws::Typed(section) = &self.laws {
-            text += section;
+        if let Laws::Typed { gains, .. } = &self.laws {
+            text += gains;
         }
         let _ = write!(text, "\n[loop]\n{}", self.control);
         // What a random arm is asked for may be beyond its drives: the record then says what became of the claims.
@@ -125,7 +130,7 @@ impl Draft {
 
     /// Lines of `[design]`, without those for a search where the laws are typed.
     fn known(&self) -> String {
-        let typed = matches!(self.laws, Laws::Typed(_));
+        let typed = matches!(self.laws, Laws::Typed { .. });
         let kept = self.design.lines().filter(|line| !(typed && line.starts_with("orders")));
         kept.fold(String::new(), |text, line| text + line + "\n")
     }

@@ -7,6 +7,7 @@ use phihat_model::Workspace;
 use phihat_session::Dice;
 
 use crate::draft::Laws;
+use crate::filtered::seed;
 use crate::hand::Hand;
 use crate::spectrum::inverse;
 
@@ -88,7 +89,12 @@ impl Hand<'_> {
     pub(crate) fn laws(&mut self, searched: f64) -> Laws {
         let share = self.dice.share();
         if share >= searched {
-            return Laws::Typed(self.typed());
+            let gains = self.typed();
+            let filter = seed(&gains);
+            if filter.is_some() {
+                self.tag("filtered");
+            }
+            return Laws::Typed { gains, filter };
         }
         if share < 0.2 * searched {
             self.tag("designed");

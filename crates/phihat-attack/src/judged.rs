@@ -9,6 +9,7 @@ use phihat_study::Study;
 
 use crate::claim::{Claim, claimed};
 use crate::draft::Laws;
+use crate::filtered::filter;
 use crate::typed::{Claims, sketched, typed};
 
 /// The result of a design, and what its certificate says of it.
@@ -31,16 +32,19 @@ pub fn judged(study: &Study, path: &Path) -> Verdict {
 
 /// Likewise, of the laws that the study itself states: the tube alone is claimed of them.
 pub fn judged_as_typed(study: &Study, path: &Path) -> Verdict {
-    judged_by(study, (&Laws::Typed(String::new()), Claims::Tube), path)
+    judged_by(study, (&Laws::Typed { gains: String::new(), filter: None }, Claims::Tube), path)
 }
 
 /// Likewise, with laws from elsewhere: they get the certificate that a design would give them, those that were typed no
 /// more of it than is asked.
 pub(crate) fn judged_by(study: &Study, (laws, claims): (&Laws, Claims), path: &Path) -> Verdict {
     let own = requested_gains(study);
-    let whole = claims == Claims::All || !matches!((laws, &own), (Laws::Typed(_), Some(_)));
+    let whole = claims == Claims::All || !matches!((laws, &own), (Laws::Typed { .. }, Some(_)));
     let found = match (laws, own) {
-        (Laws::Typed(_), Some(own)) => {
+        (Laws::Typed { filter: drawn, .. }, Some(mut own)) => {
+            if let Some(seed) = drawn {
+                filter(&mut own, study.control.period_ns as f64 * 1e-9, *seed);
+            }
             typed(study, own, (claims, path)).map_err(|why| format!("typed: {why}"))
         }
         (Laws::Sketched(shares), _) => {

@@ -18,6 +18,7 @@ mod draw;
 mod draw_positions;
 mod draw_reference;
 mod drawn;
+mod filtered;
 mod frozen;
 mod hand;
 mod held;

@@ -11,6 +11,7 @@ mod drive;
 mod every_verb;
 mod export;
 mod faults;
+mod filter;
 mod help_and_errors;
 mod hostile_world;
 mod identify;

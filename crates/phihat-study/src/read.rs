@@ -261,7 +261,8 @@ fn sensor(
 }
 
 /// Keys of `[design]` that steer a search for gains, and say nothing of gains that are there.
-const SEARCH: [&str; 5] = ["method", "orders", "settling_time_s", "rise_time_s", "paper"];
+const SEARCH: [&str; 6] =
+    ["method", "orders", "innovation_filter", "settling_time_s", "rise_time_s", "paper"];
 
 /// Those of them that laws from positions have no clause for: their outer loop is not apart from their observer.
 const TIMES: [&str; 2] = ["settling_time_s", "rise_time_s"];
@@ -275,6 +276,13 @@ fn searched_for(top: &Node<'_>, (has_gains, form): (bool, phihat::Form)) -> Resu
         let help = "leave it out: when the error has settled is told with the tube, and `settle_s` in [spec] asks for it; or \
                     `form = \"observer\"` in [loop]";
         return Err(node.error(Kind::Conflict, key, message).with_help(help));
+    }
+    let stated = top.child("loop").text("form");
+    let other = stated.is_some_and(|word| !["positions", "design"].contains(&word));
+    if other && !has_gains && node.has("innovation_filter") && node.flag("innovation_filter")? {
+        let message = "only a law from positions has an innovation to filter";
+        let help = "leave it out, or `form = \"positions\"` in [loop]";
+        return Err(node.error(Kind::Conflict, "innovation_filter", message).with_help(help));
     }
     match SEARCH.into_iter().find(|key| has_gains && node.has(key)) {
         Some(key) => {

@@ -649,6 +649,25 @@ fn a_time_that_no_law_from_positions_is_designed_for_is_refused() {
 }
 
 #[test]
+fn a_filter_on_an_innovation_that_a_law_does_not_have_is_refused() {
+    let designed = |form: &str, filter: bool| {
+        let lines: Vec<&str> = GOOD.lines().collect();
+        let (before, after) = (lines[..11].join("\n"), lines[16..].join("\n"));
+        format!("{before}\n[design]\ninnovation_filter = {filter}\n{after}\n")
+            .replace("[loop]", &format!("[loop]\nform = \"{form}\""))
+    };
+    let named = "design.innovation_filter";
+    for form in ["observer", "literal"] {
+        let why = "only a law from positions has an innovation to filter";
+        check(&designed(form, true), (13, named, Conflict, why));
+        assert!(read(&designed(form, false)).is_ok());
+    }
+    for form in ["positions", "design"] {
+        assert!(read(&designed(form, true)).unwrap().design.innovation_filter);
+    }
+}
+
+#[test]
 fn mistakes_in_the_papers_recipe() {
     // Beside gains that are stated, nothing is searched.
     let stated = GOOD.split_once("[gains]").unwrap();

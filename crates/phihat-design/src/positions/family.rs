@@ -55,7 +55,7 @@ impl Family {
     }
 
     /// The same law with a filter that does nothing yet.
-    pub(super) fn with_filter(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn with_filter(x: &[f64]) -> Vec<f64> {
         let mut all = x.to_vec();
         let own = x.get(2).copied().unwrap_or_default();
         for (distance, damping) in SECTIONS {

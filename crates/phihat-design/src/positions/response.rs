@@ -292,7 +292,7 @@ mod tests {
             };
             let plain = family(order, delay, false);
             let start = plain.start(0.6);
-            let mut x = plain.with_filter(&start);
+            let mut x = Family::with_filter(&start);
             x.truncate(start.len() + 2 * weights.len());
             for (section, own) in x[start.len()..].chunks_exact_mut(4).zip(weights.chunks(2)) {
                 section[2..].copy_from_slice(own);

@@ -373,8 +373,7 @@ impl Asked<'_> {
 impl Asked<'_> {
     /// A law with a filter on the innovation from one without; that one where none is better.
     fn filtered(&self, (joint, share): (usize, f64), plain: Chosen) -> Chosen {
-        let task = self.task((joint, plain.order), share);
-        let start = Chosen { x: task.family.with_filter(&plain.x), ..plain.clone() };
+        let start = Chosen { x: Family::with_filter(&plain.x), ..plain.clone() };
         let found = self.evolved((joint, share), &start, FILTERED);
         found.filter(|found| found.cost < plain.cost).unwrap_or(plain)
     }
