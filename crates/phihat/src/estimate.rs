@@ -1,7 +1,7 @@
 //! What a sample would teach, before it counts.
 
 use crate::innovation::Filtered;
-use crate::{ORDER_MAX, Real, SECTIONS_MAX};
+use crate::{ORDER_MAX, Real};
 
 /// What the estimator would remember after a sample.
 #[derive(Debug, Clone, Copy)]
@@ -13,14 +13,14 @@ pub(crate) struct Estimate<R> {
     pub(crate) phi_hat: R,
     /// From positions: the torque asked for beside `φ̂`.
     pub(crate) outer: R,
-    /// From positions: what has become of the innovations beside the observer.
-    pub(crate) filtered: Filtered<R>,
+    /// From positions: what has become of the innovations beside the observer; `None`: what it was.
+    pub(crate) filtered: Option<Filtered<R>>,
 }
 
 impl<R: Real> Estimate<R> {
     /// Of a law without an innovation filter.
     pub(crate) fn of(memory: [R; ORDER_MAX], beside: [R; ORDER_MAX], phi_hat: R, outer: R) -> Self {
-        Self { memory, beside, phi_hat, outer, filtered: [[R::ZERO; 2]; SECTIONS_MAX] }
+        Self { memory, beside, phi_hat, outer, filtered: None }
     }
 
     /// Whether it can be stored and `demand`, of which `φ̂` is a part, be asked for. All that is remembered is in

@@ -76,7 +76,7 @@ impl<R: Real> InnovationFilter<R> {
     }
 
     /// After so many samples, of which only the last one was seen.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn through(
         &self,
         filtered: &Filtered<R>,

@@ -89,7 +89,7 @@ impl<R: Real> JointGains<R> {
         let [phi, d1, d2, _] = state.memory;
         let mut z = Expected { e, de, phi: [phi, d1, d2] };
         let mut pending = state.pending;
-        let mut filtered = state.filtered;
+        let mut filtered = None;
         if state.started {
             let [e_hat, de_hat] = state.motion;
             z = Expected { e: e_hat, de: de_hat, ..z };
@@ -105,7 +105,7 @@ impl<R: Real> JointGains<R> {
                 z.correct(&own.on_velocity, on_de);
             }
             if own.filter.acts {
-                filtered = own.filter.through(&filtered, on_e, interval.parts);
+                filtered = Some(own.filter.through(&state.filtered, on_e, interval.parts));
             }
         }
         let [phi, d1, d2] = z.phi;
@@ -113,7 +113,10 @@ impl<R: Real> JointGains<R> {
         let wanted = (own.seen.e * z.e + own.seen.de * z.de)
             + (on_phi * phi + (on_d1 * d1 + on_d2 * d2))
             + weighed(&own.coming, &pending, own.delay);
-        let wanted = if own.filter.acts { wanted + own.filter.torque(&filtered) } else { wanted };
+        let wanted = match &filtered {
+            Some(filtered) => wanted + own.filter.torque(filtered),
+            None => wanted,
+        };
         let [last, ..] = pending;
         let feedforward = self.inertia * reference.ddq;
         let demand = feedforward + last + own.share * (wanted - last);
@@ -157,7 +160,9 @@ impl<R: Real> JointGains<R> {
     pub(crate) fn remember_seen(state: &mut JointState<R>, estimate: &Estimate<R>) {
         let [e, de, feedforward, parts] = estimate.beside;
         state.motion = [e, de];
-        state.filtered = estimate.filtered;
+        if let Some(filtered) = estimate.filtered {
+            state.filtered = filtered;
+        }
         if parts > R::from_f64(1.0) {
             Self::hold_through(state, parts);
         }
