@@ -6,9 +6,7 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{
-    Certificate, CoarserEncoder, FilterSection, JointLimit, JointRecord, PositionObserver, TradeOff,
-};
+use crate::{Certificate, CoarserEncoder, JointLimit, JointRecord, PositionObserver, TradeOff};
 
 /// What `format` says in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -258,7 +256,11 @@ impl JointRecord {
 
 impl PositionObserver {
     /// The core's gains of a law from positions.
-    fn gains(&self, record: &JointRecord, period: f64) -> Result<JointGains<f64>, GainError> {
+    pub(crate) fn gains(
+        &self,
+        record: &JointRecord,
+        period: f64,
+    ) -> Result<JointGains<f64>, GainError> {
         let gains = JointGains::from_positions(&PositionDesign {
             inertia: record.inertia_kg_m2,
             kp: record.kp_per_s2,
@@ -272,11 +274,8 @@ impl PositionObserver {
         if self.innovation_filter.is_empty() {
             return Ok(gains);
         }
-        let section = |own: &FilterSection| InnovationSection {
-            rates: own.rates,
-            weights: own.weights_per_s2,
-        };
-        let sections: Vec<_> = self.innovation_filter.iter().map(section).collect();
+        let sections: Vec<InnovationSection> =
+            self.innovation_filter.iter().map(Into::into).collect();
         gains.with_innovation_filter(&sections)
     }
 }

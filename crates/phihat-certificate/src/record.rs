@@ -1,6 +1,6 @@
 //! Gains of one joint, as the document has them.
 
-use phihat::Form;
+use phihat::{Form, InnovationSection};
 use serde::{Deserialize, Serialize};
 
 use crate::LoopModel;
@@ -52,10 +52,21 @@ pub struct FilterSection {
     pub weights_per_s2: [f64; 2],
 }
 
+impl From<&FilterSection> for InnovationSection {
+    fn from(section: &FilterSection) -> Self {
+        Self { rates: section.rates, weights: section.weights_per_s2 }
+    }
+}
+
 impl JointRecord {
     /// Order `m` of the estimate of `φ`.
     pub fn order(&self) -> usize {
         self.observer.as_ref().map_or(self.a.len(), |own| own.correction.len().saturating_sub(2))
+    }
+
+    /// Sections of the filter on the innovation; empty: none.
+    pub fn innovation_filter(&self) -> &[FilterSection] {
+        self.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
     }
 
     /// Whether the feed-forward of a law from positions acts in the interval that it is for; always, of another law.

@@ -1,7 +1,7 @@
 //! The law from positions with a law per joint: which gains its row runs with.
 
-use phihat::{Form, InnovationSection};
-use phihat_design::{FilterSection, PositionSearch};
+use phihat::Form;
+use phihat_design::PositionSearch;
 use phihat_rivals::DesignedPosition;
 use phihat_session::{arm_along, phi_along};
 use phihat_sim::Demand;
@@ -36,8 +36,6 @@ pub(crate) fn designed_positions(
     let mut search = PositionSearch::new(&study, &arm, &phi)?;
     let found = search.laws(&vec![1.0; limits.len()]);
     let (gains, _) = found.ok_or_else(|| NotDesigned::Infeasible(search.refused().clauses))?;
-    let section =
-        |own: &FilterSection| InnovationSection { rates: own.rates, weights: own.weights_per_s2 };
     let joint = |record: phihat_design::JointRecord| {
         let observer = record.observer.ok_or(NotDesigned::NoJoint)?;
         Ok(DesignedPosition {
@@ -46,7 +44,7 @@ pub(crate) fn designed_positions(
             kd: record.kd_per_s,
             correction: observer.correction,
             share: observer.share,
-            innovation_filter: observer.innovation_filter.iter().map(section).collect(),
+            innovation_filter: observer.innovation_filter.iter().map(Into::into).collect(),
         })
     };
     gains.joints.into_iter().map(joint).collect()

@@ -279,7 +279,7 @@ fn searched_for(top: &Node<'_>, (has_gains, form): (bool, phihat::Form)) -> Resu
     }
     let stated = top.child("loop").text("form");
     let other = stated.is_some_and(|word| !["positions", "design"].contains(&word));
-    if other && !has_gains && node.has("innovation_filter") && node.flag("innovation_filter")? {
+    if other && !has_gains && node.flag("innovation_filter")? {
         let message = "only a law from positions has an innovation to filter";
         let help = "leave it out, or `form = \"positions\"` in [loop]";
         return Err(node.error(Kind::Conflict, "innovation_filter", message).with_help(help));

@@ -4,10 +4,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use phihat::{
-    Form, InnovationSection, JointGains, JointState, Measurement, PositionDesign, Reference,
-    TorqueSource, VelocitySource,
-};
+use phihat::{Form, JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 
 use super::complex::{Complex, Disc};
 use super::decay::Layout;
@@ -175,22 +172,7 @@ fn the_frequency_form_is_the_sum_of_the_samples() {
 
 /// The core's own law at 1 kHz.
 pub(super) fn core(record: &JointRecord) -> Option<JointGains<f64>> {
-    let own = own(record)?;
-    let law = JointGains::from_positions(&PositionDesign {
-        inertia: record.inertia_kg_m2,
-        kp: record.kp_per_s2,
-        kd: record.kd_per_s,
-        correction: &own.correction,
-        velocity_correction: &[],
-        share: own.share,
-        delay: own.delay_samples as usize,
-        period: T,
-    })
-    .ok()?;
-    let section =
-        |s: &FilterSection| InnovationSection { rates: s.rates, weights: s.weights_per_s2 };
-    let sections: Vec<_> = own.innovation_filter.iter().map(section).collect();
-    if sections.is_empty() { Some(law) } else { law.with_innovation_filter(&sections).ok() }
+    own(record)?.gains(record, T).ok()
 }
 
 #[test]

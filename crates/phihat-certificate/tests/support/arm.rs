@@ -56,10 +56,7 @@ fn law(record: &JointRecord, period: f64) -> Option<JointGains<f64>> {
         period,
     };
     let law = JointGains::from_positions(&design).ok()?;
-    let filter = own.innovation_filter.iter();
-    let sections: Vec<InnovationSection> = filter
-        .map(|own| InnovationSection { rates: own.rates, weights: own.weights_per_s2 })
-        .collect();
+    let sections: Vec<InnovationSection> = own.innovation_filter.iter().map(Into::into).collect();
     if sections.is_empty() { Some(law) } else { law.with_innovation_filter(&sections).ok() }
 }
 

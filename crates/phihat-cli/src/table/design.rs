@@ -1,8 +1,8 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use phihat_design::{
-    Certificate, ErrorBound, FilterSection, Gains, JointCertificate, JointRecord, LeftOut,
-    NotCounted, Settle, SettleFrom,
+    Certificate, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut, NotCounted, Settle,
+    SettleFrom,
 };
 use phihat_report::section_poles;
 
@@ -14,7 +14,7 @@ pub(crate) fn gains(gains: &Gains) -> Fitted {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
     let last = if seen { "g; ℓ_0 … ℓ_(m+1)" } else { "a_0 … a_(m−1)" };
     let mut header = vec!["joint", "M̄\nkg·m²", "K_p\n1/s²", "K_d\n1/s", "m", last];
-    let filtered = gains.joints.iter().any(|joint| !filter(joint).is_empty());
+    let filtered = gains.joints.iter().any(|joint| !joint.innovation_filter().is_empty());
     if filtered {
         header.extend(["poles of the filter\nrad/s", "b_0, b_1\n1/s²"]);
     }
@@ -36,7 +36,7 @@ pub(crate) fn gains(gains: &Gains) -> Fitted {
             estimator,
         ];
         if filtered {
-            row.extend(sections(filter(joint), gains.rate_hz));
+            row.extend(sections(joint.innovation_filter(), gains.rate_hz));
         }
         table.add_row(row);
     }
@@ -44,12 +44,7 @@ pub(crate) fn gains(gains: &Gains) -> Fitted {
     table
 }
 
-/// Sections of the filter on a joint's innovation; empty: none.
-fn filter(joint: &JointRecord) -> &[FilterSection] {
-    joint.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
-}
-
-/// Their poles and their weights, a line each.
+/// Poles and weights of a filter's sections, a line each.
 fn sections(filter: &[FilterSection], rate_hz: f64) -> [String; 2] {
     let lines = |of: &dyn Fn(&FilterSection) -> String| {
         filter.iter().map(of).collect::<Vec<_>>().join("\n")

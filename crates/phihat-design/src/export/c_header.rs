@@ -2,7 +2,6 @@
 
 use core::fmt::Write;
 
-use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;
@@ -105,7 +104,8 @@ fn observers(gains: &Gains) -> String {
 
 /// Innovation filters; nothing where no joint has one.
 fn filters(gains: &Gains) -> String {
-    let own: Vec<&[FilterSection]> = gains.joints.iter().map(filter).collect();
+    let own: Vec<&[FilterSection]> =
+        gains.joints.iter().map(JointRecord::innovation_filter).collect();
     let most = own.iter().map(|sections| sections.len()).max().unwrap_or(0);
     if most == 0 {
         return String::new();

@@ -1,6 +1,5 @@
 //! The gains as a table.
 
-use super::filter::filter;
 use super::notes;
 use super::number::exact;
 use super::period::period;
@@ -24,7 +23,8 @@ pub(super) fn text(gains: &Gains) -> String {
         header.extend(["share", "delay_samples"].map(str::to_owned));
         header.extend((0..states).map(|i| format!("correction_{i}")));
     }
-    let sections = gains.joints.iter().map(|joint| filter(joint).len()).max().unwrap_or(0);
+    let sections =
+        gains.joints.iter().map(|joint| joint.innovation_filter().len()).max().unwrap_or(0);
     header.extend((0..sections).flat_map(section));
     header.extend(["p_nm_per_rad", "i_nm_per_rad_s", "d_nm_s_per_rad"].map(str::to_owned));
     header.extend(["torque_max_nm", "error_bound_rad"].map(str::to_owned));
@@ -47,7 +47,7 @@ pub(super) fn text(gains: &Gains) -> String {
             let correction = own.map_or(&[][..], |own| &own.correction);
             row.extend((0..states).map(|i| padded(correction, i)));
         }
-        row.extend((0..sections).flat_map(|i| filtered(filter(joint).get(i))));
+        row.extend((0..sections).flat_map(|i| filtered(joint.innovation_filter().get(i))));
         let pid = pids.as_ref().and_then(|pids| pids.get(j));
         row.extend(pid.map_or([const { String::new() }; 3], |g| [g.p, g.i, g.d].map(exact)));
         let claims = gains.certificate.as_ref().and_then(|c| c.joints.get(j));

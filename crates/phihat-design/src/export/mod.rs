@@ -6,7 +6,6 @@
 mod c_header;
 mod csv;
 mod error;
-mod filter;
 mod notes;
 mod number;
 mod period;

@@ -1,6 +1,5 @@
 //! What stands in every exported file for people: origin, law, what the target lacks, what is claimed.
 
-use super::filter::filter;
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
 use crate::Gains;
@@ -37,7 +36,7 @@ pub(super) fn origin(gains: &Gains) -> Vec<String> {
 /// The law of `phihat`, and what is certified of it.
 pub(super) fn law(gains: &Gains) -> Vec<String> {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
-    let filtered = gains.joints.iter().any(|joint| !filter(joint).is_empty());
+    let filtered = gains.joints.iter().any(|joint| !joint.innovation_filter().is_empty());
     let mut lines = if seen { from_positions(filtered) } else { fed() };
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());

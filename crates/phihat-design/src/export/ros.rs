@@ -3,7 +3,6 @@
 use core::fmt::Write;
 
 use super::error::ExportError;
-use super::filter::filter;
 use super::notes;
 use super::number::{exact, up};
 use super::pid::{Pid, PidClaims};
@@ -27,7 +26,7 @@ const ROOM: f64 = 2.0;
 
 pub(super) fn text(gains: &Gains) -> Result<String, ExportError> {
     if let Some(joint) = gains.joints.iter().find(|joint| joint.observer.is_some()) {
-        let filtered = !filter(joint).is_empty();
+        let filtered = !joint.innovation_filter().is_empty();
         return Err(ExportError::Positions { joint: joint.name.clone(), filtered });
     }
     let other = gains.joints.iter().find(|joint| joint.a.len() != 1);

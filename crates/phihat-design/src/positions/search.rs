@@ -64,8 +64,7 @@ struct Asked<'a> {
     /// The inertia that each joint shows along the reference \[kg·m²\].
     shown: Option<Vec<(f64, f64)>>,
     phi: Vec<Phi>,
-    /// Whether tubes have told, and what each joint's estimates count then; empty: as they are.
-    told: bool,
+    /// What each joint's estimates count once tubes have told; empty: they have not.
     weights: Vec<Option<Weights>>,
 }
 
@@ -158,7 +157,6 @@ impl<'a> PositionSearch<'a> {
             arm: arm.against(own.clone())?,
             shown: arm.shown(),
             phi: Vec::new(),
-            told: false,
             weights: Vec::new(),
         };
         let share = |joint: usize| phi(joint, own[joint]).bound(1.0, Some(RAMP)) / error[joint];
@@ -173,7 +171,7 @@ impl<'a> PositionSearch<'a> {
             let inertia = arm.nominal_kg_m2.iter().enumerate();
             let phi = inertia.map(|(joint, inertia)| phi(joint, *inertia)).collect();
             let (quanta, shown) = (asked.quanta.clone(), asked.shown.clone());
-            let tried = Asked { study, quanta, arm, shown, phi, told: false, weights: Vec::new() };
+            let tried = Asked { study, quanta, arm, shown, phi, weights: Vec::new() };
             let found = parallel(&joints, threads(), |joint| {
                 tried.joint((joint, 1), (MIDDLE, None), ROUGH)
             });
@@ -197,7 +195,8 @@ impl<'a> PositionSearch<'a> {
     /// From here on estimates are weighed so that they say of these laws what their tube said; a share is one of all that turns the
     /// torque then, not of the encoder's part.
     pub fn weigh(&mut self, gains: &Gains, found: &[TubeParts]) {
-        self.asked.told = true;
+        // Over each joint's own inertia from here on.
+        self.asked.weights = vec![None; gains.joints.len()];
         let joints = gains.joints.iter().zip(found).enumerate();
         let weights = |(joint, (record, found)): (usize, (&JointRecord, &TubeParts))| {
             let task = self.asked.task((joint, record.order()), 1.0);
@@ -306,7 +305,8 @@ impl Asked<'_> {
     /// The range of inertia over which a joint is looked at: once tubes have told, its own along the reference, of that of the arm.
     fn shown(&self, joint: usize) -> (f64, f64) {
         let (nominal, low, high) = (self.arm.nominal_kg_m2[joint], self.arm.low, self.arm.high);
-        let own = self.shown.as_ref().map(|all| all[joint]).filter(|_| self.told);
+        let told = !self.weights.is_empty();
+        let own = self.shown.as_ref().map(|all| all[joint]).filter(|_| told);
         own.map_or((low, high), |(least, most)| {
             ((least / nominal).clamp(low, high), (most / nominal).clamp(low, high))
         })
@@ -346,11 +346,10 @@ impl Asked<'_> {
         (share, before): (f64, Option<&Chosen>),
         (step, most): (f64, u32),
     ) -> Option<Chosen> {
-        let plain = self.task(of, share);
-        if let Some(before) = before.filter(|before| !plain.family.has(&before.x)) {
+        let task = self.task(of, share);
+        if let Some(before) = before.filter(|before| !task.family.has(&before.x)) {
             return self.evolved((of.0, share), before, FILTERED_AGAIN);
         }
-        let task = plain;
         let cost = |x: &[f64]| task.cost(x);
         let start = before.map_or_else(
             || {
@@ -368,9 +367,7 @@ impl Asked<'_> {
         let found = simplex(cost, &first.x, (0.5 * step, most));
         (found.cost < HOLDS).then_some(Chosen { order: of.1, x: found.x, cost: found.cost })
     }
-}
 
-impl Asked<'_> {
     /// A law with a filter on the innovation from one without; that one where none is better.
     fn filtered(&self, (joint, share): (usize, f64), plain: Chosen) -> Chosen {
         let start = Chosen { x: Family::with_filter(&plain.x), ..plain.clone() };
