@@ -54,8 +54,13 @@ impl<R: Real> JointGains<R> {
 
 #[cfg(test)]
 mod tests {
-    use crate::innovation::InnovationFilter;
-    use crate::{Form, GainError, InnovationSection, JointDesign, JointGains, PositionDesign};
+    use crate::innovation::{Filtered, InnovationFilter};
+    use crate::{
+        Form, GainError, InnovationSection, JointDesign, JointGains, JointState, Limits,
+        Measurement, PositionDesign, Reference,
+    };
+
+    const T: f64 = 1e-3;
 
     const DESIGN: PositionDesign<'_> = PositionDesign {
         inertia: 0.5,
@@ -65,7 +70,7 @@ mod tests {
         velocity_correction: &[],
         share: 0.6,
         delay: 1,
-        period: 1e-3,
+        period: T,
     };
 
     fn section(rates: [f64; 2]) -> InnovationSection {
@@ -127,5 +132,39 @@ mod tests {
         };
         let other = JointGains::<f64>::new(&other).unwrap();
         assert_eq!(other.with_innovation_filter(&[fine]), Err(GainError::Form));
+    }
+
+    #[test]
+    fn a_limit_that_acts_leaves_no_trace_in_the_filter() {
+        let sections = [section([0.02, 0.3]), section([0.5, 1.2])];
+        let gains = JointGains::<f64>::from_positions(&DESIGN).unwrap();
+        let free = gains.with_innovation_filter(&sections).unwrap();
+        // The arm is M̄ and meets 3 N·m that come and go; one drive gives a third of what is asked.
+        let run = |gains: JointGains<f64>| {
+            let (mut state, mut saw) = (JointState::new(), [Filtered::default(); 400]);
+            let ([mut q, mut dq], [mut acted, mut coming]) = ([0.0; 2], [0.0; 2]);
+            let mut saturated = 0;
+            for (k, saw) in saw.iter_mut().enumerate() {
+                let m = Measurement { q, dq, tau_applied: acted };
+                let command = gains.update(&mut state, &m, &Reference::default());
+                saturated += u32::from(command.status.saturated);
+                *saw = state.filtered;
+                (acted, coming) = (coming, command.tau);
+                let phi = if (100..300).contains(&k) { 3.0 } else { 0.0 };
+                let ddq = (acted - phi) / DESIGN.inertia;
+                q += T * (dq + 0.5 * T * ddq);
+                dq += T * ddq;
+            }
+            (saw, saturated)
+        };
+        let (unlimited, none) = run(free);
+        let limits = Limits::new(Some(1.0), None, T).unwrap();
+        let (limited, many) = run(free.with_limits(limits));
+        assert!(none == 0 && many > 100, "{none} {many}");
+        let largest = unlimited.iter().flatten().flatten().fold(0.0, |most, x| x.abs().max(most));
+        assert!(largest > 1e-6, "{largest}");
+        for (a, b) in unlimited.iter().flatten().flatten().zip(limited.iter().flatten().flatten()) {
+            assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
+        }
     }
 }
