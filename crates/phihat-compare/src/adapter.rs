@@ -118,6 +118,7 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
         designed: Err(not_designed()),
         designed_positions: Err(not_designed()),
+        designed_filters: Err(not_designed()),
     })
 }
 

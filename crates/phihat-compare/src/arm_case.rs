@@ -42,6 +42,7 @@ pub struct ArmCase {
     pub(crate) harder: Option<Study>,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
     designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
+    designed_filters: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
 }
 
 impl ArmCase {
@@ -102,6 +103,7 @@ impl ArmCase {
             harder: None,
             designed: OnceLock::new(),
             designed_positions: OnceLock::new(),
+            designed_filters: OnceLock::new(),
             study,
         })
     }
@@ -141,10 +143,13 @@ impl ArmCase {
     pub(crate) fn completed(&self, entry: &Entry, mut supply: Supply) -> Supply {
         if entry.needs.designed && entry.needs.preview {
             let told = self.harder.as_ref().unwrap_or(&self.study);
-            let found = || designed_positions(told, &self.limits).map_err(Arc::new);
-            let designed = self.designed_positions.get_or_init(found).clone();
-            supply.designed_positions =
-                designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+            let filter = entry.needs.filter;
+            let found = || designed_positions(told, &self.limits, filter).map_err(Arc::new);
+            let kept = if filter { &self.designed_filters } else { &self.designed_positions };
+            let designed = kept.get_or_init(found).clone();
+            let designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+            *(if filter { &mut supply.designed_filters } else { &mut supply.designed_positions }) =
+                designed;
         } else if entry.needs.designed {
             let designed = self.designed().as_ref().map(ProposedLaw::joints);
             supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));

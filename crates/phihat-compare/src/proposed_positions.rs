@@ -3,7 +3,7 @@
 use phihat::Form;
 use phihat_design::PositionSearch;
 use phihat_rivals::DesignedPosition;
-use phihat_session::{arm_along, phi_along};
+use phihat_session::{arm_along, filtered_laws, phi_along};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
 
@@ -18,12 +18,16 @@ use crate::proposed_law::NotDesigned;
 /// the clause to the mean, joint by joint, is not done: joints hand their noise on to each other, and the Panda was then 1.8 times
 /// too loud.
 ///
+/// With `filter` such laws are sought once more, with a filter on the innovation, no louder by their estimates than those without one
+/// are by their tube along the study's own motion; where those have none, they stay without.
+///
 /// # Errors
 ///
 /// [`NotDesigned`]: a joint has no law that holds, or the design cannot begin.
 pub(crate) fn designed_positions(
     study: &Study,
     limits: &[f64],
+    filter: bool,
 ) -> Result<Vec<DesignedPosition>, NotDesigned> {
     let mut study = study.clone();
     study.design.method = DesignMethod::Ours;
@@ -35,7 +39,10 @@ pub(crate) fn designed_positions(
     let phi = |joint: usize, inertia: f64| phi_along(&demand, joint, inertia);
     let mut search = PositionSearch::new(&study, &arm, &phi)?;
     let found = search.laws(&vec![1.0; limits.len()]);
-    let (gains, _) = found.ok_or_else(|| NotDesigned::Infeasible(search.refused().clauses))?;
+    let (mut gains, _) = found.ok_or_else(|| NotDesigned::Infeasible(search.refused().clauses))?;
+    if filter {
+        gains = filtered_laws(&study, &mut search, &gains)?.unwrap_or(gains);
+    }
     let joint = |record: phihat_design::JointRecord| {
         let observer = record.observer.ok_or(NotDesigned::NoJoint)?;
         Ok(DesignedPosition {

@@ -84,22 +84,27 @@ fn the_same_law_under_another_name_is_promised_the_same() {
 }
 
 /// The law from positions: with one law for all joints the bound found before the run holds and is not empty; with a law per joint,
-/// designed for the cap on noise, there is no bound, and the cap is kept with room.
+/// designed for the cap on noise, there is no bound, and the cap is kept with room; a filter on the innovation makes the error less
+/// and the torque no louder.
 #[test]
 fn the_rows_from_positions_keep_their_bound_and_their_noise() {
     let worlds = ["exact", "delay"];
     let study = table1("error_max_rad = 5e-3", "own-positions");
-    let rivals = ["proposed-positions-1", "proposed-positions-designed"];
+    let rivals =
+        ["proposed-positions-1", "proposed-positions-designed", "proposed-positions-filtered"];
     let comparison = compared(study, &rivals, &worlds);
-    let [shared, designed] = rivals.map(|id| row(&comparison, id));
+    let [shared, designed, filtered] = rivals.map(|id| row(&comparison, id));
     let cap = comparison.fairness.noise_cap;
     for world in worlds {
         let figures = |row: &Row| row.cell(world, GainsKind::Tuned).unwrap().worst.clone().unwrap();
         let ratio = figures(shared).bound_over_measured.unwrap();
         assert!((1.0..15.0).contains(&ratio), "{world}: {ratio}");
-        let designed = figures(designed);
+        let [designed, filtered] = [designed, filtered].map(figures);
         assert!(designed.bound_rad.is_none() && designed.noise < 0.5 * cap, "{designed:?}");
         assert!(designed.error_over_spec < 0.1, "{designed:?}");
+        // 0.62 of its error, and 1.02 of its noise.
+        assert!(filtered.error_rms_rad < 0.8 * designed.error_rms_rad, "{filtered:?}");
+        assert!(filtered.noise < 1.1 * designed.noise, "{filtered:?}");
     }
     let columns = designed.columns.as_ref().unwrap();
     assert_eq!(columns.model_free.mark, Mark::Partly, "its design knew a model");

@@ -5,6 +5,7 @@
 
 use std::hint::black_box;
 
+use phihat::InnovationSection;
 use phihat_model::Robot;
 use phihat_rivals::{All, DesignedJoint, DesignedPosition, RIVALS, Supply, Tuning, rival};
 
@@ -21,6 +22,12 @@ fn position(inertia: f64) -> DesignedPosition {
     DesignedPosition { inertia, kp: 400.0, kd: 40.0, correction, share: 0.5, innovation_filter }
 }
 
+/// The same with a filter of two sections.
+fn filtered(inertia: f64) -> DesignedPosition {
+    let section = InnovationSection { rates: [0.02, 0.3], weights: [-200.0, 50.0] };
+    DesignedPosition { innovation_filter: vec![section; 2], ..position(inertia) }
+}
+
 /// The sum of all torques \[N·m\]; `None` where the rival does not apply.
 fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let robot = Robot::named(robot).unwrap();
@@ -31,6 +38,7 @@ fn run(robot: &str, id: &str, updates: u32) -> Option<f64> {
     let first_order = |m: &f64| DesignedJoint { inertia: *m, kp: 400.0, kd: 40.0, a: vec![69.6] };
     let supply = Supply {
         designed_positions: Ok(inertia.iter().copied().map(position).collect()),
+        designed_filters: Ok(inertia.iter().copied().map(filtered).collect()),
         designed: Ok(inertia.iter().map(first_order).collect()),
         inertia,
         model: model.with_masses_times(0.8).unwrap(),

@@ -125,6 +125,24 @@ impl Knows for DesignedPositions {
     }
 }
 
+/// The same for laws that filter their innovation.
+#[derive(Debug, Clone)]
+pub struct DesignedFilters(Vec<DesignedPosition>);
+
+impl DesignedFilters {
+    /// One entry per joint.
+    pub fn joints(&self) -> &[DesignedPosition] {
+        &self.0
+    }
+}
+
+impl Knows for DesignedFilters {
+    const NEEDS: Needs = Needs { designed: true, filter: true, ..Needs::NONE };
+    fn of(supply: &Supply) -> Result<Self, Refusal> {
+        supply.designed_filters.clone().map(Self)
+    }
+}
+
 /// When a torque acts, and which torques do: the loop around a law.
 #[derive(Debug, Clone)]
 pub struct Drives {

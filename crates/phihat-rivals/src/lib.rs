@@ -58,7 +58,9 @@ pub use card::{Card, Grade, Tick, Ticks};
 pub use choice::{Chosen, Sensed};
 pub use claim::{Condition, DeclaredArm};
 pub use error::Refusal;
-pub use facts::{Designed, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax};
+pub use facts::{
+    Designed, DesignedFilters, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax,
+};
 pub use friction::Dry;
 pub use handed::{All, Knows, Sees, Wants};
 pub use measured::{

@@ -25,6 +25,9 @@ pub struct Needs {
     pub inertia: bool,
     /// Gains that were designed for the arm's range of inertia and a bound on its load.
     pub designed: bool,
+    /// A filter on the innovation that was designed for what bounds along the task say of the arm.
+    #[serde(default)]
+    pub filter: bool,
     /// One nominal viscous friction per joint.
     pub friction: bool,
     /// One identified dry friction per joint.
@@ -57,6 +60,7 @@ impl Needs {
         delay: false,
         inertia: false,
         designed: false,
+        filter: false,
         friction: false,
         dry: false,
         gravity: false,
@@ -82,6 +86,7 @@ impl Needs {
             delay: self.delay || other.delay,
             inertia: self.inertia || other.inertia,
             designed: self.designed || other.designed,
+            filter: self.filter || other.filter,
             friction: self.friction || other.friction,
             dry: self.dry || other.dry,
             gravity: self.gravity || other.gravity,
@@ -114,6 +119,7 @@ impl fmt::Display for Needs {
             (self.delay, "delay"),
             (self.inertia, "inertia per joint"),
             (self.designed, "designed gains"),
+            (self.filter, "designed filter"),
             (self.friction, "friction per joint"),
             (self.dry, "dry friction per joint"),
             (self.gravity, "gravity model"),

@@ -35,6 +35,8 @@ pub struct Supply {
     pub designed: Result<Vec<DesignedJoint>, Refusal>,
     /// The same for laws from positions.
     pub designed_positions: Result<Vec<DesignedPosition>, Refusal>,
+    /// The same where they filter their innovation.
+    pub designed_filters: Result<Vec<DesignedPosition>, Refusal>,
 }
 
 impl Supply {

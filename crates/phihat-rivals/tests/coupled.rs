@@ -251,12 +251,13 @@ fn published_gains_on_seven_joints() {
     }
 }
 
-const SECOND_HALF: [&str; 26] = [
+const SECOND_HALF: [&str; 27] = [
     "l1-adaptive",
     "indi",
     "proposed-positions-1",
     "proposed-positions-2",
     "proposed-positions-designed",
+    "proposed-positions-filtered",
     "proposed-1",
     "proposed-2",
     "proposed-designed",

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, FINER, PARTS, tube_in_parts, tube_of_heaviest, tubes_behind};
-use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch, Tube, TubeParts};
+use phihat_design::{Arm, DesignError, Gains, Outcome, Phi, PositionSearch, Tube};
 use phihat_sim::Demand;
 use phihat_study::{PhiSource, Study};
 
@@ -15,6 +15,7 @@ use crate::judged::{
     Judged, SETTLED_S, judge, judge_by, late_error, promised, without_rate_limits,
 };
 use crate::told::Told;
+use crate::tube_parts::tube_parts;
 
 /// How often laws are looked for.
 const ROUNDS: u32 = 7;
@@ -90,7 +91,8 @@ pub(crate) fn by_positions(
     let mut best = rounds.best(&vec![FIRST; joints])?;
     let found = best.as_ref().filter(|best| study.design.innovation_filter && best.found.is_some());
     if let Some(plain) = found
-        && let Some(parts) = rounds.parts(plain)?
+        && let told = rounds.told(&plain.gains)?
+        && let Some(parts) = tube_parts(&unlimited, &plain.gains, (&told, plain.parts))
     {
         rounds.search.weigh(&plain.gains, &parts);
         rounds.search.filter();
@@ -148,40 +150,6 @@ struct Rounds<'a> {
 }
 
 impl Rounds<'_> {
-    /// What the tube of gains has from where; `None` where one of its parts has none.
-    fn parts(&self, of: &Best) -> Result<Option<Vec<TubeParts>>, SessionError> {
-        let (gains, desired) = (&of.gains, self.told(&of.gains)?);
-        let tube = |exact: bool, smooth: bool| {
-            let mut own = self.unlimited.clone();
-            if exact {
-                own.sensor.encoder_bits = None;
-            }
-            if smooth {
-                own.design.coulomb.0.fill(0.0);
-                own.design.coulomb.1.fill(0.0);
-            }
-            promised(&own, gains, |own, gains| tube_of_heaviest(own, gains, (&desired, of.parts))).1
-        };
-        let tubes = [(false, false), (true, false), (false, true), (true, true)];
-        let [Some(all), Some(exact), Some(smooth), Some(neither)] =
-            tubes.map(|(exact, without)| tube(exact, without))
-        else {
-            return Ok(None);
-        };
-        let joint = |i: usize| {
-            let error = |tube: &Tube| tube.joints[i].error_max_rad;
-            let step = |tube: &Tube| tube.joints[i].torque_step_steady_max_nm;
-            TubeParts {
-                motion_rad: error(&neither),
-                jumps_rad: error(&exact) - error(&neither),
-                reading_rad: error(&all) - error(&exact),
-                noise_nm: step(&smooth),
-                jolt_nm: step(&all) - step(&smooth),
-            }
-        };
-        Ok(Some((0..gains.joints.len()).map(joint).collect()))
-    }
-
     /// The best laws of the search from these shares on, with every claim.
     fn best(&mut self, first: &[f64]) -> Result<Option<Best>, SessionError> {
         let study = self.study;

@@ -18,15 +18,9 @@ use std::process::ExitCode;
 use phihat_campaign::{JOURNAL, Journal};
 use serde_json::json;
 
-use studies::{ARMS, BITS_16, FORMS, PANDA, study, worlds};
+use studies::{ARMS, BITS_16, KINDS, PANDA, study, worlds};
 use tables::{ArmRow, Designed, Least, WorldRow};
 use work::{Design, first_proved, largest, least_error, run};
-
-/// Errors that the worlds' gains are designed for, the first that can be proved \[rad\]: positions, observer.
-const ASKED: [&[f64]; 2] = [
-    &[5e-4, 7.5e-4, 1e-3, 1.5e-3, 2e-3],
-    &[1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3, 12e-3, 16e-3],
-];
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -56,9 +50,9 @@ fn laws(args: &[String]) -> Result<(), Box<dyn Error>> {
     let mut journal = Journal::in_folder(&folder.join(JOURNAL), has("--fresh"), &mut ())?;
     let (mut arm_rows, mut designs, mut world_rows) = (Vec::new(), Vec::new(), Vec::new());
     if !has("worlds") {
-        for (arm, text, first) in arms {
+        for (arm, text) in arms {
             eprintln!("{arm}");
-            arm_rows.push(arm_row(&mut journal, arm, text, *first)?);
+            arm_rows.push(arm_row(&mut journal, arm, text)?);
         }
         println!("{}", tables::arms(&arm_rows));
     }
@@ -74,50 +68,45 @@ fn laws(args: &[String]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The least certified error of both forms on an arm.
-fn arm_row(
-    journal: &mut Journal,
-    arm: &str,
-    text: &str,
-    first: [f64; 2],
-) -> Result<ArmRow, Box<dyn Error>> {
-    let mut forms = Vec::new();
-    for (form, first) in FORMS.into_iter().zip(first) {
-        let (best, tried) = least_error(journal, (text, form), first)?;
+/// The least certified error of each kind of law on an arm.
+fn arm_row(journal: &mut Journal, arm: &str, text: &str) -> Result<ArmRow, Box<dyn Error>> {
+    let mut kinds = Vec::new();
+    for kind in &KINDS {
+        let (best, tried) = least_error(journal, (text, kind))?;
         let ran = |design: &Design| {
-            design.gains.as_ref().ok().map(|gains| run(study(text, form, &[])?, gains)).transpose()
+            design.gains.as_ref().ok().map(|gains| run(study(text, kind, &[])?, gains)).transpose()
         };
-        forms.push(Least {
-            form: form.to_owned(),
+        kinds.push(Least {
+            kind: kind.name.to_owned(),
             errors: best.as_ref().and_then(Design::errors),
             step: best.as_ref().and_then(Design::steps).as_deref().map(largest),
             tried,
             run: best.as_ref().map(ran).transpose()?.flatten(),
         });
     }
-    let allowed = study(text, FORMS[0], &[])?.design.torque_step_max.unwrap_or_default();
-    Ok(ArmRow { arm: arm.to_owned(), step_allowed: largest(&allowed), forms })
+    let allowed = study(text, &KINDS[0], &[])?.design.torque_step_max.unwrap_or_default();
+    Ok(ArmRow { arm: arm.to_owned(), step_allowed: largest(&allowed), kinds })
 }
 
 /// The Panda, with gains designed once, in worlds that differ.
 fn in_worlds(journal: &mut Journal) -> Result<(Vec<Designed>, Vec<WorldRow>), Box<dyn Error>> {
     let mut told = Vec::new();
     let mut of = |edits: &[studies::Edit<'_>], bits: u32| -> Result<Vec<Design>, Box<dyn Error>> {
-        let mut both = Vec::new();
-        for (form, asked) in FORMS.into_iter().zip(ASKED) {
-            let design = first_proved(journal, (PANDA, form), edits, asked)?;
+        let mut all = Vec::new();
+        for kind in &KINDS {
+            let design = first_proved(journal, (PANDA, kind), edits)?;
             let certificate = design.gains.as_ref().ok().and_then(|all| all.certificate.as_ref());
             told.push(Designed {
-                form: form.to_owned(),
+                kind: kind.name.to_owned(),
                 bits,
                 asked: design.asked,
                 proved: design.proved(),
                 errors: design.errors(),
                 unproved: certificate.map(|all| all.unproved.clone()).unwrap_or_default(),
             });
-            both.push(design);
+            all.push(design);
         }
-        Ok(both)
+        Ok(all)
     };
     let fine = of(&[], 18)?;
     let coarse = of(&[BITS_16], 16)?;
@@ -126,8 +115,8 @@ fn in_worlds(journal: &mut Journal) -> Result<(Vec<Designed>, Vec<WorldRow>), Bo
     all.push(("16 bits, designed for them", vec![BITS_16], &coarse));
     for (world, edits, designs) in all {
         let mut runs = Vec::new();
-        for (form, design) in FORMS.into_iter().zip(designs) {
-            let ran = |gains| run(study(PANDA, form, &edits)?, gains);
+        for (kind, design) in KINDS.iter().zip(designs) {
+            let ran = |gains| run(study(PANDA, kind, &edits)?, gains);
             runs.push(design.gains.as_deref().ok().map(ran).transpose()?);
         }
         rows.push(WorldRow { world: world.to_owned(), runs });

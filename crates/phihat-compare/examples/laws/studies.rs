@@ -1,4 +1,4 @@
-//! The studies: of each arm, and of the Panda's worlds, in either form.
+//! The studies: of each arm, and of the Panda's worlds, in each kind of law.
 
 use std::error::Error;
 use std::path::Path;
@@ -7,32 +7,68 @@ use phihat_session::set;
 use phihat_study::Study;
 use toml::{Table, Value};
 
-/// Arms, and what is asked of each form at first \[rad\]: positions, observer.
-pub(crate) const ARMS: [(&str, &str, [f64; 2]); 4] = [
-    ("panda", include_str!("arms/panda.toml"), [4e-4, 1.2e-3]),
-    ("iiwa14", include_str!("arms/iiwa14.toml"), [4e-4, 1.2e-3]),
-    ("ur5", include_str!("arms/ur5.toml"), [4e-4, 1.2e-3]),
-    ("planar3r", include_str!("arms/planar3r.toml"), [4e-4, 1.2e-3]),
+/// Arms, and their studies.
+pub(crate) const ARMS: [(&str, &str); 4] = [
+    ("panda", include_str!("arms/panda.toml")),
+    ("iiwa14", include_str!("arms/iiwa14.toml")),
+    ("ur5", include_str!("arms/ur5.toml")),
+    ("planar3r", include_str!("arms/planar3r.toml")),
 ];
 
 /// The study of the worlds.
 pub(crate) const PANDA: &str = include_str!("../../../../studies/panda_rate.toml");
 
-/// Forms of the loop: the new one, and the one before.
-pub(crate) const FORMS: [&str; 2] = ["positions", "observer"];
+/// A kind of law, and what is asked of it.
+#[derive(Debug)]
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
+    /// Form of the loop.
+    form: &'static str,
+    /// Whether it may filter its innovation.
+    filtered: bool,
+    /// What is asked on an arm at first \[rad\].
+    pub(crate) first: f64,
+    /// Errors that the worlds' gains are designed for, the first that can be proved \[rad\].
+    pub(crate) worlds: &'static [f64],
+}
+
+/// What the worlds' gains are asked for, from positions.
+const OF_POSITIONS: &[f64] = &[5e-4, 7.5e-4, 1e-3, 1.5e-3, 2e-3];
+
+/// Laws from positions, the same with a filter on their innovation, and those that are fed with a velocity.
+pub(crate) const KINDS: [Kind; 3] = [
+    Kind {
+        name: "positions",
+        form: "positions",
+        filtered: false,
+        first: 4e-4,
+        worlds: OF_POSITIONS,
+    },
+    Kind { name: "filtered", form: "positions", filtered: true, first: 4e-4, worlds: OF_POSITIONS },
+    Kind {
+        name: "observer",
+        form: "observer",
+        filtered: false,
+        first: 1.2e-3,
+        worlds: &[1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3, 12e-3, 16e-3],
+    },
+];
 
 /// What a change to a study's text is.
 pub(crate) type Edit<'a> = (&'a [&'a str], Value);
 
-/// A study with some keys changed, in a form of the loop.
+/// A study with some keys changed, for a kind of law.
 pub(crate) fn study(
     text: &str,
-    form: &str,
+    kind: &Kind,
     edits: &[Edit<'_>],
 ) -> Result<Box<Study>, Box<dyn Error>> {
     let mut table: Table = text.parse()?;
-    set(&mut table, &["loop", "form"], form.into());
-    if form == "observer" {
+    set(&mut table, &["loop", "form"], kind.form.into());
+    if kind.filtered {
+        set(&mut table, &["design", "innovation_filter"], true.into());
+    }
+    if kind.form == "observer" {
         // Its designer chooses the filter, as it chooses the gains.
         set(&mut table, &["sensor", "velocity"], "differenced".into());
         set(&mut table, &["sensor", "velocity_filter_hz"], "design".into());
@@ -40,7 +76,11 @@ pub(crate) fn study(
     for (path, value) in edits {
         set(&mut table, path, value.clone());
     }
-    Ok(Box::new(Study::from_text(&table.to_string(), &format!("{form}.toml"), Path::new(""))?))
+    Ok(Box::new(Study::from_text(
+        &table.to_string(),
+        &format!("{}.toml", kind.name),
+        Path::new(""),
+    )?))
 }
 
 /// A world: its name, and what differs from the study's.

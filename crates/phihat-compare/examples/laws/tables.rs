@@ -6,20 +6,20 @@ use serde::Serialize;
 
 use crate::work::{Run, Try, largest};
 
-/// The least error that each form reaches on an arm.
+/// The least error that each kind of law reaches on an arm.
 #[derive(Debug, Serialize)]
 pub(crate) struct ArmRow {
     pub(crate) arm: String,
     /// Largest change of torque per sample that is allowed \[N·m\].
     pub(crate) step_allowed: f64,
-    /// Positions, then observer.
-    pub(crate) forms: Vec<Least>,
+    /// From positions, the same filtered, fed with a velocity.
+    pub(crate) kinds: Vec<Least>,
 }
 
-/// The least certified error of a form.
+/// The least certified error of a kind of law.
 #[derive(Debug, Serialize)]
 pub(crate) struct Least {
-    pub(crate) form: String,
+    pub(crate) kind: String,
     /// Per joint \[rad\]; `None`: nothing with a tube inside the steps.
     pub(crate) errors: Option<Vec<f64>>,
     /// Certified change of torque per sample, of the worst joint \[N·m\].
@@ -36,7 +36,7 @@ impl Least {
     }
 }
 
-/// A world, and what the laws do there: positions, then observer.
+/// A world, and what the laws do there, kind by kind.
 #[derive(Debug, Serialize)]
 pub(crate) struct WorldRow {
     pub(crate) world: String,
@@ -47,7 +47,7 @@ pub(crate) struct WorldRow {
 /// What a gains document of the worlds was designed for.
 #[derive(Debug, Serialize)]
 pub(crate) struct Designed {
-    pub(crate) form: String,
+    pub(crate) kind: String,
     pub(crate) bits: u32,
     /// \[rad\]
     pub(crate) asked: f64,
@@ -71,38 +71,45 @@ fn ratio(new: Option<f64>, old: Option<f64>) -> String {
     }
 }
 
+/// What each kind comes to, in one cell or more.
+fn cells<T>(all: &[T], shown: impl Fn(&T) -> String, between: &str) -> String {
+    all.iter().map(shown).collect::<Vec<_>>().join(between)
+}
+
+fn dash() -> String {
+    "–".to_owned()
+}
+
 /// The table of arms.
 pub(crate) fn arms(rows: &[ArmRow]) -> String {
-    let mut text = "| arm | step allowed [N·m] | positions: certified [mrad] | observer | ratio | certified steps [N·m] | \
-                    measured [mrad] |\n|---|---|---|---|---|---|---|\n"
+    let mut text = "| arm | step allowed [N·m] | positions: certified [mrad] | filtered | observer | positions / observer | \
+                    filtered / positions | certified steps [N·m] | measured [mrad] |\n|---|---|---|---|---|---|---|---|---|\n"
         .to_owned();
     for row in rows {
-        let [new, old] = row.forms.as_slice() else { continue };
-        let step = |form: &Least| form.step.map_or_else(|| "–".to_owned(), |s| format!("{s:.2}"));
-        let run = |form: &Least| mrad(form.run.as_ref().map(|run| largest(&run.errors)));
+        let [new, filtered, old] = row.kinds.as_slice() else { continue };
+        let step = |kind: &Least| kind.step.map_or_else(dash, |s| format!("{s:.2}"));
+        let run = |kind: &Least| mrad(kind.run.as_ref().map(|run| largest(&run.errors)));
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {}, {} | {}, {} |",
+            "| {} | {} | {} | {} | {} | {} | {} |",
             row.arm,
             row.step_allowed,
-            mrad(new.worst()),
-            mrad(old.worst()),
+            cells(&row.kinds, |kind| mrad(kind.worst()), " | "),
             ratio(new.worst(), old.worst()),
-            step(new),
-            step(old),
-            run(new),
-            run(old)
+            ratio(filtered.worst(), new.worst()),
+            cells(&row.kinds, step, ", "),
+            cells(&row.kinds, run, ", ")
         );
     }
     text += "\nEvery design, certified error of the worst joint [mrad] at its certified step [N·m]:\n\n";
     for row in rows {
-        for form in &row.forms {
+        for kind in &row.kinds {
             let one = |one: &Try| match one.step {
                 Some(step) => format!("{} at {step:.2}", mrad(one.error)),
                 None => "none".to_owned(),
             };
-            let all: Vec<String> = form.tried.iter().map(one).collect();
-            let _ = writeln!(text, "- {}, {}: {}.", row.arm, form.form, all.join("; "));
+            let _ =
+                writeln!(text, "- {}, {}: {}.", row.arm, kind.kind, cells(&kind.tried, one, "; "));
         }
     }
     text
@@ -110,12 +117,11 @@ pub(crate) fn arms(rows: &[ArmRow]) -> String {
 
 /// The table of worlds, and below it every joint.
 pub(crate) fn worlds(rows: &[WorldRow]) -> String {
-    let mut text =
-        "| world | positions [mrad] | observer | ratio | samples limited | largest Δτ [N·m] |\n\
-                    |---|---|---|---|---|---|\n"
-            .to_owned();
+    let mut text = "| world | positions [mrad] | filtered | observer | positions / observer | filtered / positions | \
+                    samples limited | largest Δτ [N·m] |\n|---|---|---|---|---|---|---|---|\n"
+        .to_owned();
     for row in rows {
-        let [new, old] = row.runs.as_slice() else { continue };
+        let [new, filtered, old] = row.runs.as_slice() else { continue };
         let worst = |run: &Option<Run>| {
             let ended = run.as_ref().filter(|run| run.diverged.is_none());
             ended.map(|run| largest(&run.errors))
@@ -124,25 +130,22 @@ pub(crate) fn worlds(rows: &[WorldRow]) -> String {
             Some(t) => format!("diverged at {t:.2} s"),
             None => mrad(worst(run)),
         };
-        let dash = || "–".to_owned();
         let limited =
             |run: &Option<Run>| run.as_ref().map_or_else(dash, |run| run.limited.to_string());
         let step =
             |run: &Option<Run>| run.as_ref().map_or_else(dash, |run| format!("{:.2}", run.step));
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {}, {} | {}, {} |",
+            "| {} | {} | {} | {} | {} | {} |",
             row.world,
-            shown(new),
-            shown(old),
+            cells(&row.runs, shown, " | "),
             ratio(worst(new), worst(old)),
-            limited(new),
-            limited(old),
-            step(new),
-            step(old)
+            ratio(worst(filtered), worst(new)),
+            cells(&row.runs, limited, ", "),
+            cells(&row.runs, step, ", ")
         );
     }
-    text += "\nEvery joint, positions / observer [mrad]:\n\n";
+    text += "\nEvery joint, positions / filtered / observer [mrad]:\n\n";
     let joints =
         rows.iter().flat_map(|row| row.runs.iter().flatten()).map(|run| run.errors.len()).max();
     let numbers = 1..=joints.unwrap_or(0);
@@ -150,11 +153,10 @@ pub(crate) fn worlds(rows: &[WorldRow]) -> String {
     let rule: Vec<&str> = numbers.map(|_| "---").collect();
     let _ = writeln!(text, "| world | {} |\n|---|{}|", head.join(" | "), rule.join("|"));
     for row in rows {
-        let [new, old] = row.runs.as_slice() else { continue };
         let of = |run: &Option<Run>, joint: usize| mrad(run.as_ref().map(|run| run.errors[joint]));
-        let pair = |joint: usize| format!("{} / {}", of(new, joint), of(old, joint));
-        let pairs: Vec<String> = (0..joints.unwrap_or(0)).map(pair).collect();
-        let _ = writeln!(text, "| {} | {} |", row.world, pairs.join(" | "));
+        let each = |joint: usize| cells(&row.runs, |run| of(run, joint), " / ");
+        let each: Vec<String> = (0..joints.unwrap_or(0)).map(each).collect();
+        let _ = writeln!(text, "| {} | {} |", row.world, each.join(" | "));
     }
     text
 }
@@ -166,7 +168,7 @@ pub(crate) fn designs(rows: &[Designed]) -> String {
         let _ = writeln!(
             text,
             "- {}, {} bits: designed for {} mrad, certified {} mrad{}.",
-            row.form,
+            row.kind,
             row.bits,
             mrad(Some(row.asked)),
             mrad(row.errors.as_deref().map(largest)),
@@ -185,9 +187,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_form_without_a_tube_is_a_dash_and_has_no_ratio() {
+    fn a_kind_without_a_tube_is_a_dash_and_has_no_ratio() {
         let least = |errors: Option<Vec<f64>>| Least {
-            form: String::new(),
+            kind: String::new(),
             step: errors.as_ref().map(|_| 0.5),
             errors,
             tried: vec![
@@ -196,16 +198,21 @@ mod tests {
             ],
             run: None,
         };
-        let row = |new, old| ArmRow {
+        let row = |kinds: [Option<Vec<f64>>; 3]| ArmRow {
             arm: "a".to_owned(),
             step_allowed: 1.0,
-            forms: vec![least(new), least(old)],
+            kinds: kinds.map(least).into(),
         };
-        let text =
-            arms(&[row(Some(vec![1e-4, 3e-4]), Some(vec![6e-4])), row(None, Some(vec![1e-3]))]);
+        let text = arms(&[
+            row([Some(vec![1e-4, 3e-4]), Some(vec![2.1e-4]), Some(vec![6e-4])]),
+            row([None, Some(vec![5e-4]), Some(vec![1e-3])]),
+        ]);
         let lines: Vec<&str> = text.lines().skip(2).collect();
-        assert_eq!(lines[0], "| a | 1 | 0.300 | 0.600 | 0.50 | 0.50, 0.50 | –, – |");
-        assert_eq!(lines[1], "| a | 1 | – | 1.000 | – | –, 0.50 | –, – |");
+        assert_eq!(
+            lines[0],
+            "| a | 1 | 0.300 | 0.210 | 0.600 | 0.50 | 0.70 | 0.50, 0.50, 0.50 | –, –, – |"
+        );
+        assert_eq!(lines[1], "| a | 1 | – | 0.500 | 1.000 | – | – | –, 0.50, 0.50 | –, –, – |");
         assert!(text.ends_with("- a, : 0.700 at 1.20; none.\n"), "{text}");
     }
 }

@@ -11,7 +11,7 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
 use crate::search::{Tried, least, next};
-use crate::studies::{Edit, study};
+use crate::studies::{Edit, Kind, study};
 
 /// Designs that the least error of an arm is looked for by, at most.
 const TRIES: usize = 6;
@@ -86,14 +86,14 @@ pub(crate) fn largest(list: &[f64]) -> f64 {
 /// Designs once for an allowed error, or takes what was designed before.
 pub(crate) fn design(
     journal: &mut Journal,
-    (text, form): (&str, &str),
+    (text, kind): (&str, &Kind),
     edits: &[Edit<'_>],
     asked: f64,
 ) -> Result<Design, Box<dyn Error>> {
     let mut all = edits.to_vec();
     all.push((&["spec", "error_max_rad"], asked.into()));
-    let study = study(text, form, &all)?;
-    eprint!("  {form}, {:.3} mrad asked for: ", 1e3 * asked);
+    let study = study(text, kind, &all)?;
+    eprint!("  {}, {:.3} mrad asked for: ", kind.name, 1e3 * asked);
     let id = short_hash(&["design", &study.text]);
     let work = |_: usize| match designed(&study, Path::new("laws.toml")) {
         Ok(Outcome::Designed(gains)) => match gains.to_json() {
@@ -130,11 +130,10 @@ pub(crate) struct Try {
 /// The design with the least certified error that some tries come to, and every try.
 pub(crate) fn least_error(
     journal: &mut Journal,
-    case: (&str, &str),
-    first: f64,
+    case: (&str, &Kind),
 ) -> Result<(Option<Design>, Vec<Try>), Box<dyn Error>> {
     let (mut tried, mut designs) = (Vec::new(), Vec::new());
-    while let Some(asked) = next(&tried, first).filter(|_| tried.len() < TRIES) {
+    while let Some(asked) = next(&tried, case.1.first).filter(|_| tried.len() < TRIES) {
         // Round figures, so that a study can be written down.
         let asked = (asked * 1e6).round() * 1e-6;
         let design = design(journal, case, &[], asked)?;
@@ -155,12 +154,11 @@ pub(crate) fn least_error(
 /// The first design, of some allowed errors, that proves all that is asked for; the last one that runs, if none does.
 pub(crate) fn first_proved(
     journal: &mut Journal,
-    case: (&str, &str),
+    case: (&str, &Kind),
     edits: &[Edit<'_>],
-    asked: &[f64],
 ) -> Result<Design, Box<dyn Error>> {
     let mut last = None;
-    for asked in asked {
+    for asked in case.1.worlds {
         let design = design(journal, case, edits, *asked)?;
         if design.proved() {
             return Ok(design);

@@ -98,6 +98,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<positions::First>(),
     Entry::of::<positions::Second>(),
     Entry::of::<positions::ByDesign>(),
+    Entry::of::<positions::Filtered>(),
 ];
 
 pub use positions::position_law;

@@ -6,7 +6,7 @@ use phihat::{JointGains, JointState, Limits, Measurement, PositionDesign, Refere
 
 use crate::card::{Card, Grade};
 use crate::error::Refusal;
-use crate::facts::{DesignedPositions, Drives, Inertia};
+use crate::facts::{DesignedFilters, DesignedPositions, Drives, Inertia};
 use crate::measured::{PositionsAndTorque, Preview};
 use crate::observer::{Poles, correction};
 use crate::rival::Rival;
@@ -57,6 +57,28 @@ pub(crate) struct Second(FromPositions);
 /// load along the study's own motion. No tube was asked for: it belongs to one motion, and a comparison has many.
 #[derive(Debug)]
 pub(crate) struct ByDesign(FromPositions);
+
+/// The law of [`ByDesign`] with a filter on what each joint's observer did not expect, two sections of second order beside it, found by
+/// the search of `phihat design` with the key `innovation_filter`.
+///
+/// # Law
+///
+/// With `ν` the innovation of (1) and `x, δ` the states of a section, the wanted torque of (2) has `M̄ Σ (b₀ x + b₁ δ)` more:
+///
+/// ```text
+/// x ← x + δ,    δ ← δ + ν − c₀ x − c₁ δ                                                                               (3)
+/// ```
+///
+/// # What it is handed
+///
+/// What [`ByDesign`] is handed. Its filter was weighed by tubes of that law along the study's own motion, and may turn the torque by
+/// as much, by its estimate, as that law does by its tube. Where there is no such tube it is that law.
+///
+/// # Not claimed
+///
+/// As for [`ByDesign`].
+#[derive(Debug)]
+pub(crate) struct Filtered(FromPositions);
 
 #[derive(Debug)]
 struct FromPositions {
@@ -281,6 +303,42 @@ impl Rival for ByDesign {
     type Sees<'a> = PositionsAndTorque<'a>;
     type Wants<'a> = Preview<'a>;
     type Knows = (DesignedPositions, Drives);
+
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+        let (designed, drives) = knows;
+        FromPositions::of(designed.joints(), &drives, tuning.period()).map(Self)
+    }
+
+    fn update(
+        &mut self,
+        sees: PositionsAndTorque<'_>,
+        wants: Preview<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
+        self.0.update(sees, wants, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.0.states()
+    }
+}
+
+impl Rival for Filtered {
+    const CARD: Card = Card {
+        id: "proposed-positions-filtered",
+        title: "Proposed, from positions, a law per joint and a filter by design (this project)",
+        reference: "",
+        source: "this project, docs/theory.md; the search of `phihat design`, `innovation_filter`",
+        grade: Grade::A,
+        caveat: "",
+        law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) − r) + M̄_i Σ (b₀ x + b₁ δ),  all gains by design, for each joint",
+        printed: None,
+    };
+    const SCALARS: &'static [Scalar] = &[];
+    type Sees<'a> = PositionsAndTorque<'a>;
+    type Wants<'a> = Preview<'a>;
+    type Knows = (DesignedFilters, Drives);
 
     fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
         let (designed, drives) = knows;

@@ -6,6 +6,7 @@ pub(crate) mod joints;
 use core::f64::consts::TAU;
 use std::sync::Arc;
 
+use phihat::InnovationSection;
 use phihat_model::{Model, Robot, Workspace};
 use phihat_rivals::{
     All, Curve, DeclaredArm, DesignedJoint, DesignedPosition, Entry, Supply, Tuning,
@@ -82,6 +83,16 @@ fn designed_positions(inertia: &[f64]) -> Vec<DesignedPosition> {
     inertia.iter().map(joint).collect()
 }
 
+/// The same with a filter.
+fn designed_filters(inertia: &[f64]) -> Vec<DesignedPosition> {
+    let mut joints = designed_positions(inertia);
+    for joint in &mut joints {
+        joint.innovation_filter =
+            vec![InnovationSection { rates: [0.02, 0.3], weights: [-200.0, 50.0] }; 2];
+    }
+    joints
+}
+
 impl Bench {
     /// An arm of the project, upright, with friction; the nominal model has links of 0.8 times the mass and no
     /// dry friction. `center` of the motion is the pose `ready`, and the run starts on it.
@@ -103,6 +114,7 @@ impl Bench {
             orbit: None,
             designed: Ok(designed(&range.mean)),
             designed_positions: Ok(designed_positions(&range.mean)),
+            designed_filters: Ok(designed_filters(&range.mean)),
         };
         let center = robot.poses["ready"].clone();
         supply.orbit = Some(Arc::new(Sines { center: center.clone(), amplitude: 0.3 }));
