@@ -6,16 +6,16 @@
 use std::hint::black_box;
 
 use phihat::{
-    Controller, Form, JointDesign, JointGains, JointOptions, JointRange, JointState, Limits,
-    Measurement, ModeRequest, MotionLimits, Options, PositionDesign, Reference, Request, Sample,
-    Stamp, Supervisor, SupervisorState,
+    Controller, Form, InnovationSection, JointDesign, JointGains, JointOptions, JointRange,
+    JointState, Limits, Measurement, ModeRequest, MotionLimits, Options, PositionDesign, Reference,
+    Request, Sample, Stamp, Supervisor, SupervisorState,
 };
 
 const N: usize = 7;
-/// The bare law; that from positions, behind one sample of delay; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving, with jitter, against its limits, near the end of a
+/// The bare law; that from positions, behind one sample of delay; the same with a filter of two sections on its innovation; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving, with jitter, against its limits, near the end of a
 /// joint's range; and with the reference governor.
-const CLASSES: [&str; 9] =
-    ["law", "seen", "plain", "rest", "motion", "jitter", "limits", "range", "shaped"];
+const CLASSES: [&str; 10] =
+    ["law", "seen", "filtered", "plain", "rest", "motion", "jitter", "limits", "range", "shaped"];
 
 fn gains() -> JointGains<f64> {
     let a = &[4900.0, 140.0];
@@ -65,6 +65,11 @@ fn from_positions() -> JointGains<f64> {
     };
     let limits = Limits::new(Some(87.0), Some(1000.0), 1e-3).unwrap();
     JointGains::from_positions(&design).unwrap().with_limits(limits)
+}
+
+fn filtered() -> JointGains<f64> {
+    let section = InnovationSection { rates: [0.02, 0.3], weights: [-200.0, 50.0] };
+    from_positions().with_innovation_filter(&[section; 2]).unwrap()
 }
 
 fn law(gains: &JointGains<f64>, samples: usize) -> f64 {
@@ -122,6 +127,7 @@ fn run(class: &str, samples: usize) {
     let sum = match class {
         "law" => law(&gains(), samples),
         "seen" => law(&from_positions(), samples),
+        "filtered" => law(&filtered(), samples),
         _ => arm(class, samples),
     };
     println!("{class}: {samples} samples, sum of torques {sum:.3} N·m");
