@@ -26,8 +26,11 @@ pub(crate) fn next(tried: &[Tried], first: f64) -> Option<f64> {
     let below = vain.iter().map(|one| one.asked);
     match (above, least(tried)) {
         (None, None) => Some(below.reduce(f64::max).map_or(first, |most| 2.0 * most)),
-        // Reached, by what was meant for less: nothing below is kept.
-        (None, Some(least)) => Some(1.02 * least),
+        // Reached, by what was meant for less: nothing below is kept. Nothing is asked for twice.
+        (None, Some(least)) => {
+            let above = tried.iter().map(|one| NEAR * one.asked).filter(|asked| *asked > least);
+            Some(above.fold(1.02 * least, f64::max))
+        }
         (Some(above), reached) => {
             let below = below.filter(|asked| *asked < above).reduce(f64::max);
             let Some(below) = below else { return Some(0.75 * reached.unwrap_or(above)) };
@@ -69,5 +72,7 @@ mod tests {
         let tried = [Tried { asked: 0.5, reached: Some(0.8) }];
         assert_eq!(least(&tried), Some(0.8));
         assert!(next(&tried, 1.0).is_some_and(|asked| (0.8..0.9).contains(&asked)));
+        let again = [tried[0], Tried { asked: 0.816, reached: Some(0.9) }];
+        assert!(next(&again, 1.0).is_some_and(|asked| (0.84..0.9).contains(&asked)));
     }
 }

@@ -82,6 +82,8 @@ pub struct PositionSearch<'a> {
     known: PhiOf<'a>,
     /// The last laws: where the next search begins.
     last: Vec<Option<Chosen>>,
+    /// The shares that they were sought for.
+    shares: Vec<f64>,
     /// Whether their orders were compared.
     ordered: bool,
     /// Whether laws may filter their innovation.
@@ -184,7 +186,8 @@ impl<'a> PositionSearch<'a> {
             }
         }
         let (_, asked, last) = best.ok_or(DesignError::NoSpec)?;
-        Ok(Self { asked, known: phi, last, ordered: false, filtering: false })
+        let shares = Vec::new();
+        Ok(Self { asked, known: phi, last, shares, ordered: false, filtering: false })
     }
 
     /// From here on laws may filter their innovation.
@@ -241,7 +244,15 @@ impl<'a> PositionSearch<'a> {
                 let before = before.filter(|before| before.order == order);
                 asked.joint((joint, order), (shares[joint], before), effort)
             };
-            let again = before.filter(|_| self.ordered).and_then(|own| of(own.order, AGAIN));
+            // What is sought by tubes moves no joint that is to stay as it is: its tube would be another one.
+            let kept = self.filtering
+                && self
+                    .shares
+                    .get(joint)
+                    .is_some_and(|before| before.total_cmp(&shares[joint]).is_eq());
+            let again = before.filter(|_| self.ordered);
+            let again =
+                again.and_then(|own| if kept { Some(own.clone()) } else { of(own.order, AGAIN) });
             let best = |order: &usize| {
                 let plain = of(*order, FINE)?;
                 let filters = lowest == Some(*order);
@@ -265,6 +276,7 @@ impl<'a> PositionSearch<'a> {
         let gains = Gains::of(study, records, method);
         self.ordered = true;
         self.last = found.into_iter().map(Some).collect();
+        self.shares = shares.to_vec();
         Some((gains, estimates))
     }
 
