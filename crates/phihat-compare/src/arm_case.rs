@@ -145,11 +145,13 @@ impl ArmCase {
             let told = self.harder.as_ref().unwrap_or(&self.study);
             let filter = entry.needs.filter;
             let found = || designed_positions(told, &self.limits, filter).map_err(Arc::new);
-            let kept = if filter { &self.designed_filters } else { &self.designed_positions };
+            let (kept, handed) = if filter {
+                (&self.designed_filters, &mut supply.designed_filters)
+            } else {
+                (&self.designed_positions, &mut supply.designed_positions)
+            };
             let designed = kept.get_or_init(found).clone();
-            let designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
-            *(if filter { &mut supply.designed_filters } else { &mut supply.designed_positions }) =
-                designed;
+            *handed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
         } else if entry.needs.designed {
             let designed = self.designed().as_ref().map(ProposedLaw::joints);
             supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
