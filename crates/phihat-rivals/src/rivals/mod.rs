@@ -95,10 +95,10 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<proposed::First>(),
     Entry::of::<proposed::Second>(),
     Entry::of::<proposed_designed::ProposedDesigned>(),
-    Entry::of::<positions::First>(),
-    Entry::of::<positions::Second>(),
-    Entry::of::<positions::ByDesign>(),
-    Entry::of::<positions::Filtered>(),
+    Entry::of::<positions::Row<positions::First>>(),
+    Entry::of::<positions::Row<positions::Second>>(),
+    Entry::of::<positions::Row<positions::ByDesign>>(),
+    Entry::of::<positions::Row<positions::Filtered>>(),
 ];
 
 pub use positions::position_law;

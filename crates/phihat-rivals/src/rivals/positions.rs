@@ -1,12 +1,15 @@
 //! This project's law from positions, of the core: one law for all joints, first and second order, and a law per joint by design.
 
 use core::f64::consts::TAU;
+use core::fmt::Debug;
+use core::marker::PhantomData;
 
 use phihat::{JointGains, JointState, Limits, Measurement, PositionDesign, Reference};
 
 use crate::card::{Card, Grade};
 use crate::error::Refusal;
 use crate::facts::{DesignedFilters, DesignedPositions, Drives, Inertia};
+use crate::handed::Knows;
 use crate::measured::{PositionsAndTorque, Preview};
 use crate::observer::{Poles, correction};
 use crate::rival::Rival;
@@ -42,11 +45,11 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// This project: `docs/theory.md`, "A law for each joint, from positions".
 #[derive(Debug)]
-pub(crate) struct First(FromPositions);
+pub(crate) struct First;
 
 /// The law of [`First`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no error.
 #[derive(Debug)]
-pub(crate) struct Second(FromPositions);
+pub(crate) struct Second;
 
 /// The law of [`First`] and [`Second`] with gains and order of its own for each joint, found by the search of `phihat design` for
 /// the least error whose torque steps, as far as the encoder makes them, stay within the comparison's allowance of noise.
@@ -56,7 +59,7 @@ pub(crate) struct Second(FromPositions);
 /// That these are the gains of least measured error: the search reckons joint by joint, over the arm's range of inertia, with the
 /// load along the study's own motion. No tube was asked for: it belongs to one motion, and a comparison has many.
 #[derive(Debug)]
-pub(crate) struct ByDesign(FromPositions);
+pub(crate) struct ByDesign;
 
 /// The law of [`ByDesign`] with a filter on what each joint's observer did not expect, two sections of second order beside it, found by
 /// the search of `phihat design` with the key `innovation_filter`.
@@ -78,10 +81,11 @@ pub(crate) struct ByDesign(FromPositions);
 ///
 /// As for [`ByDesign`].
 #[derive(Debug)]
-pub(crate) struct Filtered(FromPositions);
+pub(crate) struct Filtered;
 
+/// The law itself, whatever its gains are from.
 #[derive(Debug)]
-struct FromPositions {
+pub(crate) struct FromPositions {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     delay: usize,
@@ -214,7 +218,46 @@ impl FromPositions {
     }
 }
 
-impl Rival for First {
+/// What tells a row of the law from the others: its free scalars, what it knows, and the gains that these come to.
+pub(crate) trait Kind: Debug + Send + 'static {
+    const CARD: Card;
+    const SCALARS: &'static [Scalar];
+    type Knows: Knows;
+
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal>;
+}
+
+/// A row of the law from positions.
+#[derive(Debug)]
+pub(crate) struct Row<K>(FromPositions, PhantomData<K>);
+
+impl<K: Kind> Rival for Row<K> {
+    const CARD: Card = K::CARD;
+    const SCALARS: &'static [Scalar] = K::SCALARS;
+    type Sees<'a> = PositionsAndTorque<'a>;
+    type Wants<'a> = Preview<'a>;
+    type Knows = K::Knows;
+
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+        Ok(Self(K::law(tuning, knows)?, PhantomData))
+    }
+
+    fn update(
+        &mut self,
+        sees: PositionsAndTorque<'_>,
+        wants: Preview<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
+        self.0.update(sees, wants, tau);
+    }
+
+    fn states(&self) -> usize {
+        self.0.states()
+    }
+}
+
+impl Kind for First {
     const CARD: Card = Card {
         id: "proposed-positions-1",
         title: "Proposed, from positions, m = 1 (this project)",
@@ -227,31 +270,15 @@ impl Rival for First {
     };
     const SCALARS: &'static [Scalar] =
         &[BANDWIDTH, DAMPING, REAL_POLE, PAIR, PAIR_DAMPING, TORQUE_BANDWIDTH];
-    type Sees<'a> = PositionsAndTorque<'a>;
-    type Wants<'a> = Preview<'a>;
     type Knows = (Inertia, Drives);
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
         let values: [f64; 6] = tuning.values()?;
-        FromPositions::shared(Self::CARD.id, tuning, &values, &knows).map(Self)
-    }
-
-    fn update(
-        &mut self,
-        sees: PositionsAndTorque<'_>,
-        wants: Preview<'_>,
-        _: &[bool],
-        tau: &mut [f64],
-    ) {
-        self.0.update(sees, wants, tau);
-    }
-
-    fn states(&self) -> usize {
-        self.0.states()
+        FromPositions::shared(Self::CARD.id, tuning, &values, &knows)
     }
 }
 
-impl Rival for Second {
+impl Kind for Second {
     const CARD: Card = Card {
         id: "proposed-positions-2",
         title: "Proposed, from positions, m = 2 (this project)",
@@ -264,31 +291,15 @@ impl Rival for Second {
     };
     const SCALARS: &'static [Scalar] =
         &[BANDWIDTH, DAMPING, REAL_POLE, PAIR, PAIR_DAMPING, TORQUE_BANDWIDTH, SLOW_POLE];
-    type Sees<'a> = PositionsAndTorque<'a>;
-    type Wants<'a> = Preview<'a>;
     type Knows = (Inertia, Drives);
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
         let values: [f64; 7] = tuning.values()?;
-        FromPositions::shared(Self::CARD.id, tuning, &values, &knows).map(Self)
-    }
-
-    fn update(
-        &mut self,
-        sees: PositionsAndTorque<'_>,
-        wants: Preview<'_>,
-        _: &[bool],
-        tau: &mut [f64],
-    ) {
-        self.0.update(sees, wants, tau);
-    }
-
-    fn states(&self) -> usize {
-        self.0.states()
+        FromPositions::shared(Self::CARD.id, tuning, &values, &knows)
     }
 }
 
-impl Rival for ByDesign {
+impl Kind for ByDesign {
     const CARD: Card = Card {
         id: "proposed-positions-designed",
         title: "Proposed, from positions, a law per joint by design (this project)",
@@ -300,31 +311,15 @@ impl Rival for ByDesign {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[];
-    type Sees<'a> = PositionsAndTorque<'a>;
-    type Wants<'a> = Preview<'a>;
     type Knows = (DesignedPositions, Drives);
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
         let (designed, drives) = knows;
-        FromPositions::of(designed.joints(), &drives, tuning.period()).map(Self)
-    }
-
-    fn update(
-        &mut self,
-        sees: PositionsAndTorque<'_>,
-        wants: Preview<'_>,
-        _: &[bool],
-        tau: &mut [f64],
-    ) {
-        self.0.update(sees, wants, tau);
-    }
-
-    fn states(&self) -> usize {
-        self.0.states()
+        FromPositions::of(designed.joints(), &drives, tuning.period())
     }
 }
 
-impl Rival for Filtered {
+impl Kind for Filtered {
     const CARD: Card = Card {
         id: "proposed-positions-filtered",
         title: "Proposed, from positions, a law per joint and a filter by design (this project)",
@@ -332,30 +327,14 @@ impl Rival for Filtered {
         source: "this project, docs/theory.md; the search of `phihat design`, `innovation_filter`",
         grade: Grade::A,
         caveat: "",
-        law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) − r) + M̄_i Σ (b₀ x + b₁ δ),  all gains by design, for each joint",
+        law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) + M̄_i Σ (b₀ x + b₁ δ) − r),  all gains by design, for each joint",
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[];
-    type Sees<'a> = PositionsAndTorque<'a>;
-    type Wants<'a> = Preview<'a>;
     type Knows = (DesignedFilters, Drives);
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
         let (designed, drives) = knows;
-        FromPositions::of(designed.joints(), &drives, tuning.period()).map(Self)
-    }
-
-    fn update(
-        &mut self,
-        sees: PositionsAndTorque<'_>,
-        wants: Preview<'_>,
-        _: &[bool],
-        tau: &mut [f64],
-    ) {
-        self.0.update(sees, wants, tau);
-    }
-
-    fn states(&self) -> usize {
-        self.0.states()
+        FromPositions::of(designed.joints(), &drives, tuning.period())
     }
 }
