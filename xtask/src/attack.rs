@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use crate::bindings::environment;
-use crate::shell::cargo;
+use crate::gate;
+use crate::shell::{cargo, command};
 
 /// Runs the attack, optimised; what it is told goes on to it. One study in twenty is run by Pinocchio and MuJoCo too,
 /// unless it is told `--alone`.
@@ -15,4 +16,16 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
         all.extend(["--python".to_owned(), environment(root)?]);
     }
     cargo(root, &all.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Sixty studies by the gate's build, in its own engine alone: less than a minute.
+pub(crate) fn short(root: &Path) -> Result<(), String> {
+    let program = gate::program(root, "phihat-attack/phihat-attack")?.display().to_string();
+    let size = ["60", "--runs", "4", "--searched", "0", "--fresh"];
+    command(root, &program, &[&size[..], &["--out", "target/gate/attack"]].concat())
+}
+
+/// Ten times as many, with laws that are searched for, one in twenty in Pinocchio and MuJoCo too.
+pub(crate) fn longer(root: &Path) -> Result<(), String> {
+    run(root, &["600", "--seed", "2", "--fresh"].map(String::from))
 }

@@ -5,9 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::book;
-use crate::shell::{cargo, command, tested};
-use crate::venv;
+use crate::shell::command;
+use crate::{book, gate, tools, venv};
 
 /// What every C and C++ program here is compiled with.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
@@ -35,11 +34,7 @@ pub(crate) fn c(root: &Path) -> Result<(), String> {
     if !status.success() {
         return Err("the C library does not build".to_owned());
     }
-    if Command::new("valgrind").arg("--version").output().is_err() {
-        println!("installing valgrind");
-        command(root, "apt-get", &["update", "-qq"])?;
-        command(root, "apt-get", &["install", "-y", "-qq", "valgrind"])?;
-    }
+    tools::from_debian(root, "valgrind", &["valgrind"])?;
     let library = target.join("debug/libphihat_c.a").display().to_string();
     for (source, with_vectors) in PROGRAMS {
         let vectors = ["crates/phihat/tests/vectors/controller.txt"];
@@ -104,34 +99,51 @@ fn ros2(root: &Path, library: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Builds the wheel into an environment of its own, then checks types, tests and examples.
+/// Checks types, tests, examples and the book's Python on the package as the gate's build left it; the wheel is tried by `--all`.
 pub(crate) fn python(root: &Path) -> Result<(), String> {
     let python = environment(root)?;
-    // What other people's clients talk to.
-    cargo(root, &["build", "--release", "--quiet", "--package", "phihat-cli"])?;
-    install(root, &python)?;
-    let package = root.join("crates/phihat-py");
-    command(
-        &package,
-        &python,
-        &["-m", "mypy", "--strict", "--no-error-summary", "python", "tests"],
-    )?;
-    command(&package, &python, &["-m", "mypy.stubtest", "phihat._phihat"])?;
+    let place = package(root)?;
+    let folder = root.join("crates/phihat-py");
     let logs = logs(root)?;
-    let status = Command::new(&python)
-        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "tests"])
-        .env("PHIHAT_LOGS", &logs)
-        .current_dir(&package)
-        .status()
-        .map_err(|e| e.to_string())?;
-    if !status.success() {
-        return Err("tests of the Python package fail".to_owned());
-    }
+    let program = gate::program(root, "phihat-cli/phihat")?;
+    let with_package = |arguments: &[&str], folder: &Path| {
+        let status = Command::new(&python)
+            .args(arguments)
+            .env("PYTHONPATH", &place)
+            .env("MYPYPATH", &place)
+            .env("PHIHAT_LOGS", &logs)
+            .env("PHIHAT_PROGRAM", &program)
+            .current_dir(folder)
+            .status()
+            .map_err(|e| format!("{python}: {e}"))?;
+        if status.success() {
+            Ok(())
+        } else {
+            Err(format!("python {}: {status}", arguments.join(" ")))
+        }
+    };
+    with_package(&["-m", "mypy", "--strict", "--no-error-summary", "python", "tests"], &folder)?;
+    with_package(&["-m", "mypy.stubtest", "phihat._phihat"], &folder)?;
+    with_package(&["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "tests"], &folder)?;
     for example in files(&root.join("examples/python"), "py")? {
         println!("{example}");
-        command(root, &python, &[&example])?;
+        with_package(&[&example], root)?;
     }
-    book::python(root, &python)
+    book::python(root, &python, &place)
+}
+
+/// The package in a folder of its own: its Python, and the library that the gate's build left.
+fn package(root: &Path) -> Result<PathBuf, String> {
+    let place = root.join("target/python-package");
+    let inside = place.join("phihat");
+    let failed = |e: std::io::Error| format!("{}: {e}", inside.display());
+    if place.exists() {
+        fs::remove_dir_all(&place).map_err(failed)?;
+    }
+    book::copy(&root.join("crates/phihat-py/python/phihat"), &inside)?;
+    fs::copy(gate::program(root, "phihat-py/_phihat")?, inside.join("_phihat.abi3.so"))
+        .map_err(failed)?;
+    Ok(place)
 }
 
 /// Builds the wheel and puts it into an environment, which has maturin.
@@ -172,16 +184,16 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
         let study = format!("studies/{name}.toml");
         let out = folder.join(name).display().to_string();
         let log = folder.join(format!("{name}.mcap")).display().to_string();
-        let program = tested(root, "phihat-session", "log")?.display().to_string();
+        let program = gate::program(root, "phihat-session/log")?.display().to_string();
         command(root, &program, &[&study, &out, &log])?;
     }
     Ok(folder)
 }
 
-/// Python with all that the tests need, in `target/python`; made again when the list changes.
+/// Python with all that the tests need, among the tools; made again when the list changes.
 pub(crate) fn environment(root: &Path) -> Result<String, String> {
     let list = root.join("crates/phihat-py/tests/requirements.txt");
-    venv::of_list(root, &root.join("target/python"), &list)
+    venv::of_list(root, &tools::folder()?.join("python"), &list)
 }
 
 /// Files of a folder with an extension, sorted.

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::book;
 use crate::shell::{cargo, read, write};
+use crate::{book, gate};
 
 /// The README's main job.
-const MAIN_JOB: [&str; 3] = ["phihat", "run", "studies/panda.toml"];
+const MAIN_JOB: [&str; 2] = ["run", "studies/panda.toml"];
 
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";
@@ -22,7 +22,9 @@ const FRESH: &str = "target/reproduction";
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     reproduction(root)?;
     let (before, after) = frame(root)?;
-    let printed = output(root)?;
+    gate::note(root)?;
+    let program = gate::program(root, "phihat-cli/phihat")?;
+    let printed = output(Command::new(program).args(MAIN_JOB).current_dir(root))?;
     write(&root.join("README.md"), &format!("{before}{OPEN}{printed}{CLOSE}{after}"))?;
     book::bless(root)
 }
@@ -88,10 +90,10 @@ pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     })
 }
 
-/// Whether the README shows what the program prints now.
-pub(crate) fn check(root: &Path) -> Result<(), String> {
+/// Whether the README shows what a program prints now.
+pub(crate) fn check(root: &Path, program: &Path) -> Result<(), String> {
     let (before, after) = frame(root)?;
-    let printed = output(root)?;
+    let printed = output(Command::new(program).args(MAIN_JOB).current_dir(root))?;
     if read(&root.join("README.md"))? != format!("{before}{OPEN}{printed}{CLOSE}{after}") {
         let why = "README.md is stale: run `cargo xtask bless` and look at the diff";
         return Err(format!("{why}\nprinted now:\n{printed}"));
@@ -107,12 +109,9 @@ fn frame(root: &Path) -> Result<(String, String), String> {
     Ok((before.to_owned(), after.to_owned()))
 }
 
-fn output(root: &Path) -> Result<String, String> {
-    let output = Command::new("cargo")
-        .args(MAIN_JOB)
-        .current_dir(root)
-        .output()
-        .map_err(|e| format!("cargo cannot be started: {e}"))?;
+/// What a command prints.
+fn output(command: &mut Command) -> Result<String, String> {
+    let output = command.output().map_err(|e| format!("{command:?}: {e}"))?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned());
     }
@@ -124,4 +123,12 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     fs::copy(from, to).map(|_| ()).map_err(|e| format!("{}: {e}", from.display()))
+}
+
+/// Every law for a few runs in two worlds: that the comparison ends and its page is whole.
+pub(crate) fn comparison_short(root: &Path) -> Result<(), String> {
+    let words =
+        "compare studies/table1.toml --quick --worlds exact,friction --out target/gate/compare";
+    let program = gate::program(root, "phihat-cli/phihat")?;
+    output(Command::new(program).args(words.split(' ')).current_dir(root)).map(|_| ())
 }

@@ -8,6 +8,7 @@
 //! | `sh` | run line by line; exit code 0, or for its last line as `exit=N` says |
 //! | `text,output` | held against what the `sh` block before it printed: each line in this order; `…` stands for what is left out |
 //! | `python` | run by the step that has built the Python package, [`python`] |
+//! | `console` | nothing: the tests of `phihat-cli` run it by trycmd |
 //! | `sh,not-run` | nothing: a text beside it says why |
 //! | `text` | nothing: a formula, a folder |
 //!
@@ -19,8 +20,9 @@ use std::process::Command;
 
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 
-use crate::shell::{cargo, command, read, write};
+use crate::shell::{read, write};
 use crate::shown::{in_order, renewed};
+use crate::{gate, tools};
 
 const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";
@@ -28,9 +30,6 @@ const SCRATCH: &str = "target/book/run";
 
 /// The version that is installed where there is none: built from source, as its authors publish it.
 const MDBOOK: &str = "0.5.4";
-
-/// The page that is made from what the program says of itself.
-const COMMANDS: &str = "docs/book/src/reference/commands.md";
 
 /// Figures of the book and of the README: page whose commands make them, study, name.
 const FIGURES: [(&str, &str, &str); 6] = [
@@ -82,14 +81,11 @@ enum Part<'a> {
     Commands,
     /// The commands, and what the page shows of their output becomes what they print now.
     Renewed,
-    Python(&'a str),
+    Python(&'a str, &'a Path),
 }
 
 /// Builds the book, follows its links, runs its commands, and holds what is made of the program against the program.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
-    if read(&root.join(COMMANDS))? != commands(root)? {
-        return Err(stale(COMMANDS));
-    }
     let pages = build(root)?;
     links(root, &pages)?;
     for page in &pages {
@@ -103,15 +99,14 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs the book's Python with an interpreter that has the package.
-pub(crate) fn python(root: &Path, interpreter: &str) -> Result<(), String> {
-    pages(root)?.iter().try_for_each(|page| run(root, page, Part::Python(interpreter)))
+/// Runs the book's Python with an interpreter, and the package in a folder beside it.
+pub(crate) fn python(root: &Path, interpreter: &str, package: &Path) -> Result<(), String> {
+    pages(root)?.iter().try_for_each(|page| run(root, page, Part::Python(interpreter, package)))
 }
 
-/// Writes what is made of the program: the page of commands, the numbers in the output that pages show, and the figures that the
+/// Writes what is made of the program: the numbers in the output that pages show, and the figures that the
 /// tutorial's runs leave. Numbers in sentences stay: they are in the lines beside those that change.
 pub(crate) fn bless(root: &Path) -> Result<(), String> {
-    write(&root.join(COMMANDS), &commands(root)?)?;
     for page in pages(root)? {
         run(root, &page, Part::Renewed)?;
     }
@@ -131,69 +126,19 @@ fn figures(root: &Path) -> [(PathBuf, PathBuf); 6] {
     })
 }
 
-/// The page of commands: the help of the program and of each of its verbs.
-fn commands(root: &Path) -> Result<String, String> {
-    let help = |words: &[&str]| {
-        // As wide as where there is no terminal.
-        let mut command = Command::new(program(root)?);
-        let output = command.args(words).env_remove("COLUMNS").output();
-        let output = output.map_err(|e| e.to_string())?;
-        String::from_utf8(output.stdout).map_err(|e| e.to_string())
-    };
-    let all = help(&["--help"])?;
-    let listed = all.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let listed = listed.take_while(|line| !line.is_empty());
-    let verbs = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
-    let verbs: Vec<_> = verbs.filter(|verb| !verb.is_empty() && *verb != "help").collect();
-    if verbs.is_empty() {
-        return Err("phihat --help lists no verbs".to_owned());
-    }
-    let mut page = String::from(
-        "<!-- made by cargo xtask bless book -->\n\n# Command line\n\nWhat `phihat --help` and \
-         `phihat VERB --help` print. In a clone of the repository, `cargo phihat` stands for `phihat` and builds it \
-         first.\n",
-    );
-    page.push_str(&section("phihat", &all));
-    for verb in verbs {
-        page.push_str(&section(&format!("phihat {verb}"), &help(&[verb, "--help"])?));
-    }
-    Ok(page)
+/// mdBook, installed where it is missing: without its server and its watcher.
+pub(crate) fn tool(root: &Path) -> Result<PathBuf, String> {
+    tools::from_cargo(root, "mdbook", MDBOOK, &["--no-default-features", "--features", "search"])
 }
 
-/// A heading and what was printed, as plain text: nothing in it is run.
-fn section(title: &str, printed: &str) -> String {
-    format!("\n## {title}\n\n```text\n{}\n```\n", printed.trim_end())
-}
-
-/// The program that the step "release build" leaves.
+/// The command line program of the gate's build.
 fn program(root: &Path) -> Result<PathBuf, String> {
-    let name = format!("target/release/phihat{}", std::env::consts::EXE_SUFFIX);
-    let path = root.join(&name);
-    if path.is_file() {
-        Ok(path)
-    } else {
-        Err(format!("{name} is not there: cargo build --release -p phihat-cli"))
-    }
+    gate::program(root, "phihat-cli/phihat")
 }
 
 /// Builds the page tree and returns the pages in the order of the summary.
 fn build(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let own = root.join(format!("target/tools/bin/mdbook{}", std::env::consts::EXE_SUFFIX));
-    let version = format!("mdbook v{MDBOOK}");
-    let is_it = |program: &Path| {
-        let output = Command::new(program).arg("--version").output();
-        output.is_ok_and(|o| String::from_utf8_lossy(&o.stdout).trim() == version)
-    };
-    let on_path = PathBuf::from("mdbook");
-    let mdbook = if is_it(&on_path) { on_path } else { own };
-    if !is_it(&mdbook) {
-        println!("installing mdbook {MDBOOK} into target/tools");
-        let what = ["install", "mdbook", "--version", MDBOOK, "--locked", "--debug", "--quiet"];
-        let features = ["--no-default-features", "--features", "search"];
-        let place = ["--root", "target/tools", "--target-dir", "target/tools/build"];
-        cargo(root, &[&what[..], &features, &place].concat())?;
-        fs::remove_dir_all(root.join("target/tools/build")).map_err(|e| e.to_string())?;
-    }
+    let mdbook = tool(root)?;
     let output = Command::new(&mdbook)
         .args(["build", "docs/book", "--dest-dir"])
         .arg(root.join(HTML))
@@ -308,7 +253,7 @@ fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
     let blocks = blocks(&markdown);
     let wanted = |block: &Block| match part {
         Part::Commands | Part::Renewed => block.language == "sh",
-        Part::Python(_) => block.language == "python",
+        Part::Python(..) => block.language == "python",
     };
     for block in &blocks {
         understood(block).map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
@@ -342,8 +287,12 @@ fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
                     }
                     in_order(&block.text, printed).map(|()| None)
                 }
-                ("python", Part::Python(interpreter)) => {
-                    command(&folder, interpreter, &["-c", &block.text]).map(|()| None)
+                ("python", Part::Python(interpreter, package)) => {
+                    let mut python = Command::new(interpreter);
+                    python.args(["-c", &block.text]).env("PYTHONPATH", package);
+                    let status = python.current_dir(&folder).status();
+                    let status = status.map_err(|e| format!("{interpreter}: {e}"))?;
+                    if status.success() { Ok(None) } else { Err(status.to_string()) }
                 }
                 _ => Ok(None),
             }
@@ -369,7 +318,7 @@ fn understood(block: &Block) -> Result<(), String> {
     if block.value("file").is_some_and(|name| name.is_empty() || !normal(name)) {
         return Err("a listing's file is inside the page's folder".to_owned());
     }
-    let run = ["sh", "text", "python"].contains(&block.language.as_str());
+    let run = ["sh", "text", "python", "console"].contains(&block.language.as_str());
     if run || block.value("file").is_some() {
         return Ok(());
     }
@@ -437,7 +386,8 @@ fn shell(program: &Path, folder: &Path, block: &Block) -> Result<String, String>
     Ok(printed)
 }
 
-fn copy(from: &Path, to: &Path) -> Result<(), String> {
+/// Copies a folder with all below it.
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
     fs::create_dir_all(to).map_err(|e| format!("{}: {e}", to.display()))?;
     for entry in fs::read_dir(from).map_err(|e| format!("{}: {e}", from.display()))? {
         let path = entry.map_err(|e| e.to_string())?.path();

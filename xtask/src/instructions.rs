@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::shell::command;
-
 /// Bounds for 7 joints, second order: what it is, and its most.
 const LAW_MAX: f64 = 900.0;
 /// The law from positions: at most half as much more.
@@ -20,11 +18,7 @@ const SPREAD_MAX: f64 = 1.3;
 
 /// Counts every class and holds it against its bound.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
-    if Command::new("valgrind").arg("--version").output().is_err() {
-        println!("installing valgrind");
-        command(root, "apt-get", &["update", "-qq"])?;
-        command(root, "apt-get", &["install", "-y", "-qq", "valgrind"])?;
-    }
+    crate::tools::from_debian(root, "valgrind", &["valgrind"])?;
     let program = build(root, "phihat")?;
     let mut wrong = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);

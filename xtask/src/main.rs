@@ -6,15 +6,16 @@
 mod arrows;
 mod attack;
 mod bench;
-mod binaries;
 mod bindings;
 mod bless;
 mod book;
+mod browser;
 mod check;
 mod dependencies;
 mod files;
 mod franka;
 mod fuzz;
+mod gate;
 mod instructions;
 mod laws;
 mod mutants;
@@ -26,7 +27,7 @@ mod rules;
 mod screenshots;
 mod shell;
 mod shown;
-mod test;
+mod tools;
 mod twice;
 mod venv;
 mod verbs;
@@ -37,7 +38,9 @@ use std::process::ExitCode;
 const USAGE: &str = "usage:
   cargo xtask check            within a minute after an edit: format, house rules, and of the crates that differ from
                                HEAD the lints, the unit tests and the tests that were edited; ends with what it left out
-  cargo xtask test [STEP …]    everything that must hold, or the steps whose name contains STEP
+  cargo xtask test [STEP …]    the gate: everything that an edit can break, in a quarter of an hour; or the steps whose name contains STEP
+  cargo xtask test --all       the gate, then the long campaigns (hours); with --keep, the processor times become those that later runs
+                               are compared with (xtask/times.json)
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
                                one in twenty also in Pinocchio and MuJoCo, unless --alone
@@ -72,14 +75,21 @@ const USAGE: &str = "usage:
   cargo xtask ros2             `phihat drive --ros2` beside another DDS: every kind of message both ways, counts compared (half a minute
                                beyond the build, which compiles DDS)
   cargo xtask ray              `phihat.sweep` on a cluster of Ray on this machine, a worker and a node killed half-way: the same bytes; and
-                               the times that xtask/src/schedule.py reckons with (minutes)
+                               the times that tools/schedule.py reckons with (minutes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";
 
 fn main() -> ExitCode {
-    let args: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<_> = std::env::args_os().skip(1).collect();
+    if words.first().is_some_and(|word| word == "measured") {
+        return gate::measured(&words[1..]).unwrap_or_else(|why| {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        });
+    }
+    let args: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
     let result = match args.split_first() {
-        Some((verb, rest)) if verb == "test" || verb == "ci" => test::run(rest),
+        Some((verb, rest)) if verb == "test" => gate::run(rest),
         Some((verb, _)) if verb == "check" => check::run(&shell::root()),
         Some((verb, _)) if verb == "packages" => rules::packages(&shell::root(), true),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
@@ -90,7 +100,9 @@ fn main() -> ExitCode {
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
         Some((verb, _)) if verb == "fronts" => bless::fronts(&shell::root()),
-        Some((verb, rest)) if verb == "screenshots" => screenshots::run(&shell::root(), rest),
+        Some((verb, rest)) if verb == "screenshots" => {
+            gate::note(&shell::root()).and_then(|()| screenshots::run(&shell::root(), rest))
+        }
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),
         Some((verb, rest)) if verb == "ros2" => ros2::run(&shell::root(), rest),

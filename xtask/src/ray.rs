@@ -18,5 +18,5 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "--release", "-p", "phihat-cli"])?;
     bindings::install(root, &python)?;
-    venv::script(root, &python, ("xtask/src/ray_cluster.py", &folder), "target/release/phihat")
+    venv::script(root, &python, ("tools/ray_cluster.py", &folder), "target/release/phihat")
 }

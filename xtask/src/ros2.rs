@@ -18,5 +18,5 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     cargo(root, &["build", "--quiet", "-p", "phihat-cli", "--features", "ros2"])?;
-    venv::script(root, &python, ("xtask/src/ros2.py", &folder), "target/debug/phihat")
+    venv::script(root, &python, ("tools/ros2.py", &folder), "target/debug/phihat")
 }

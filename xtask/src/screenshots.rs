@@ -3,8 +3,8 @@
 use std::path::{Path, absolute};
 
 use crate::pages::{COMPARISON, PLAIN, made};
-use crate::shell::{command, tested};
-use crate::test::{browser_tools, reports};
+use crate::shell::command;
+use crate::{browser, gate};
 
 /// Where they are put unless somebody says otherwise.
 const OUT: &str = "out/screenshots";
@@ -20,9 +20,9 @@ pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
         [out, more @ ..] => (whole(out)?, more),
         [] => (at(OUT), args),
     };
-    let folder = browser_tools(root)?;
-    let program = tested(root, "phihat-cli", "phihat")?.display().to_string();
-    let mut pages = reports(root)?;
+    let folder = browser::tools(root)?;
+    let program = gate::program(root, "phihat-cli/phihat")?.display().to_string();
+    let mut pages = browser::reports(root)?;
     pages.push(at("docs/reproduction/report.html"));
     for page in PLAIN.into_iter().chain([COMPARISON]) {
         pages.push(made(root, page)?);

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// The workspace's root folder.
 pub(crate) fn root() -> PathBuf {
@@ -23,31 +23,13 @@ pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
     command(root, "cargo", args)
 }
 
-/// All that can be built in: one set of features for everything that is checked, so that nothing is compiled for each of them.
-pub(crate) const EVERYTHING: [&str; 2] =
-    ["--features", "phihat-cli/mcap,phihat-cli/png,phihat-cli/studio"];
+/// The features of what is checked: those that a user has by default.
+pub(crate) const EVERYTHING: [&str; 2] = ["--features", "phihat-cli/mcap,phihat-cli/studio"];
 
-/// A program of the workspace as its tests have it, with all features: an example of a package, or a binary.
-pub(crate) fn tested(root: &Path, package: &str, name: &str) -> Result<PathBuf, String> {
-    let output = Command::new("cargo")
-        .args(["build", "--workspace", "--profile", "test", "--examples", "--bins"])
-        .args(EVERYTHING)
-        .arg("--message-format=json-render-diagnostics")
-        .current_dir(root)
-        .stderr(Stdio::inherit())
-        .output()
-        .map_err(|e| format!("cargo cannot be started: {e}"))?;
-    if !output.status.success() {
-        return Err(format!("{name} of {package} does not build"));
-    }
-    let text = String::from_utf8_lossy(&output.stdout);
-    let found = text.lines().find_map(|line| {
-        let told: serde_json::Value = serde_json::from_str(line).ok()?;
-        let folder = Path::new(told["manifest_path"].as_str()?).parent()?;
-        let is_it = folder.ends_with(package) && told["target"]["name"] == name;
-        told["executable"].as_str().filter(|_| is_it).map(PathBuf::from)
-    });
-    found.ok_or_else(|| format!("cargo built no {name} of {package}"))
+/// Runs a command to its end; an error where it fails.
+pub(crate) fn run(command: &mut Command) -> Result<(), String> {
+    let status = command.status().map_err(|e| format!("{command:?}: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{command:?}: {status}")) }
 }
 
 /// The text of a file.

@@ -9,7 +9,7 @@ use crate::venv;
 /// What the comparison runs in. What it reads is pinned in the script.
 const PACKAGES: [&str; 2] = ["numpy==2.4.6", "pin==4.1.0"];
 
-const SCRIPT: &str = "xtask/src/zoo.py";
+const SCRIPT: &str = "tools/zoo.py";
 
 /// What the chore is told; the rest goes to the script.
 #[derive(Debug, Default, PartialEq)]

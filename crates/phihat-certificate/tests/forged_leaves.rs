@@ -1,5 +1,5 @@
 //! Every leaf of a gains file that has all that a certificate can have, edited in ten ways: each edit is refused, or says
-//! no more than the file did.
+//! no more than the file did. With `PHIHAT_ALL=1` every edit is tried, otherwise one in eight, each leaf in another way.
 //! Wrong if an edit passed although it claims more or speaks of something else, or if the file itself were refused.
 
 use std::path::Path;
@@ -308,13 +308,17 @@ fn no_edited_leaf_passes_and_claims_more() {
         [certificate.tube.is_some(), certificate.coupled.is_some(), certificate.moving.is_some()];
     assert_eq!(parts, [true; 3], "a file with everything");
     let paths = chosen(&honest.document);
+    let every = if std::env::var_os("PHIHAT_ALL").is_some() { 1 } else { 8 };
     let next = AtomicUsize::new(0);
     let fates = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
-                while let Some(path) = paths.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    for (what, other) in forged(&honest.document, path) {
+                loop {
+                    let leaf = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(path) = paths.get(leaf) else { return };
+                    let edits = forged(&honest.document, path).into_iter().skip(leaf % every);
+                    for (what, other) in edits.step_by(every) {
                         let fate = honest.fate(path, &other);
                         fates.lock().unwrap().push((fate, format!("{path}: {what}")));
                     }
@@ -325,6 +329,7 @@ fn no_edited_leaf_passes_and_claims_more() {
     let fates = fates.into_inner().unwrap();
     let count = |fate: Fate| fates.iter().filter(|(own, _)| *own == fate).count();
     println!("{} edits of {} leaves", fates.len(), paths.len());
+    assert!(fates.len() >= paths.len(), "every leaf is edited");
     for fate in [Fate::Unread, Fate::Refused, Fate::RefusedByStudy, Fate::Same, Fate::NoMore] {
         println!("{fate:?}: {}", count(fate));
     }

@@ -25,6 +25,7 @@ mod serve;
 mod struck;
 mod sweep;
 mod terminal;
+mod texts;
 mod tip;
 mod tube;
 mod verify_study;

@@ -19,7 +19,7 @@ import pylibfranka
 import pytest
 from panda_py import libfranka
 
-PROGRAM = Path(__file__).parents[3] / "target/release/phihat"
+PROGRAM = Path(os.environ.get("PHIHAT_PROGRAM", Path(__file__).parents[3] / "target/release/phihat"))
 CYCLES = 10_000
 
 STUDY = """

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[3]
 def schedule() -> Any:
     import sys
 
-    spec = importlib.util.spec_from_file_location("schedule", ROOT / "xtask" / "src" / "schedule.py")
+    spec = importlib.util.spec_from_file_location("schedule", ROOT / "tools" / "schedule.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules["schedule"] = module

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
@@ -14,7 +15,7 @@ import pytest
 from phihat import _phihat, _sweep
 
 ROOT = Path(__file__).parents[3]
-COMMAND = ROOT / "target" / "release" / "phihat"
+COMMAND = Path(os.environ.get("PHIHAT_PROGRAM", ROOT / "target" / "release" / "phihat"))
 
 STUDY = """
 duration_s = 0.3

@@ -26,7 +26,7 @@ impl Places {
     }
 
     pub(super) fn sources(&self) -> PathBuf {
-        self.root.join("xtask/bench")
+        self.root.join("tools/bench")
     }
 }
 

@@ -5,6 +5,9 @@ import { createRequire } from "node:module";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
+// A browser that asks the network for nothing of its own.
+export const QUIET = ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
 // Faults that axe calls serious or critical, in words.
 export async function graveFaults(page) {
   await page.evaluate(axe);

@@ -4,6 +4,7 @@
 //   node studio.mjs PHIHAT STUDY [GAINS]
 //   node studio.mjs PHIHAT --replay RECORD
 //   node studio.mjs PHIHAT STUDY --replay LOG        a log (MCAP) of that study's run, in the folder of its record: positions as measured
+//   node studio.mjs --short PHIHAT STUDY             its start, a push, keys and the gains; wide in light, and narrow in dark
 //   node studio.mjs PHIHAT --mesh                    an arm with a mesh of its own
 //
 // With SHOTS=FOLDER it leaves pictures there; with STRICT=1 rates and times are asserted. The last line is `N passed, N failed`; the exit code is 0 only if nothing failed.
@@ -11,10 +12,11 @@
 import { chromium } from "playwright-core";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
-import { graveFaults, mouseOnly } from "./everywhere.mjs";
+import { graveFaults, mouseOnly, QUIET } from "./everywhere.mjs";
 import { started } from "./started.mjs";
 
-const [program, ...words] = process.argv.slice(2);
+const short = process.argv.includes("--short");
+const [program, ...words] = process.argv.slice(2).filter((word) => word !== "--short");
 const at = words.indexOf("--replay");
 const replayed = at < 0 ? null : resolve(words[at + 1]);
 const log = replayed?.endsWith(".mcap") ? replayed : null;
@@ -49,7 +51,7 @@ function meshed(name, text) {
 let { link, folder, stop } = await started(program, mesh ? { files: meshed("box.stl", stl([0.3, 0.1, 0.1])) } : log ? { study, log } : record ? { record } : { study, gains });
 
 const executablePath = process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+const browser = await chromium.launch({ executablePath, args: [...QUIET, "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 
 async function opened(options) {
   const context = await browser.newContext(options);
@@ -74,9 +76,9 @@ async function works() {
   const mark = () => page.evaluate(() => { const { frames, shown } = document.getElementById("arm-view"); return { frames, t: shown.t, at: performance.now() / 1e3 }; });
   // From its start, so that a motion with an end does not come to it meanwhile.
   await page.locator("#again").click();
-  await page.waitForTimeout(500);
+  const drawn = (frames) => page.waitForFunction((frames) => document.getElementById("arm-view").frames >= frames, frames, { timeout: 60000 });
   const first = await mark();
-  await page.waitForTimeout(4000);
+  await drawn(first.frames + (short ? 30 : 120));
   const last = await mark();
   const seconds = last.at - first.at;
   const rate = (last.frames - first.frames) / seconds;
@@ -98,7 +100,7 @@ async function works() {
       look();
     });
     await page.mouse.move(grip.x + 40 * grip.way[0], grip.y + 40 * grip.way[1]);
-    if (await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 6000 }).then(() => true, () => false)) break;
+    if (await page.waitForFunction(() => globalThis.pushed?.seen != null, null, { timeout: 20000 }).then(() => true, () => false)) break;
     await page.mouse.up();
   }
   check("a drag on a joint pushes it", await page.evaluate(() => pushed?.seen != null));
@@ -240,8 +242,10 @@ async function shaped() {
 async function looks() {
   for (const width of [1300, 390]) {
     for (const colorScheme of ["light", "dark"]) {
+      if (short && (width === 390) !== (colorScheme === "dark")) continue;
       const { context, page, errors } = await opened({ viewport: { width, height: 900 }, colorScheme });
-      await page.waitForTimeout(1500);
+      const begun = await page.evaluate(() => document.getElementById("arm-view").frames);
+      await page.waitForFunction((frames) => document.getElementById("arm-view").frames >= frames, begun + 30, { timeout: 60000 });
       const view = `${width} ${colorScheme}`;
       const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       check(`${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);

@@ -1,6 +1,6 @@
 """A sweep on many machines, on paper: what a scheduler would make of measured times. No machine but this one was used.
 
-    python xtask/src/schedule.py        prints the table of docs/book/src/how-to/rollouts.md
+    python tools/schedule.py        prints the table of docs/book/src/how-to/rollouts.md
 
 The model is a queue: one scheduler hands shards out one after another, each to the core that is free first; a core's first shard
 waits for its process; a shard's rows come back over the scheduler's link, one after another, and are put together there at the end.

@@ -1,0 +1,69 @@
+//! Steps of one stage, side by side.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+
+use super::steps::Stage;
+use super::times::{self, Cost};
+use crate::shell::read;
+
+/// Steps that run at the same time.
+const WORKERS: usize = 2;
+
+/// A step that has ended.
+#[derive(Debug)]
+pub(super) struct Finished {
+    pub(super) name: &'static str,
+    pub(super) ok: bool,
+    pub(super) cost: Cost,
+}
+
+/// Runs the steps of a stage in their order, and adds what became of each; an error where one failed. A step that runs beside one
+/// that fails goes on to its end; none is begun after that.
+pub(super) fn run(root: &Path, stage: &Stage, done: &mut Vec<Finished>) -> Result<(), String> {
+    let alone = stage.len() == 1;
+    let todo: Mutex<VecDeque<&'static str>> = Mutex::new(stage.iter().map(|s| s.name).collect());
+    let finished = Mutex::new(Vec::new());
+    let poisoned = "a thread of the gate panicked";
+    let work = || -> Result<(), String> {
+        loop {
+            let failed = finished.lock().map_err(|_| poisoned)?.iter().any(|f: &Finished| !f.ok);
+            let next = todo.lock().map_err(|_| poisoned)?.pop_front();
+            let Some(name) = next.filter(|_| !failed) else { return Ok(()) };
+            println!("── {name}");
+            let (ok, printed) = process(root, name, alone)?;
+            let cost = times::left(root, name)?;
+            let mut finished = finished.lock().map_err(|_| poisoned)?;
+            print!("{printed}");
+            println!("── {name}: {}, {cost}", if ok { "ok" } else { "FAILED" });
+            finished.push(Finished { name, ok, cost });
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| poisoned)?)
+    })?;
+    let finished = finished.into_inner().map_err(|_| poisoned)?;
+    let failed = finished.iter().find(|step| !step.ok).map(|step| step.name);
+    done.extend(finished);
+    failed.map_or(Ok(()), |name| Err(format!("FAILED: {name}")))
+}
+
+/// Runs a step in a process of its own: whether it passed, and what it printed. Alone, it prints to the terminal.
+fn process(root: &Path, name: &str, alone: bool) -> Result<(bool, String), String> {
+    let path = times::folder(root)?.join(format!("{name}.log"));
+    let failed = |e: std::io::Error| format!("{}: {e}", path.display());
+    let program = std::env::current_exe().map_err(failed)?;
+    let mut command = Command::new(program);
+    command.args(["test", "--step", name]).current_dir(root).stdin(Stdio::null());
+    if !alone {
+        let log = File::create(&path).map_err(failed)?;
+        command.stdout(log.try_clone().map_err(failed)?).stderr(log);
+    }
+    let status = command.status().map_err(failed)?;
+    let printed = if alone { String::new() } else { read(&path)? };
+    Ok((status.success(), printed))
+}
