@@ -135,7 +135,7 @@ fn within(some: &[String], all: &[String]) -> bool {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 mod tests {
-    use crate::{Extent, Kept, parts, reproduce_only};
+    use crate::{Kept, parts};
     use serde_json::Value;
 
     use super::{BEGINNINGS, part};
@@ -159,18 +159,6 @@ mod tests {
             assert!(part(none).unwrap_err().to_string().contains("parts:"), "{none}");
         }
         assert!(BEGINNINGS.iter().map(|(name, _)| *name).eq(parts()));
-    }
-
-    #[test]
-    fn what_a_quick_part_says_leads_back_to_it() {
-        for name in ["theory", "table 1"] {
-            let fresh = reproduce_only(Some(name), Extent { quick: true }, 1, &|_, _| ()).unwrap();
-            for section in &fresh.sections {
-                assert_eq!(part(&section.id).unwrap(), name);
-                let all = section.statements.iter().map(|statement| part(&statement.id));
-                assert!(all.flatten().all(|part| part == name), "{}", section.id);
-            }
-        }
     }
 
     /// The kept reproduction has its sections in the order of the parts.

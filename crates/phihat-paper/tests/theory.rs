@@ -5,25 +5,39 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use phihat_paper::{
-    Content, Coverage, Extent, Kind, Origin, Reproduction, Statement, Verdict, coverage,
+    Content, Coverage, Extent, Kind, Origin, Reproduction, Statement, Verdict, coverage, part,
     reproduce_only,
 };
 
-fn part(name: &str) -> Reproduction {
-    reproduce_only(Some(name), Extent { quick: true }, 1, &|_, _| ()).unwrap()
-}
-
-fn all() -> &'static [Statement] {
-    static ALL: OnceLock<Vec<Statement>> = OnceLock::new();
-    ALL.get_or_init(|| {
-        let parts = ["theory", "table 1", "table 2", "figures 12 and 13"].map(part);
-        let sections = parts.into_iter().flat_map(|part| part.sections);
-        sections.flat_map(|section| section.statements).collect()
+/// The parts that these statements are of, by name.
+fn made() -> &'static [(&'static str, Reproduction)] {
+    static MADE: OnceLock<Vec<(&'static str, Reproduction)>> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let make = |name| {
+            (name, reproduce_only(Some(name), Extent { quick: true }, 1, &|_, _| ()).unwrap())
+        };
+        ["theory", "table 1", "table 2", "figures 12 and 13"].map(make).into()
     })
 }
 
+fn all() -> impl Iterator<Item = &'static Statement> {
+    let sections = made().iter().flat_map(|(_, part)| &part.sections);
+    sections.flat_map(|section| &section.statements)
+}
+
+/// A section and a statement lead back to the part that says them.
+fn what_a_quick_part_says_leads_back_to_it() {
+    for (name, made) in &made()[..2] {
+        for section in &made.sections {
+            assert_eq!(part(&section.id).unwrap(), *name);
+            let all = section.statements.iter().map(|statement| part(&statement.id));
+            assert!(all.flatten().all(|part| part == *name), "{}", section.id);
+        }
+    }
+}
+
 fn statement(id: &str) -> &'static Statement {
-    all().iter().find(|statement| statement.id == id).unwrap()
+    all().find(|statement| statement.id == id).unwrap()
 }
 
 fn value(id: &str, number: usize) -> f64 {
@@ -37,7 +51,8 @@ fn near(value: f64, expected: f64, relative: f64) {
 /// One test, since all of them read the same statements, which take a minute of processor time to make.
 #[test]
 fn statements_of_the_theory() {
-    let checks: [(&str, fn()); 13] = [
+    let checks: [(&str, fn()); 14] = [
+        ("what_a_quick_part_says_leads_back_to_it", what_a_quick_part_says_leads_back_to_it),
         ("what_theorem_1_leaves_is_the_closed_form", what_theorem_1_leaves_is_the_closed_form),
         (
             "the_residual_of_the_printed_q33_is_its_own_error",
@@ -173,11 +188,11 @@ fn what_the_paper_says_around_its_theorems() {
 
 /// Every statement of the paper says how it was read and where it turns, and covers what it says.
 fn statements_say_how_they_were_read() {
-    for statement in all().iter().filter(|statement| statement.origin == Origin::Paper) {
+    for statement in all().filter(|statement| statement.origin == Origin::Paper) {
         let Statement { id, reading, turns, .. } = statement;
         assert!(!reading.is_empty() && !turns.is_empty(), "{id}");
     }
-    let covered: BTreeSet<_> = all().iter().flat_map(|s| s.covers.iter().copied()).collect();
+    let covered: BTreeSet<_> = all().flat_map(|s| s.covers.iter().copied()).collect();
     let theorems = covered.iter().filter(|item| item.kind == Kind::Theorem).count();
     assert_eq!(theorems, 5);
 }
@@ -220,7 +235,7 @@ fn table_1_has_the_rows_of_the_paper() {
 
 /// What is not the paper's is not counted as such, and nothing is said of H1 and H2 that needs a certificate.
 fn whose_statement_it_is() {
-    let of = |origin| all().iter().filter(move |s| s.origin == origin).map(|s| s.id.as_str());
+    let of = |origin| all().filter(move |s| s.origin == origin).map(|s| s.id.as_str());
     let ours: Vec<_> = of(Origin::Ours).collect();
     assert_eq!(
         ours,
@@ -231,7 +246,7 @@ fn whose_statement_it_is() {
     for id in ["theorem4-worst-case", "theorem4-value"] {
         assert!(statement(id).ours.starts_with("H3: "), "{id}");
     }
-    assert!(all().iter().all(|s| !s.ours.contains("literal") && !s.why.contains("literal")));
+    assert!(all().all(|s| !s.ours.contains("literal") && !s.why.contains("literal")));
 }
 
 fn errata_come_out_as_corrections() {

@@ -7,47 +7,37 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use super::times;
-use crate::shell::{self, EVERYTHING, read, write};
+use crate::shell::{EVERYTHING, read, write};
 
 /// The file with the place of each program, by package and name.
 const PLACES: &str = "programs.json";
 
-/// What is built beside libraries and programs: every target that is tested, and the benches that are programs of their own.
-const TESTS: [&str; 14] = [
-    "--tests",
-    "--examples",
-    "--bench",
-    "update",
-    "--bench",
-    "instructions",
-    "--bench",
-    "soak",
-    "--bench",
-    "dynamics",
-    "--bench",
-    "tube",
-    "--bench",
-    "closed_loop",
-];
+/// Benches that are programs of their own and count or time what users wait for.
+pub(super) const BENCHES: [&str; 6] =
+    ["update", "instructions", "soak", "dynamics", "tube", "closed_loop"];
 
-/// Builds libraries, programs, examples, tests and benches of the workspace, with one profile and one set of features, and notes
-/// where the programs are.
+/// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and one set of features, and
+/// notes where the programs are.
 pub(super) fn build(root: &Path) -> Result<(), String> {
     if Command::new("clippy-driver").arg("--version").output().is_err() {
         return Err("clippy-driver is missing: rustup component add clippy".to_owned());
     }
-    let mut tests = Command::new("cargo");
-    like_the_build(&mut tests).args(["test", "--workspace", "--no-run", "--quiet"]);
-    shell::run(tests.args(TESTS).args(EVERYTHING).current_dir(root))?;
-    note(root)
+    let mut names = vec!["--tests"];
+    names.extend(BENCHES.iter().flat_map(|name| ["--bench", *name]));
+    noted(root, &names)
 }
 
 /// The same without tests and benches, for a chore that needs a program.
 pub(crate) fn note(root: &Path) -> Result<(), String> {
+    noted(root, &[])
+}
+
+fn noted(root: &Path, more: &[&str]) -> Result<(), String> {
     let output = like_the_build(&mut Command::new("cargo"))
         .args(["build", "--workspace", "--lib", "--bins", "--examples"])
+        .args(more)
         .args(EVERYTHING)
-        .arg("--message-format=json-render-diagnostics")
+        .args(["--quiet", "--message-format=json-render-diagnostics"])
         .current_dir(root)
         .stderr(Stdio::inherit())
         .output()
@@ -83,6 +73,9 @@ pub(crate) fn program(root: &Path, name: &str) -> Result<PathBuf, String> {
 /// The name and the place of what a message of cargo's is about: an executable, or a library for other languages.
 fn place(line: &str) -> Option<(String, PathBuf)> {
     let message: Value = serde_json::from_str(line).ok()?;
+    if message["profile"]["test"] == true {
+        return None;
+    }
     let package = Path::new(message["manifest_path"].as_str()?).parent()?.file_name()?.to_str()?;
     let target = message["target"]["name"].as_str()?;
     let files = message["filenames"].as_array()?.iter().filter_map(Value::as_str);

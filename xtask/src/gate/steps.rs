@@ -129,8 +129,7 @@ fn runner() -> Result<String, String> {
 
 /// Benches that are programs of their own, as they run where nobody asks them for figures.
 fn benches(root: &Path) -> Result<(), String> {
-    let names = ["update", "instructions", "soak", "dynamics", "tube", "closed_loop"];
-    let named = names.iter().flat_map(|name| ["--bench", *name]);
+    let named = programs::BENCHES.iter().flat_map(|name| ["--bench", *name]);
     let mut run = Command::new("cargo");
     programs::like_the_build(&mut run).args(["test", "--workspace", "--quiet"]).args(named);
     shell::run(run.args(EVERYTHING).current_dir(root))
