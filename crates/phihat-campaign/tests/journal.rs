@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use phihat_campaign::{Ended, Journal, JournalError, run_all};
 
 fn file(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("journal");
+    let folder =
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join("journal");
     fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);
     let _ = fs::remove_file(&path);

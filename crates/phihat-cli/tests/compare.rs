@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{folder, json, phihat};
+use crate::support::{Running, folder, interrupted_in, json, phihat};
 use phihat_sim::Trace;
 use phihat_study::Study;
 
@@ -179,11 +179,10 @@ fn results_that_cannot_be_written_are_told_before_any_run() {
 #[test]
 fn a_stopped_comparison_says_what_is_saved_and_how_to_go_on() {
     let folder = folder("compare-stopped");
-    let stopped = crate::support::interrupted(
-        &folder,
-        &small(&["--out", "stopped", "--seeds", "500"]),
-        "stopped/journal.jsonl",
-    );
+    // The first line is in the journal; the operation that has the system keep it does not return.
+    let running =
+        Running::of(&folder, &small(&["--out", "stopped"]), Some("pause 4 journal.jsonl"));
+    let stopped = interrupted_in(running, &folder.join("stopped/journal.jsonl"));
     assert_eq!(stopped.code, 130, "{}", stopped.err);
     assert!(
         stopped.err.contains("interrupted: what is done is saved in stopped/journal.jsonl"),

@@ -2,11 +2,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
 
-use crate::support::{folder, phihat};
+use crate::support::{Running, folder, phihat};
 
 /// A folder with the arms of the matrix beside the project's studies.
 fn with_arms(name: &str) -> std::path::PathBuf {
@@ -33,21 +30,13 @@ fn killed_at_any_time_and_on_any_threads_the_answer_is_the_same_bytes() {
     assert_eq!(whole.code, 0, "{}{}", whole.out, whole.err);
     for lines in [1, 10, 25] {
         let out = format!("killed-{lines}");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
-            .args([&QUICK[..], &["--out", &out, "--threads", "2"]].concat())
-            .current_dir(&folder)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+        // However late it is killed, it does not come further than to its answer.
+        let arguments = [&QUICK[..], &["--out", &out, "--threads", "2"]].concat();
+        let mut running = Running::of(&folder, &arguments, Some("pause 1 faults.json"));
         let journal = folder.join(&out).join("journal.jsonl");
         let written = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
-        while child.try_wait().unwrap().is_none() && written() < lines {
-            sleep(Duration::from_millis(1));
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        assert!(!folder.join(&out).join("faults.json").exists(), "killed too late");
+        assert!(running.until("so many runs are in the journal", || written() >= lines));
+        assert!(running.kill() && !folder.join(&out).join("faults.json").exists());
         let resumed = phihat(&folder, &[&QUICK[..], &["--out", &out]].concat());
         assert_eq!(resumed.code, whole.code, "{}", resumed.err);
         assert_eq!(summary(&folder, &out), summary(&folder, "whole"));

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Duration;
 
 use crate::support::{folder, phihat};
 use phihat_fci::{Client, Protocol, Reflex, RobotMode};
@@ -72,6 +73,11 @@ impl Served {
         assert_eq!(first["loopback"], true);
         first["listening"].as_str().unwrap().clone_into(&mut new.address);
         new
+    }
+
+    /// A client that waits a minute for a state: libfranka's 1 s would fail a test whose server does not get a processor for that long.
+    fn client(&self, protocol: Protocol) -> Client {
+        Client::connect_patient(&self.address, protocol, Duration::from_mins(1)).unwrap()
     }
 
     fn line(&mut self) -> Value {
@@ -143,7 +149,7 @@ fn the_served_world_is_the_simulated_one_to_the_last_bit() {
     for (protocol, out) in Protocol::ALL.into_iter().zip(["v5", "v10"]) {
         let arguments = ["--csv", "--out", out, "--patience-ms", "60000", "--cycles", "400"];
         let mut served = Served::study(&folder, &arguments);
-        let mut client = Client::connect(&served.address, protocol).unwrap();
+        let mut client = served.client(protocol);
         let seen = play(&mut client, torques);
         if protocol == Protocol::V5 {
             assert_eq!(bits(&seen), bits(&simulated[3]));
@@ -179,7 +185,7 @@ fn a_reflex_by_the_profile_leaves_its_record_and_recovery_leads_on() {
     fs::write(folder.join("study.toml"), franka).unwrap();
     for protocol in Protocol::ALL {
         let mut served = Served::study(&folder, &["--patience-ms", "60000", "--cycles", "130"]);
-        let mut client = Client::connect(&served.address, protocol).unwrap();
+        let mut client = served.client(protocol);
         assert_eq!(
             Client::connect(&served.address, protocol).unwrap_err().to_string(),
             "the robot refused Connect (status 2)"

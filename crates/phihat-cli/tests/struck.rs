@@ -6,10 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
 
-use crate::support::{Answer, Files, answer, files_of, folder, leave, phihat, small};
+use crate::support::{Answer, Files, Running, answer, files_of, folder, leave, phihat, small};
 
 const LOCK: &str = ".phihat.lock";
 
@@ -254,51 +252,54 @@ fn a_reproduction_leaves_the_older_one_or_the_new_one_or_none() {
     assert!(!case.out().join("figures/fig-12.svg").exists(), "a figure of the older reproduction");
 }
 
-/// Kills at random moments; `PHIHAT_KILLS` says how many.
+/// The system's kill, at operations on the disk that are spread over the run, half-done where they are writes, and wherever the process
+/// is once it has gone on from one; `PHIHAT_KILLS` says how many.
 #[cfg(unix)]
 #[test]
 fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {
     let case = run_over_an_older("struck-kills");
-    let kills: u32 = std::env::var("PHIHAT_KILLS").map_or(20, |n| n.parse().unwrap());
+    let kills: usize = std::env::var("PHIHAT_KILLS").map_or(20, |n| n.parse().unwrap());
     let old = case.results();
     assert_eq!(phihat(&case.folder, case.command).code, 0);
     let new = case.results();
-    let mut count = [0; 3];
-    let mut killed = 0;
-    // Later where nothing was moved yet, earlier where something was: about when files are moved.
-    let mut about = 0.02;
+    let (mut count, mut killed) = ([0; 3], 0);
+    let (mut number, mut first) = (1, 1);
     for kill in 0..kills {
         leave(&case.out(), &case.before);
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
-            .args(case.command)
-            .current_dir(&case.folder)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        // A golden step covers the time without a pattern.
-        let share = f64::from(kill) * 0.618_033_988_749_895 % 1.0;
-        sleep(Duration::from_secs_f64(about * (0.6 + 0.8 * share)));
-        child.kill().unwrap();
-        killed += u32::from(child.wait().unwrap().code().is_none());
+        let pauses = kill % 2 == 0;
+        let strike = format!("{} {number}", if pauses { "pause" } else { "pass" });
+        let mut running = Running::of(&case.folder, case.command, Some(&strike));
+        if running.is_struck() {
+            number += STRIDE;
+        } else {
+            // There are no operations left: others than before, from the start again.
+            first = first % STRIDE + 1;
+            number = first;
+        }
+        let was_killed = running.kill();
+        killed += usize::from(was_killed);
         let now = case.results();
         let state = [now == old, now == new, !now.contains_key("run.json")];
         let Some(state) = state.iter().position(|is| *is) else {
-            panic!("kill {kill}: a mixture: {:?}", now.keys());
+            panic!("kill {kill}, {strike}: a mixture: {:?}", now.keys());
         };
-        count[state] += 1;
-        about *= if state == 0 { 1.15 } else { 0.87 };
+        if was_killed && pauses {
+            count[state] += 1;
+        }
         if state == 2 || kill % 10 == 0 {
             let code = phihat(&case.folder, &["report", "out"]).code;
-            assert_eq!(code == 0, state < 2, "kill {kill}");
+            assert_eq!(code == 0, state < 2, "kill {kill}, {strike}");
         }
     }
-    println!("{killed} of {kills} killed; older, new, none: {count:?}");
+    println!("{killed} of {kills} killed; at an operation: older, new, none: {count:?}");
     assert_eq!(phihat(&case.folder, case.command).code, 0);
     assert!(case.results() == new);
     assert!(files_of(&case.out()).into_keys().all(|path| !is_partial(path.to_str().unwrap())));
-    assert!(killed > 0 && count[0] > 0 && count[0] < kills, "all at one stage: {count:?}");
+    assert!(count[0] > 0 && count[2] > 0, "all at one stage: {count:?}");
 }
+
+/// From one operation that a process is killed at to the next.
+const STRIDE: usize = 10;
 
 #[test]
 fn of_several_processes_at_once_one_wins_whole_and_the_others_say_why() {

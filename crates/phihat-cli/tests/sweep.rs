@@ -1,12 +1,9 @@
-//! A sweep as a process: killed at random and sharded, the same bytes; its commands repeat the worst run; bad input is told.
+//! A sweep as a process: killed at every stage and sharded, the same bytes; its commands repeat the worst run; bad input is told.
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
 
-use crate::support::{folder, json, phihat, swing};
+use crate::support::{Running, folder, json, phihat, swing};
 
 const SWEEP: [&str; 10] = [
     "sweep",
@@ -27,28 +24,30 @@ fn bytes(folder: &Path, out: &str) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn killed_at_random_and_in_shards_it_leaves_the_same_bytes() {
+fn killed_at_every_stage_and_in_shards_it_leaves_the_same_bytes() {
     let folder = folder("sweep-killed");
     fs::write(folder.join("good.toml"), swing(1.5)).unwrap();
     let whole = phihat(&folder, &[&SWEEP[..], &["--out", "whole", "--jobs", "1"]].concat());
     assert!(whole.code < 2, "{}{}", whole.out, whole.err);
     let whole_bytes = bytes(&folder, "whole");
-    // A process that is killed again and again, later each time, gets there.
-    for k in 0..60_u64 {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
-            .args([&SWEEP[..], &["--out", "killed", "--jobs", "2"]].concat())
-            .current_dir(&folder)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        sleep(Duration::from_millis(20 + 37 * k));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        if folder.join("killed/sweep.json").exists() {
-            break;
-        }
+    // Killed before it has done anything, while it writes rows and lines of the journal, and between them, a process gets there.
+    let killed = [&SWEEP[..], &["--out", "killed", "--jobs", "2"]].concat();
+    let early = (1..=8).map(|number| format!("pause {number}"));
+    let late = ["pause 3 journal.jsonl", "pause 4 journal.jsonl", "pause 1 report.html"];
+    for strike in early.chain(late.map(str::to_owned)) {
+        let mut running = Running::of(&folder, &killed, Some(&strike));
+        assert!(running.is_struck() && running.kill(), "{strike}");
     }
+    let journal = folder.join("killed/journal.jsonl");
+    fs::remove_file(&journal).unwrap();
+    let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
+    for done in [1, 4, 12, 25, 39] {
+        // However late it is killed, it does not come further than to its answer.
+        let mut running = Running::of(&folder, &killed, Some("pause 1 sweep.json"));
+        assert!(running.until("so many runs are in the journal", || lines() >= done));
+        assert!(running.kill());
+    }
+    assert!(!folder.join("killed/sweep.json").exists());
     let resumed = phihat(&folder, &[&SWEEP[..], &["--out", "killed"]].concat());
     assert_eq!(resumed.code, whole.code, "{}", resumed.err);
     assert!(bytes(&folder, "killed") == whole_bytes);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::{Answer, answer, folder};
+use crate::support::{Answer, answer, folder, wait_for};
 
 fn with(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Answer {
     let mut command = Command::new(env!("CARGO_BIN_EXE_phihat"));
@@ -130,12 +130,7 @@ fn a_page_is_opened_where_that_is_asked_for() {
         let opened = run(arguments, &path);
         assert_eq!((opened.code, opened.err.as_str()), (0, ""));
         // The browser is not waited for.
-        for _ in 0..2000 {
-            if seen.exists() {
-                break;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
+        wait_for("the browser is started", || seen.exists());
         assert_eq!(std::fs::read_to_string(&seen).unwrap(), page, "{arguments:?}");
         std::fs::remove_file(&seen).unwrap();
     }

@@ -126,8 +126,15 @@ static RUNAWAY: Entry = Entry::of::<Of<Runaway>>();
 const MOVING: &str = "kind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\n\
     amplitude_rad = 0.3\nfrequency_hz = 0.4\n";
 
+/// The folder of this crate's tests.
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME"));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
 fn study(name: &str, extra: &str, reference: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.toml"));
+    let path = folder().join(format!("{name}.toml"));
     let text = format!(
         "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_max_rad = 1e-2\n\
          [design]\npayload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 1000.0\ndelay_samples = 1\n\
@@ -152,7 +159,7 @@ fn short(worlds: &[&str]) -> Extent {
 }
 
 fn journal(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.jsonl"));
+    let path = folder().join(format!("{name}.jsonl"));
     let _ = fs::remove_file(&path);
     path
 }

@@ -7,7 +7,9 @@ use phihat_compare::fronts::{Fronts, FrontsAnswer, FrontsOptions, Restart, Tier}
 use phihat_compare::statistics::{Bootstrap, ErrorTable, ratio};
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fronts-{name}"));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join(env!("CARGO_PKG_NAME"))
+        .join(format!("fronts-{name}"));
     _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     folder

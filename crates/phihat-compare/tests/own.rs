@@ -11,7 +11,8 @@ fn table1(error_bound: &str, name: &str) -> PathBuf {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     let text = fs::read_to_string(studies.join("table1.toml")).unwrap();
     assert!(text.contains("error_max_rad = 5e-3"));
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME"));
+    fs::create_dir_all(&folder).unwrap();
     let path = folder.join(format!("{name}.toml"));
     fs::write(&path, text.replace("error_max_rad = 5e-3", error_bound)).unwrap();
     path

@@ -5,6 +5,7 @@
 use core::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DMatrix;
 use phihat_design::{Arm, ArmInertia, Unproved};
@@ -26,7 +27,9 @@ fn chain(joints: usize) -> Study {
         );
     }
     urdf += "</robot>\n";
-    let folder = std::env::temp_dir().join(format!("phihat_chain_{joints}_{}", std::process::id()));
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("phihat_chain_{}_{count}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("chain.urdf"), urdf).unwrap();
     let study = read(

@@ -1,8 +1,6 @@
 //! The Panda's design carries coupled gains that hold up. Wrong if a certificate with them were refused, if one with a smaller
 //! entry were not, or if a posture of the range or of the reference did more than is said.
 
-use std::time::Instant;
-
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;
 use phihat_design::{Arm, CoupledGains, Outcome, design};
@@ -25,17 +23,14 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
     let Outcome::Designed(mut gains) = design(&study, &arm, &phi).unwrap() else {
         panic!("no gains")
     };
-    #[allow(clippy::disallowed_methods, reason = "told, not asserted")]
-    let start = Instant::now();
     let found = coupled(&study, &gains, &along).unwrap().unwrap();
-    println!("{} postures, {} kept, {:?}", found.postures, found.witnesses.len(), start.elapsed());
+    println!("{} postures, {} kept", found.postures, found.witnesses.len());
     for row in &found.error_rad_per_nm {
         println!("{:?}", row.iter().map(|x| (x * 1e7).round() / 1e4).collect::<Vec<_>>());
     }
     gains.certificate.as_mut().unwrap().coupled = Some(found.clone());
     let read = phihat_design::Gains::from_json(&gains.to_json().unwrap()).unwrap();
     read.certificate.as_ref().unwrap().verify(&read).unwrap();
-    println!("checked after {:?}", start.elapsed());
 
     // Postures between those summed up, with every payload: no entry is passed by much. Searched is not proved.
     let models: Vec<_> =

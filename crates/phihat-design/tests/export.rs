@@ -313,7 +313,8 @@ int main(void) {
 
 #[test]
 fn the_c_header_compiles_clean_and_is_the_law() {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("export-c");
+    let folder =
+        PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join("export-c");
     fs::create_dir_all(&folder).unwrap();
     for a in ["[60.0]", "[1600.0, 80.0]", "[2e5, 9e3, 150.0]"] {
         let mut gains = uncertified(a);
@@ -460,7 +461,9 @@ fn torques(law: &phihat::JointGains<f64>, joint: usize, delay: usize) -> Vec<f64
 
 #[test]
 fn the_c_header_of_a_law_from_positions_is_the_law_with_its_filter() {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("export-c-seeing");
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
+        .join(env!("CARGO_PKG_NAME"))
+        .join("export-c-seeing");
     fs::create_dir_all(&folder).unwrap();
     let mut seen = Vec::new();
     for filtered in [false, true] {

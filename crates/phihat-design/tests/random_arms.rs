@@ -185,7 +185,8 @@ fn coupled_settles(law: &[JointGains<f64>], mass: &DMatrix<f64>, model: &LoopMod
 #[test]
 fn coupled_arms_that_are_armed_settle_in_every_posture() {
     let mut random = Random(25);
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("random-arms");
+    let folder =
+        PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join("random-arms");
     fs::create_dir_all(&folder).unwrap();
     let (mut armed, mut refused) = (0, 0);
     for arm in 0..60 {

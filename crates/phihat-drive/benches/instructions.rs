@@ -9,6 +9,7 @@ mod support;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use phihat_design::requested_gains;
 use phihat_drive::{
@@ -83,7 +84,8 @@ fn robot(version: &str) -> (Child, FrankaAddress) {
     let mut host = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut host).unwrap();
     let protocol = Protocol::of_version(version.parse().unwrap());
-    (child, FrankaAddress { host: host.trim().to_owned(), protocol })
+    let (host, patience) = (host.trim().to_owned(), Duration::from_mins(1));
+    (child, FrankaAddress { host, protocol, patience })
 }
 
 fn driven<L: Link>(mut link: L, (study, mut control): (&Study, ControlSide), samples: u64) {

@@ -1,6 +1,7 @@
 //! A Franka at the other end, or whatever speaks its interface.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use phihat_fci::{Client, FciError, JOINTS, Protocol, RobotMode, RobotState};
 use phihat_model::{Profile, RobotError};
@@ -14,14 +15,11 @@ use crate::system::HostClock;
 /// Time from one state to the next \[ns\].
 const PERIOD_NS: u64 = 1_000_000;
 
-/// Missing states in a row after which the robot is taken for gone.
-const GAP_MOST: u64 = 1000;
+/// Missing states in a row, of 1 ms each, after which the robot is taken for gone.
+const GAP_MOST: u32 = 1000;
 
 /// Commands that are remembered: more than a robot bears to lose in a row.
 const SENT: usize = 32;
-
-/// How long libfranka's robot waits, and so does its client \[ms\].
-const SILENT_MS: u32 = 1000;
 
 /// Where a Franka is: host or `HOST:PORT`, and the version that is asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,6 +28,8 @@ pub struct FrankaAddress {
     pub host: String,
     /// The version of the interface; `None`: the newest, or that which the robot says it speaks.
     pub protocol: Option<Protocol>,
+    /// How long a state may take; for a robot, [`phihat_fci::STATE_WAIT`].
+    pub patience: Duration,
 }
 
 /// A Franka, told torques over the Franka Control Interface.
@@ -84,8 +84,7 @@ impl FrankaLink {
     ///
     /// [`FciError`]: nobody answers, or in another version.
     pub fn connect(address: &FrankaAddress, facts: Facts, study: &Study) -> Result<Self, FciError> {
-        let FrankaAddress { host, protocol } = address;
-        let client = client(host, *protocol)?;
+        let client = client(address)?;
         let late = usize::try_from(study.control.delay_samples).unwrap_or_default();
         // Room for one more: a cycle allocates nothing.
         let mut accepted = VecDeque::with_capacity(late + 1);
@@ -159,12 +158,14 @@ impl FrankaLink {
 
 /// A client of the version that is asked for, else of that which the robot speaks.
 #[inline(never)]
-fn client(host: &str, protocol: Option<Protocol>) -> Result<Box<Client>, FciError> {
-    match Client::connect(host, protocol.unwrap_or(Protocol::V10)) {
+fn client(address: &FrankaAddress) -> Result<Box<Client>, FciError> {
+    let FrankaAddress { host, protocol, patience } = address;
+    let connect = |protocol| Client::connect_patient(host, protocol, *patience);
+    match connect(protocol.unwrap_or(Protocol::V10)) {
         Err(FciError::Version { robot, asked }) if protocol.is_none() => {
             let other = Protocol::of_version(robot);
             let other = other.ok_or(FciError::Version { robot, asked })?;
-            Client::connect(host, other).map(Box::new)
+            connect(other).map(Box::new)
         }
         other => other.map(Box::new),
     }
@@ -180,7 +181,9 @@ fn single(number: f64) -> u32 {
 fn fault(why: &FciError) -> LinkFault {
     match why {
         FciError::Network { why, .. } => LinkFault::Broken(why.kind()),
-        FciError::Silent => LinkFault::Silent(SILENT_MS),
+        FciError::Silent(patience) => {
+            LinkFault::Silent(u32::try_from(patience.as_millis()).unwrap_or(u32::MAX))
+        }
         FciError::Aborted { reasons, .. } => {
             LinkFault::Stopped(reasons.names().next().unwrap_or("no reason was told"))
         }
@@ -240,8 +243,8 @@ impl Link for FrankaLink {
         }
         let t_ns = (self.due - first) * PERIOD_NS;
         let missing = state.id - self.due;
-        if missing > GAP_MOST {
-            return Wait::Fault(LinkFault::Silent(SILENT_MS));
+        if missing > u64::from(GAP_MOST) {
+            return Wait::Fault(LinkFault::Silent(GAP_MOST));
         }
         self.due += 1;
         let echo = self.unrounded(&state.tau_j_d);

@@ -1,6 +1,6 @@
 //! The words for what is at the other end.
 
-use phihat_fci::Protocol;
+use phihat_fci::{Protocol, STATE_WAIT};
 use phihat_model::RobotError;
 use phihat_study::Study;
 use thiserror::Error;
@@ -41,7 +41,8 @@ impl On {
                 if host.is_empty() {
                     return Err(none());
                 }
-                Ok(Self::Franka(FrankaAddress { host: host.to_owned(), protocol }))
+                let (host, patience) = (host.to_owned(), STATE_WAIT);
+                Ok(Self::Franka(FrankaAddress { host, protocol, patience }))
             }
             _ => Err(OnError::Link(link.to_owned())),
         }
@@ -52,7 +53,7 @@ impl On {
         match self {
             Self::Sim => "--on sim".to_owned(),
             Self::SimRealTime => "--on sim --real-time".to_owned(),
-            Self::Franka(FrankaAddress { host, protocol }) => {
+            Self::Franka(FrankaAddress { host, protocol, .. }) => {
                 let asked = protocol.map(|asked| format!("?protocol={}", asked.version()));
                 format!("--on fci://{host}{}", asked.unwrap_or_default())
             }

@@ -10,6 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use crate::support::folder;
+use crate::support::served::patient;
 use phihat_drive::{CheckName, DriveOptions, Driven, End, On, State, prepare};
 use phihat_fci::{Event, Pace};
 use phihat_model::{Body, Workspace};
@@ -300,7 +301,7 @@ fn a_franka_that_is_not_what_the_study_says_is_measured() {
         let mut served = serve.open().unwrap();
         let address = served.address();
         thread::spawn(move || served.run(&mut Deaf));
-        let on = On::of(&format!("fci://{address}?protocol={protocol}"), false).unwrap();
+        let on = patient(&format!("fci://{address}?protocol={protocol}"));
         let asked = FirstMotion::default();
         let (driven, first, found) = driven(&options(&told, on, asked));
         assert!(driven.tally.end == End::Complete && driven.good(), "{:?}", driven.tally);

@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crate::support::served::patient;
 use crate::support::{PANDA, folder};
 use phihat_drive::{CheckName, DriveError, DriveOptions, Driven, End, On, State, prepare};
 use phihat_fci::{Ending, Event, Pace, Protocol};
@@ -82,7 +83,7 @@ fn options(study: &Path, link: &str) -> DriveOptions {
         ..RunOptions::default()
     };
     let accept = vec![CheckName::Certificate, CheckName::RealTime, CheckName::Rehearsal];
-    DriveOptions { run, on: On::of(link, false).unwrap(), accept, ..DriveOptions::default() }
+    DriveOptions { run, on: patient(link), accept, ..DriveOptions::default() }
 }
 
 fn driven(options: &DriveOptions) -> Driven {

@@ -14,8 +14,8 @@ use crate::request::{
 };
 use crate::state::{EXTERNAL, RobotMode, RobotState};
 
-/// How long a state may take: as libfranka has it.
-const STATE_WAIT: Duration = Duration::from_secs(1);
+/// How long a state may take, as in libfranka.
+pub const STATE_WAIT: Duration = Duration::from_secs(1);
 
 /// How long an answer may take.
 const ANSWER_WAIT: Duration = Duration::from_secs(10);
@@ -60,6 +60,8 @@ pub struct Client {
     robot: IpAddr,
     /// Where commands go: whoever sent the first state.
     sender: Option<SocketAddr>,
+    /// How long a state may take.
+    patience: Duration,
     requests: u32,
     motion: Option<u32>,
     newest: u64,
@@ -69,12 +71,26 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects to a robot: a host, or `HOST:PORT`.
+    /// Connects to a robot: a host, or `HOST:PORT`. A state may take [`STATE_WAIT`].
     ///
     /// # Errors
     ///
     /// [`FciError`]: nobody answers, or it speaks another version.
     pub fn connect(host: &str, protocol: Protocol) -> Result<Self, FciError> {
+        Self::connect_patient(host, protocol, STATE_WAIT)
+    }
+
+    /// Connects to a robot whose states may take longer than libfranka waits: one that is simulated in lock-step, on a machine that
+    /// does other work.
+    ///
+    /// # Errors
+    ///
+    /// As [`connect`](Self::connect).
+    pub fn connect_patient(
+        host: &str,
+        protocol: Protocol,
+        patience: Duration,
+    ) -> Result<Self, FciError> {
         let whole = || FciError::network(format!("connecting to {host}"));
         let tcp = open(host).map_err(whole())?;
         let prepared = || -> io::Result<(UdpSocket, IpAddr, u16)> {
@@ -82,7 +98,7 @@ impl Client {
             tcp.set_read_timeout(Some(ANSWER_WAIT))?;
             tcp.set_write_timeout(Some(ANSWER_WAIT))?;
             let udp = UdpSocket::bind((tcp.local_addr()?.ip(), 0))?;
-            udp.set_read_timeout(Some(STATE_WAIT))?;
+            udp.set_read_timeout(Some(patience))?;
             let port = udp.local_addr()?.port();
             Ok((udp, tcp.peer_addr()?.ip(), port))
         };
@@ -93,6 +109,7 @@ impl Client {
             udp,
             robot,
             sender: None,
+            patience,
             requests: 0,
             motion: None,
             newest: 0,
@@ -169,7 +186,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// [`FciError::Silent`] after 1 s without one.
+    /// [`FciError::Silent`]: none came for as long as a state may take.
     pub fn receive(&mut self) -> Result<RobotState, FciError> {
         let network = || FciError::network("waiting for a state");
         self.udp.set_nonblocking(true).map_err(network())?;
@@ -180,7 +197,7 @@ impl Client {
         self.udp.set_nonblocking(false).map_err(network())?;
         let state = match found {
             Some(state) => state,
-            None => self.take()?.ok_or(FciError::Silent)?,
+            None => self.take()?.ok_or(FciError::Silent(self.patience))?,
         };
         self.state = Some(state);
         Ok(state)
@@ -220,7 +237,7 @@ impl Client {
     fn send(&mut self, command: &RobotCommand) -> Result<(), FciError> {
         let length = command.fill(self.protocol, &mut self.command);
         let (Some(bytes), Some(sender)) = (self.command.get(..length), self.sender) else {
-            return Err(FciError::Silent);
+            return Err(FciError::Silent(self.patience));
         };
         let sent = self.udp.send_to(bytes, sender);
         sent.map(drop).map_err(FciError::network("sending a command"))

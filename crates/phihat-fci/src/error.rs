@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::io;
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -19,9 +20,9 @@ pub enum FciError {
         /// What the system says.
         why: io::Error,
     },
-    /// No state for as long as libfranka waits.
-    #[error("the robot sent no state for 1 s")]
-    Silent,
+    /// No state for as long as one may take.
+    #[error("the robot sent no state for {} s", .0.as_secs_f64())]
+    Silent(Duration),
     /// The robot does not speak the version asked for.
     #[error("the robot speaks version {robot} of the interface, asked for was version {asked}")]
     Version {

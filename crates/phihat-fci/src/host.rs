@@ -92,6 +92,9 @@ const START_WAIT: Duration = Duration::from_millis(500);
 /// How long the network is waited for at a time: between two looks at the connection.
 const SLICE: Duration = Duration::from_millis(1);
 
+/// Most that counts as waited between two looks: while this process does not run, no client can answer it.
+const COUNTED_MOST: Duration = Duration::from_millis(20);
+
 /// The cycle.
 const PERIOD: Duration = Duration::from_millis(1);
 
@@ -126,6 +129,8 @@ pub struct Host {
     answers: Vec<u8>,
     /// Clients that cannot be served, until they are told so.
     refused: Vec<TcpStream>,
+    /// Who came when the client had gone: it is served next.
+    next: Option<(TcpStream, SocketAddr)>,
 }
 
 /// A connection.
@@ -168,7 +173,7 @@ impl Host {
         listener.set_nonblocking(true).map_err(what())?;
         let address = listener.local_addr().map_err(what())?;
         let answers = Vec::with_capacity(1 << 16);
-        Ok(Self { listener, address, pace, side, answers, refused: Vec::new() })
+        Ok(Self { listener, address, pace, side, answers, refused: Vec::new(), next: None })
     }
 
     /// Where it listens.
@@ -184,7 +189,8 @@ impl Host {
     /// Of the world; a client's connection that breaks is none.
     pub fn serve<W: World>(&mut self, world: &mut W) -> Result<(), W::Error> {
         while !world.is_done() {
-            match self.listener.accept() {
+            let came = self.next.take().map_or_else(|| self.listener.accept(), Ok);
+            match came {
                 Ok((tcp, from)) => {
                     if let Ok(mut session) = Session::new(tcp, from, self.pace) {
                         self.session(&mut session, world)?;
@@ -226,7 +232,7 @@ impl Host {
             return Ok(());
         }
         if self.side.mode() != Mode::Moving || self.side.id().is_multiple_of(64) {
-            self.refuse_others(world);
+            self.refuse_others(session, world);
         }
         let Some(client) = session.client else {
             session.silent += 1;
@@ -346,7 +352,8 @@ impl Host {
         world: &mut W,
         patience: Duration,
     ) -> Result<(), W::Error> {
-        let (mut bytes, mut since, mut packets) = ([0; 512], None, 0);
+        let (mut bytes, mut packets) = ([0; 512], 0);
+        let (mut last, mut waited) = (None, Duration::ZERO);
         while packets < PACKETS_MOST {
             match session.packet(&mut bytes) {
                 Packet::Bytes(length) => {
@@ -366,10 +373,13 @@ impl Host {
             if session.gone {
                 return Ok(());
             }
-            self.refuse_others(world);
+            self.refuse_others(session, world);
             let runs = matches!(self.side.mode(), Mode::Starting | Mode::Moving);
-            let began: Instant = *since.get_or_insert_with(Instant::now);
-            if !runs || began.elapsed() >= patience {
+            let now = Instant::now();
+            let passed = |last: Instant| now.duration_since(last).min(COUNTED_MOST);
+            waited += last.map_or(Duration::ZERO, passed);
+            last = Some(now);
+            if !runs || waited >= patience {
                 return Ok(());
             }
         }
@@ -377,11 +387,16 @@ impl Host {
     }
 
     /// Answers clients that cannot be served with a status that libfranka tells as a protocol error: it would wait for ever on a
-    /// connection that is only closed.
-    fn refuse_others<W: World>(&mut self, world: &mut W) {
+    /// connection that is only closed. Whoever comes after the client has gone is served next.
+    fn refuse_others<W: World>(&mut self, session: &Session, world: &mut W) {
         while self.refused.len() < REFUSED_MOST
+            && self.next.is_none()
             && let Ok((tcp, from)) = self.listener.accept()
         {
+            if session.has_gone() {
+                self.next = Some((tcp, from));
+                return;
+            }
             if tcp.set_nonblocking(true).is_ok() {
                 self.refused.push(tcp);
             }
@@ -413,6 +428,14 @@ impl Session {
             Pace::RealTime => udp.set_nonblocking(true)?,
         }
         Ok(Self { tcp, from, udp, client: None, tick: None, silent: 0, gone: false })
+    }
+
+    /// Whether the client has closed its connection, and nothing of what it sent is unread.
+    fn has_gone(&self) -> bool {
+        match self.tcp.peek(&mut [0]) {
+            Ok(length) => length == 0,
+            Err(why) => !is_no_data(&why),
+        }
     }
 
     /// Sends answers; a client that does not read them is sent away.

@@ -48,7 +48,7 @@ mod request;
 mod robot_side;
 mod state;
 
-pub use client::Client;
+pub use client::{Client, STATE_WAIT};
 pub use command::RobotCommand;
 pub use error::FciError;
 pub use fault::{Faults, Reflex};

@@ -4,6 +4,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, UdpSocket};
 use std::thread;
+use std::time::Duration;
 
 use crate::support::{connect, request, start};
 use allocation_counter::measure;
@@ -126,9 +127,13 @@ fn liar(answer: Vec<u8>, state: usize) -> String {
     address
 }
 
+fn connected(answer: Vec<u8>, state: usize) -> Result<Client, FciError> {
+    Client::connect_patient(&liar(answer, state), Protocol::V10, Duration::from_mins(1))
+}
+
 #[test]
 fn a_client_refuses_a_robot_that_lies() {
-    let why = Client::connect(&liar(Vec::new(), 1376), Protocol::V10).unwrap_err().to_string();
+    let why = connected(Vec::new(), 1376).unwrap_err().to_string();
     assert_eq!(why, "a state with a length of 1376; valid: 1377 bytes");
     // An answer that claims nearly nothing, nearly everything, and one that ends before it does.
     let head = |size: u32| {
@@ -136,7 +141,7 @@ fn a_client_refuses_a_robot_that_lies() {
         words.chain([0, b'<']).collect::<Vec<u8>>()
     };
     let asked = |answer: Vec<u8>| {
-        let mut client = Client::connect(&liar(answer, 1377), Protocol::V10).unwrap();
+        let mut client = connected(answer, 1377).unwrap();
         let mut told = Ok(String::new());
         let used = measure(|| told = client.model());
         assert!(used.bytes_max < 10_000, "{used:?}");

@@ -47,7 +47,7 @@ fn both(protocol: Protocol, cycles: u64) -> (u64, u64) {
         assert_eq!((world.cycles, world.endings), (cycles, vec![Ending::Finished]));
         used.count_total
     });
-    let mut client = Client::connect(&address, protocol).unwrap();
+    let mut client = Client::connect_patient(&address, protocol, Duration::from_mins(1)).unwrap();
     client.start_torque().unwrap();
     let used = measure(|| {
         for _ in 1..cycles {

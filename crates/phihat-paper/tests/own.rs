@@ -16,7 +16,8 @@ const STUDY: &str = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nset
     [reference]\nkind = \"hold\"\nq_rad = 0.3\n";
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("own").join(name);
+    let folder =
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join("own").join(name);
     let _old = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     folder

@@ -268,14 +268,25 @@ def test_silence_ends_as_libfranka_documents(
     served, told = serve(20), list[dict[str, Any]]()
     robot = connect(served.address)
 
+    def silent() -> None:
+        told.clear()
+        with pytest.raises(error(protocol), match="communication_constraints_violation") as ended:
+            run(robot, law, 1000)
+        assert "libfranka: Move command aborted: motion aborted by reflex!" in str(ended.value)
+
     def law(_q: list[float], _dq: list[float]) -> list[float]:
         # The second sample is not answered before the robot has given up.
         told.append({} if not told else served.motion())
         return [0.0] * 7
 
-    with pytest.raises(error(protocol), match="communication_constraints_violation") as ended:
-        run(robot, law, 1000)
-    assert "libfranka: Move command aborted: motion aborted by reflex!" in str(ended.value)
+    silent()
+    # A client that had no processor for 0.4 s was stopped before its silence: it has other tries.
+    for _ in range(20):
+        if len(told) == 2:
+            break
+        served.motion()
+        robot.automatic_error_recovery()
+        silent()
     assert [motion.get("motion") for motion in told] == [None, "reflex: communication_constraints_violation"]
     robot.automatic_error_recovery()
     assert "Idle" in str(robot.read_once().robot_mode)

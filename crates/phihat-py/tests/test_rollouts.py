@@ -3,12 +3,10 @@ end them."""
 
 from __future__ import annotations
 
-import os
 import signal
-import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -137,43 +135,49 @@ def test_progress_is_told_and_ends_it() -> None:
         phihat.rollouts(BASE, seeds=range(8), progress=enough)
 
 
-def interrupted(rolling: Callable[[], object], when: threading.Event) -> None:
-    """Ctrl-C while something runs: it raises."""
+def interrupted(rolling: Callable[[], object], ready: Callable[[], bool]) -> None:
+    """Ctrl-C while compiled code is at work, once something is ready: it raises.
 
-    def interrupt() -> None:
-        when.wait()
-        time.sleep(0.2)
-        os.kill(os.getpid(), signal.SIGINT)
+    A timer looks until it finds Python at one instruction of ``rollouts`` twice: that is inside the call which this instruction makes.
+    """
+    last: tuple[FrameType | None, int] = (None, -1)
+
+    def look(_number: int, frame: FrameType | None) -> None:
+        nonlocal last
+        before, last = last, (None, -1)
+        if frame is not None and frame.f_code.co_name == "rollouts" and ready():
+            last = (frame, frame.f_lasti)
+            if last == before:
+                signal.raise_signal(signal.SIGINT)
 
     # A shell that starts this behind its back has it ignore Ctrl-C.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    thread = threading.Thread(target=interrupt)
+    before = [(number, signal.signal(number, handler)) for number, handler in
+              ((signal.SIGINT, signal.default_int_handler), (signal.SIGALRM, look))]
     try:
-        thread.start()
         with pytest.raises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
             rolling()
     finally:
-        thread.join()
-        signal.signal(signal.SIGINT, before)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number, handler in before:
+            signal.signal(number, handler)
 
 
 def test_ctrl_c_ends_the_runs_long_before_the_last() -> None:
     told: list[int] = []
-    running = threading.Event()
 
     def progress(done: int, of: int) -> None:
         told.append(done)
-        running.set()
 
-    interrupted(lambda: phihat.rollouts(BASE, seeds=range(100_000), progress=progress), running)
+    interrupted(lambda: phihat.rollouts(BASE, seeds=range(100_000), progress=progress), lambda: bool(told))
     assert told[-1] < 100_000
 
 
 def test_ctrl_c_ends_what_comes_before_the_runs() -> None:
     """While gains are designed, which takes seconds: no run is begun."""
     told: list[int] = []
-    now = threading.Event()
-    now.set()
     designed = Path(__file__).parents[3] / "studies/panda_design.toml"
-    interrupted(lambda: phihat.rollouts(designed, seeds=[1], progress=lambda done, _: told.append(done)), now)
+    interrupted(
+        lambda: phihat.rollouts(designed, seeds=[1], progress=lambda done, _: told.append(done)), lambda: True
+    )
     assert not told

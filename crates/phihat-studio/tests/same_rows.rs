@@ -5,7 +5,7 @@ use phihat_sim::{Row, Trace};
 use phihat_studio::{Begin, Beside, Live, StudioOptions};
 use serde_json::json;
 
-use crate::support::{document, folder, place, serve, status};
+use crate::support::{document, folder, place, serve, status, wait_for};
 
 fn begin(study: &std::path::Path) -> Begin {
     let options = RunOptions { study: study.to_owned(), ..RunOptions::default() };
@@ -123,13 +123,10 @@ fn a_page_pushes_drags_gains_checks_and_saves() {
     assert!(met["t"].as_f64().unwrap() >= 0.0, "{met}");
     let asked =
         document(&place.post("/gains", r#"{"error":1,"outer":1.1,"estimator":1,"inertia":1}"#));
-    let found = loop {
+    let found = wait_for("what the gains amount to", || {
         let found = document(&place.get("/proof"));
-        if found["ask"] == asked["ask"] {
-            break found;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(50));
-    };
+        (found["ask"] == asked["ask"]).then_some(found)
+    });
     assert_eq!(found["numbers"]["armed"], true, "{found}");
     assert!((found["numbers"]["joints"][0]["kp"].as_f64().unwrap() - 484.0).abs() < 1e-9);
     let wrong = crate::support::STUDY.replace("rate_hz", "rate_khz");
@@ -219,10 +216,13 @@ fn what_was_recorded_is_played_and_nothing_is_done_to_it() {
     assert_eq!(status(&place.post("/run", r#"{"speed":0}"#)), 200);
     for k in [700_usize, 123] {
         let t = trace.t_ns[k] as f64 * 1e-9;
-        assert_eq!(status(&place.post("/seek", &json!({ "t": t }).to_string())), 200);
-        let picture = place.picture(|shown| {
-            let near = shown["t"].as_f64().is_some_and(|now| (now - t).abs() < 2e-3);
-            near && shown["joints"][0]["e"][0].is_number()
+        // The sample is in one picture. Whoever begins to look after it asks for it again.
+        let picture = wait_for("a picture of the sample", || {
+            assert_eq!(status(&place.post("/seek", &json!({ "t": t }).to_string())), 200);
+            place.picture(|shown| {
+                let near = shown["t"].as_f64().is_some_and(|now| (now - t).abs() < 2e-3);
+                near && shown["joints"][0]["e"][0].is_number()
+            })
         });
         for (shown, joint) in picture["joints"].as_array().unwrap().iter().zip(&trace.joints) {
             let told = [&shown["q"], &shown["qd"], &shown["e"][0], &shown["tau"][1], &shown["phi"]];

@@ -1,11 +1,29 @@
 //! A studio of a small study, and a client that sends whatever bytes it is given.
 
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use phihat_studio::StudioOptions;
+
+/// How long a test waits for what comes: only what never comes takes longer.
+const PATIENCE: Duration = Duration::from_mins(10);
+
+/// From one look to the next: seldom enough that the studio answers each.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Looks again and again until something is there.
+pub(crate) fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let looks = PATIENCE.as_millis() / TICK.as_millis();
+    for _ in 0..looks {
+        if let Some(found) = look() {
+            return found;
+        }
+        std::thread::sleep(TICK);
+    }
+    panic!("waited for ten minutes, in vain: {what}");
+}
 
 /// A planar arm with stated gains, an encoder and its own push.
 pub(crate) const STUDY: &str = r#"
@@ -54,7 +72,7 @@ pub(crate) struct Place {
 
 /// A fresh folder with the study in it.
 pub(crate) fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio").join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
@@ -84,8 +102,8 @@ pub(crate) fn serve(folder: &Path, options: StudioOptions) -> Place {
 impl Place {
     pub(crate) fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.address).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        stream.set_write_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_write_timeout(Some(PATIENCE)).unwrap();
         stream
     }
 
@@ -96,8 +114,17 @@ impl Place {
         let _ = stream.write_all(bytes);
         let mut all = Vec::new();
         let mut some = [0; 4096];
-        while let Ok(count @ 1..) = stream.read(&mut some) {
-            all.extend_from_slice(&some[..count]);
+        loop {
+            match stream.read(&mut some) {
+                Ok(0) => break,
+                Ok(count) => all.extend_from_slice(&some[..count]),
+                Err(why) if why.kind() == ErrorKind::Interrupted => {}
+                Err(why) if matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                    panic!("waited for ten minutes, in vain: the studio closes a connection")
+                }
+                // It was closed with bytes unread.
+                Err(_) => break,
+            }
         }
         String::from_utf8_lossy(&all).into_owned()
     }
@@ -122,14 +149,17 @@ impl Place {
         )
     }
 
-    /// The first picture of the run that is as it shall be.
-    pub(crate) fn picture(&self, is_it: impl Fn(&serde_json::Value) -> bool) -> serde_json::Value {
+    /// The first of the next pictures of the run that is as it shall be.
+    pub(crate) fn picture(
+        &self,
+        is_it: impl Fn(&serde_json::Value) -> bool,
+    ) -> Option<serde_json::Value> {
         let mut stream = self.connect();
         stream.write_all(format!("{}\r\n", self.head("GET /live")).as_bytes()).unwrap();
         let lines = BufReader::new(stream).lines().map_while(Result::ok);
         let pictures =
             lines.filter_map(|line| serde_json::from_str(line.strip_prefix("data: ")?).ok());
-        pictures.into_iter().find(|shown| is_it(shown)).unwrap()
+        pictures.take(20).find(|shown| is_it(shown))
     }
 
     pub(crate) fn get(&self, path: &str) -> String {

@@ -568,7 +568,7 @@ fn a_locked_joint_is_no_joint_any_more() {
 #[test]
 fn an_arm_is_cut_out_of_a_file_by_its_base_and_tip() {
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../phihat-model/robots");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cut");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join("cut");
     fs::create_dir_all(&folder).unwrap();
     // By itself: what stands beside the file is about the whole arm.
     fs::copy(robots.join("planar3r.urdf"), folder.join("alone.urdf")).unwrap();

@@ -1,9 +1,13 @@
 //! Runs the real binary in a folder of its own.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+mod running;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+pub(crate) use running::{Running, wait_for};
 
 /// Files below a folder, by their paths from there.
 pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
@@ -17,7 +21,7 @@ pub(crate) struct Answer {
 
 /// A fresh folder that sees the project's studies as `studies/`.
 pub(crate) fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
@@ -57,36 +61,27 @@ pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 
 /// Runs it, and presses Ctrl-C once it listens and a file has something in it.
 pub(crate) fn interrupted(folder: &Path, arguments: &[&str], once: &str) -> Answer {
-    use std::process::Stdio;
-    let mut child = Command::new(env!("CARGO_BIN_EXE_phihat"))
-        .args(arguments)
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let written = || std::fs::metadata(folder.join(once)).is_ok_and(|file| file.len() > 0);
+    interrupted_in(Running::of(folder, arguments, None), &folder.join(once))
+}
+
+/// Presses Ctrl-C once a process listens and a file has something in it.
+pub(crate) fn interrupted_in(mut running: Running, once: &Path) -> Answer {
+    let written = || std::fs::metadata(once).is_ok_and(|file| file.len() > 0);
     let caught = |status: String| {
         let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
         // SIGINT is the second signal.
         u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0
     };
-    let status = format!("/proc/{}/status", child.id());
+    let id = running.child.id().to_string();
+    let status = format!("/proc/{id}/status");
     // Where there is no such file, what is written tells.
     let listens =
         || !Path::new("/proc").exists() || std::fs::read_to_string(&status).is_ok_and(caught);
-    while child.try_wait().unwrap().is_none() && !(listens() && written()) {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let what = format!("it listens to Ctrl-C, and something is in {}", once.display());
+    assert!(running.until(&what, || listens() && written()), "it ended before: {what}");
+    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
     assert!(sent.success());
-    let output = child.wait_with_output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    Answer {
-        code: output.status.code().unwrap_or(-1),
-        out: text(output.stdout),
-        err: text(output.stderr),
-    }
+    running.answer()
 }
 
 /// Every file below a folder.

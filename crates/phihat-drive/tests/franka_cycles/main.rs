@@ -62,7 +62,8 @@ fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
     let (mut control, side) = Simulation::new(&study, &law).unwrap().apart();
     let mut host = served::listening();
-    let address = FrankaAddress { host: host.address().to_string(), protocol: Some(protocol) };
+    let (at, patience) = (host.address().to_string(), Duration::from_mins(1));
+    let address = FrankaAddress { host: at, protocol: Some(protocol), patience };
     let mut world = Served::of(side);
     let serving = thread::spawn(move || {
         host.serve(&mut world).unwrap();

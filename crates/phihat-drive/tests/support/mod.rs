@@ -139,7 +139,7 @@ pub(crate) fn names(study: &Study) -> Vec<String> {
 
 /// A fresh folder.
 pub(crate) fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_PKG_NAME")).join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }

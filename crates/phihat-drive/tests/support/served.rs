@@ -3,6 +3,7 @@
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
+use phihat_drive::{FrankaAddress, On};
 use phihat_fci::{Ending, FciError, Host, Pace, Packets, RobotSide, Rules, Sensed, World};
 use phihat_sim::WorldSide;
 
@@ -79,6 +80,17 @@ impl World for Served {
 
     fn is_done(&mut self) -> bool {
         self.ended.is_some()
+    }
+}
+
+/// The robot at an address of the form `fci://HOST:PORT?protocol=N`. Its states may take a minute: libfranka's 1 s is a rule for
+/// a robot, and would fail a test whose other thread does not get a processor for that long.
+pub(crate) fn patient(link: &str) -> On {
+    match On::of(link, false).unwrap() {
+        On::Franka(address) => {
+            On::Franka(FrankaAddress { patience: Duration::from_mins(1), ..address })
+        }
+        other => other,
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Without debug assertions, as in a release build, the answer is always yes and nothing of this is compiled. With them,
 //! the environment's `PHIHAT_STRIKE` names an operation by its number, from 1: `fail 7` has it fail, half-done where it is
-//! a write; `full 7` has this one and all later ones fail that need room; `kill 7` ends the process there.
+//! a write; `full 7` has this one and all later ones fail that need room; `kill 7` ends the process there. `pause 7` keeps the
+//! process there until a signal ends it; `pass 7` lets it go on, and says on the standard error output, as the others do, how far it
+//! came. With a third word, as in `pause 4 journal.jsonl`, only operations on paths that contain the word are numbered.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -47,7 +49,7 @@ pub use armed::strike;
 /// What the system says.
 pub fn write_all(file: &mut File, path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(debug_assertions)]
-    if armed::is_next() {
+    if armed::is_next(path) {
         // What fails has often begun.
         file.write_all(&bytes[..bytes.len() / 2])?;
     }
@@ -61,24 +63,45 @@ mod armed {
     use std::path::Path;
     use std::sync::LazyLock;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
 
     use super::Operation;
 
     /// What a shell says of a process that was killed.
     const KILLED: i32 = 137;
 
-    /// What is struck: how, and from which operation on.
-    static PLAN: LazyLock<Option<(String, usize)>> = LazyLock::new(|| {
+    /// What is struck.
+    struct Plan {
+        how: String,
+        /// From which operation on.
+        from: usize,
+        /// What the paths contain whose operations are numbered.
+        word: String,
+    }
+
+    impl Plan {
+        fn numbers(&self, path: &Path) -> bool {
+            path.to_string_lossy().contains(&self.word)
+        }
+    }
+
+    static PLAN: LazyLock<Option<Plan>> = LazyLock::new(|| {
         let text = std::env::var("PHIHAT_STRIKE").ok()?;
-        let (how, number) = text.split_once(' ')?;
-        Some((how.to_owned(), number.parse().ok()?))
+        let (how, rest) = text.split_once(' ')?;
+        let (number, word) = rest.split_once(' ').unwrap_or((rest, ""));
+        Some(Plan { how: how.to_owned(), from: number.parse().ok()?, word: word.to_owned() })
     });
     static DONE: AtomicUsize = AtomicUsize::new(0);
 
-    /// Whether the next operation is the one that is struck.
-    pub(super) fn is_next() -> bool {
+    /// Whether the next operation, on this path, is one that is not done to its end.
+    pub(super) fn is_next(path: &Path) -> bool {
+        let Some(plan) = PLAN.as_ref().filter(|plan| plan.numbers(path)) else { return false };
         let next = DONE.load(Ordering::Relaxed) + 1;
-        PLAN.as_ref().is_some_and(|(how, from)| next == *from || (how == "full" && next > *from))
+        match plan.how.as_str() {
+            "pass" => false,
+            "full" => next >= plan.from,
+            _ => next == plan.from,
+        }
     }
 
     /// Whether an operation may go on.
@@ -88,7 +111,8 @@ mod armed {
     /// The strike that was asked for.
     #[allow(clippy::print_stderr, reason = "the test reads whether it struck, and what")]
     pub fn strike(operation: Operation, path: &Path) -> io::Result<()> {
-        let Some((how, from)) = &*PLAN else { return Ok(()) };
+        let Some(plan) = PLAN.as_ref().filter(|plan| plan.numbers(path)) else { return Ok(()) };
+        let Plan { how, from, .. } = plan;
         let number = DONE.fetch_add(1, Ordering::Relaxed) + 1;
         let roomless = matches!(operation, Operation::Move | Operation::Remove | Operation::Lock);
         let struck =
@@ -97,9 +121,14 @@ mod armed {
             return Ok(());
         }
         eprintln!("struck: {how} {number}: {operation:?} {}", path.display());
-        if how == "kill" {
-            std::process::exit(KILLED);
+        match how.as_str() {
+            "kill" => std::process::exit(KILLED),
+            // Whatever unparks a thread: only a signal leads out of here.
+            "pause" => loop {
+                thread::park();
+            },
+            "pass" => Ok(()),
+            _ => Err(ErrorKind::StorageFull.into()),
         }
-        Err(ErrorKind::StorageFull.into())
     }
 }
