@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::bindings::environment;
-use crate::gate;
+use crate::programs;
 use crate::shell::{cargo, command};
 
 /// Runs the attack, optimised; what it is told goes on to it. One study in twenty is run by Pinocchio and MuJoCo too,
@@ -20,7 +20,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
 
 /// Sixty studies by the gate's build, in its own engine alone: less than a minute.
 pub(crate) fn short(root: &Path) -> Result<(), String> {
-    let program = gate::program(root, "phihat-attack/phihat-attack")?.display().to_string();
+    let program = programs::program(root, "phihat-attack/phihat-attack")?.display().to_string();
     let size = ["60", "--runs", "4", "--searched", "0", "--fresh"];
     command(root, &program, &[&size[..], &["--out", "target/gate/attack"]].concat())
 }

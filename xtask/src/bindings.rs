@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::shell::command;
-use crate::{book, gate, tools, venv};
+use crate::{book, programs, tools, venv};
 
 /// What every C and C++ program here is compiled with.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
@@ -105,7 +105,7 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
     let place = package(root)?;
     let folder = root.join("crates/phihat-py");
     let logs = logs(root)?;
-    let program = gate::program(root, "phihat-cli/phihat")?;
+    let program = programs::program(root, "phihat-cli/phihat")?;
     let with_package = |arguments: &[&str], folder: &Path| {
         let status = Command::new(&python)
             .args(arguments)
@@ -141,7 +141,7 @@ fn package(root: &Path) -> Result<PathBuf, String> {
         fs::remove_dir_all(&place).map_err(failed)?;
     }
     book::copy(&root.join("crates/phihat-py/python/phihat"), &inside)?;
-    fs::copy(gate::program(root, "phihat-py/_phihat")?, inside.join("_phihat.abi3.so"))
+    fs::copy(programs::program(root, "phihat-py/_phihat")?, inside.join("_phihat.abi3.so"))
         .map_err(failed)?;
     Ok(place)
 }
@@ -184,7 +184,7 @@ fn logs(root: &Path) -> Result<PathBuf, String> {
         let study = format!("studies/{name}.toml");
         let out = folder.join(name).display().to_string();
         let log = folder.join(format!("{name}.mcap")).display().to_string();
-        let program = gate::program(root, "phihat-session/log")?.display().to_string();
+        let program = programs::program(root, "phihat-session/log")?.display().to_string();
         command(root, &program, &[&study, &out, &log])?;
     }
     Ok(folder)

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::shell::{cargo, read, write};
-use crate::{book, gate};
+use crate::{book, programs};
 
 /// The README's main job.
 const MAIN_JOB: [&str; 2] = ["run", "studies/panda.toml"];
@@ -22,8 +22,8 @@ const FRESH: &str = "target/reproduction";
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     reproduction(root)?;
     let (before, after) = frame(root)?;
-    gate::note(root)?;
-    let program = gate::program(root, "phihat-cli/phihat")?;
+    programs::note(root)?;
+    let program = programs::program(root, "phihat-cli/phihat")?;
     let printed = output(Command::new(program).args(MAIN_JOB).current_dir(root))?;
     write(&root.join("README.md"), &format!("{before}{OPEN}{printed}{CLOSE}{after}"))?;
     book::bless(root)
@@ -129,6 +129,6 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
 pub(crate) fn comparison_short(root: &Path) -> Result<(), String> {
     let words =
         "compare studies/table1.toml --quick --worlds exact,friction --out target/gate/compare";
-    let program = gate::program(root, "phihat-cli/phihat")?;
+    let program = programs::program(root, "phihat-cli/phihat")?;
     output(Command::new(program).args(words.split(' ')).current_dir(root)).map(|_| ())
 }

@@ -22,7 +22,7 @@ use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 
 use crate::shell::{read, write};
 use crate::shown::{in_order, renewed};
-use crate::{gate, tools};
+use crate::{programs, tools};
 
 const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";
@@ -133,7 +133,7 @@ pub(crate) fn tool(root: &Path) -> Result<PathBuf, String> {
 
 /// The command line program of the gate's build.
 fn program(root: &Path) -> Result<PathBuf, String> {
-    gate::program(root, "phihat-cli/phihat")
+    programs::program(root, "phihat-cli/phihat")
 }
 
 /// Builds the page tree and returns the pages in the order of the summary.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::shell::command;
-use crate::{bless, gate, pages, tools as installed};
+use crate::{bless, pages, programs, tools as installed};
 
 /// The folder of the checks, with what drives the browser; both are installed where they are missing.
 pub(crate) fn tools(root: &Path) -> Result<PathBuf, String> {
@@ -21,7 +21,7 @@ pub(crate) fn tools(root: &Path) -> Result<PathBuf, String> {
 
 /// The README's main job, whose output the README shows; then a short look at its report, at a page of each other kind, and at the studio.
 pub(crate) fn short(root: &Path) -> Result<(), String> {
-    let program = gate::program(root, "phihat-cli/phihat")?;
+    let program = programs::program(root, "phihat-cli/phihat")?;
     bless::check(root, &program)?;
     let folder = tools(root)?;
     let look =
@@ -42,7 +42,7 @@ pub(crate) fn short(root: &Path) -> Result<(), String> {
 
 /// Runs an example of the gate's build: `package/name`.
 fn example(root: &Path, name: &str, words: &[&str]) -> Result<(), String> {
-    command(root, &gate::program(root, name)?.display().to_string(), words)
+    command(root, &programs::program(root, name)?.display().to_string(), words)
 }
 
 /// The pages of a folder, sorted.
@@ -62,7 +62,7 @@ fn comparison(root: &Path) -> Result<String, String> {
     let small = "compare studies/table1.toml --quick --only pd,computed-torque,proposed-2 --worlds exact,friction";
     let out = root.join("out/browser-compare").display().to_string();
     let words: Vec<_> = small.split(' ').chain(["--out", &out]).collect();
-    command(root, &gate::program(root, "phihat-cli/phihat")?.display().to_string(), &words)?;
+    command(root, &programs::program(root, "phihat-cli/phihat")?.display().to_string(), &words)?;
     Ok(format!("{out}/report.html"))
 }
 
@@ -74,7 +74,7 @@ pub(crate) fn reports(root: &Path) -> Result<Vec<String>, String> {
         let page = record.join("report.html");
         if !page.exists() || !record.join("trace.csv").exists() {
             let study = format!("studies/{study}.toml");
-            let program = gate::program(root, "phihat-cli/phihat")?.display().to_string();
+            let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
             command(root, &program, &["run", &study, "--csv", "--quiet"])?;
         }
         pages.push(page.display().to_string());
@@ -118,7 +118,7 @@ pub(crate) fn every(root: &Path) -> Result<(), String> {
 /// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, a record, an arm
 /// with a mesh, and a log.
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
-    let program = gate::program(root, "phihat-cli/phihat")?.display().to_string();
+    let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
     let at = |path: &str| root.join(path).display().to_string();
     let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
     command(folder, "node", &["studio.mjs", &program, &study, &gains])?;

@@ -30,7 +30,7 @@ const TESTS_ONLY: [&str; 5] =
     ["cbindgen", "cssparser", "cssparser-macros", "dtoa-short", "selectors"];
 
 /// Packages that are there in several versions, and who brings the other one.
-const TWICE: [(&str, usize, &str); 23] = [
+const TWICE: [(&str, usize, &str); 24] = [
     ("base64", 2, "parquet, resvg"),
     ("darling", 2, "clarabel, when it is built"),
     ("darling_core", 2, "clarabel, when it is built"),
@@ -44,6 +44,7 @@ const TWICE: [(&str, usize, &str); 23] = [
     ("rand_core", 2, "cmaes, proptest"),
     ("roxmltree", 2, "resvg"),
     ("safe_arch", 2, "simba of nalgebra, which has no vectors of eight"),
+    ("shlex", 2, "trycmd"),
     ("strsim", 2, "clarabel, when it is built"),
     ("syn", 3, "proc macros"),
     ("thiserror", 2, "ros2-client, behind a feature"),

@@ -20,6 +20,7 @@ mod instructions;
 mod laws;
 mod mutants;
 mod pages;
+mod programs;
 mod ray;
 mod rivals;
 mod ros2;
@@ -101,7 +102,7 @@ fn main() -> ExitCode {
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
         Some((verb, _)) if verb == "fronts" => bless::fronts(&shell::root()),
         Some((verb, rest)) if verb == "screenshots" => {
-            gate::note(&shell::root()).and_then(|()| screenshots::run(&shell::root(), rest))
+            programs::note(&shell::root()).and_then(|()| screenshots::run(&shell::root(), rest))
         }
         Some((verb, rest)) if verb == "franka" => franka::run(&shell::root(), rest),
         Some((verb, _)) if verb == "drive-cost" => instructions::drive(&shell::root()),

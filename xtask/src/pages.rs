@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::gate;
+use crate::programs;
 
 /// Where they are put.
 pub(crate) const FOLDER: &str = "out/screenshots/pages";
@@ -33,7 +33,7 @@ pub(crate) const COMPARISON: Made = (
 pub(crate) fn made(root: &Path, (page, told, words): Made) -> Result<String, String> {
     let page = root.join(FOLDER).join(page);
     if !page.exists() {
-        let program = gate::program(root, "phihat-cli/phihat")?.display().to_string();
+        let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
         let told = format!("{FOLDER}/{told}");
         let words: Vec<_> = words.split(' ').chain(["--out", &told]).collect();
         // A bar that is missed (exit code 1) is an answer, with a page.

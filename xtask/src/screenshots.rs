@@ -4,7 +4,7 @@ use std::path::{Path, absolute};
 
 use crate::pages::{COMPARISON, PLAIN, made};
 use crate::shell::command;
-use crate::{browser, gate};
+use crate::{browser, programs};
 
 /// Where they are put unless somebody says otherwise.
 const OUT: &str = "out/screenshots";
@@ -21,7 +21,7 @@ pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
         [] => (at(OUT), args),
     };
     let folder = browser::tools(root)?;
-    let program = gate::program(root, "phihat-cli/phihat")?.display().to_string();
+    let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
     let mut pages = browser::reports(root)?;
     pages.push(at("docs/reproduction/report.html"));
     for page in PLAIN.into_iter().chain([COMPARISON]) {

@@ -5,7 +5,6 @@
 
 mod measured;
 mod pool;
-mod programs;
 mod steps;
 mod times;
 
@@ -18,7 +17,6 @@ use steps::{Scope, Stage, Step};
 use times::Times;
 
 pub(crate) use measured::run as measured;
-pub(crate) use programs::{note, program};
 
 /// What the words after `cargo xtask test` choose.
 #[derive(Debug, Default, PartialEq)]
@@ -66,7 +64,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let mut done = Vec::new();
     let result = stages.iter().try_for_each(|stage| pool::run(&root, stage, &mut done));
     let wall = began.elapsed().as_secs_f64();
-    let times = Times::of(&root, &done)?;
+    let costs = done.iter().map(|step| (step.name.to_owned(), step.cost)).collect();
+    let times = Times::of(&root, costs, done.iter().any(|step| step.name == steps::TESTS))?;
     print!("{}", times.table(&root, wall)?);
     times.write(&root)?;
     let failed: Vec<&Finished> = done.iter().filter(|step| !step.ok).collect();

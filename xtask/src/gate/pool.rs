@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use super::steps::Stage;
 use super::times::{self, Cost};
-use crate::shell::read;
+use crate::shell::{gate_folder, read};
 
 /// Steps that run at the same time.
 const WORKERS: usize = 2;
@@ -54,7 +54,7 @@ pub(super) fn run(root: &Path, stage: &Stage, done: &mut Vec<Finished>) -> Resul
 
 /// Runs a step in a process of its own: whether it passed, and what it printed. Alone, it prints to the terminal.
 fn process(root: &Path, name: &str, alone: bool) -> Result<(bool, String), String> {
-    let path = times::folder(root)?.join(format!("{name}.log"));
+    let path = gate_folder(root)?.join(format!("{name}.log"));
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
     let program = std::env::current_exe().map_err(failed)?;
     let mut command = Command::new(program);

@@ -4,9 +4,11 @@ use std::path::Path;
 use std::process::Command;
 
 use super::measured::LOG;
-use super::{programs, times};
+use super::times;
 use crate::shell::{self, EVERYTHING, cargo};
-use crate::{attack, bindings, bless, book, browser, instructions, mutants, rules, tools, twice};
+use crate::{
+    attack, bindings, bless, book, browser, instructions, mutants, programs, rules, tools, twice,
+};
 
 /// When a step runs, unless it is named.
 #[derive(Clone, Copy, Debug, PartialEq)]

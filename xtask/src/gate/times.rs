@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::pool::Finished;
-use crate::shell::{read, write};
+use crate::shell::{gate_folder, read, write};
 
 /// How much slower than the kept figure a step or test is named, as a ratio of processor times.
 const SLOWER: f64 = 1.5;
@@ -19,8 +18,7 @@ const LEAST_S: f64 = 1.0;
 /// Tests that the table shows.
 const SLOWEST: usize = 10;
 
-/// Where a run of the gate leaves its figures, and the file that the repository keeps.
-const FOLDER: &str = "target/gate";
+/// The file of times that the repository keeps.
 const KEPT: &str = "xtask/times.json";
 
 /// Wall time and processor time \[s\].
@@ -51,27 +49,20 @@ pub(super) fn processor_of_children() -> f64 {
     0.0
 }
 
-/// The folder of figures and logs.
-pub(super) fn folder(root: &Path) -> Result<PathBuf, String> {
-    let folder = root.join(FOLDER);
-    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    Ok(folder)
-}
-
 /// The file to which each test adds a line.
 pub(super) fn tests_file(root: &Path) -> Result<PathBuf, String> {
-    Ok(folder(root)?.join("tests.txt"))
+    Ok(gate_folder(root)?.join("tests.txt"))
 }
 
 /// Leaves what a step cost, for [`left`].
 pub(super) fn leave(root: &Path, name: &str, wall: f64) -> Result<(), String> {
     let text = json!({ "wall_s": wall, "processor_s": processor_of_children() }).to_string();
-    write(&folder(root)?.join(format!("{name}.json")), &text)
+    write(&gate_folder(root)?.join(format!("{name}.json")), &text)
 }
 
 /// What a step cost; the file is taken away, so that it is not taken for one of another run.
 pub(super) fn left(root: &Path, name: &str) -> Result<Cost, String> {
-    let path = folder(root)?.join(format!("{name}.json"));
+    let path = gate_folder(root)?.join(format!("{name}.json"));
     let text = read(&path)?;
     std::fs::remove_file(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let value: Value =
@@ -89,13 +80,15 @@ pub(super) struct Times {
 }
 
 impl Times {
-    /// Those of steps that have ended, and of the tests among them.
-    pub(super) fn of(root: &Path, done: &[Finished]) -> Result<Self, String> {
-        let steps = done.iter().map(|step| (step.name.to_owned(), step.cost)).collect();
-        let with_tests = done.iter().any(|step| step.name == super::steps::TESTS);
+    /// Those of steps that have ended, in their order, and of the tests if they are among them.
+    pub(super) fn of(
+        root: &Path,
+        steps: Vec<(String, Cost)>,
+        with_tests: bool,
+    ) -> Result<Self, String> {
         let text =
-            if with_tests { std::fs::read_to_string(tests_file(root)?) } else { Ok(String::new()) };
-        Ok(Self { steps, tests: text.map(|text| tests(&text)).unwrap_or_default() })
+            if with_tests { read(&tests_file(root)?).unwrap_or_default() } else { String::new() };
+        Ok(Self { steps, tests: tests(&text) })
     }
 
     /// The table of steps, the slowest tests, and what became slower.
@@ -168,7 +161,7 @@ impl Times {
             })
             .collect();
         let document = json!({ "steps": steps, "tests_processor_s": self.tests });
-        write(&folder(root)?.join("times.json"), &format!("{document:#}\n"))
+        write(&gate_folder(root)?.join("times.json"), &format!("{document:#}\n"))
     }
 
     /// Makes the figures those that later runs are compared with.

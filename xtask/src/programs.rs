@@ -6,19 +6,18 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use super::times;
-use crate::shell::{EVERYTHING, read, write};
+use crate::shell::{EVERYTHING, gate_folder, read, write};
 
 /// The file with the place of each program, by package and name.
 const PLACES: &str = "programs.json";
 
 /// Benches that are programs of their own and count or time what users wait for.
-pub(super) const BENCHES: [&str; 6] =
+pub(crate) const BENCHES: [&str; 6] =
     ["update", "instructions", "soak", "dynamics", "tube", "closed_loop"];
 
 /// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and one set of features, and
 /// notes where the programs are.
-pub(super) fn build(root: &Path) -> Result<(), String> {
+pub(crate) fn build(root: &Path) -> Result<(), String> {
     if Command::new("clippy-driver").arg("--version").output().is_err() {
         return Err("clippy-driver is missing: rustup component add clippy".to_owned());
     }
@@ -48,13 +47,13 @@ fn noted(root: &Path, more: &[&str]) -> Result<(), String> {
     let text = String::from_utf8_lossy(&output.stdout);
     let places: BTreeMap<_, _> = text.lines().filter_map(place).collect();
     let text = serde_json::to_string_pretty(&places).map_err(|e| e.to_string())?;
-    write(&times::folder(root)?.join(PLACES), &text)
+    write(&gate_folder(root)?.join(PLACES), &text)
 }
 
 /// Makes a cargo command compile as [`build`] does, and so use what it has compiled: crates of the workspace by clippy's driver, which is
 /// rustc with the lints, a warning being an error. A pass of clippy by itself would check every crate a second time, which takes
 /// as long as a third of the build. The driver leaves out some optimisations before LLVM's; results are the same to the bit.
-pub(super) fn like_the_build(command: &mut Command) -> &mut Command {
+pub(crate) fn like_the_build(command: &mut Command) -> &mut Command {
     // What `cargo clippy -- -Dwarnings` sets.
     command
         .env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver")
@@ -64,7 +63,7 @@ pub(super) fn like_the_build(command: &mut Command) -> &mut Command {
 
 /// A program, an example or a C library that the last build left: `package/name`.
 pub(crate) fn program(root: &Path, name: &str) -> Result<PathBuf, String> {
-    let text = read(&times::folder(root)?.join(PLACES))?;
+    let text = read(&gate_folder(root)?.join(PLACES))?;
     let places: BTreeMap<String, PathBuf> =
         serde_json::from_str(&text).map_err(|e| e.to_string())?;
     places.get(name).cloned().ok_or_else(|| format!("the build left no {name}"))
