@@ -101,10 +101,20 @@ fn ros2(root: &Path, library: &str) -> Result<(), String> {
 
 /// Checks types, tests, examples and the book's Python on the package as the gate's build left it; the wheel is tried by `--all`.
 pub(crate) fn python(root: &Path) -> Result<(), String> {
+    python_with(root, None)
+}
+
+/// The same with every arm that the tests know.
+pub(crate) fn python_all(root: &Path) -> Result<(), String> {
+    python_with(root, Some(("PHIHAT_ALL", "1")))
+}
+
+fn python_with(root: &Path, more: Option<(&str, &str)>) -> Result<(), String> {
     let python = environment(root)?;
     let place = package(root)?;
     let folder = root.join("crates/phihat-py");
     let logs = logs(root)?;
+    let arms = tools::folder()?.join("arms");
     let program = programs::program(root, "phihat-cli/phihat")?;
     let with_package = |arguments: &[&str], folder: &Path| {
         let status = Command::new(&python)
@@ -113,6 +123,8 @@ pub(crate) fn python(root: &Path) -> Result<(), String> {
             .env("MYPYPATH", &place)
             .env("PHIHAT_LOGS", &logs)
             .env("PHIHAT_PROGRAM", &program)
+            .env("PHIHAT_ARMS", &arms)
+            .envs(more)
             .current_dir(folder)
             .status()
             .map_err(|e| format!("{python}: {e}"))?;

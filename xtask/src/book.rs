@@ -86,10 +86,11 @@ enum Part<'a> {
 
 /// Builds the book, follows its links, runs its commands, and holds what is made of the program against the program.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
+    let program = program(root)?;
     let pages = build(root)?;
     links(root, &pages)?;
     for page in &pages {
-        run(root, page, Part::Commands)?;
+        run(root, page, Part::Commands, &program)?;
     }
     for (made, kept) in figures(root) {
         if read(&made)? != read(&kept)? {
@@ -101,14 +102,23 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
 
 /// Runs the book's Python with an interpreter, and the package in a folder beside it.
 pub(crate) fn python(root: &Path, interpreter: &str, package: &Path) -> Result<(), String> {
-    pages(root)?.iter().try_for_each(|page| run(root, page, Part::Python(interpreter, package)))
+    let program = program(root)?;
+    pages(root)?
+        .iter()
+        .try_for_each(|page| run(root, page, Part::Python(interpreter, package), &program))
+}
+
+/// Runs the commands of the tutorial with a program that may come from elsewhere.
+pub(crate) fn tutorial(root: &Path, program: &Path) -> Result<(), String> {
+    run(root, Path::new("tutorial.md"), Part::Commands, program)
 }
 
 /// Writes what is made of the program: the numbers in the output that pages show, and the figures that the
 /// tutorial's runs leave. Numbers in sentences stay: they are in the lines beside those that change.
 pub(crate) fn bless(root: &Path) -> Result<(), String> {
+    let program = program(root)?;
     for page in pages(root)? {
-        run(root, &page, Part::Renewed)?;
+        run(root, &page, Part::Renewed, &program)?;
     }
     figures(root).iter().try_for_each(|(made, kept)| write(kept, &read(made)?))
 }
@@ -247,7 +257,7 @@ fn flat(path: &Path) -> PathBuf {
 }
 
 /// Runs the blocks of a page in its scratch folder.
-fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
+fn run(root: &Path, page: &Path, part: Part<'_>, program: &Path) -> Result<(), String> {
     let path = root.join(SOURCE).join(page);
     let mut markdown = read(&path)?;
     let blocks = blocks(&markdown);
@@ -275,7 +285,7 @@ fn run(root: &Path, page: &Path, part: Part<'_>) -> Result<(), String> {
             }
             match (block.language.as_str(), part) {
                 ("sh", Part::Commands | Part::Renewed) if !block.has("not-run") => {
-                    Ok(Some(shell(&program(root)?, &folder, block)?))
+                    Ok(Some(shell(program, &folder, block)?))
                 }
                 ("text", Part::Commands | Part::Renewed) if block.has("output") => {
                     let printed: Option<&String> = printed.as_ref();

@@ -12,6 +12,7 @@ mod book;
 mod browser;
 mod check;
 mod dependencies;
+mod dist;
 mod files;
 mod franka;
 mod fuzz;
@@ -50,6 +51,8 @@ const USAGE: &str = "usage:
                                changes the core in one place at a time and counts what no test notices (hours; K from 0);
                                files of phihat-certificate: its mutants
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
+  cargo xtask dist             makes what a release consists of in target/dist: the command for the baseline processor, a wheel, source
+                               packages, their hashes (minutes)
   cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
   cargo xtask bench [--quick] [--keep]
@@ -93,6 +96,7 @@ fn main() -> ExitCode {
         Some((verb, rest)) if verb == "test" => gate::run(rest),
         Some((verb, _)) if verb == "check" => check::run(&shell::root()),
         Some((verb, _)) if verb == "packages" => rules::packages(&shell::root(), true),
+        Some((verb, _)) if verb == "dist" => dist::run(&shell::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&shell::root()),

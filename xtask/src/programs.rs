@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::shell::{EVERYTHING, gate_folder, read, write};
+use crate::shell::{gate_folder, read, write};
 
 /// The file with the place of each program, by package and name.
 const PLACES: &str = "programs.json";
@@ -15,7 +15,7 @@ const PLACES: &str = "programs.json";
 pub(crate) const BENCHES: [&str; 6] =
     ["update", "instructions", "soak", "dynamics", "tube", "closed_loop"];
 
-/// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and one set of features, and
+/// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and the features that a user has by default, and
 /// notes where the programs are.
 pub(crate) fn build(root: &Path) -> Result<(), String> {
     if Command::new("clippy-driver").arg("--version").output().is_err() {
@@ -35,8 +35,7 @@ fn noted(root: &Path, more: &[&str]) -> Result<(), String> {
     let output = like_the_build(&mut Command::new("cargo"))
         .args(["build", "--workspace", "--lib", "--bins", "--examples"])
         .args(more)
-        .args(EVERYTHING)
-        .args(["--quiet", "--message-format=json-render-diagnostics"])
+        .args(["--keep-going", "--quiet", "--message-format=json-render-diagnostics"])
         .current_dir(root)
         .stderr(Stdio::inherit())
         .output()

@@ -23,9 +23,6 @@ pub(crate) fn cargo(root: &Path, args: &[&str]) -> Result<(), String> {
     command(root, "cargo", args)
 }
 
-/// The features of what is checked: those that a user has by default.
-pub(crate) const EVERYTHING: [&str; 2] = ["--features", "phihat-cli/mcap,phihat-cli/studio"];
-
 /// Runs a command to its end; an error where it fails.
 pub(crate) fn run(command: &mut Command) -> Result<(), String> {
     let status = command.status().map_err(|e| format!("{command:?}: {e}"))?;

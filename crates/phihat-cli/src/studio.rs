@@ -80,7 +80,7 @@ impl Studio {
             .or(replay.as_ref())
             .map_or(String::new(), |path| format!(" of {}", path.display()));
         Err(Failure::plain(format!(
-            "no studio{what}: this phihat is built without the feature `studio`; in a clone: cargo run --release -p phihat-cli --features studio -- studio"
+            "no studio{what}: this phihat is built with --no-default-features; in a clone: cargo phihat studio"
         )))
     }
 }

@@ -12,6 +12,9 @@ use phihat_design::{Arm, ArmInertia, Unproved};
 use phihat_model::{Robot, Rotor, Workspace};
 use phihat_study::Study;
 
+/// How many folders this process has made.
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
 /// A planar chain of equal links, endless joints.
 fn chain(joints: usize) -> Study {
     let mut urdf = String::from("<robot name=\"chain\">\n<link name=\"base\"/>\n");
@@ -27,7 +30,6 @@ fn chain(joints: usize) -> Study {
         );
     }
     urdf += "</robot>\n";
-    static COUNT: AtomicUsize = AtomicUsize::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let folder = std::env::temp_dir().join(format!("phihat_chain_{}_{count}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

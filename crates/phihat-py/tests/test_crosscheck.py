@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -94,7 +95,7 @@ def test_by_the_clock(tmp_path: Path) -> None:
     study = tmp_path / "short.toml"
     study.write_text(text)
     call = [sys.executable, "-m", "phihat", "crosscheck", str(study), "--json", "--real-time"]
-    done = subprocess.run(call, capture_output=True, text=True, env={"PATH": ""})
+    done = subprocess.run(call, capture_output=True, text=True, env={"PATH": "", "PYTHONPATH": os.environ.get("PYTHONPATH", "")})
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["agrees"] is True
     assert "2000 samples by the clock, period 1000 µs" in done.stderr

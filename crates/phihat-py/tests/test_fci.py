@@ -22,6 +22,16 @@ from panda_py import libfranka
 PROGRAM = Path(os.environ.get("PHIHAT_PROGRAM", Path(__file__).parents[3] / "target/release/phihat"))
 CYCLES = 10_000
 
+
+@pytest.fixture(autouse=True)
+def _ordinary_priority() -> Iterator[None]:
+    """libfranka puts the thread that controls before all others (FIFO, 99) and leaves it there, where it may: the tests after it, and
+    all that runs beside them, would stand still."""
+    yield
+    if hasattr(os, "sched_setscheduler"):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
 STUDY = """
 title = "A Franka for other people's clients"
 duration_s = 10.0

@@ -5,9 +5,10 @@ use std::process::Command;
 
 use super::measured::LOG;
 use super::times;
-use crate::shell::{self, EVERYTHING, cargo};
+use crate::shell::{self, cargo};
 use crate::{
-    attack, bindings, bless, book, browser, instructions, mutants, programs, rules, tools, twice,
+    attack, bindings, bless, book, browser, dist, instructions, mutants, programs, rules, tools,
+    twice,
 };
 
 /// When a step runs, unless it is named.
@@ -73,8 +74,10 @@ pub(super) const STAGES: [&[Step]; 5] = [
         all("browser, every check", browser::every),
         all("screenshots", |root| crate::screenshots::run(root, &[])),
         all("every test", every_test),
+        all("Python, every arm", bindings::python_all),
         all("two builds", |root| twice::run(root, Some("phihat-c"))),
         all("some mutants of the core", mutants::rotate),
+        all("binary and wheel in empty folders", dist::tried),
         all("packages, each alone", |root| rules::packages(root, true)),
     ],
 ];
@@ -111,7 +114,6 @@ fn nextest(root: &Path, profile: &str) -> Result<(), String> {
     let status = programs::like_the_build(&mut Command::new(nextest))
         .args(["nextest", "run", "--workspace", "--lib", "--bins", "--tests", "--examples"])
         .args(["--profile", profile])
-        .args(EVERYTHING)
         .env(LOG, file)
         .envs((profile != "default").then_some(("PHIHAT_ALL", "1")))
         .env(runner()?, format!("{} measured", this.display()))
@@ -134,21 +136,21 @@ fn benches(root: &Path) -> Result<(), String> {
     let named = programs::BENCHES.iter().flat_map(|name| ["--bench", *name]);
     let mut run = Command::new("cargo");
     programs::like_the_build(&mut run).args(["test", "--workspace", "--quiet"]).args(named);
-    shell::run(run.args(EVERYTHING).current_dir(root))
+    shell::run(run.current_dir(root))
 }
 
 /// The documentation of every crate; a broken link is an error.
 fn documentation(root: &Path) -> Result<(), String> {
     let mut run = Command::new("cargo");
     programs::like_the_build(&mut run).args(["doc", "--workspace", "--no-deps", "--quiet"]);
-    shell::run(run.args(EVERYTHING).env("RUSTDOCFLAGS", "-Dwarnings").current_dir(root))
+    shell::run(run.env("RUSTDOCFLAGS", "-Dwarnings").current_dir(root))
 }
 
 /// Examples and tests in the documentation.
 fn documentation_tests(root: &Path) -> Result<(), String> {
     let mut run = Command::new("cargo");
     programs::like_the_build(&mut run).args(["test", "--workspace", "--doc", "--quiet"]);
-    shell::run(run.args(EVERYTHING).current_dir(root))
+    shell::run(run.current_dir(root))
 }
 
 /// Builds what a user runs, and runs the README's studies with it; nothing in it has the seam that makes the disk fail.
