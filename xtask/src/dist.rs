@@ -15,7 +15,7 @@ use std::process::Command;
 use sha2::{Digest, Sha256};
 
 use crate::shell::{command, read, run as run_command, write};
-use crate::{book, rules, venv};
+use crate::{book, rules, tools, venv};
 
 const OUT: &str = "target/dist";
 /// Builds for other machines than this one have a folder of their own: they share nothing with the others.
@@ -23,6 +23,9 @@ const BUILD: &str = "target/dist-build";
 
 /// What makes the wheel.
 const MATURIN: [&str; 1] = ["maturin==1.16.0"];
+
+/// What holds the workflow files against the schema of their makers.
+const LINT: [&str; 1] = ["check-jsonschema==0.39.0"];
 
 /// Examples of Python that need nothing but what the wheel declares.
 const EXAMPLES: [&str; 4] = ["01_controller", "02_supervisor", "04_design", "05_simulate"];
@@ -140,6 +143,18 @@ pub(crate) fn tried(root: &Path) -> Result<(), String> {
         command(&empty, &python, &[&path])?;
     }
     Ok(())
+}
+
+/// Whether the workflow files say what their schema allows.
+pub(crate) fn workflows(root: &Path) -> Result<(), String> {
+    let python = venv::python(root, &tools::folder()?.join("workflows"), &LINT)?;
+    let all: Vec<String> = files(&root.join(".github/workflows"), "yml")?
+        .into_iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    let schema = ["-m", "check_jsonschema", "--builtin-schema", "vendor.github-workflows"];
+    let words = schema.into_iter().chain(all.iter().map(String::as_str));
+    command(root, &python, &words.collect::<Vec<_>>())
 }
 
 /// Files of a folder with an ending, sorted.

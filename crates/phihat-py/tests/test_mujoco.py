@@ -41,8 +41,17 @@ class Sine:
         return self.center + s * ones, w * c * ones, -w * w * s * ones
 
 
+_GAINS: dict[str, phihat.Gains] = {}
+
+
 def design(path: Path, motion: Sine) -> phihat.Gains:
-    """Gains from the description alone: a bound of 5 mrad, and any payload up to a kilogram."""
+    """Gains from the description alone: a bound of 5 mrad, and any payload up to a kilogram. Once for each arm."""
+    if path.stem not in _GAINS:
+        _GAINS[path.stem] = _design(path, motion)
+    return _GAINS[path.stem]
+
+
+def _design(path: Path, motion: Sine) -> phihat.Gains:
     return phihat.design(
         {
             "duration_s": END,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import phihat
 import pytest
+from long import long
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -140,6 +141,7 @@ def test_a_record_without_gains_is_read_back_and_has_a_page(tmp_path: Path) -> N
         phihat.read_run(tmp_path)
 
 
+@long
 def test_an_own_law_is_a_rival_like_the_others(tmp_path: Path) -> None:
     study = tmp_path / "own.toml"
     study.write_text(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import phihat
 import pytest
+from long import long
 
 BASE: dict[str, Any] = {
     "duration_s": 0.4,
@@ -68,6 +69,7 @@ def test_each_run_is_the_single_run_to_the_last_bit() -> None:
             assert rolled.in_lanes >= runs - 3 and rolled.t[1] == 7e-3
 
 
+@long
 def test_designed_gains_are_those_of_the_study_as_it_stands() -> None:
     designed = {"design": {"payload_max_kg": 0.5}, "world": {"payload": {"mass_kg": 0.3}}, "sensor": {"encoder_bits": 20}}
     study = {key: value for key, value in BASE.items() if key != "gains"} | designed | {"spec": {"settle_s": 0.2, "error_max_rad": 2e-3}}

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import phihat
 import pytest
+from long import long
 
 STUDIES = Path(__file__).parents[3] / "studies"
 
@@ -87,6 +88,7 @@ def test_a_comparison_answers_law_by_law(tmp_path: Path) -> None:
         phihat.compare(study, only=["nobody"], out=tmp_path)
 
 
+@long
 def test_the_paper_is_reproduced_part_by_part(tmp_path: Path) -> None:
     answer = phihat.reproduce(only="theorem 2", quick=True, out=tmp_path)
     assert answer == json.loads((tmp_path / "reproduction.json").read_text())

@@ -65,6 +65,7 @@ pub(super) const STAGES: [&[Step]; 5] = [
         gate("instructions of a sample", instructions::check),
         gate("benches, briefly", benches),
         gate("packages", |root| rules::packages(root, false)),
+        gate("workflows", dist::workflows),
     ],
     &[all("release build", release)],
     &[
