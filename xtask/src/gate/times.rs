@@ -176,7 +176,7 @@ impl Times {
     }
 }
 
-/// The processor time of each test, from the lines that [`super::measured`] leaves.
+/// The processor time of each test, from the lines that `xtask measured` leaves.
 fn tests(text: &str) -> BTreeMap<String, f64> {
     let one = |line: &str| {
         let (seconds, name) = line.split_once(' ')?;
