@@ -13,6 +13,10 @@ use crate::timing::Timing;
 /// How long the reader rests where there is nothing to read.
 const REST: Duration = Duration::from_millis(1);
 
+/// Samples from one look at who watches to the next: whoever looks for signals there stops an arm at 1 kHz within 64 ms, not within a
+/// block of the record.
+const SEEN: u64 = 64;
+
 /// The record on its way from a tape.
 ///
 /// A robot knows its torque after the fact, and its acceleration not at all. For one that is not simulated
@@ -68,7 +72,7 @@ impl Evidence {
         take: &mut Take<'_>,
         mut seen: impl FnMut(u64),
     ) -> Result<(), SessionError> {
-        let (mut rows, mut count) = (Vec::new(), 0);
+        let (mut rows, mut count) = (Vec::new(), 0_u64);
         loop {
             // Asked before the last look: what is written afterwards would be missed else.
             let ended = reader.is_ended();
@@ -79,9 +83,11 @@ impl Evidence {
                     tap.sample(&cycle, &rows);
                 }
                 self.push(cycle, &rows);
+                if count.is_multiple_of(SEEN) {
+                    seen(count);
+                }
                 if self.rows.trace().len() >= BLOCK {
                     self.hand_over(take)?;
-                    seen(count);
                 }
             }
             if count == before {
