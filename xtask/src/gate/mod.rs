@@ -62,7 +62,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let stages = chosen(&options)?;
     let began = Instant::now();
     let mut done = Vec::new();
-    let result = stages.iter().try_for_each(|stage| pool::run(&root, stage, &mut done));
+    let program = pool::copy_of_this(&root)?;
+    let result = stages.iter().try_for_each(|stage| pool::run(&root, &program, stage, &mut done));
     let wall = began.elapsed().as_secs_f64();
     let costs = done.iter().map(|step| (step.name.to_owned(), step.cost)).collect();
     let times = Times::of(&root, costs, done.iter().any(|step| step.name == steps::TESTS))?;

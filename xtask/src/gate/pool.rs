@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
@@ -23,7 +23,12 @@ pub(super) struct Finished {
 
 /// Runs the steps of a stage in their order, and adds what became of each; an error where one failed. A step that runs beside one
 /// that fails goes on to its end; none is begun after that.
-pub(super) fn run(root: &Path, stage: &Stage, done: &mut Vec<Finished>) -> Result<(), String> {
+pub(super) fn run(
+    root: &Path,
+    program: &Path,
+    stage: &Stage,
+    done: &mut Vec<Finished>,
+) -> Result<(), String> {
     let alone = stage.len() == 1;
     let todo: Mutex<VecDeque<&'static str>> = Mutex::new(stage.iter().map(|s| s.name).collect());
     let finished = Mutex::new(Vec::new());
@@ -34,7 +39,7 @@ pub(super) fn run(root: &Path, stage: &Stage, done: &mut Vec<Finished>) -> Resul
             let next = todo.lock().map_err(|_| poisoned)?.pop_front();
             let Some(name) = next.filter(|_| !failed) else { return Ok(()) };
             println!("── {name}");
-            let (ok, printed) = process(root, name, alone)?;
+            let (ok, printed) = process(root, program, name, alone)?;
             let cost = times::left(root, name)?;
             let mut finished = finished.lock().map_err(|_| poisoned)?;
             print!("{printed}");
@@ -52,11 +57,20 @@ pub(super) fn run(root: &Path, stage: &Stage, done: &mut Vec<Finished>) -> Resul
     failed.map_or(Ok(()), |name| Err(format!("FAILED: {name}")))
 }
 
+/// A copy of this program for the steps' processes: one of the steps builds the workspace, and this program with it.
+pub(super) fn copy_of_this(root: &Path) -> Result<PathBuf, String> {
+    let copy = gate_folder(root)?.join("xtask");
+    let failed = |e: std::io::Error| format!("{}: {e}", copy.display());
+    // A copy that still runs in another process stays what it is.
+    let _ = std::fs::remove_file(&copy);
+    std::fs::copy(std::env::current_exe().map_err(failed)?, &copy).map_err(failed)?;
+    Ok(copy)
+}
+
 /// Runs a step in a process of its own: whether it passed, and what it printed. Alone, it prints to the terminal.
-fn process(root: &Path, name: &str, alone: bool) -> Result<(bool, String), String> {
+fn process(root: &Path, program: &Path, name: &str, alone: bool) -> Result<(bool, String), String> {
     let path = gate_folder(root)?.join(format!("{name}.log"));
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
-    let program = std::env::current_exe().map_err(failed)?;
     let mut command = Command::new(program);
     command.args(["test", "--step", name]).current_dir(root).stdin(Stdio::null());
     if !alone {
