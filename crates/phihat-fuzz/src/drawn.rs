@@ -7,8 +7,9 @@ use proptest::collection::vec;
 use proptest::prelude::any;
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
 
-/// How many are drawn where `PHIHAT_FUZZ_CASES` does not say.
-const CASES: u32 = 5_000;
+/// How many are drawn where `PHIHAT_FUZZ_CASES` does not say, and where `PHIHAT_ALL` is set.
+const CASES: u32 = 2_000;
+const ALL_CASES: u32 = 5_000;
 
 /// Plays up to `most` bytes, many times: `PHIHAT_FUZZ_CASES` says how often, `PHIHAT_FUZZ_SEED` which ones.
 ///
@@ -21,7 +22,7 @@ const CASES: u32 = 5_000;
 /// A variable of the environment is not a number.
 pub fn drawn(most: usize, play: impl Fn(&[u8])) -> Result<(), (String, Vec<u8>)> {
     let number = |name: &str| env::var(name).ok().map(|text| text.parse::<u32>());
-    let cases = number("PHIHAT_FUZZ_CASES").unwrap_or(Ok(CASES));
+    let cases = number("PHIHAT_FUZZ_CASES").unwrap_or(Ok(if env::var_os("PHIHAT_ALL").is_some() { ALL_CASES } else { CASES }));
     let seed = number("PHIHAT_FUZZ_SEED").unwrap_or(Ok(1));
     let (Ok(cases), Ok(seed)) = (cases, seed) else {
         panic!("PHIHAT_FUZZ_CASES and PHIHAT_FUZZ_SEED are numbers below 2³²")
