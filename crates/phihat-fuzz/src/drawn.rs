@@ -22,7 +22,11 @@ const ALL_CASES: u32 = 5_000;
 /// A variable of the environment is not a number.
 pub fn drawn(most: usize, play: impl Fn(&[u8])) -> Result<(), (String, Vec<u8>)> {
     let number = |name: &str| env::var(name).ok().map(|text| text.parse::<u32>());
-    let cases = number("PHIHAT_FUZZ_CASES").unwrap_or(Ok(if env::var_os("PHIHAT_ALL").is_some() { ALL_CASES } else { CASES }));
+    let cases = number("PHIHAT_FUZZ_CASES").unwrap_or(Ok(if env::var_os("PHIHAT_ALL").is_some() {
+        ALL_CASES
+    } else {
+        CASES
+    }));
     let seed = number("PHIHAT_FUZZ_SEED").unwrap_or(Ok(1));
     let (Ok(cases), Ok(seed)) = (cases, seed) else {
         panic!("PHIHAT_FUZZ_CASES and PHIHAT_FUZZ_SEED are numbers below 2³²")
