@@ -126,7 +126,7 @@
 #define PHIHAT_MODE_TRACKING 3
 
 /**
- * Mode: latched; held torque and damping, then the brakes. Left by a new PHIHAT_REQUEST_ARM.
+ * Mode: latched; the law brings the arm to rest and holds it there, then the brakes. Left by a new PHIHAT_REQUEST_ARM.
  */
 #define PHIHAT_MODE_SAFE_STOP 4
 
@@ -377,7 +377,8 @@ typedef struct phihat_guard {
    */
   size_t size;
   /**
-   * Largest plausible speed [rad/s]; it bounds the step in position as well. INFINITY: not judged.
+   * Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or further than it leads to, is refused. INFINITY: not
+   * judged.
    */
   double velocity_max_rad_s;
   /**
@@ -490,6 +491,15 @@ typedef struct phihat_supervision {
    * After this time in a stop the brakes are asked for even if the arm still moves [s].
    */
   double stop_s;
+  /**
+   * How long a torque may stay at its limit without a break before the arm is stopped [s]; INFINITY, or 0: for ever.
+   */
+  double saturation_s;
+  /**
+   * How long the brakes take from the request for them until they hold the arm [s]; the law gives way then. INFINITY, or 0: there are none, and the
+   * law holds a stopped arm for as long as it is measured.
+   */
+  double brake_closing_s;
 } phihat_supervision;
 
 /**

@@ -1,5 +1,7 @@
 //! What a supervised arm is guarded by, as C states it.
 
+use core::mem::offset_of;
+
 use phihat::{JointOptions, JointRange, MotionLimits, Options};
 
 use crate::border::write_structure;
@@ -11,7 +13,8 @@ use crate::error::{Refusal, Status};
 pub struct phihat_guard {
     /// sizeof(phihat_guard).
     pub size: usize,
-    /// Largest plausible speed [rad/s]; it bounds the step in position as well. INFINITY: not judged.
+    /// Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or further than it leads to, is refused. INFINITY: not
+    /// judged.
     pub velocity_max_rad_s: f64,
     /// Hard limits of the position [rad], beyond which the arm stops; -INFINITY and INFINITY: none.
     pub position_min_rad: f64,
@@ -73,6 +76,16 @@ pub struct phihat_supervision {
     pub stop_damping: f64,
     /// After this time in a stop the brakes are asked for even if the arm still moves [s].
     pub stop_s: f64,
+    /// How long a torque may stay at its limit without a break before the arm is stopped [s]; INFINITY, or 0: for ever.
+    pub saturation_s: f64,
+    /// How long the brakes take from the request for them until they hold the arm [s]; the law gives way then. INFINITY, or 0: there are none, and the
+    /// law holds a stopped arm for as long as it is measured.
+    pub brake_closing_s: f64,
+}
+
+impl phihat_supervision {
+    /// sizeof(phihat_supervision) of headers that had no member from `saturation_s` on.
+    pub(crate) const OLDER: &[usize] = &[offset_of!(Self, saturation_s)];
 }
 
 /// Fills a phihat_guard with "nothing is judged"; set its size first.
@@ -128,6 +141,8 @@ pub unsafe extern "C" fn phihat_supervision_default(
         blend_s: o.blend_s,
         stop_damping: o.stop_damping,
         stop_s: o.stop_s,
+        saturation_s: o.saturation_s.unwrap_or(f64::INFINITY),
+        brake_closing_s: o.brake_s.unwrap_or(f64::INFINITY),
     };
     // SAFETY: the caller's.
     unsafe { write_structure(supervision, filled) }
@@ -147,6 +162,8 @@ impl phihat_supervision {
             blend_s: self.blend_s,
             stop_damping: self.stop_damping,
             stop_s: self.stop_s,
+            saturation_s: stated(self.saturation_s),
+            brake_s: stated(self.brake_closing_s),
             ..Options::new(self.period_ns)
         }
     }
@@ -186,6 +203,11 @@ impl phihat_guard {
             ..JointOptions::default()
         })
     }
+}
+
+/// A time, where it is one.
+fn stated(seconds: f64) -> Option<f64> {
+    (!is_none(seconds) && seconds.to_bits() != 0).then_some(seconds)
 }
 
 /// Whether a value says "no limit".

@@ -34,7 +34,7 @@ pub const PHIHAT_MODE_ARMED: u32 = 1;
 pub const PHIHAT_MODE_HOLDING: u32 = 2;
 /// Mode: the law follows the reference.
 pub const PHIHAT_MODE_TRACKING: u32 = 3;
-/// Mode: latched; held torque and damping, then the brakes. Left by a new PHIHAT_REQUEST_ARM.
+/// Mode: latched; the law brings the arm to rest and holds it there, then the brakes. Left by a new PHIHAT_REQUEST_ARM.
 pub const PHIHAT_MODE_SAFE_STOP: u32 = 4;
 
 /// A controller under supervision, for an arm.
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn phihat_supervisor_create(
             return Err(Refusal::new(Status::WrongJoints, "an arm has at least one joint"));
         }
         // SAFETY: the caller's.
-        let options = unsafe { structure(supervision) }?.options();
+        let options = unsafe { element(supervision, 0, phihat_supervision::OLDER) }?.options();
         let arm = ArmRules::new(&options).map_err(|e| refused(e, None))?;
         let period = options.period_ns as f64 * 1e-9;
         let mut rules = room(count)?;
@@ -266,7 +266,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
 /// Name of an event, of which `bit` is the place, from 0; null where there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn phihat_event_text(bit: u32) -> *const core::ffi::c_char {
-    const NAMES: [&core::ffi::CStr; 19] = [
+    const NAMES: [&core::ffi::CStr; 21] = [
         c"missed",
         c"duplicate",
         c"reordered",
@@ -286,6 +286,8 @@ pub extern "C" fn phihat_event_text(bit: u32) -> *const core::ffi::c_char {
         c"dead-zone",
         c"refused",
         c"funnel-over",
+        c"held-back",
+        c"torque-refused",
     ];
     // The names are the core's; a test compares.
     let known = Events::ALL.len().min(NAMES.len());
@@ -322,8 +324,11 @@ fn fault_text(fault: Fault) -> &'static core::ffi::CStr {
         Fault::Frozen => c"frozen-sensor",
         Fault::JointLimit => c"joint-limit",
         Fault::TrackingError => c"tracking-error",
+        Fault::Overspeed => c"overspeed",
         Fault::Oscillation => c"oscillation",
         Fault::Actuation => c"actuation",
+        Fault::Saturation => c"saturation",
+        Fault::Clock => c"clock",
         Fault::NotFinite => c"not-finite",
     }
 }

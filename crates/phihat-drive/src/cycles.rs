@@ -118,9 +118,10 @@ impl Desk {
         }
         self.order.scatter(&self.tau, &mut self.out);
         let took_ns = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
+        let report = control.report().copied();
+        link.supervised(report.as_ref());
         link.send(&self.out);
         let known = link.facts().tells.truth;
-        let report = control.report().copied();
         Ok(Cycle { t_ns, arrival, report, known, late_ns, took_ns })
     }
 

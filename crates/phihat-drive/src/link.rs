@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 
+use phihat::Report;
 use phihat_sim::{Acted, Ended, Sample};
 use thiserror::Error;
 
@@ -128,6 +129,11 @@ pub trait Link {
     /// is told by the next [`wait`](Self::wait).
     fn send(&mut self, tau: &[f64]);
 
+    /// What the supervisor said of the sample that is about to be answered; a robot with brakes of its own closes them when it asks for them.
+    fn supervised(&mut self, report: Option<&Report>) {
+        let _ = report;
+    }
+
     /// What a joint (in the order of the link) truly did at the sample that was answered last, with `φ` about a nominal
     /// inertia \[kg·m²\]; `None`: this is not a simulation.
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
@@ -194,6 +200,10 @@ impl<L: Link + ?Sized> Link for Box<L> {
 
     fn send(&mut self, tau: &[f64]) {
         (**self).send(tau);
+    }
+
+    fn supervised(&mut self, report: Option<&Report>) {
+        (**self).supervised(report);
     }
 
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {

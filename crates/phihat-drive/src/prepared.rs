@@ -358,7 +358,9 @@ impl Way<'_> {
         let (mut tape, reader) = ring(names.len(), RING, patient);
         let mut desk = Desk::new(order, names.len());
         let stop_samples = STOP_NS / facts.period_ns.max(1);
-        let fault_samples = self.options.first.map(|_| FAULT_NS / facts.period_ns.max(1));
+        let most = self.options.first.map_or(STOP_NS, |_| FAULT_NS) / facts.period_ns.max(1);
+        // A simulated arm goes on to the end of its study, as `run` shows it.
+        let fault_samples = (!facts.tells.truth || self.options.first.is_some()).then_some(most);
         let (samples, stop) = (self.samples, self.stop);
         let plan = Plan { samples, stop_samples, stop, fault_samples, targets: self.targets };
         let processor = self.options.processor;

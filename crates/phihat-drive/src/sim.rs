@@ -1,5 +1,6 @@
 //! phihat's own world at the other end: in lock-step, or by this machine's clock.
 
+use phihat::Report;
 use phihat_sim::{Acted, Ended, Sample, WorldSide};
 use phihat_study::Study;
 
@@ -87,6 +88,10 @@ impl Link for SimLink {
             (true, true) => Wait::Fresh { t_ns },
             (true, false) => Wait::Lost { t_ns },
         }
+    }
+
+    fn supervised(&mut self, report: Option<&Report>) {
+        self.world.brake(report);
     }
 
     fn send(&mut self, tau: &[f64]) {

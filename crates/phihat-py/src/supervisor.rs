@@ -38,7 +38,7 @@ impl Supervisor {
         gains, *, torque_max = None, torque_rate_max = None, velocity_max = None, position_range = None,
         soft_zone = 0.05, braking = 5.0, error_stop = None, frozen_travel = None, reference_limits = None,
         dead_zone = None, oscillation = None, first_motion = None, hold_samples = 5, stop_samples = 20,
-        bad_samples = 5, blend = 0.5, start_mismatch_max = 0.05
+        bad_samples = 5, blend = 0.5, start_mismatch_max = 0.05, saturation = None, brake_closing = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -61,6 +61,8 @@ impl Supervisor {
         bad_samples: u32,
         blend: f64,
         start_mismatch_max: f64,
+        saturation: Option<f64>,
+        brake_closing: Option<f64>,
     ) -> PyResult<Self> {
         let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
         let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, None)?;
@@ -71,6 +73,8 @@ impl Supervisor {
             bad_samples,
             blend_s: blend,
             start_mismatch_max,
+            saturation_s: saturation,
+            brake_s: brake_closing,
             ..Options::new(period_ns)
         };
         for (field, values) in [

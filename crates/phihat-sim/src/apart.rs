@@ -1,5 +1,6 @@
 //! The closed loop, cut where a robot's wire would be.
 
+use phihat::Report;
 use phihat_study::Study;
 
 use crate::control::ControlSide;
@@ -125,6 +126,11 @@ impl WorldSide {
         self.dq.copy_from_slice(self.world.plant.dq.get(..self.names.len())?);
         let runs = self.world.path.controller_runs(t_ns as f64 * 1e-9);
         Some(Sensed { t_ns, sample: self.world.sample(), runs })
+    }
+
+    /// What the supervisor said of the sample that was sensed: brakes close when it asks for them, where the arm has some.
+    pub fn brake(&mut self, report: Option<&Report>) {
+        self.world.brake(report);
     }
 
     /// Takes a torque \[N·m\] per joint for the sample that was sensed, and goes on to the next.

@@ -1,6 +1,9 @@
 //! The control side: from what was sensed to the torque that is asked for.
 
-use phihat::{Command, JointGains, JointState, Limits, Reference, Report, update_joints};
+use core::f64::consts::TAU;
+
+use phihat::{Command, JointGains, JointState, Limits, Reference, Report, Unwrap, update_joints};
+use phihat_model::JointKind;
 use phihat_study::Study;
 
 use crate::driver::{Driver, Moment};
@@ -34,8 +37,44 @@ pub struct ControlSide {
     /// What is fed forward to the law alone, and what it is for this sample \[rad/s²\]; a supervisor has its own.
     fed: Option<(FeedForward, Vec<f64>)>,
     echo: Option<Echo>,
+    /// Joints that turn without end, whose readings start over.
+    endless: Option<Endless>,
+    /// What the study's limits let out last \[N·m\].
+    limits: Vec<Limits<f64>>,
+    released: Vec<f64>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
+}
+
+/// Readings that start over become angles that do not.
+#[derive(Debug)]
+struct Endless {
+    /// Which joints, the angle of each, and how far the first reading was from the reference's turn \[rad\].
+    joints: Vec<(usize, Unwrap<f64>, Option<f64>)>,
+    sample: Sample,
+}
+
+impl Endless {
+    /// `None` where no joint turns without end.
+    fn of(study: &Study) -> Option<Self> {
+        let all = study.robot.joints.iter().enumerate();
+        let endless = all.filter(|(_, joint)| joint.kind == JointKind::Continuous);
+        let joints: Vec<_> = endless.map(|(i, _)| (i, Unwrap::new(), None)).collect();
+        let sample = Sample::of(study.robot.joints.len());
+        (!joints.is_empty()).then_some(Self { joints, sample })
+    }
+
+    /// The sample with angles in place of readings; the first one is the turn nearest to the reference.
+    fn unwrapped(&mut self, sample: &Sample, references: &[Reference<f64>]) -> &Sample {
+        self.sample.take(sample);
+        for (i, angle, offset) in &mut self.joints {
+            let q = &mut self.sample.joints[*i].q;
+            let turns = ((references[*i].q - *q) / TAU).round();
+            *offset = offset.or(turns.is_finite().then_some(TAU * turns));
+            *q = angle.take(*q) + offset.unwrap_or(0.0);
+        }
+        &self.sample
+    }
 }
 
 /// Gains and states of an arm's joints, and the torques that its law takes over from \[N·m\].
@@ -54,7 +93,6 @@ enum Brain {
     /// Somebody else: a driver that is asked, or whoever tells the torque before each sample.
     Outside {
         driver: Option<Box<dyn Driver>>,
-        limits: Vec<Limits<f64>>,
         tau: Vec<f64>,
     },
 }
@@ -69,7 +107,7 @@ impl ControlSide {
         let inertia = gains.iter().map(JointGains::inertia).collect();
         let gains_count = gains.len();
         let limits = limits(study)?;
-        let limited = gains.iter().zip(limits).map(|(gains, limits)| gains.with_limits(limits));
+        let limited = gains.iter().zip(&limits).map(|(gains, limits)| gains.with_limits(*limits));
         let gains: Vec<_> = limited.collect();
         let brain = match study.supervisor.as_deref() {
             Some(request) => Brain::Supervised(Box::new(Supervised::new(study, request, &gains)?)),
@@ -82,7 +120,7 @@ impl ControlSide {
         let alone = matches!(brain, Brain::Law { .. });
         let fed = if alone { FeedForward::of(study)? } else { None };
         let fed = fed.map(|fed| (fed, vec![0.0; gains_count]));
-        Ok(Self { fed, ..Self::with(study, brain, inertia, motion) })
+        Ok(Self { fed, ..Self::with(study, brain, limits, inertia, motion) })
     }
 
     /// Puts the study's torque limits behind a controller of somebody else's; `None`: it is told the torque of each sample.
@@ -93,8 +131,8 @@ impl ControlSide {
         motion: Motion,
     ) -> Result<Self, SimError> {
         let tau = vec![0.0; inertia.len()];
-        let brain = Brain::Outside { driver, limits: limits(study)?, tau };
-        Ok(Self::with(study, brain, inertia.to_vec(), motion))
+        let brain = Brain::Outside { driver, tau };
+        Ok(Self::with(study, brain, limits(study)?, inertia.to_vec(), motion))
     }
 
     /// The torque of the next sample \[N·m\], where there is nobody to ask.
@@ -127,7 +165,13 @@ impl ControlSide {
         }
     }
 
-    fn with(study: &Study, brain: Brain, inertia: Vec<f64>, motion: Motion) -> Self {
+    fn with(
+        study: &Study,
+        brain: Brain,
+        limits: Vec<Limits<f64>>,
+        inertia: Vec<f64>,
+        motion: Motion,
+    ) -> Self {
         let n = inertia.len();
         Self {
             brain,
@@ -139,6 +183,9 @@ impl ControlSide {
             takes_over: false,
             fed: None,
             echo: Echo::new(study),
+            endless: Endless::of(study),
+            limits,
+            released: vec![0.0; n],
             commands: vec![Command::default(); n],
         }
     }
@@ -150,6 +197,7 @@ impl ControlSide {
         for (command, torque) in self.commands.iter_mut().zip(held) {
             command.tau = *torque;
         }
+        self.released.copy_from_slice(held);
         if let Brain::Outside { tau, .. } = &mut self.brain {
             tau.copy_from_slice(held);
         }
@@ -210,6 +258,18 @@ impl ControlSide {
         if !runs || first {
             return;
         }
+        let mut endless = self.endless.take();
+        let sample = match &mut endless {
+            Some(endless) => endless.unwrapped(sample, &self.references),
+            None => sample,
+        };
+        self.answer(t, sample);
+        self.endless = endless;
+        self.release();
+    }
+
+    /// Computes the torques of a sample.
+    fn answer(&mut self, t: f64, sample: &Sample) {
         if let Brain::Law { asked, .. } = &mut self.brain {
             asked.clone_from(&self.references);
             if let Some((fed, more)) = &mut self.fed {
@@ -235,12 +295,13 @@ impl ControlSide {
                 let answer = (&mut self.references[..], &mut self.commands[..]);
                 supervised.step(t, sample, &self.motion, answer);
             }
-            Brain::Outside { driver, limits, tau } => {
+            Brain::Outside { driver, tau } => {
                 if let Some(driver) = driver {
                     let (references, last) = (&self.references[..], &self.commands[..]);
                     driver.drive(&Moment { t, sample, references, last }, tau);
                 }
-                for ((command, limits), tau) in self.commands.iter_mut().zip(limits).zip(tau) {
+                let joints = self.commands.iter_mut().zip(&self.limits);
+                for ((command, limits), tau) in joints.zip(tau) {
                     *command = limits.command(*tau, command.tau);
                 }
             }
@@ -253,6 +314,19 @@ impl ControlSide {
         }
         if let Some(echo) = &mut self.echo {
             echo.keep(sample, &mut self.commands);
+        }
+    }
+
+    /// The last thing before a torque leaves: finite, and within the limits of rate and size, whatever was computed. Nothing computes on a torque
+    /// after it.
+    fn release(&mut self) {
+        let joints = self.commands.iter_mut().zip(&mut self.released).zip(&self.limits);
+        for ((command, released), limits) in joints {
+            let last = limits.command(command.tau, *released);
+            command.status.saturated |= last.status.saturated;
+            command.status.rate_limited |= last.status.rate_limited;
+            command.tau = last.tau;
+            *released = last.tau;
         }
     }
 

@@ -5,14 +5,20 @@ use phihat_study::Study;
 
 use crate::sample::Sample;
 
+/// What single precision leaves of a torque.
+const ROUNDING: f64 = 1e-6;
+
 /// Keeps every command within one step of whatever the robot may have accepted last.
 ///
 /// The robot compares a command with the last one that arrived, not with the last one sent. Its echo says
 /// which that was; while no fresh echo comes, it is the last echo or any command sent since. The limit is
-/// the intersection of the intervals around all of these, never empty as each was chosen so.
+/// the intersection of the intervals around all of these, never empty as each was chosen so. An echo of what was never sent is
+/// not believed: the robot can only have accepted what it was sent.
 #[derive(Debug)]
 pub(crate) struct Echo {
     step: f64,
+    /// Largest torque per joint \[N·m\].
+    most: Vec<f64>,
     sequence: Option<u64>,
     /// Least and greatest command that may have been accepted last, per joint.
     possible: Vec<(f64, f64)>,
@@ -23,18 +29,25 @@ impl Echo {
     pub(crate) fn new(study: &Study) -> Option<Self> {
         let rate = study.interface.profile.torque_rate_max.filter(|_| study.interface.kept)?;
         let period = study.control.period_ns as f64 * 1e-9;
-        let possible = vec![(0.0, 0.0); study.robot.joints.len()];
-        Some(Self { step: rate * period, sequence: None, possible })
+        let joints = study.robot.joints.len();
+        let most = (0..joints).map(|i| study.limits(i).0.unwrap_or(f64::INFINITY)).collect();
+        Some(Self { step: rate * period, most, sequence: None, possible: vec![(0.0, 0.0); joints] })
     }
 
     /// Limits the commands that answer a sample.
     pub(crate) fn keep(&mut self, sample: &Sample, commands: &mut [Command<f64>]) {
-        let fresh = self.sequence != Some(sample.sequence);
+        let (fresh, first) = (self.sequence != Some(sample.sequence), self.sequence.is_none());
         self.sequence = Some(sample.sequence);
         for (i, command) in commands.iter_mut().enumerate() {
             let possible = &mut self.possible[i];
             if fresh {
-                *possible = (sample.accepted[i], sample.accepted[i]);
+                let echo = sample.accepted[i];
+                let slack = ROUNDING * (1.0 + echo.abs());
+                let was_sent = echo >= possible.0 - slack && echo <= possible.1 + slack;
+                // What holds the arm before the first command is the robot's to say.
+                if was_sent || first && echo.abs() <= self.most[i] {
+                    *possible = (echo, echo);
+                }
             }
             let (low, high) = (possible.1 - self.step, possible.0 + self.step);
             if command.tau > high || command.tau < low {

@@ -2,8 +2,9 @@
 
 use core::convert::Infallible;
 
+use phihat::Mode;
 use phihat_model::JointKind;
-use phihat_study::Study;
+use phihat_study::{RequestedMode, Study};
 use serde::{Deserialize, Serialize};
 
 use crate::recorder::Recorder;
@@ -71,13 +72,21 @@ pub struct Metrics {
     pub steady_samples: u64,
     /// Share of the commands of all joints in the steady part that met a limit: no claim about gains speaks of these.
     pub limited_steady_share: f64,
-    /// Whether every stated bound holds on every joint.
+    /// Samples of the steady part in which the arm was to follow its motion and did not: its supervisor had stopped it, or never let it begin.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub untracked_steady_samples: u64,
+    /// Whether every stated bound holds on every joint, and the arm followed its motion.
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointMetrics>,
     /// The tip of the arm; `None` in records of before, and where the robot names no tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<TipMetrics>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Metrics {
@@ -99,6 +108,8 @@ pub struct Measured {
     settle_ns: f64,
     period_ns: u64,
     wanted: u64,
+    /// What is asked of a supervised arm from when on \[s\]; empty: to track.
+    requests: Vec<(f64, RequestedMode)>,
 }
 
 /// What is known of a joint so far.
@@ -122,6 +133,7 @@ impl Measured {
             samples: 0,
             steady_samples: 0,
             limited_steady_share: 0.0,
+            untracked_steady_samples: 0,
             within_spec: false,
             joints,
             tip: None,
@@ -132,6 +144,7 @@ impl Measured {
             settle_ns: study.spec.settle * 1e9,
             period_ns: study.control.period_ns,
             wanted: crate::simulation::samples(study.duration, study.control.period_ns),
+            requests: study.supervisor.as_ref().map_or_else(Vec::new, |s| s.requests.clone()),
             metrics,
         }
     }
@@ -141,6 +154,11 @@ impl Measured {
         let first = trace.t_ns.partition_point(|t| (*t as f64) < self.settle_ns);
         self.metrics.samples += trace.len() as u64;
         self.metrics.steady_samples += (trace.len() - first) as u64;
+        if let Some(supervision) = &trace.supervision {
+            let modes = trace.t_ns.iter().zip(&supervision.mode).skip(first);
+            let untracked = modes.filter(|(t, mode)| **mode != Mode::Tracking && self.tracks(**t));
+            self.metrics.untracked_steady_samples += untracked.count() as u64;
+        }
         let joints = self.metrics.joints.iter_mut().zip(&mut self.sums);
         for ((metrics, sums), joint) in joints.zip(&trace.joints) {
             metrics.add(sums, joint, first);
@@ -148,6 +166,13 @@ impl Measured {
         if let Some(tip) = &mut self.tip {
             tip.block(trace, first);
         }
+    }
+
+    /// Whether a supervised arm is asked to follow its motion at a time \[ns\].
+    fn tracks(&self, t_ns: u64) -> bool {
+        let t = t_ns as f64 * 1e-9;
+        let latest = self.requests.iter().rev().find(|(from, _)| *from <= t + 1e-12);
+        self.requests.is_empty() || latest.is_some_and(|(_, mode)| *mode == RequestedMode::Track)
     }
 
     /// The figures of as many samples, and of the steady ones among them, as they were taken elsewhere. `joint` sets a joint's, and
@@ -183,8 +208,10 @@ impl Measured {
         metrics.duration_s = metrics.samples as f64 * self.period_ns as f64 * 1e-9;
         let complete = metrics.steady_samples > 0 && metrics.samples >= self.wanted;
         let tip = metrics.tip.as_ref().is_none_or(TipMetrics::within_spec);
-        metrics.within_spec =
-            complete && tip && metrics.joints.iter().all(JointMetrics::within_spec);
+        metrics.within_spec = metrics.untracked_steady_samples == 0
+            && complete
+            && tip
+            && metrics.joints.iter().all(JointMetrics::within_spec);
         metrics
     }
 }

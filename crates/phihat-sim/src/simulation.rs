@@ -263,6 +263,7 @@ impl Simulation {
         let runs = self.world.path.controller_runs(t);
         self.control.step(t, self.world.sample(), runs);
         trace.state(t_ns, &self.world.plant.q, &self.world.plant.dq);
+        self.world.brake(self.control.report());
         self.world.begin(k, t, self.control.commands.iter().map(|command| command.tau));
         t
     }

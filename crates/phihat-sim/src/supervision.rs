@@ -45,6 +45,8 @@ impl Supervised {
             stop_samples: request.stop_samples,
             start_mismatch_max: request.start_mismatch_max,
             blend_s: request.blend,
+            saturation_s: Some(request.saturation),
+            brake_s: request.brake_closing,
             schedule: Schedule {
                 settled: request.settled,
                 disturbed: request.disturbed,
@@ -163,6 +165,15 @@ impl Supervised {
     }
 }
 
+/// Share of the torque limit that a torque has to vary by for a joint to be judged at first motion, where the study states none.
+const FIRST_MOTION_SHARE: f64 = 0.05;
+
+/// The error that stops a joint where the study states none \[rad\].
+fn error_stop(study: &Study, joint: usize) -> f64 {
+    let bound = study.spec.error_bound.as_ref().and_then(|bounds| bounds.get(joint));
+    bound.map_or(0.2, |bound| (50.0 * bound).max(0.2))
+}
+
 /// The options of one joint.
 fn joint(
     study: &Study,
@@ -180,7 +191,7 @@ fn joint(
             soft,
             braking: request.braking,
         }),
-        error_stop: per(&request.error_stop),
+        error_stop: per(&request.error_stop).or_else(|| Some(error_stop(study, i))),
         frozen_travel: per(&request.frozen_travel),
         motion: request.motion.as_ref().map(|[velocity, acceleration, jerk]| MotionLimits {
             velocity: velocity[i],
@@ -194,7 +205,11 @@ fn joint(
             decay_s: request.funnel_decay,
         }),
         oscillation: per(&request.oscillation),
-        first_motion: per(&request.first_motion),
+        first_motion: per(&request.first_motion).or_else(|| {
+            let torque = study.limits(i).0?;
+            Some(FIRST_MOTION_SHARE * torque)
+        }),
+        stop: None,
         start: start(request, gains)?,
     })
 }

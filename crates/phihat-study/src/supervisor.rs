@@ -44,6 +44,10 @@ pub struct SupervisorRequest {
     pub disturbed: f64,
     /// How long either must last \[s\].
     pub dwell: f64,
+    /// How long a torque may stay at its limit \[s\].
+    pub saturation: f64,
+    /// How long the brakes take to close \[s\]; `None`: there are none.
+    pub brake_closing: Option<f64>,
     /// Missed samples that are bridged.
     pub hold_samples: u32,
     /// Missed samples that stop the arm.
@@ -118,6 +122,8 @@ pub(crate) fn read(
         settled,
         disturbed,
         dwell: node.number("dwell_s")?,
+        saturation: node.number("saturation_s")?,
+        brake_closing: node.number_if("brake_closing_s"),
         hold_samples: node.small_count("hold_samples")?,
         stop_samples: node.small_count("stop_samples")?,
         start_mismatch_max: node.number("start_mismatch_max_rad")?,

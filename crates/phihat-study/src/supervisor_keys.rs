@@ -43,11 +43,17 @@ pub(crate) static SUPERVISOR: Section = Section {
             name: "velocity_max_rad_s",
             unit: "rad/s",
             shape: Shape::PerJoint(Bounds::positive(1e3), ROBOT_OR_NONE),
-            need: Need::Word("none"),
-            doc: "Largest plausible velocity; a sample beyond it, or a step in position that would need more, is \
-                  refused. `\"robot\"` takes the robot's limit.",
+            need: Need::Word("robot"),
+            doc: "Largest velocity: a joint that is faster is stopped, and a jump to a higher one, or a step in position that would need it, is \
+                  refused. `\"robot\"` takes the robot's limit, where it states one.",
         },
-        option("error_stop_rad", "rad", ANGLE, "never", "The arm stops when |e| is larger."),
+        option(
+            "error_stop_rad",
+            "rad",
+            ANGLE,
+            "50 times what `[spec]` asks for, and at least 0.2",
+            "The arm stops when |e| is larger.",
+        ),
         option(
             "frozen_travel_rad",
             "rad",
@@ -154,6 +160,21 @@ pub(crate) static SUPERVISOR: Section = Section {
             doc: "Mismatch beyond which the first order comes back; above `settled_nm`.",
         },
         number("dwell_s", "s", POSITIVE_TIME, 0.1, "How long either must last."),
+        number(
+            "saturation_s",
+            "s",
+            POSITIVE_TIME,
+            0.5,
+            "The arm stops when a torque is at its limit for so long without a break.",
+        ),
+        Key {
+            name: "brake_closing_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(10.0)),
+            need: Need::Optional("the arm has no brakes"),
+            doc: "The arm has brakes that close when the supervisor asks for them, and hold it after this time. An arm without brakes is held by the law for as \
+                  long as it is measured.",
+        },
         samples("hold_samples", 5, "Missed samples for which the last torque is held."),
         samples("stop_samples", 20, "Missed samples in a row that stop the arm."),
         number(

@@ -226,6 +226,20 @@ impl<R: Real> JointState<R> {
     }
 }
 
+impl<R: Real> JointState<R> {
+    /// From positions: the reference is another one from here on. `from` was in force at the last sample, `to` would have been,
+    /// without acceleration. What is known of the joint, of `φ` and of the torques on their way stays.
+    pub(crate) fn rebase(&mut self, from: &Reference<R>, to: &Reference<R>) {
+        let [e, de] = &mut self.motion;
+        *e += from.q - to.q;
+        *de += from.dq - to.dq;
+        for (torque, fed) in self.pending.iter_mut().zip(&mut self.feedforward) {
+            *torque += *fed;
+        }
+        self.feedforward = [R::ZERO; PENDING_MAX + 1];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::gains::FromPositions;

@@ -29,6 +29,8 @@ pub trait Real:
     const ZERO: Self;
     /// The nearest value to `x`.
     fn from_f64(x: f64) -> Self;
+    /// The same value.
+    fn to_f64(self) -> f64;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
@@ -86,6 +88,9 @@ impl Real for f32 {
     fn from_f64(x: f64) -> Self {
         x as f32
     }
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
     fn is_finite(self) -> bool {
         self.is_finite()
     }
@@ -111,6 +116,9 @@ impl Real for f64 {
     const ZERO: Self = 0.0;
     fn from_f64(x: f64) -> Self {
         x
+    }
+    fn to_f64(self) -> f64 {
+        self
     }
     fn is_finite(self) -> bool {
         self.is_finite()

@@ -82,19 +82,28 @@ impl<R: Real> Shaper<R> {
     ///
     /// [`GainError::NotPositive`] when a limit or the period is not positive and finite.
     pub fn new(limits: &MotionLimits, period: f64) -> Result<Self, GainError> {
+        Gain::Period.positive(period)?;
+        Gain::VelocityMax.positive(limits.velocity)?;
+        Gain::AccelerationMax.positive(limits.acceleration)?;
+        Gain::JerkMax.positive(limits.jerk)?;
+        Ok(Self::of(limits, period))
+    }
+
+    /// [`Self::new`] of limits that are known to be positive.
+    pub(crate) fn of(limits: &MotionLimits, period: f64) -> Self {
         let braking = 0.8 * limits.acceleration;
         let soft = (braking * braking / limits.jerk).max(20.0 * braking * period);
-        Ok(Self {
-            period: R::from_f64(Gain::Period.positive(period)?),
-            velocity: R::from_f64(Gain::VelocityMax.positive(limits.velocity)?),
-            acceleration: R::from_f64(Gain::AccelerationMax.positive(limits.acceleration)?),
+        Self {
+            period: R::from_f64(period),
+            velocity: R::from_f64(limits.velocity),
+            acceleration: R::from_f64(limits.acceleration),
             braking: R::from_f64(braking),
-            jerk: R::from_f64(Gain::JerkMax.positive(limits.jerk)?),
+            jerk: R::from_f64(limits.jerk),
             step: R::from_f64(limits.jerk * period),
             soft: R::from_f64(soft),
             // Four times the slope of w(d) at 0, which is braking/soft.
             pull: R::from_f64(4.0 * braking / soft),
-        })
+        }
     }
 
     /// One sample from where the shaped reference is towards where it should be. A target that is not finite, or

@@ -35,6 +35,7 @@ mod range;
 mod schedule_literal;
 mod shaper;
 mod steady_error;
+mod stop_energy;
 mod stops;
 mod supervisor_start;
 mod survival;

@@ -46,7 +46,7 @@ const RULES: [Rule; 29] = [
 fn oracle(mode: Mode, e: ModeEvents) -> String {
     let (mode, request) = (format!("{mode:?}"), format!("{:?}", e.request));
     if ACTIVE.contains(&mode.as_str()) && (e.fault || request == "Stop") {
-        return "SafeStop Freeze -".to_owned();
+        return "SafeStop Stop -".to_owned();
     }
     let rule = RULES.iter().find(|r| r.0 == mode && r.1 == request && r.2(&e));
     match (rule, mode.as_str(), request.as_str()) {
@@ -148,8 +148,11 @@ fn names_in_files_are_what_they_were() {
         "frozen-sensor",
         "joint-limit",
         "tracking-error",
+        "overspeed",
         "oscillation",
         "actuation",
+        "saturation",
+        "clock",
         "not-finite",
     ];
     assert_eq!(faults, own);

@@ -106,8 +106,20 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
             let wanted = upper.or(lower.map(|c| -c)).unwrap_or(demand);
             let limited = last + (wanted - last).clamp(-step, step);
             let tolerance = 1e-5 * (1.0 + wanted.abs());
+            // What a stop asks for is its own business; what it may is not.
+            let within = |c: Option<f64>, tau: f64, last: f64| {
+                c.is_none_or(|c| tau < last + (c - last).clamp(-step, step) + tolerance)
+            };
+            let ends = [
+                ceiling(above, m.dq, phi_hat, last, rate),
+                ceiling(below, -m.dq, -phi_hat, -last, rate),
+            ];
+            let conflict = matches!(ends, [Some(up), Some(down)] if up < -down);
+            let held = conflict
+                || within(ceiling(above, m.dq, phi_hat, last, rate), tau, last)
+                    && within(ceiling(below, -m.dq, -phi_hat, -last, rate), -tau, -last);
             assert!(
-                (tau - limited).abs() < tolerance,
+                if stopped { held } else { (tau - limited).abs() < tolerance },
                 "{m:?}: {tau} against {limited}, {upper:?} {lower:?} of {demand}, {rate} N·m/s {phi_hat} {last} {k} {:?}",
                 answer.report
             );
@@ -120,7 +132,7 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
             let told = answer.report.events.contains(Events::RANGE);
             let limits = upper.or(lower).is_some();
             free += u32::from(!limits);
-            assert_eq!(told, kept || limits, "{m:?} {r:?} {upper:?} {lower:?}");
+            assert!(stopped || told == (kept || limits), "{m:?} {r:?} {upper:?} {lower:?}");
         }
     }
     println!("capped {capped:?}, beyond the end {beyond:?}, free {free}");

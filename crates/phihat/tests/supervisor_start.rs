@@ -58,10 +58,6 @@ fn stop_and_restart(dice: &mut Dice) -> (f64, f64) {
     arm.mode = ModeRequest::Stop;
     for _ in 0..1000 {
         arm.step(&wave(0.3));
-        // An emergency stop closes the brakes: nothing moves on.
-        if arm.truth[0].dq.abs() < 0.02 {
-            arm.truth[0].dq = 0.0;
-        }
     }
     let pose = arm.truth[0].q;
     // Released: the caller goes on asking for what it wanted, and nothing moves.

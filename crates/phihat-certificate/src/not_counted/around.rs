@@ -68,6 +68,9 @@ impl List {
             settled: _,
             disturbed: _,
             dwell: _,
+            // What stops the arm, and what holds it then.
+            saturation: _,
+            brake_closing: _,
             // Nothing without losses and refused samples, which are listed.
             hold_samples: _,
             stop_samples: _,

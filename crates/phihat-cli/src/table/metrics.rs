@@ -139,6 +139,13 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
     if let Some(d) = divergence {
         return format!("DIVERGED at t = {:.3} s on joint {}; the run was stopped", d.t, d.joint);
     }
+    let untracked = metrics.untracked_steady_samples;
+    if untracked > 0 {
+        let (steady, seconds) = (metrics.steady_samples, metrics.settle_s);
+        return format!(
+            "NOT FOLLOWED: in {untracked} of {steady} samples after the first {seconds} s the supervisor did not let the arm follow its motion"
+        );
+    }
     let stated = metrics.joints.iter().any(|j| {
         j.error_spec_rad.is_some()
             || j.error_integral_spec_rad_s.is_some()

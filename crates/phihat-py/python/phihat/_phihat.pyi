@@ -547,7 +547,7 @@ class Supervisor:
         gains: what to run.
         torque_max: largest ``|tau|`` per joint [N m]; by default what the certificate is about.
         torque_rate_max: likewise for its change [N m/s].
-        velocity_max: largest plausible speed per joint [rad/s].
+        velocity_max: largest speed per joint [rad/s]; a faster joint is stopped, a jump beyond is refused.
         position_range: hard limits per joint [rad], beyond which the arm stops.
         soft_zone: width of the zone inside of them where the estimate does not grow outward [rad].
         braking: deceleration that a joint can always afford near a limit [rad/s^2].
@@ -562,6 +562,8 @@ class Supervisor:
         bad_samples: unbelievable samples in a row that stop the arm.
         blend: how long a change of reference is blended over [s].
         start_mismatch_max: largest distance between pose and reference at which tracking starts [rad].
+        saturation: how long a torque may stay at its limit before the arm is stopped [s]; by default for ever.
+        brake_closing: how long the brakes take to hold the arm [s]; by default it has none, and the law holds it.
     """
 
     def __new__(
@@ -585,6 +587,8 @@ class Supervisor:
         bad_samples: int = 5,
         blend: float = 0.5,
         start_mismatch_max: float = 0.05,
+        saturation: float | None = None,
+        brake_closing: float | None = None,
     ) -> Supervisor: ...
     def step(
         self,

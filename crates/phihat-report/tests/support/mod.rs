@@ -210,6 +210,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         samples: samples as u64,
         steady_samples: (samples - steady) as u64,
         limited_steady_share: 0.0,
+        untracked_steady_samples: 0,
         within_spec: joints.iter().all(holds),
         joints,
         tip: None,

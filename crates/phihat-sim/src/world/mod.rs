@@ -34,6 +34,7 @@ pub(crate) use payload::loaded;
 pub(crate) use plant_lanes::PlantLanes;
 pub(crate) use sensing_lanes::SensingLanes;
 
+use phihat::Report;
 use phihat_study::{Fault, FaultKind, Study};
 
 use crate::error::SimError;
@@ -57,6 +58,35 @@ pub(crate) struct World {
     adds: bool,
     period: f64,
     substeps: u32,
+    brakes: Option<Brakes>,
+}
+
+/// Brakes that close when they are asked for.
+#[derive(Debug)]
+struct Brakes {
+    /// Samples from the request until they hold.
+    closing: u32,
+    /// Samples since the request.
+    since: Option<u32>,
+}
+
+impl Brakes {
+    fn of(study: &Study) -> Option<Self> {
+        let closing = study.supervisor.as_ref()?.brake_closing?;
+        let period = study.control.period_ns as f64 * 1e-9;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the study bounds it to ten seconds"
+        )]
+        let closing = (closing / period).round() as u32;
+        Some(Self { closing, since: None })
+    }
+
+    /// Whether they hold the arm.
+    fn hold(&self) -> bool {
+        self.since.is_some_and(|since| since >= self.closing)
+    }
 }
 
 impl World {
@@ -85,6 +115,7 @@ impl World {
             plant,
             period,
             substeps: study.world.substeps,
+            brakes: Brakes::of(study),
         })
     }
 
@@ -163,8 +194,19 @@ impl World {
         self.plant.begin(t, &self.demand);
     }
 
+    /// Closes and opens the brakes, where the arm has some, as the supervisor asks at this sample.
+    pub(crate) fn brake(&mut self, report: Option<&Report>) {
+        let Some(brakes) = &mut self.brakes else { return };
+        let asked = report.is_some_and(|report| report.brake);
+        brakes.since = asked.then(|| brakes.since.map_or(0, |since| since.saturating_add(1)));
+    }
+
     /// Moves the arm through the interval that begins at `t` \[s\].
     pub(crate) fn integrate(&mut self, t: f64) {
+        if self.brakes.as_ref().is_some_and(Brakes::hold) {
+            self.plant.stand();
+            return;
+        }
         self.plant.integrate(t, self.period, self.substeps);
     }
 

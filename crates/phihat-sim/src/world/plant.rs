@@ -182,6 +182,12 @@ impl Plant {
         }
     }
 
+    /// Goes through an interval in which brakes hold the arm.
+    pub(super) fn stand(&mut self) {
+        self.dq.fill(0.0);
+        self.ddq.fill(0.0);
+    }
+
     /// Ends the interval: the mean of its torques.
     pub(super) fn finish(&mut self, period: f64, substeps: u32) {
         for (i, drive) in self.forces.drives.iter_mut().enumerate() {

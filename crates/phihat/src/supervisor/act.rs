@@ -1,9 +1,10 @@
 //! One joint enters a mode.
 
 use super::blend::Blend;
-use super::memory::JointMemory;
+use super::memory::{JointMemory, whole};
 use super::monitor::{Actuation, Oscillation};
 use super::rules::JointRules;
+use super::stop::Stopping;
 use crate::{Action, JointState, Measurement, Real, Reference};
 
 impl<R: Real> JointRules<R> {
@@ -21,6 +22,9 @@ impl<R: Real> JointRules<R> {
             Action::None => {}
             Action::Capture => {
                 memory.held = preset.unwrap_or(memory.held);
+                // How far it went until now is nothing that a spring could answer.
+                memory.measured = *m;
+                memory.before_now = [memory.held; 2];
                 memory.home = here.q;
                 memory.reference = here;
             }
@@ -40,6 +44,7 @@ impl<R: Real> JointRules<R> {
                 memory.law.tau = tau;
                 memory.oscillation = Oscillation::restart(memory.held);
                 memory.steady = memory.held;
+                memory.before_now = [memory.held; 2];
                 memory.actuation = Actuation::default();
             }
             Action::Follow => {
@@ -57,9 +62,11 @@ impl<R: Real> JointRules<R> {
                 let rest = Reference::at_rest(memory.home);
                 memory.blend = Blend::new(&at, &rest, length);
             }
-            Action::Freeze => {
-                memory.held = memory.phi_hat();
-                memory.unfed();
+            Action::Stop => {
+                // What holds the arm was known before what stops it now: `φ̂` may have learnt the latter.
+                let [_, earlier] = memory.before_now;
+                memory.held = whole(earlier, memory.fed);
+                memory.stopping = Stopping::default();
             }
             Action::Release => memory.held = R::ZERO,
         }

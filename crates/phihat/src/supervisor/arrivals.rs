@@ -41,6 +41,8 @@ pub(crate) struct Arrivals {
     pub(crate) bad: u32,
     /// One bit per sample, the latest lowest: 1 = missed.
     pub(crate) history: u64,
+    /// One bit per fresh sample, the latest lowest: 1 = at a time that cannot be.
+    pub(crate) times: u64,
 }
 
 /// A sample's stamp, judged.
@@ -89,7 +91,13 @@ impl Arrivals {
         self.history.count_ones()
     }
 
-    pub(crate) fn took(&mut self, stamp: Stamp) {
+    /// Fresh samples of the last 64 at a time that cannot be.
+    pub(crate) fn wrong_times(&self) -> u32 {
+        self.times.count_ones()
+    }
+
+    pub(crate) fn took(&mut self, stamp: Stamp, wrong: bool) {
+        self.times = (self.times << 1) | u64::from(wrong);
         self.last = Some(stamp);
         self.misses = 0;
         self.bad = 0;

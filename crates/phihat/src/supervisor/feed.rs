@@ -46,16 +46,34 @@ impl<R: Real> JointMemory<R> {
         if now.feeds != self.feeds {
             self.feeds = now.feeds;
             self.law.feed(told.fed - self.fed);
-            self.fed = told.fed;
+            self.feed_from(told.fed);
         }
         told.more = told.fed - self.fed;
         told.reference.ddq += told.fed * gains.inertia_inverse;
         told
     }
 
-    /// The law does not run any more, or is another one: `φ̂` is the whole, until it is told again.
+    /// From here on so much is fed forward \[N·m\]; what `φ̂` was before gives it up.
+    fn feed_from(&mut self, fed: R) {
+        let more = fed - self.fed;
+        self.steady = self.steady - more;
+        for before in &mut self.before_now {
+            *before = *before - more;
+        }
+        self.fed = fed;
+    }
+
+    /// `φ̂` takes over what is fed forward.
+    pub(crate) fn take_over_feed(&mut self) {
+        self.law.feed(-self.fed);
+        self.unfed();
+    }
+
+    /// The law does not run any more, or stops the arm: `φ̂` is the whole, until it is told again.
     pub(crate) fn unfed(&mut self) {
-        self.fed = R::ZERO;
+        if self.feeds {
+            self.feed_from(R::ZERO);
+        }
         self.feeds = false;
     }
 }

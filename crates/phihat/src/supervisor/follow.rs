@@ -32,6 +32,10 @@ impl<R: Real> JointRules<R> {
         now: &Moment<R>,
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
+        let m = &self.believed(memory, m, &mut news.events);
+        if now.stopping && !memory.stopping.begun {
+            self.begin_to_stop(gains, memory, m, now);
+        }
         let reference = self.refer(memory, now, &mut news.events);
         let told = match S::FORM {
             Form::Observer | Form::Literal => Told::bare(&reference),
@@ -43,22 +47,33 @@ impl<R: Real> JointRules<R> {
         }
         let law = gains.demand::<S>(&next, m, &told.reference);
         let mut demand = match &self.funnel {
-            Some(funnel) => funnel.demand(memory, gains, m, &reference, law, now, &mut news.events),
-            None => law,
+            Some(funnel) if !now.stopping => {
+                funnel.demand(memory, gains, m, &reference, law, now, &mut news.events)
+            }
+            _ => law,
         };
         if memory.before.is_some() {
             memory.fade_from_old_gains(gains, m, &reference, now.blend_rate);
         }
         demand += memory.fading(now.blend_rate);
-        news.fault = self.monitor(memory, gains, m, demand, now);
+        if now.stopping {
+            demand = self.without_driving(memory, m, (demand, next.phi_hat), &mut news);
+            demand = self.probed(memory, gains, m, demand, &mut news);
+        }
+        news.fault = news.fault.or(self.monitor(memory, gains, m, demand, now));
         let phi_hat = whole(next.phi_hat, told.fed);
-        memory.steady += now.average * (phi_hat - memory.steady);
+        memory.steady += now.average * (next.phi_hat - memory.steady);
         memory.reference = reference;
         let command = self.out(memory, phi_hat, m, demand, &mut news);
         if !command.status.refused {
             memory.law.phi_hat = next.phi_hat;
             memory.fed = told.fed;
             JointGains::remember::<S>(&mut memory.law, &next, m);
+        }
+        let at_limit = command.status.saturated;
+        memory.saturated = if at_limit { memory.saturated.saturating_add(1) } else { 0 };
+        if memory.saturated >= now.saturation {
+            news.fault = news.fault.or(Some(Fault::Saturation));
         }
         (command, news)
     }
@@ -67,6 +82,9 @@ impl<R: Real> JointRules<R> {
     #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
+        if now.stopping {
+            return self.stopping_reference(memory);
+        }
         let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
         if let Some(shaper) = &self.shaper {
@@ -139,17 +157,24 @@ impl<R: Real> JointRules<R> {
                 fault = Some(Fault::Oscillation);
             }
         }
-        if let Some(excitation) = self.first_motion {
-            if now.first_motion {
-                let step = m.dq - memory.measured.dq;
-                let gain =
-                    R::from_f64(LEAST_ACCELERATION) * gains.inertia_inverse * now.interval.step;
-                if memory.actuation.take(m.tau_applied, step, gain, excitation) {
-                    fault = Some(Fault::Actuation);
-                }
-            }
+        if now.first_motion && !now.stopping {
+            fault = fault.or(self.actuates(memory, gains, m, R::from_f64(1.0)));
         }
         fault
+    }
+
+    /// Whether the joint does not accelerate the way the torque pushes.
+    pub(crate) fn actuates(
+        &self,
+        memory: &mut JointMemory<R>,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        share: R,
+    ) -> Option<Fault> {
+        let excitation = share * self.first_motion?;
+        let step = m.dq - memory.measured.dq;
+        let gain = R::from_f64(LEAST_ACCELERATION) * gains.inertia_inverse * gains.period;
+        memory.actuation.take(m.tau_applied, step, gain, excitation).then_some(Fault::Actuation)
     }
 
     /// The only way out: joint range, torque rate, torque; finite always.
@@ -176,6 +201,7 @@ impl<R: Real> JointRules<R> {
         }
         let limited = self.running().limits.apply(demand, memory.law.tau);
         memory.law.tau = limited.tau;
+        memory.commands();
         limited.command(phi_hat)
     }
 }

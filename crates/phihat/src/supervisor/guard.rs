@@ -33,7 +33,10 @@ pub(crate) fn admit<R: Real>(
         for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
             doubt += m.doubt();
             let step = (m.q - memory.measured.q).abs();
-            let possible = m.dq.abs() <= rule.velocity_max && step <= rule.velocity_max * reach;
+            // What was fast already may be faster now: that is a fault to act on, not a sample to refuse.
+            let twice = R::from_f64(2.0) * memory.measured.dq.abs();
+            let fastest = if twice > rule.velocity_max { twice } else { rule.velocity_max };
+            let possible = !known || m.dq.abs() <= fastest && step <= fastest * reach;
             plausible &= possible;
         }
         let finite = doubt == R::ZERO && sample.joints.len() == rules.len();
@@ -47,7 +50,7 @@ pub(crate) fn admit<R: Real>(
         arrivals.missed(false);
     }
     if arrival.fresh {
-        arrivals.took(sample.stamp);
+        arrivals.took(sample.stamp, arrival.events.contains(Events::TIME_JUMP));
     } else {
         arrival.elapsed_ns = None;
         arrival.events |= Events::MISSED;
@@ -114,6 +117,9 @@ pub(crate) fn watch<R: Real>(
     }
     if arrivals.lost() > arm.lost_max {
         return Some((Fault::LinkQuality, 0));
+    }
+    if arrivals.wrong_times() > arm.clock_max {
+        return Some((Fault::Clock, 0));
     }
     if state.mode == Mode::Tracking && state.bad_references >= arm.stop_samples {
         return Some((Fault::BadReference, 0));

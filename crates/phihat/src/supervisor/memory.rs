@@ -3,6 +3,7 @@
 use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
 use super::monitor::{Actuation, Frozen, Oscillation};
+use super::stop::Stopping;
 use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
 /// What a supervisor remembers of the arm as a whole: mode, fault, counters.
@@ -29,6 +30,37 @@ pub struct ArmState {
     pub(crate) feeds: bool,
     /// References refused in a row.
     pub(crate) bad_references: u32,
+    /// What may still act on the joints' torque.
+    pub(crate) trust: Trust,
+    /// The brakes were asked for in this stop, and for how many samples already.
+    pub(crate) braking: Option<u32>,
+    /// Samples since `JointMemory::before_now` was written.
+    pub(crate) block: u32,
+    /// The last sample was missed, after others.
+    pub(crate) gap: bool,
+}
+
+/// What may still act on the joints' torque in a stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(crate) enum Trust {
+    /// Torque does not do what it says: none.
+    Nothing,
+    /// The law may be what shakes the arm: the torque that held it before, and damping.
+    Damping,
+    /// The law.
+    #[default]
+    Law,
+}
+
+impl Fault {
+    /// What may act once this was found.
+    pub(crate) fn leaves(self) -> Trust {
+        match self {
+            Self::Actuation => Trust::Nothing,
+            Self::Oscillation => Trust::Damping,
+            _ => Trust::Law,
+        }
+    }
 }
 
 impl ArmState {
@@ -41,16 +73,6 @@ impl ArmState {
     /// The mode that the arm is in.
     pub fn mode(&self) -> Mode {
         self.mode
-    }
-
-    /// Whether torque does not do what it says, so that no feedback helps.
-    pub(crate) fn misdriven(&self) -> bool {
-        matches!(self.fault, Some((Fault::Actuation, _)))
-    }
-
-    /// Whether velocity feedback may be what shakes the arm.
-    pub(crate) fn shaking(&self) -> bool {
-        matches!(self.fault, Some((Fault::Oscillation, _)))
     }
 }
 
@@ -73,8 +95,16 @@ pub struct JointMemory<R> {
     pub(crate) home: R,
     /// The torque that is held when the law does not run.
     pub(crate) held: R,
-    /// `φ̂ + τ_ff`, averaged over some 50 ms: what to hold when `φ̂` itself shakes.
+    /// `φ̂`, averaged over some 50 ms.
     pub(crate) steady: R,
+    /// The same as it was up to a block of samples ago, and up to two: from before what stops the arm now.
+    pub(crate) before_now: [R; 2],
+    pub(crate) stopping: Stopping<R>,
+    /// Least and largest torque commanded lately \[N·m\].
+    pub(crate) commanded: [R; 2],
+    /// Samples in a row in which the joint was too fast, and in which its torque was at its limit.
+    pub(crate) fast: u32,
+    pub(crate) saturated: u32,
     pub(crate) blend: Blend<R>,
     /// `M̄, K_d, K_p` that were in force until this sample, when they have changed.
     pub(crate) before: Option<[R; 3]>,

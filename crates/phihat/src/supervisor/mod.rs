@@ -19,7 +19,9 @@ mod rules;
 mod sample;
 mod schedule;
 mod still;
+mod stop;
 mod supervise;
+mod watch;
 
 pub use arrivals::Stamp;
 pub use funnel::Funnel;

@@ -12,7 +12,7 @@ pub enum Mode {
     Holding,
     /// The law follows the reference.
     Tracking,
-    /// Latched: integrals frozen; held torque and damping, then the brakes. Left by an explicit request.
+    /// Latched: the law brings the arm to rest and holds it there, then the brakes. Left by an explicit request.
     SafeStop,
 }
 
@@ -82,8 +82,8 @@ pub enum Action {
     Follow,
     /// Blend from the reference to a pose that is reached without a jolt.
     Settle,
-    /// Freeze the integrals, latch.
-    Freeze,
+    /// Bring the arm to rest and hold it there; latch.
+    Stop,
     /// Torque off.
     Release,
 }
@@ -165,7 +165,7 @@ pub fn next_mode(mode: Mode, events: ModeEvents) -> Transition {
     let refuse = |why| Transition { refusal: Some(why), ..stay };
     let active = matches!(mode, Mode::Armed | Mode::Holding | Mode::Tracking);
     if active && (events.fault || events.request == ModeRequest::Stop) {
-        return go(Mode::SafeStop, Action::Freeze);
+        return go(Mode::SafeStop, Action::Stop);
     }
     match (mode, events.request) {
         (_, ModeRequest::Stop)

@@ -15,6 +15,10 @@ pub(crate) struct Moment<R> {
     /// The caller feeds forward.
     pub(crate) feeds: bool,
     pub(crate) first_motion: bool,
+    /// The law brings the arm to rest.
+    pub(crate) stopping: bool,
+    /// Samples in a row with the torque at its limit that are a fault.
+    pub(crate) saturation: u32,
     /// Share of a sample in what is averaged over `AVERAGING_S`.
     pub(crate) average: R,
     /// Samples that count as a while: 0.1 s or so.

@@ -31,6 +31,13 @@ pub struct Options {
     pub stop_damping: f64,
     /// After this time in a stop the brakes are asked for even if the arm still moves \[s\].
     pub stop_s: f64,
+    /// How long a torque may stay at its limit without a break before the arm is stopped \[s\]; `None`: for ever.
+    pub saturation_s: Option<f64>,
+    /// Wrong times between samples, of the last 64, that stop the arm.
+    pub clock_max: u32,
+    /// How long the brakes take from the request for them until they hold the arm \[s\]: the law gives way then. `None`: there are none, and the law
+    /// holds the arm for as long as it is measured.
+    pub brake_s: Option<f64>,
     /// When to change between start gains and running gains; used where a joint has start gains.
     pub schedule: Schedule,
 }
@@ -52,6 +59,9 @@ impl Options {
             blend_s: 0.5,
             stop_damping: 0.5,
             stop_s: 0.5,
+            saturation_s: None,
+            clock_max: 32,
+            brake_s: None,
             schedule: Schedule { settled: 1.0, disturbed: f64::INFINITY, dwell_s: 0.1 },
         }
     }
@@ -92,7 +102,7 @@ pub struct Schedule {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointOptions<R> {
-    /// Largest plausible |q̇| \[rad/s\]; it bounds the step in position as well.
+    /// Largest |q̇| \[rad/s\]: a joint that is faster is stopped. A jump to a higher velocity, or further than it leads to, is not plausible.
     pub velocity_max: Option<f64>,
     /// Where the joint may be.
     pub range: Option<JointRange>,
@@ -103,6 +113,9 @@ pub struct JointOptions<R> {
     pub frozen_travel: Option<f64>,
     /// Limits that every reference is shaped to.
     pub motion: Option<MotionLimits>,
+    /// Deceleration and jerk of a stop; `velocity` does not count. `None`: a quarter of what the torque limits give the nominal inertia, or what the outer loop
+    /// gives it at an error of 0.2 rad.
+    pub stop: Option<MotionLimits>,
     /// Inside this |e| \[rad\], with the reference at rest, the estimate is held: no hunting under stiction, at
     /// the price of this much error.
     pub dead_zone: Option<f64>,

@@ -58,6 +58,10 @@ events! {
     REFUSED = 17, "refused";
     /// The estimator has taken over from a funnel.
     FUNNEL_OVER = 18, "funnel-over";
+    /// In a stop: the law would have given the joint energy, and its torque was held back.
+    HELD_BACK = 19, "held-back";
+    /// A measured torque is none that the drive can give: the last command counts in its place.
+    TORQUE_REFUSED = 20, "torque-refused";
 }
 
 impl Events {
@@ -120,17 +124,23 @@ pub enum Fault {
     JointLimit,
     /// The tracking error is beyond its bound.
     TrackingError,
-    /// The torque demand oscillates near the sample rate.
+    /// A joint is faster than its limit.
+    Overspeed,
+    /// The torque demand oscillates near the sample rate, or the law drives a joint that it should stop.
     Oscillation,
-    /// At first motion the joint does not accelerate the way the torque pushes.
+    /// The joint does not accelerate the way the torque pushes.
     Actuation,
+    /// The torque was at its limit for longer than a motion explains.
+    Saturation,
+    /// The clock of the samples is wrong in many of them.
+    Clock,
     /// The law's torque was not finite.
     NotFinite,
 }
 
 impl Fault {
     /// All faults.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::LinkLost,
         Self::LinkQuality,
         Self::BadSample,
@@ -138,8 +148,11 @@ impl Fault {
         Self::Frozen,
         Self::JointLimit,
         Self::TrackingError,
+        Self::Overspeed,
         Self::Oscillation,
         Self::Actuation,
+        Self::Saturation,
+        Self::Clock,
         Self::NotFinite,
     ];
 
@@ -153,8 +166,11 @@ impl Fault {
             Self::Frozen => "frozen-sensor",
             Self::JointLimit => "joint-limit",
             Self::TrackingError => "tracking-error",
+            Self::Overspeed => "overspeed",
             Self::Oscillation => "oscillation",
             Self::Actuation => "actuation",
+            Self::Saturation => "saturation",
+            Self::Clock => "clock",
             Self::NotFinite => "not-finite",
         }
     }

@@ -4,6 +4,7 @@ use super::arrivals::ArrivalRules;
 use super::funnel::FunnelRules;
 use super::option_error::{positive, value};
 use super::range::RangeRules;
+use super::stop::StopRules;
 use crate::joint::Interval;
 use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
@@ -11,6 +12,10 @@ use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
 /// against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A mean is at most
 /// as short as one sample.
 const AVERAGING_S: f64 = 0.05;
+
+/// What is known from up to this long ago, and up to twice as long, is from before what stops the arm now \[s\]: a push has thrown an arm off
+/// its reference within a tenth of it.
+const BEFORE_S: f64 = 0.25;
 
 /// How long after the law took over a joint is watched for a wrong sign, a dead drive or a closed brake \[s\]: the
 /// torque has to vary in that time, later it may rest and says nothing.
@@ -47,6 +52,12 @@ pub struct ArmRules<R> {
     /// Share of a sample in a mean over [`AVERAGING_S`].
     pub(crate) average: R,
     pub(crate) first_motion_samples: u32,
+    pub(crate) clock_max: u32,
+    pub(crate) saturation_samples: u32,
+    /// Samples from the request for the brakes until they are closed; `None`: there are none.
+    pub(crate) brake_samples: Option<u32>,
+    /// Samples after which what was known is from before.
+    pub(crate) block: u32,
 }
 
 /// [`JointOptions`] and the gains, checked, in the running scalar.
@@ -61,6 +72,9 @@ pub struct JointRules<R> {
     pub(crate) error_stop: R,
     pub(crate) frozen_travel: Option<R>,
     pub(crate) shaper: Option<Shaper<R>>,
+    pub(crate) stop: StopRules<R>,
+    /// How far a measured torque may be off what was commanded \[N·m\].
+    pub(crate) torque_slack: R,
     /// Distance in which the shaper stops, at its velocity limit, per velocity: `v/2A + A/2J`.
     pub(crate) stopping: [R; 2],
     pub(crate) dead_zone: R,
@@ -88,6 +102,8 @@ impl<R: Real> ArmRules<R> {
         positive(options.start_mismatch_max, "start mismatch", 0)?;
         positive(options.blend_s, "blend time", 0)?;
         positive(options.stop_s, "stop time", 0)?;
+        options.saturation_s.map_or(Ok(()), |s| positive(s, "saturation time", 0))?;
+        options.brake_s.map_or(Ok(()), |s| positive(s, "brakes' closing time", 0))?;
         let damping = options.stop_damping;
         value((0.0..=1.0).contains(&damping), "stop damping", damping, "0 … 1", 0)?;
         let stop = f64::from(options.stop_samples);
@@ -121,6 +137,10 @@ impl<R: Real> ArmRules<R> {
             dwell_samples: samples(schedule.dwell_s),
             average: R::from_f64((period / AVERAGING_S).min(1.0)),
             first_motion_samples: samples(FIRST_MOTION_S),
+            clock_max: options.clock_max.min(HISTORY),
+            saturation_samples: options.saturation_s.map_or(u32::MAX, samples),
+            brake_samples: options.brake_s.map(samples),
+            block: samples(BEFORE_S),
         })
     }
 }
@@ -177,6 +197,10 @@ impl<R: Real> JointRules<R> {
                     .map_err(|error| OptionError::Motion { joint, error })?,
             ),
         };
+        if let Some(limits) = &options.stop {
+            Shaper::<R>::new(limits, period)
+                .map_err(|error| OptionError::Motion { joint, error })?;
+        }
         let stopping = options
             .motion
             .map_or([0.0; 2], |m| [0.5 / m.acceleration, 0.5 * m.acceleration / m.jerk]);
@@ -194,6 +218,8 @@ impl<R: Real> JointRules<R> {
             error_stop: optional(options.error_stop, "error limit")?.unwrap_or(plain.error_stop),
             frozen_travel: optional(options.frozen_travel, "frozen travel")?,
             shaper,
+            stop: StopRules::new(gains, options.stop.as_ref()),
+            torque_slack: plain.torque_slack,
             stopping: stopping.map(R::from_f64),
             dead_zone: optional(options.dead_zone, "dead zone")?.unwrap_or(plain.dead_zone),
             funnel: options.funnel.map(|f| f.rules(period, joint)).transpose()?,
@@ -213,6 +239,8 @@ impl<R: Real> JointRules<R> {
             error_stop: infinite,
             frozen_travel: None,
             shaper: None,
+            stop: StopRules::new(gains, None),
+            torque_slack: gains.torque_slack(),
             stopping: [R::ZERO; 2],
             dead_zone: R::ZERO,
             funnel: None,

@@ -1,18 +1,13 @@
-//! One joint when the law does not run: waiting, held, free; and what stops it.
+//! One joint when the law does not run: waiting, held, free.
 
 use super::follow::JointNews;
-use super::memory::{ArmState, JointMemory};
-use super::monitor::Frozen;
+use super::memory::{ArmState, JointMemory, Trust};
 use super::rules::{ArmRules, JointRules};
-use crate::{Command, Fault, JointState, Measurement, Mode, Real};
+use crate::{Command, JointState, Measurement, Mode, Real};
 
 /// Share of the damping in a stop that is left where velocity feedback may be what shakes the arm: a joint of
 /// a quarter of the nominal inertia then sees no more of it than the nominal one does otherwise.
 const SHAKEN_DAMPING: f64 = 0.25;
-
-/// Share of the reference's velocity at which a joint has to move for its sensor to be called frozen: the rest may be
-/// error, load and friction.
-const FOLLOWED_SHARE: f64 = 0.2;
 
 /// What a missed sample leaves of the feedback torque, once it fades to `φ̂`. Per missed sample, as `hold_samples` and
 /// `stop_samples` around it are counted: between the defaults of 5 and 20, 4 % of it are left when the arm stops, at any
@@ -26,8 +21,10 @@ pub(crate) struct Rest<R> {
     damping: R,
     /// Share of the held torque that is still there.
     held: R,
-    /// `φ̂` itself shakes: hold its mean.
-    steady: bool,
+    /// Samples missed in a row for which the last torque is held.
+    hold: bool,
+    /// The caller says what holds the arm.
+    feeds: bool,
 }
 
 impl<R: Real> ArmRules<R> {
@@ -35,15 +32,16 @@ impl<R: Real> ArmRules<R> {
     /// once where the drive does not do what it is told.
     pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
         let one = R::from_f64(1.0);
-        let mut rest = Rest { damping: self.stop_damping, held: one, steady: false };
-        if !fresh || state.misdriven() {
+        let hold = state.arrivals.misses <= self.hold_samples;
+        let mut rest = Rest { damping: self.stop_damping, held: one, hold, feeds: state.feeds };
+        if !fresh || state.trust == Trust::Nothing {
             rest.damping = R::ZERO;
-        } else if state.shaking() {
+        } else if state.trust == Trust::Damping {
             rest.damping = R::from_f64(SHAKEN_DAMPING) * rest.damping;
         }
-        rest.steady = state.shaking();
-        if state.mode == Mode::SafeStop && state.misdriven() {
+        if state.mode == Mode::SafeStop && state.trust == Trust::Nothing {
             rest.held = R::ZERO;
+            rest.feeds = false;
         } else if state.mode == Mode::SafeStop && state.arrivals.misses >= self.stop_samples {
             let late = state.in_mode.saturating_sub(self.stop_samples_max);
             let gone = R::from_f64(f64::from(late)) * self.blend_rate;
@@ -54,49 +52,16 @@ impl<R: Real> ArmRules<R> {
 }
 
 impl<R: Real> JointRules<R> {
-    /// What this joint's sample says about faults.
-    pub(crate) fn watch(
-        &self,
-        memory: &mut JointMemory<R>,
-        m: &Measurement<R>,
-        period: R,
-        law: bool,
-    ) -> Option<Fault> {
-        if self.range.as_ref().is_some_and(|range| range.left(m.q)) {
-            return Some(Fault::JointLimit);
-        }
-        if !law {
-            return None;
-        }
-        if (m.q - memory.reference.q).abs() > self.error_stop {
-            return Some(Fault::TrackingError);
-        }
-        let travel = self.frozen_travel?;
-        if m.q - memory.measured.q != R::ZERO {
-            memory.frozen = Frozen::default();
-            return None;
-        }
-        // It moves, or should.
-        let asked = R::from_f64(FOLLOWED_SHARE) * memory.reference.dq.abs();
-        let speed = if m.dq.abs() > asked { m.dq.abs() } else { asked };
-        memory.frozen.stay(speed * period, travel).then_some(Fault::Frozen)
-    }
-
     /// No fresh sample: the last torque, or after a while `φ̂` alone, with what was fed forward last.
     pub(crate) fn wait(&self, memory: &mut JointMemory<R>, long: bool) -> (Command<R>, JointNews) {
-        let mut news = JointNews::default();
         if !long {
-            return (memory.hold(), news);
+            return (memory.hold(), JointNews::default());
         }
-        let (phi_hat, measured) = (memory.phi_hat(), memory.measured);
-        let feedback = memory.law.tau - phi_hat;
-        let demand = phi_hat + R::from_f64(FADE_PER_MISS) * feedback;
-        let mut command = self.out(memory, phi_hat, &measured, demand, &mut news);
-        command.status.refused = true;
-        (command, news)
+        let known = memory.phi_hat();
+        self.towards(memory, known)
     }
 
-    /// The held torque, damped.
+    /// The torque that held the arm before, with a damper and a spring.
     pub(crate) fn rest(
         &self,
         memory: &mut JointMemory<R>,
@@ -104,21 +69,59 @@ impl<R: Real> JointRules<R> {
         rest: &Rest<R>,
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
-        if rest.steady {
-            memory.held = memory.steady;
-        }
-        let phi_hat = memory.held * rest.held;
         let gains = self.running();
-        let damping = gains.inertia * gains.kd * rest.damping;
+        let rate = gains.kd * rest.damping;
+        let damping = gains.inertia * rate;
+        let before = memory.measured;
+        let moved = m.q - before.q;
+        // A spring, so that the joint does not creep; a joint of a quarter of the nominal inertia and more does not swing on it.
+        let spring = R::from_f64(0.25) * rate * damping;
+        memory.held = (memory.held - spring * moved).saturate(gains.limits.torque());
+        let fed = if rest.feeds { memory.fed_asked } else { R::ZERO };
+        let phi_hat = fed + (memory.held - fed) * rest.held;
         // A velocity that is frozen would drive the joint instead of damping it.
-        let before = &memory.measured;
-        let alive = (m.q - before.q).abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
+        let alive = moved.abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
         let velocity = if alive { m.dq } else { R::ZERO };
-        let demand = phi_hat - damping * velocity;
+        let damped = (damping * velocity).saturate(self.stop.unloaded_at(velocity));
+        let mut demand = phi_hat - damped;
+        if rest.damping > R::ZERO {
+            demand = self.probed(memory, gains, m, demand, &mut news);
+        }
         let command = self.out(memory, phi_hat, m, demand, &mut news);
         if !command.status.refused {
+            memory.take_over_feed();
             memory.law.phi_hat = phi_hat;
         }
+        (command, news)
+    }
+
+    /// A stop without a fresh sample: the last torque for a few samples, then the torque that held the arm before.
+    pub(crate) fn stop_blind(
+        &self,
+        memory: &mut JointMemory<R>,
+        rest: &Rest<R>,
+    ) -> (Command<R>, JointNews) {
+        if rest.hold {
+            return (memory.hold(), JointNews::default());
+        }
+        // Whatever comes next finds another arm.
+        memory.stopping.begun = false;
+        let fed = if rest.feeds { memory.fed_asked } else { R::ZERO };
+        let known = fed + (memory.held - fed) * rest.held;
+        let answer = self.towards(memory, known);
+        memory.take_over_feed();
+        memory.law.phi_hat = answer.0.phi_hat;
+        answer
+    }
+
+    /// What is left of the feedback fades to a torque that is known.
+    fn towards(&self, memory: &mut JointMemory<R>, known: R) -> (Command<R>, JointNews) {
+        let mut news = JointNews::default();
+        let measured = memory.measured;
+        let feedback = memory.law.tau - known;
+        let demand = known + R::from_f64(FADE_PER_MISS) * feedback;
+        let mut command = self.out(memory, known, &measured, demand, &mut news);
+        command.status.refused = true;
         (command, news)
     }
 

@@ -3,7 +3,7 @@
 use super::arrivals::{Arrival, interval};
 use super::follow::JointNews;
 use super::guard::{admit, ask, watch};
-use super::memory::{ArmState, JointMemory};
+use super::memory::{ArmState, JointMemory, Trust};
 use super::mode::next_mode;
 use super::moment::Moment;
 use super::rules::{ArmRules, JointRules};
@@ -26,7 +26,8 @@ use crate::{
 /// 3. The law, or what the mode asks for, gives a torque; range, rate and torque limits let it out.
 ///
 /// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂` (with what was fed forward last), after `stop_samples`
-/// the arm stops.
+/// the arm stops. In a stop the law brings the arm to rest and holds it there; without measurements the torque goes to what held the arm
+/// before.
 pub fn supervise<R: Real>(
     rules: Rules<'_, R>,
     memories: Memories<'_, R>,
@@ -41,8 +42,10 @@ pub fn supervise<R: Real>(
     ask(state, joints.len(), memories, request, &mut events);
     let seen = watch(&rules, state, memories, sample, arrival.fresh);
     let fault = state.pending.take().or(seen);
-    if state.fault.is_none() && state.mode != Mode::Idle {
-        state.fault = fault;
+    if state.mode != Mode::Idle {
+        state.fault = state.fault.or(fault);
+        let leaves = fault.map_or(Trust::Law, |(fault, _)| fault.leaves());
+        state.trust = if leaves < state.trust { leaves } else { state.trust };
     }
     let at_rest = || sample.joints.iter().all(|m| m.dq.abs() <= arm.rest_velocity);
     let starts_here =
@@ -63,16 +66,30 @@ pub fn supervise<R: Real>(
     if step.action != Action::None {
         act(&rules, memories, (sample, request), arrival.fresh, step.action);
     }
-    events |= if arrival.fresh && matches!(state.mode, Mode::Holding | Mode::Tracking) {
+    remember_before(arm, state, memories);
+    // The first sample after a gap says where the arm is, and not how it got there.
+    let gap = core::mem::replace(&mut state.gap, state.arrivals.misses > arm.hold_samples);
+    let known = arrival.fresh && !(gap && state.mode == Mode::SafeStop);
+    events |= if known && arm.law_runs(state) {
         let now = moment(arm, state, &arrival, step.action);
         run(joints, Memories { arm: state, joints: memories }, &now, sample, commands)
     } else {
-        rest(&rules, Memories { arm: state, joints: memories }, sample, arrival.fresh, commands)
+        let fresh = (arrival.fresh, known);
+        rest(&rules, Memories { arm: state, joints: memories }, sample, fresh, commands)
     };
     schedule(&rules, state, memories, arrival.fresh, &mut events);
-    let late = state.in_mode >= arm.stop_samples_max;
-    let stopped =
-        state.mode == Mode::SafeStop && (!arrival.fresh || late || state.misdriven() || at_rest());
+    let stopped = state.mode == Mode::SafeStop && {
+        let late = state.in_mode >= arm.stop_samples_max;
+        let blind = state.arrivals.misses > arm.hold_samples;
+        let driven = memories.iter().any(|m| m.stopping.faster > arm.hold_samples);
+        let lost = late || blind || driven || state.trust == Trust::Nothing;
+        let asks = lost || arrival.fresh && at_rest();
+        state.braking = match state.braking {
+            Some(samples) => Some(samples.saturating_add(1)),
+            None => asks.then_some(0),
+        };
+        state.braking.is_some()
+    };
     Report {
         mode: state.mode,
         fault: state.fault,
@@ -81,6 +98,44 @@ pub fn supervise<R: Real>(
         brake: stopped || state.mode == Mode::Idle,
         misses: state.arrivals.misses,
         lost: state.arrivals.lost(),
+    }
+}
+
+impl<R: Real> ArmRules<R> {
+    /// Whether the law answers a fresh sample.
+    fn law_runs(&self, state: &ArmState) -> bool {
+        match state.mode {
+            Mode::Holding | Mode::Tracking => true,
+            Mode::SafeStop => {
+                let braked = self.brake_samples.zip(state.braking);
+                state.trust == Trust::Law && braked.is_none_or(|(takes, samples)| samples < takes)
+            }
+            Mode::Idle | Mode::Armed => false,
+        }
+    }
+}
+
+/// Keeps what the joints know for a later stop: it is from before what will have caused that. In a stop the brakes are closed after a while, and the
+/// torque that held the arm until then is held.
+fn remember_before<R: Real>(
+    arm: &ArmRules<R>,
+    state: &mut ArmState,
+    memories: &mut [JointMemory<R>],
+) {
+    if state.mode == Mode::SafeStop && state.braking.is_some() && state.braking == arm.brake_samples
+    {
+        for memory in memories.iter_mut() {
+            memory.held = memory.steady;
+        }
+    }
+    state.block = state.block.saturating_add(1);
+    if state.block < arm.block || state.mode == Mode::SafeStop {
+        return;
+    }
+    state.block = 0;
+    for memory in memories {
+        let [now, _] = memory.before_now;
+        memory.before_now = [memory.steady, now];
     }
 }
 
@@ -120,14 +175,19 @@ fn moment<R: Real>(
 ) -> Moment<R> {
     // The law starts at this sample: what happened before it is not its own.
     let elapsed = if action == Action::Engage { None } else { arrival.elapsed_ns };
+    let stopping = state.mode == Mode::SafeStop;
+    // A stop goes on by a clock that is wrong.
+    let elapsed = if stopping { elapsed.or(Some(arm.arrivals.period_ns)) } else { elapsed };
     Moment {
         interval: interval(elapsed, arm.arrivals.period_ns, arm.nominal()),
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
         blend_rate: arm.blend_rate,
         tracking: state.mode == Mode::Tracking,
-        feeds: state.feeds,
+        feeds: state.feeds && !stopping,
         first_motion: state.engaged < arm.first_motion_samples,
+        stopping,
+        saturation: arm.saturation_samples,
         average: arm.average,
         dwell: arm.dwell_samples,
     }
@@ -149,7 +209,11 @@ fn run<R: Real>(
         let gains = rule.in_force(raised);
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
-        events |= match gains.form {
+        let form = match gains.form {
+            Form::Literal if now.stopping => Form::Observer,
+            form => form,
+        };
+        events |= match form {
             Form::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
             Form::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
             Form::Positions => place.follow_apart::<FromPositions>(arm, memory, m, now, command),
@@ -203,18 +267,19 @@ fn rest<R: Real>(
     rules: &Rules<'_, R>,
     memories: Memories<'_, R>,
     sample: &Sample<'_, R>,
-    fresh: bool,
+    (fresh, known): (bool, bool),
     commands: &mut [Command<R>],
 ) -> Events {
     let mut events = Events::NONE;
     let state = memories.arm;
-    let stop = rules.arm.stop(state, fresh);
+    let stop = rules.arm.stop(state, known);
     let long = state.arrivals.misses > rules.arm.hold_samples;
     let joints = rules.joints.iter().zip(memories.joints).zip(commands).enumerate();
     for (joint, ((rule, memory), command)) in joints {
         let m = measured(memory, sample, joint, fresh);
         let (answer, news) = match state.mode {
             Mode::Holding | Mode::Tracking => rule.wait(memory, long),
+            Mode::SafeStop if !known => rule.stop_blind(memory, &stop),
             Mode::Armed | Mode::SafeStop => rule.rest(memory, &m, &stop),
             Mode::Idle => rule.free(memory, &m),
         };
@@ -231,7 +296,10 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
     state.engaged = state.engaged.saturating_add(1);
     state.blending = state.blending.saturating_add(1);
     match action {
-        Action::Capture => state.fault = None,
+        Action::Capture => {
+            state.fault = None;
+            state.trust = Trust::Law;
+        }
         Action::Engage => {
             state.engaged = 0;
             state.raised = false;
@@ -239,7 +307,8 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
             state.disturbed = 0;
         }
         Action::Follow | Action::Settle => state.blending = 0,
-        Action::None | Action::Freeze | Action::Release => {}
+        Action::Stop => state.braking = None,
+        Action::None | Action::Release => {}
     }
     state.mode = mode;
 }

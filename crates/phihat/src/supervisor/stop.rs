@@ -1,0 +1,272 @@
+//! A safe stop: the law brings the arm to rest and holds it there, and gives it no energy on the way.
+
+use super::follow::JointNews;
+use super::memory::JointMemory;
+use super::moment::Moment;
+use super::monitor::Actuation;
+use super::rules::JointRules;
+use crate::{Events, Form, JointGains, Measurement, MotionLimits, Real, Reference, Shaper};
+
+/// Share of the torque limit, and of the rate limit, that the deceleration of the nominal inertia takes: the rest is for gravity, for an
+/// inertia twice the nominal one, and for feedback.
+const TORQUE_SHARE: f64 = 0.25;
+
+/// Error of the outer loop that the default deceleration corresponds to where no torque limit is stated \[rad\].
+const STOPPING_ERROR: f64 = 0.2;
+
+/// Largest speed that a stop may begin at for its profile to be exact \[rad/s\]; beyond it the profile brakes all the same.
+const FASTEST: f64 = 1e4;
+
+/// Speed of the nominal inertia whose kinetic energy a stopped drive may give back at most \[rad/s\].
+const RESERVE_SPEED: f64 = 0.2;
+
+/// Share of the largest speed below which a joint does not get faster: the rest is noise.
+const SLOWER_SHARE: f64 = 0.98;
+
+/// Share of the excitation at first motion that is enough in a stop: a rate limit leaves less of it, and the joint is fast.
+const PROBED_EXCITATION: f64 = 1.0 / 16.0;
+
+/// Time in which a rate limit takes back the feedback of a joint at rest \[s\].
+const SMALL_S: f64 = 0.01;
+
+/// Samples with half of the torque, and with the whole, by which a drive is told from a push; a power of two.
+const PROBED_SAMPLES: u32 = 16;
+
+/// Samples over which a joint has to stand for it to rest, and the speed that it may have in them on average \[rad/s\]: the noise of an encoder drains the reserve
+/// of a joint that is held.
+const REST_SAMPLES: u32 = 64;
+const REST_SPEED: f64 = 0.02;
+
+/// Samples in which the reserve held the torque back after which the stop begins anew from where the joint is.
+const ANEW_SAMPLES: u32 = 10;
+
+/// What stops one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StopRules<R> {
+    profile: Shaper<R>,
+    /// Distance in which the profile stops, per velocity: `v/2A + A/2J`.
+    stopping: [R; 2],
+    /// `½ M̄ v²` \[J\].
+    reserve: R,
+    /// How far a joint goes that rests \[rad\].
+    rest_travel: R,
+    /// `2 ρ M̄/4`; infinite without a rate limit.
+    unloading: R,
+    /// `ρ · 10 ms` \[N·m\].
+    small: R,
+}
+
+/// What a joint remembers of its stop.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Stopping<R> {
+    /// The law is under way from a measured state to rest.
+    pub(crate) begun: bool,
+    /// Energy that the drive may give beyond what it took \[J\].
+    reserve: R,
+    /// Samples in which the reserve held the torque back, since the stop began anew.
+    held_back: u32,
+    /// Where the joint was, and for how many samples it has been there.
+    rest: (R, u32),
+    /// Speed beyond which the stop is one that drives \[rad/s\], and samples in a row beyond it.
+    fastest: R,
+    pub(crate) faster: u32,
+    /// The largest speed since then \[rad/s\].
+    peak: R,
+}
+
+impl<R: Real> StopRules<R> {
+    /// Deceleration and jerk as stated, which are checked, or what gains and limits allow.
+    pub(crate) fn new(gains: &JointGains<R>, stated: Option<&MotionLimits>) -> Self {
+        let period = gains.period.to_f64();
+        let limits = stated.copied().unwrap_or_else(|| allowed(gains, period));
+        let limits = MotionLimits { velocity: FASTEST, ..limits };
+        let MotionLimits { acceleration, jerk, .. } = limits;
+        let half = R::from_f64(0.5);
+        let speed = R::from_f64(RESERVE_SPEED);
+        Self {
+            profile: Shaper::of(&limits, period),
+            stopping: [0.5 / acceleration, 0.5 * acceleration / jerk].map(R::from_f64),
+            reserve: half * gains.inertia * speed * speed,
+            rest_travel: R::from_f64(REST_SPEED * f64::from(REST_SAMPLES) * period),
+            small: R::from_f64(SMALL_S) * (gains.limits.step() / gains.period),
+            unloading: half * gains.inertia * (gains.limits.step() / gains.period),
+        }
+    }
+
+    /// Largest torque of the feedback at a velocity \[N·m\]: one that the rate limit `ρ` can take back before a joint of a quarter of the nominal inertia has turned
+    /// round, and what it takes back in 10 ms.
+    ///
+    /// ```text
+    /// √(2 ρ M̄/4 |q̇|) + ρ · 10 ms                                                                   (Q2)
+    /// ```
+    pub(crate) fn unloaded_at(&self, velocity: R) -> R {
+        if self.unloading.is_finite() {
+            (self.unloading * velocity.abs()).sqrt() + self.small
+        } else {
+            self.unloading
+        }
+    }
+
+    /// Where a joint that moves so will be at rest, a little further than the profile needs.
+    fn rest_from(&self, at: &Reference<R>) -> R {
+        let [square, linear] = self.stopping;
+        at.q + at.dq * (square * at.dq.abs() + linear)
+    }
+}
+
+/// The deceleration that torque limits allow, or the outer loop where there are none.
+fn allowed<R: Real>(gains: &JointGains<R>, period: f64) -> MotionLimits {
+    let [inertia, kp, kd, torque, step] =
+        [gains.inertia, gains.kp, gains.kd, gains.limits.torque(), gains.limits.step()]
+            .map(Real::to_f64);
+    let within = TORQUE_SHARE * torque / inertia;
+    let acceleration = if within.is_finite() { within } else { STOPPING_ERROR * kp };
+    let within = TORQUE_SHARE * step / (inertia * period);
+    let smooth = 0.5 * acceleration * kd;
+    MotionLimits {
+        velocity: FASTEST,
+        acceleration,
+        jerk: if within < smooth { within } else { smooth },
+    }
+}
+
+impl<R: Real> JointRules<R> {
+    /// The law begins to stop the joint where it is, at the speed that it has. `φ̂` stays what it is.
+    ///
+    /// # Law
+    ///
+    /// ```text
+    /// q_d(0) = q,   q̇_d(0) = q̇,   then |q̈_d| ≤ A, |q⃛_d| ≤ J to rest, and there for good
+    /// ```
+    pub(crate) fn begin_to_stop(
+        &self,
+        gains: &JointGains<R>,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        now: &Moment<R>,
+    ) {
+        // How far it went is what counts; a velocity may be filtered.
+        let speed = (m.q - memory.measured.q) / now.interval.step;
+        // Where the reference would have been at the last sample.
+        let last = Reference { q: m.q - speed * gains.period, dq: speed, ddq: R::ZERO };
+        let rest = self.stop.rest_from(&last);
+        memory.home = self.range.as_ref().and_then(|range| range.keep(rest)).unwrap_or(rest);
+        match gains.form {
+            Form::Observer => {}
+            Form::Literal => {
+                // It stops in the observer form, which does not wind up; what it took for φ̂ may have.
+                let [memory0, ..] = &mut memory.law.memory;
+                *memory0 = memory.law.phi_hat.saturate(gains.limits.torque());
+                for entry in memory.law.memory.iter_mut().skip(1) {
+                    *entry = R::ZERO;
+                }
+                memory.law.phi_hat = memory.law.phi_hat.saturate(gains.limits.torque());
+            }
+            Form::Positions => {
+                memory.take_over_feed();
+                memory.law.rebase(&memory.reference, &last);
+            }
+        }
+        memory.law.dq = m.dq;
+        memory.reference = last;
+        memory.stopping.begun = true;
+        memory.stopping.held_back = 0;
+        let allowed = R::from_f64(RESERVE_SPEED) + speed.abs();
+        let before = memory.stopping.fastest;
+        memory.stopping.fastest = if before > R::ZERO { before } else { allowed };
+    }
+
+    /// The next reference of a stop.
+    pub(crate) fn stopping_reference(&self, memory: &JointMemory<R>) -> Reference<R> {
+        let rest = Reference { q: memory.home, ..Reference::default() };
+        self.stop.profile.step(&memory.reference, &rest)
+    }
+
+    /// Whether a stop that makes a joint faster does so because the drive does not do what it is told; and the torque that finds it out.
+    ///
+    /// # Method
+    ///
+    /// From the sample on at which the joint is faster than at the stop, it is watched as at first motion; and what brakes is halved for 16 samples of 32, since
+    /// a torque that stays at its limit says nothing. A push that is stronger than the drive makes a joint faster as well, and then torque still
+    /// pushes the way it should.
+    pub(crate) fn probed(
+        &self,
+        memory: &mut JointMemory<R>,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+        demand: R,
+        news: &mut JointNews,
+    ) -> R {
+        let stopping = &mut memory.stopping;
+        let speed = m.dq.abs();
+        // A torque that its rate limit has not yet taken back explains a speed.
+        let brakes = (m.tau_applied - memory.held) * m.dq < R::ZERO;
+        let faster = brakes && stopping.fastest > R::ZERO && speed > stopping.fastest;
+        if !faster || speed < R::from_f64(SLOWER_SHARE) * stopping.peak {
+            // What brakes does what it should.
+            stopping.faster = 0;
+            stopping.peak = if faster { stopping.peak } else { R::ZERO };
+            return demand;
+        }
+        stopping.peak = if speed > stopping.peak { speed } else { stopping.peak };
+        if stopping.faster == 0 {
+            memory.actuation = Actuation::default();
+        }
+        stopping.faster = stopping.faster.saturating_add(1);
+        let half = stopping.faster & PROBED_SAMPLES == 0;
+        news.fault = news.fault.or(self.actuates(memory, gains, m, R::from_f64(PROBED_EXCITATION)));
+        let known = memory.held;
+        let limited = demand.saturate(gains.limits.torque());
+        if half { known + R::from_f64(0.5) * (limited - known) } else { demand }
+    }
+
+    /// A torque demand that gives the joint no more energy than the stop took out of it.
+    ///
+    /// # Law
+    ///
+    /// With `τ_0` the torque that held the arm before, and `Δq` how far the joint went since the last sample, the drive's work on the joint is
+    /// exactly `(τ_applied − τ_0) Δq`: the torque is constant over a sample.
+    ///
+    /// ```text
+    /// E ← min(E_max, E − (τ_applied − τ_0) Δq),   E = 0 at the stop
+    /// τ = τ_0 + s (τ_law − τ_0),   s ≤ 1 such that  s (τ_law − τ_0) Δq ≤ max(E, 0)                    (Q1)
+    /// ```
+    ///
+    /// A torque against the motion is never held back. A joint that rests has no energy: then `E = E_max`.
+    pub(crate) fn without_driving(
+        &self,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        (demand, phi_hat): (R, R),
+        news: &mut JointNews,
+    ) -> R {
+        let moved = m.q - memory.measured.q;
+        let known = memory.held;
+        let most = self.stop.unloaded_at(m.dq);
+        let demand = phi_hat + (demand - phi_hat).saturate(most);
+        let stopping = &mut memory.stopping;
+        let left = stopping.reserve - (m.tau_applied - known) * moved;
+        stopping.reserve = if left < self.stop.reserve { left } else { self.stop.reserve };
+        let (place, samples) = &mut stopping.rest;
+        if (m.q - *place).abs() > self.stop.rest_travel {
+            (*place, *samples) = (m.q, 0);
+        } else if *samples < REST_SAMPLES {
+            *samples += 1;
+        } else {
+            (*place, *samples) = (m.q, 0);
+            stopping.reserve = self.stop.reserve;
+        }
+        let least = -self.stop.reserve;
+        stopping.reserve = if stopping.reserve > least { stopping.reserve } else { least };
+        let drives = demand - known;
+        let gives = drives * moved;
+        if gives <= R::ZERO || gives <= stopping.reserve {
+            return demand;
+        }
+        news.events |= Events::HELD_BACK;
+        let share = if stopping.reserve > R::ZERO { stopping.reserve / gives } else { R::ZERO };
+        stopping.held_back = stopping.held_back.saturating_add(1);
+        stopping.begun = stopping.held_back < ANEW_SAMPLES;
+        known + share * drives
+    }
+}

@@ -1,0 +1,369 @@
+//! What a stop does to an arm of coupled joints. Wrong if the drives give energy to an arm that they should stop, or leave it in motion.
+//!
+//! The arm is the test's own: `M q̈ = τ − G sin(q + p) − friction + push` with a constant, coupled `M`, integrated in eighths of a sample. Energy is
+//! counted from what the drives truly gave and what gravity truly took.
+#![allow(
+    clippy::large_types_passed_by_value,
+    clippy::needless_range_loop,
+    reason = "a test reads better so"
+)]
+
+use std::collections::VecDeque;
+
+use crate::arm::Dice;
+use phihat::{
+    Fault, Form, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode, ModeRequest,
+    Options, PositionDesign, Reference, Request, Sample, Stamp, Supervisor, SupervisorState,
+};
+
+const N: usize = 3;
+const T: f64 = 1e-3;
+const STEPS: usize = 8;
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Event {
+    /// A person's stop.
+    Asked,
+    /// A push of so much on a joint for so long.
+    Push(usize, f64, f64),
+    /// A load falls off: gravity of a joint changes by this factor.
+    Drop(usize, f64),
+    /// The samples end for so long.
+    Lost(f64),
+    /// One measured torque is this.
+    Torque(usize, f64),
+    /// A drive turns round.
+    Reversed(usize),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    form: Form,
+    order: usize,
+    rate: Option<f64>,
+    event: Event,
+    brakes: bool,
+    speed: f64,
+}
+
+struct World {
+    inverse: [[f64; N]; N],
+    gravity: [f64; N],
+    phase: [f64; N],
+    coulomb: f64,
+    viscous: f64,
+    q: [f64; N],
+    dq: [f64; N],
+    push: [f64; N],
+    drive: [f64; N],
+    braked: bool,
+}
+
+impl World {
+    fn gravity(&self, q: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|i| self.gravity[i] * (q[i] + self.phase[i]).sin())
+    }
+
+    /// One sample; the work of the drives, without what holds gravity [J].
+    fn step(&mut self, tau: &[f64; N]) -> f64 {
+        let h = T / STEPS as f64;
+        let mut drives = 0.0;
+        for _ in 0..STEPS {
+            if self.braked {
+                self.dq = [0.0; N];
+                continue;
+            }
+            let g = self.gravity(&self.q);
+            let force: [f64; N] = core::array::from_fn(|i| {
+                let friction =
+                    self.coulomb * (self.dq[i] / 2e-3).tanh() + self.viscous * self.dq[i];
+                self.drive[i] * tau[i] - g[i] - friction + self.push[i]
+            });
+            let old = self.dq;
+            for i in 0..N {
+                self.dq[i] += h * (0..N).map(|j| self.inverse[i][j] * force[j]).sum::<f64>();
+            }
+            for i in 0..N {
+                let moved = h * 0.5 * (old[i] + self.dq[i]);
+                self.q[i] += moved;
+                drives += (self.drive[i] * tau[i] - g[i]) * moved;
+            }
+        }
+        drives
+    }
+}
+
+fn inverse(m: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut a = *m;
+    let mut b: [[f64; N]; N] =
+        core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
+    for c in 0..N {
+        let p = a[c][c];
+        for j in 0..N {
+            a[c][j] /= p;
+            b[c][j] /= p;
+        }
+        for r in (0..N).filter(|r| *r != c) {
+            let f = a[r][c];
+            for j in 0..N {
+                a[r][j] -= f * a[c][j];
+                b[r][j] -= f * b[c][j];
+            }
+        }
+    }
+    b
+}
+
+fn gains(case: &Case, inertia: f64) -> JointGains<f64> {
+    let limits = Limits::new(Some(60.0 * inertia + 20.0), case.rate, T).unwrap();
+    let gains = if case.form == Form::Positions {
+        let r: f64 = 0.93;
+        let (g, h, k) = (1.0 - r * r * r, 1.5 * (1.0 - r * r) * (1.0 - r), 0.5 * (1.0 - r).powi(3));
+        JointGains::from_positions(&PositionDesign {
+            inertia,
+            kp: 400.0,
+            kd: 40.0,
+            correction: &[g, h / T, -2.0 * k / (T * T)],
+            velocity_correction: &[],
+            share: 0.4,
+            delay: 1,
+            period: T,
+        })
+    } else {
+        let a: &[f64] = if case.order == 1 { &[70.0] } else { &[2500.0, 100.0] };
+        JointGains::new(&JointDesign {
+            inertia,
+            kp: 400.0,
+            kd: 40.0,
+            a,
+            period: T,
+            form: case.form,
+        })
+    };
+    gains.unwrap().with_limits(limits)
+}
+
+/// What came of a case.
+#[derive(Debug, Default)]
+struct Outcome {
+    fault: Option<Fault>,
+    speed_at_stop: f64,
+    /// Largest work of the drives within 50 ms [J].
+    given: f64,
+    rests: bool,
+    stopped: bool,
+    /// Sum of what the joints may give back.
+    reserves: f64,
+    /// The torque ended at zero.
+    released: bool,
+    /// By how much a joint got faster before that \[rad/s\].
+    faster_driven: f64,
+}
+
+fn play(case: &Case, dice: &mut Dice) -> Outcome {
+    let inertia: [f64; N] = core::array::from_fn(|_| dice.within(0.2, 2.0));
+    // M̄^½ W M̄^½ with W = 1 + symmetric, eigenvalues within 0.5 … 2.
+    let mut w = [[0.0; N]; N];
+    for i in 0..N {
+        w[i][i] = dice.within(0.8, 1.5);
+        for j in 0..i {
+            let x = dice.within(-0.15, 0.15);
+            (w[i][j], w[j][i]) = (x, x);
+        }
+    }
+    let mass: [[f64; N]; N] = core::array::from_fn(|i| {
+        core::array::from_fn(|j| w[i][j] * (inertia[i] * inertia[j]).sqrt())
+    });
+    let mut world = World {
+        inverse: inverse(&mass),
+        gravity: core::array::from_fn(|i| inertia[i] * dice.within(0.0, 20.0)),
+        phase: core::array::from_fn(|_| dice.within(0.0, 6.0)),
+        coulomb: dice.within(0.0, 0.5),
+        viscous: dice.within(0.0, 0.5),
+        q: [0.0; N],
+        dq: [0.0; N],
+        push: [0.0; N],
+        drive: [1.0; N],
+        braked: false,
+    };
+    let joint = |i: usize| JointOptions {
+        velocity_max: Some(6.0),
+        error_stop: Some(0.05),
+        first_motion: Some(0.05 * (60.0 * inertia[i] + 20.0)),
+        oscillation: None,
+        ..JointOptions::default()
+    };
+    let options = Options { brake_s: case.brakes.then_some(0.1), ..Options::new(1_000_000) };
+    let arm = Supervisor::new(
+        core::array::from_fn(|i| gains(case, inertia[i])),
+        &core::array::from_fn(joint),
+        &options,
+    )
+    .unwrap();
+    let mut state = SupervisorState::new();
+    let quantum = core::f64::consts::TAU / f64::from(1 << 20);
+    let preset = world.gravity(&world.q);
+    let mut coming = VecDeque::from([preset]);
+    let mut acted = preset;
+    let mut seen = [Measurement::default(); N];
+    let mut stamp = Stamp::default();
+    let frequency = dice.within(0.5, 1.5);
+    let amplitude = case.speed / frequency;
+    let (event_at, length) = (1200 + (dice.bits() % 800) as usize, 4500);
+    let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
+    let mut outcome = Outcome { reserves, ..Outcome::default() };
+    let mut last_q = world.q;
+    let (mut works, mut window) = (VecDeque::new(), 0.0);
+    let mut brake_age = 0;
+    let mut unloading: Option<f64> = None;
+    let mut stopped_at = None;
+    for k in 0..length {
+        let since = k as i64 - event_at as i64;
+        let after = since >= 0;
+        let t = since as f64 * T;
+        let lost = matches!(case.event, Event::Lost(s) if after && t < s);
+        if !lost {
+            stamp = Stamp { sequence: k as u64, t_ns: k as u64 * 1_000_000 };
+            for i in 0..N {
+                let q = (world.q[i] / quantum).round() * quantum;
+                seen[i] = Measurement { q, dq: (q - last_q[i]) / T, tau_applied: acted[i] };
+                last_q[i] = q;
+            }
+            if let Event::Torque(i, x) = case.event
+                && since == 0
+            {
+                seen[i].tau_applied = x;
+            }
+        }
+        if after {
+            match case.event {
+                Event::Push(i, x, s) => world.push[i] = if t < s { x } else { 0.0 },
+                Event::Drop(i, x) if since == 0 => world.gravity[i] *= x,
+                Event::Reversed(i) => world.drive[i] = -1.0,
+                _ => {}
+            }
+        }
+        let mode = match k {
+            0..100 => ModeRequest::Arm,
+            100..110 => ModeRequest::Hold,
+            _ if after && case.event == Event::Asked => ModeRequest::Stop,
+            _ => ModeRequest::Track,
+        };
+        let s = (k as f64 * T - 0.2).max(0.0);
+        let ramp = (s / 0.5).min(1.0);
+        let smooth = ramp * ramp * ramp * (10.0 + ramp * (6.0 * ramp - 15.0));
+        let (sin, cos) = (frequency * s).sin_cos();
+        let r = Reference {
+            q: smooth * amplitude * (1.0 - cos),
+            dq: smooth * amplitude * frequency * sin,
+            ddq: smooth * amplitude * frequency * frequency * cos,
+        };
+        let sample = Sample { stamp, now_ns: k as u64 * 1_000_000, joints: &seen };
+        let request =
+            Request { mode, references: &[r; N], preset: Some(&preset), feed_forward: None };
+        let answer = arm.step(&mut state, &sample, &request);
+        if answer.report.mode == Mode::SafeStop && !outcome.stopped {
+            outcome.stopped = true;
+            outcome.fault = answer.report.fault.map(|f| f.0);
+            outcome.speed_at_stop = world.dq.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        }
+        outcome.released = answer.commands.iter().all(|c| c.tau == 0.0);
+        // A brake that is closed is not opened by the arm.
+        brake_age = if outcome.stopped && answer.report.brake { brake_age + 1 } else { 0 };
+        world.braked = k < 100 || world.braked && k > 100 || case.brakes && brake_age > 100;
+        coming.push_back(answer.commands.map(|c| c.tau));
+        acted = coming.pop_front().unwrap();
+        let work = world.step(&acted);
+        // A torque that is there goes no faster than its limit lets it: at the stop, and where a push ends.
+        let g = world.gravity(&world.q);
+        let ended = matches!(case.event, Event::Push(_, _, s) if (t - s).abs() < 1.5 * T);
+        if let Some(rate) = case.rate
+            && (outcome.stopped && stopped_at.is_none() || ended || lost)
+        {
+            let most = (0..N).map(|i| (acted[i] - g[i]).abs()).fold(0.0, f64::max);
+            unloading = Some(k as f64 + 1.0 + 1.2 * most / (rate * T));
+        }
+        if outcome.stopped && !outcome.released {
+            let fastest = world.dq.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            outcome.faster_driven = outcome.faster_driven.max(fastest - outcome.speed_at_stop);
+        }
+        stopped_at = stopped_at.or(outcome.stopped.then_some(k));
+        if lost {
+            works.clear();
+            window = 0.0;
+        }
+        if outcome.stopped && !lost && unloading.is_none_or(|until| k as f64 > until) {
+            works.push_back(work);
+            window += work;
+            if works.len() > 50 {
+                window -= works.pop_front().unwrap_or(0.0);
+            }
+            outcome.given = outcome.given.max(window);
+        }
+    }
+    outcome.rests = world.dq.iter().all(|v| v.abs() < 0.05);
+    outcome
+}
+
+fn case(dice: &mut Dice) -> Case {
+    let form = [Form::Observer, Form::Literal, Form::Positions][(dice.bits() % 3) as usize];
+    let order = if form == Form::Positions { 1 } else { 1 + (dice.bits() % 2) as usize };
+    let joint = (dice.bits() % N as u64) as usize;
+    let event = match dice.bits() % 7 {
+        0 => Event::Asked,
+        1 | 2 => Event::Push(joint, dice.within(-60.0, 60.0), dice.within(0.02, 0.5)),
+        3 => Event::Drop(joint, dice.within(-0.5, 0.7)),
+        4 => Event::Lost(dice.within(0.0, 1.0)),
+        5 => Event::Torque(joint, [1e6, -1e6, 1e3, 3e9][(dice.bits() % 4) as usize]),
+        _ => Event::Reversed(joint),
+    };
+    Case {
+        form,
+        order,
+        rate: (dice.bits() % 2 == 0).then_some(1000.0),
+        event,
+        brakes: dice.bits() % 2 == 0,
+        speed: dice.within(0.0, 2.0),
+    }
+}
+
+/// What must be true of a case in which drives do what they are told; the reserves' sum \[J\].
+fn judge(seed: u64, case: &Case, outcome: &Outcome) {
+    let told = || format!("case {seed}: {case:?} {outcome:?}");
+    assert!(!outcome.stopped || outcome.rests, "it still moves: {}", told());
+    let blind = matches!(case.event, Event::Lost(_)) && !case.brakes;
+    // A rate limit leaves a torque that a push has built up for as long as it takes to take it back.
+    // And what held the arm was learnt up to half a second before, where gravity was another one.
+    let most = if case.rate.is_some() { 4.0 } else { outcome.reserves + 0.5 };
+    assert!(blind || outcome.given <= most, "the drives give energy: {}", told());
+}
+
+/// `PHIHAT_STOPS` says how many: `cargo xtask stops`.
+#[test]
+fn a_stop_takes_energy_out_of_the_arm_and_leaves_it_at_rest() {
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 10_000 } else { 600 };
+    let cases = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
+    let (mut stopped, mut given, mut reversed) = (0, 0.0_f64, 0.0_f64);
+    for seed in 0..cases {
+        let mut dice = Dice(seed);
+        for _ in 0..3 {
+            dice.bits();
+        }
+        let case = case(&mut dice);
+        let outcome = play(&case, &mut dice);
+        stopped += u64::from(outcome.stopped);
+        if let Event::Reversed(_) = case.event {
+            // It is found, and the drives let go: what goes on then is gravity's.
+            assert!(outcome.stopped && outcome.released, "case {seed}: {case:?} {outcome:?}");
+            reversed = reversed.max(outcome.faster_driven);
+        } else {
+            judge(seed, &case, &outcome);
+            given = given.max(if case.rate.is_none() { outcome.given } else { 0.0 });
+        }
+    }
+    println!(
+        "{cases} cases, {stopped} stopped; most given without a rate limit {given:.3} J; a reversed drive makes a joint {reversed:.1} rad/s faster"
+    );
+    assert!(stopped > cases / 3 && reversed < 12.0, "{stopped} {reversed}");
+}
