@@ -201,6 +201,9 @@ pub fn cycles<L: Link>(
             break;
         }
     }
+    if tally.end == End::Complete && faulted.is_some() && !link.facts().tells.truth {
+        tally.end = End::Faulted;
+    }
     if matches!(tally.end, End::Complete | End::Unread) && !link.facts().tells.truth {
         come_to_rest(link, control, desk, plan, &mut tally);
     }

@@ -278,7 +278,9 @@ impl Prepared {
             let samples = world.samples();
             let (tap, targets) = (tap.take(), targets.as_deref());
             let (at, checks, options, names) = (&at[..], &checks[..], &options, &names[..]);
-            let mut way = Way { at, checks, options, stop, names, samples, tap, targets };
+            let supervisor = study.supervisor.as_ref();
+            let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
+            let mut way = Way { at, checks, options, stop, names, samples, braked, tap, targets };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -320,6 +322,8 @@ struct Way<'a> {
     stop: &'a AtomicBool,
     names: &'a [String],
     samples: u64,
+    /// Whether the study says that the arm has brakes.
+    braked: bool,
     tap: Option<Box<dyn Tap>>,
     targets: Option<&'a Targets>,
 }
@@ -359,8 +363,9 @@ impl Way<'_> {
         let mut desk = Desk::new(order, names.len());
         let stop_samples = STOP_NS / facts.period_ns.max(1);
         let most = self.options.first.map_or(STOP_NS, |_| FAULT_NS) / facts.period_ns.max(1);
-        // A simulated arm goes on to the end of its study, as `run` shows it.
-        let fault_samples = (!facts.tells.truth || self.options.first.is_some()).then_some(most);
+        // A simulated arm goes on to the end of its study, as `run` shows it; one that nothing else holds is held by the law.
+        let held_otherwise = !facts.tells.truth && (self.braked || facts.adds.gravity);
+        let fault_samples = (held_otherwise || self.options.first.is_some()).then_some(most);
         let (samples, stop) = (self.samples, self.stop);
         let plan = Plan { samples, stop_samples, stop, fault_samples, targets: self.targets };
         let processor = self.options.processor;
