@@ -123,7 +123,8 @@ fn main() -> ExitCode {
         }
         Some((verb, rest)) if verb == "stops" => {
             let number = rest.first().map_or("10000", String::as_str);
-            let test = ["test", "--quiet", "-p", "phihat", "--test", "tests", "f31_", "--", "--nocapture"];
+            let test =
+                ["test", "--quiet", "-p", "phihat", "--test", "tests", "f31_", "--", "--nocapture"];
             let mut cargo = std::process::Command::new("cargo");
             shell::run(cargo.args(test).env("PHIHAT_STOPS", number).current_dir(shell::root()))
         }

@@ -14,7 +14,7 @@ impl<R: Real> JointRules<R> {
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
         action: Action,
-        preset: Option<R>,
+        (preset, learnt): (Option<R>, bool),
         length: R,
     ) {
         let here = Reference::at_rest(m.q);
@@ -65,7 +65,8 @@ impl<R: Real> JointRules<R> {
             Action::Stop => {
                 // What holds the arm was known before what stops it now: `φ̂` may have learnt the latter.
                 let [_, earlier] = memory.before_now;
-                memory.held = whole(earlier, memory.fed);
+                let known = if learnt { earlier } else { memory.steady };
+                memory.held = whole(known, memory.fed);
                 memory.stopping = Stopping::default();
             }
             Action::Release => memory.held = R::ZERO,

@@ -9,6 +9,9 @@ use crate::{Events, Fault, Mode, Real, Reference};
 /// by which either stamp may be off.
 const PERIODS_BESIDES_MISSED: u32 = 2;
 
+/// Samples missed in a row, after which a stopped arm may be as fast as it will \[samples\].
+const LONG_SAMPLES: u32 = 100;
+
 /// Judges the sample and counts it.
 pub(crate) fn admit<R: Real>(
     Rules { arm, joints: rules }: &Rules<'_, R>,
@@ -29,6 +32,8 @@ pub(crate) fn admit<R: Real>(
             f64::INFINITY
         };
         let reach = arm.period * R::from_f64(elapsed);
+        // Whatever an arm does that was not seen for long, it is to be stopped.
+        let long = !known && arrivals.misses > LONG_SAMPLES;
         let (mut doubt, mut plausible) = (R::ZERO, true);
         for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
             doubt += m.doubt();
@@ -36,7 +41,7 @@ pub(crate) fn admit<R: Real>(
             // What was fast already may be faster now: that is a fault to act on, not a sample to refuse.
             let twice = R::from_f64(2.0) * memory.measured.dq.abs();
             let fastest = if twice > rule.velocity_max { twice } else { rule.velocity_max };
-            let possible = !known || m.dq.abs() <= fastest && step <= fastest * reach;
+            let possible = long || m.dq.abs() <= fastest && step <= fastest * reach;
             plausible &= possible;
         }
         let finite = doubt == R::ZERO && sample.joints.len() == rules.len();

@@ -36,8 +36,9 @@ pub struct ArmState {
     pub(crate) braking: Option<u32>,
     /// Samples since `JointMemory::before_now` was written.
     pub(crate) block: u32,
-    /// The last sample was missed, after others.
-    pub(crate) gap: bool,
+    /// Samples for which what comes after a gap is waited for at most; and whether what was missed came and could not be believed.
+    pub(crate) gap: u8,
+    pub(crate) jumped: bool,
 }
 
 /// What may still act on the joints' torque in a stop.
@@ -45,19 +46,41 @@ pub struct ArmState {
 pub(crate) enum Trust {
     /// Torque does not do what it says: none.
     Nothing,
-    /// The law may be what shakes the arm: the torque that held it before, and damping.
-    Damping,
+    /// Positions could not be believed: the torque that held the arm before, and damping.
+    Damper,
+    /// The law may be what shakes the arm: that, softly, and a spring.
+    Spring,
     /// The law.
     #[default]
     Law,
 }
 
 impl Fault {
+    /// Whether `φ̂` may have learnt what is to be stopped: then what holds the arm is what it was before.
+    pub(crate) fn is_learnt(self) -> bool {
+        match self {
+            Self::LinkLost
+            | Self::LinkQuality
+            | Self::BadSample
+            | Self::BadReference
+            | Self::Frozen
+            | Self::Clock => false,
+            Self::JointLimit
+            | Self::TrackingError
+            | Self::Overspeed
+            | Self::Oscillation
+            | Self::Actuation
+            | Self::Saturation
+            | Self::NotFinite => true,
+        }
+    }
+
     /// What may act once this was found.
     pub(crate) fn leaves(self) -> Trust {
         match self {
             Self::Actuation => Trust::Nothing,
-            Self::Oscillation => Trust::Damping,
+            Self::BadSample | Self::Frozen => Trust::Damper,
+            Self::Oscillation => Trust::Spring,
             _ => Trust::Law,
         }
     }

@@ -19,6 +19,8 @@ const FADE_PER_MISS: f64 = 0.8;
 pub(crate) struct Rest<R> {
     /// Share of `K_d` that damps.
     damping: R,
+    /// Whether a spring holds it, too.
+    spring: bool,
     /// Share of the held torque that is still there.
     held: R,
     /// Samples missed in a row for which the last torque is held.
@@ -33,10 +35,12 @@ impl<R: Real> ArmRules<R> {
     pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
         let one = R::from_f64(1.0);
         let hold = state.arrivals.misses <= self.hold_samples;
-        let mut rest = Rest { damping: self.stop_damping, held: one, hold, feeds: state.feeds };
+        let spring = state.trust >= Trust::Spring;
+        let (damping, feeds) = (self.stop_damping, state.feeds);
+        let mut rest = Rest { damping, spring, held: one, hold, feeds };
         if !fresh || state.trust == Trust::Nothing {
             rest.damping = R::ZERO;
-        } else if state.trust == Trust::Damping {
+        } else if state.trust == Trust::Spring {
             rest.damping = R::from_f64(SHAKEN_DAMPING) * rest.damping;
         }
         if state.mode == Mode::SafeStop && state.trust == Trust::Nothing {
@@ -75,16 +79,25 @@ impl<R: Real> JointRules<R> {
         let before = memory.measured;
         let moved = m.q - before.q;
         // A spring, so that the joint does not creep; a joint of a quarter of the nominal inertia and more does not swing on it.
-        let spring = R::from_f64(0.25) * rate * damping;
-        memory.held = (memory.held - spring * moved).saturate(gains.limits.torque());
+        if rest.spring {
+            let spring = R::from_f64(0.25) * rate * damping;
+            memory.held = (memory.held - spring * moved).saturate(gains.limits.torque());
+        }
         let fed = if rest.feeds { memory.fed_asked } else { R::ZERO };
         let phi_hat = fed + (memory.held - fed) * rest.held;
-        // A velocity that is frozen would drive the joint instead of damping it.
-        let alive = moved.abs() > R::ZERO || (m.dq - before.dq).abs() > R::ZERO;
-        let velocity = if alive { m.dq } else { R::ZERO };
+        // A velocity that is frozen, or left over from a jump, would drive the joint instead of damping it: what the positions say as well counts.
+        let gone = moved / gains.period;
+        let agrees = gone * m.dq > R::ZERO;
+        let (slower, faster) = if gone.abs() < m.dq.abs() { (gone, m.dq) } else { (m.dq, gone) };
+        let near = faster.abs() < R::from_f64(2.0) * slower.abs();
+        let velocity = match agrees {
+            true if near => m.dq,
+            true => slower,
+            false => R::ZERO,
+        };
         let damped = (damping * velocity).saturate(self.stop.unloaded_at(velocity));
         let mut demand = phi_hat - damped;
-        if rest.damping > R::ZERO {
+        if rest.spring && rest.damping > R::ZERO {
             demand = self.probed(memory, gains, m, demand, &mut news);
         }
         let command = self.out(memory, phi_hat, m, demand, &mut news);

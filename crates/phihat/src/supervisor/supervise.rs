@@ -64,11 +64,24 @@ pub fn supervise<R: Real>(
     state.request = request.mode;
     enter(state, step.mode, step.action);
     if step.action != Action::None {
-        act(&rules, memories, (sample, request), arrival.fresh, step.action);
+        let learnt = state.fault.is_some_and(|(fault, _)| fault.is_learnt());
+        act(&rules, memories, (sample, request), (arrival.fresh, learnt), step.action);
     }
     remember_before(arm, state, memories);
-    // The first sample after a gap says where the arm is, and not how it got there.
-    let gap = core::mem::replace(&mut state.gap, state.arrivals.misses > arm.hold_samples);
+    // The first sample after a gap says where the arm is, and not how it got there; nor does a velocity that is not how it goes.
+    let gap = state.gap > 0;
+    state.gap = if state.arrivals.misses > 0 {
+        GAP_SAMPLES
+    } else if gap && state.trust == Trust::Law && !goes_as_it_says(arm, memories, sample) {
+        state.gap - 1
+    } else {
+        0
+    };
+    if core::mem::replace(&mut state.jumped, state.arrivals.bad > 0) {
+        for memory in memories.iter_mut() {
+            memory.stopping.begun = false;
+        }
+    }
     let known = arrival.fresh && !(gap && state.mode == Mode::SafeStop);
     events |= if known && arm.law_runs(state) {
         let now = moment(arm, state, &arrival, step.action);
@@ -115,6 +128,21 @@ impl<R: Real> ArmRules<R> {
     }
 }
 
+/// Longest that a velocity after a gap is waited for \[samples\], and how far it may be off what the positions say \[rad/s\].
+const GAP_SAMPLES: u8 = 100;
+const GAP_VELOCITY: f64 = 0.5;
+
+/// Whether every joint went in the last sample as far as its velocity says.
+fn goes_as_it_says<R: Real>(
+    arm: &ArmRules<R>,
+    memories: &[JointMemory<R>],
+    sample: &Sample<'_, R>,
+) -> bool {
+    let most = R::from_f64(GAP_VELOCITY) * arm.period;
+    let mut joints = memories.iter().zip(sample.joints);
+    joints.all(|(memory, m)| (m.q - memory.measured.q - m.dq * arm.period).abs() <= most)
+}
+
 /// Keeps what the joints know for a later stop: it is from before what will have caused that. In a stop the brakes are closed after a while, and the
 /// torque that held the arm until then is held.
 fn remember_before<R: Real>(
@@ -144,14 +172,14 @@ fn act<R: Real>(
     rules: &Rules<'_, R>,
     memories: &mut [JointMemory<R>],
     (sample, request): (&Sample<'_, R>, &Request<'_, R>),
-    fresh: bool,
+    (fresh, learnt): (bool, bool),
     action: Action,
 ) {
     for (joint, (rule, memory)) in rules.joints.iter().zip(memories).enumerate() {
         let m = measured(memory, sample, joint, fresh);
         let preset = request.preset.and_then(|p| p.get(joint)).copied();
         let preset = preset.filter(|p| R::doubt([*p]) == R::ZERO);
-        rule.act(memory, &m, action, preset, rules.arm.blend);
+        rule.act(memory, &m, action, (preset, learnt), rules.arm.blend);
     }
 }
 
