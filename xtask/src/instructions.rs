@@ -10,9 +10,9 @@ const SEEN_MAX: f64 = 1.5 * LAW_MAX;
 /// The same with a filter of two sections on its innovation: at most 0.4 times as much more.
 const FILTERED_MAX: f64 = 1.4 * SEEN_MAX;
 /// Guard, limits and modes around it.
-const PLAIN_MAX: f64 = 3000.0;
+const PLAIN_MAX: f64 = 3500.0;
 /// With joint ranges and monitors.
-const ARM_MAX: f64 = 4100.0;
+const ARM_MAX: f64 = 4500.0;
 /// Largest over smallest count of a supervised sample, over inputs without a fault.
 const SPREAD_MAX: f64 = 1.3;
 
